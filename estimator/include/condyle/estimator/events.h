@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// Named events: everything unusual about a sample or a step is one of these, flagged and counted.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace condyle {
+
+/// What can be unusual about a sample (first group) or about the estimator's step (second group).
+enum class Event : std::uint8_t {
+  time_missing,        ///< the sample has no time
+  time_reversed,       ///< earlier than the sample before it; not given to the estimator
+  time_repeated,       ///< same time as the sample before it
+  time_gap,            ///< more than 1.5 nominal steps after the sample before it
+  position_missing,    ///< a coordinate is empty, NaN or infinite; the estimator only predicts
+  zero_filled,         ///< all coordinates exactly zero, as in the sample before it
+  drive_missing,       ///< the drive force is empty, NaN or infinite
+  not_started,         ///< no position has been measured yet
+  update_refused,      ///< an innovation variance was not positive and finite; nothing was updated
+  estimate_not_finite, ///< a state has left the range of numbers
+  variance_negative,   ///< a variance has become negative
+  parameters_invalid,  ///< a parameter is out of its range; nothing is computed
+};
+/// Number of events.
+inline constexpr std::size_t kEventCount = 12;
+
+/// Name of an event as it stands in files and summaries.
+constexpr const char* event_name(Event event) {
+  constexpr const char* names[kEventCount] = {
+      "time_missing",     "time_reversed", "time_repeated",       "time_gap",
+      "position_missing", "zero_filled",   "drive_missing",       "not_started",
+      "update_refused",   "estimate_not_finite", "variance_negative", "parameters_invalid"};
+  return names[static_cast<std::size_t>(event)];
+}
+
+/// A set of events.
+class EventSet {
+ public:
+  /// Adds `event` where `condition` holds.
+  constexpr void add(Event event, bool condition = true) {
+    if (condition) bits_ |= std::uint32_t{1} << static_cast<unsigned>(event);
+  }
+  /// Adds all events of `other`.
+  constexpr void add(EventSet other) { bits_ |= other.bits_; }
+  /// True where `event` is in the set.
+  constexpr bool has(Event event) const {
+    return ((bits_ >> static_cast<unsigned>(event)) & 1U) != 0;
+  }
+  /// True where nothing unusual happened.
+  constexpr bool empty() const { return bits_ == 0; }
+
+ private:
+  std::uint32_t bits_ = 0;
+};
+
+/// How often each event happened.
+class EventCounts {
+ public:
+  /// Counts each event of `events` once.
+  constexpr void add(EventSet events) {
+    for (std::size_t i = 0; i < kEventCount; ++i) {
+      if (events.has(static_cast<Event>(i))) ++counts_[i];
+    }
+  }
+  /// How often `event` happened.
+  constexpr std::uint64_t operator[](Event event) const {
+    return counts_[static_cast<std::size_t>(event)];
+  }
+
+ private:
+  std::uint64_t counts_[kEventCount] = {};
+};
+
+}  // namespace condyle

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a value comes from. Every value travels with it.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "condyle/estimator/arithmetic.h"
+
+namespace condyle {
+
+/// Where a value comes from.
+enum class Provenance : std::uint8_t {
+  not_computed,  ///< there is no value
+  assumed,       ///< set by prior or tuning; the measurements say nothing about it
+  derived,       ///< a measured quantity times a named assumption
+  measured,      ///< the measurements determine it
+};
+
+/// Name of a provenance as it stands in files and summaries.
+constexpr const char* provenance_name(Provenance provenance) {
+  constexpr const char* names[] = {"", "assumed", "derived", "measured"};
+  return names[static_cast<int>(provenance)];
+}
+
+/// A value with its standard deviation, both in the unit of the name that holds it.
+template <class Scalar>
+struct Quantity {
+  Scalar value = std::numeric_limits<Scalar>::quiet_NaN();
+  Scalar standard_deviation = std::numeric_limits<Scalar>::quiet_NaN();  ///< by the filter's model
+  Provenance provenance = Provenance::not_computed;
+};
+
+/// Share of information from which on a value counts as measured, not assumed.
+inline constexpr double kMeasuredInformationShare = 0.5;
+
+/// Information share: 1 - posterior variance / variance that prior and process noise alone would
+/// have. 0: the measurements said nothing; 1: they said all. The posterior must count only
+/// measurements that do not presuppose the value. 0 where the variances are unusable.
+template <class Scalar>
+Scalar information_share(Scalar posterior_variance, Scalar prior_only_variance) {
+  const Scalar share = Scalar(1) - posterior_variance / prior_only_variance;
+  return share > Scalar(0) ? share : Scalar(0);
+}
+
+/// `measured` from kMeasuredInformationShare on, else `assumed`.
+template <class Scalar>
+Provenance provenance_of_share(Scalar share) {
+  return share >= Scalar(kMeasuredInformationShare) ? Provenance::measured : Provenance::assumed;
+}
+
+}  // namespace condyle

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads a file front to back in bounded memory, by lines or by bytes.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace condyle::host {
+
+/// Sequential reader of one file or pipe. Errors are InputErrors that name the file.
+class ByteReader {
+ public:
+  /// Longest line accepted.
+  static constexpr std::size_t kLongestLine = std::size_t{1} << 20;
+
+  /// Opens `path`.
+  explicit ByteReader(const std::string& path);
+
+  /// The next bytes, up to `count` (at most kLongestLine) and to the end of the file, not consumed.
+  std::string_view peek(std::size_t count);
+  /// Consumes `count` bytes that were peeked.
+  void skip(std::size_t count);
+  /// Next line without its end (LF or CR LF); false at the end of the file. Valid until the next
+  /// call.
+  bool next_line(std::string_view& line);
+
+  /// Number of the line last returned, from 1.
+  std::uint64_t line_number() const { return line_number_; }
+  /// Bytes consumed so far.
+  std::uint64_t offset() const { return consumed_; }
+  /// Share of the file consumed so far, 0 to 1; 0 for a pipe, whose size is unknown.
+  double progress() const {
+    return size_ > 0 ? static_cast<double>(consumed_) / static_cast<double>(size_) : 0;
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  void fill(std::size_t wanted);
+
+  struct Closer {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+
+  std::string path_;
+  std::unique_ptr<std::FILE, Closer> file_;
+  std::vector<char> buffer_;
+  std::size_t begin_ = 0, end_ = 0;  // unread bytes of the buffer
+  bool at_end_ = false;
+  std::uint64_t line_number_ = 0, consumed_ = 0, size_ = 0;
+};
+
+}  // namespace condyle::host

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "figures.h"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+
+#include "input_error.h"
+#include "output_file.h"
+
+namespace condyle::host {
+namespace {
+
+// One figure: an estimated quantity, and what it is held against.
+struct Figure {
+  const char* name;
+  const char* axis_label;
+  const char* estimate_label;
+  FigureCurve FigureRun::* curve;
+  Extremes FigureRun::* comparison;  // null: none
+  const char* comparison_label;
+  double shown_per_si;  // 1000: mm for m
+};
+
+constexpr Figure kFigures[] = {
+    {"position", "position (mm)", "estimated position", &FigureRun::position_m,
+     &FigureRun::measured_position_m, "measured position", 1000},
+    {"velocity", "velocity (mm/s)", "estimated velocity", &FigureRun::velocity_m_s,
+     &FigureRun::differentiated_velocity_m_s, "differentiated position", 1000},
+    {"force", "net force (N)", "assumed mass x acceleration", &FigureRun::force_N, nullptr, "", 1},
+    {"friction", "friction (Ns/m)", "friction", &FigureRun::friction_Ns_m, nullptr, "", 1},
+    {"mass", "mass (kg)", "mass", &FigureRun::mass_kg, nullptr, "", 1}};
+
+// How a provenance is drawn. gnuplot draws one curve per provenance, blank where another holds.
+struct Style {
+  Provenance provenance;
+  const char* line;
+  const char* band;
+  const char* label;
+};
+
+constexpr Style kStyles[] = {
+    {Provenance::measured, "lc rgb '#0b559f' lw 1.6 dt 1", "fc rgb '#9ecae1' fs solid 0.6 noborder",
+     "measured"},
+    {Provenance::derived, "lc rgb '#b35900' lw 1.6 dt 1", "fc rgb '#fdd0a2' fs solid 0.6 noborder",
+     "derived from an assumption"},
+    {Provenance::assumed, "lc rgb '#606060' lw 1.6 dt (8,6)", "fc rgb '#b0b0b0' fs pattern 4 noborder",
+     "ASSUMED, not measured"}};
+
+std::string gnuplot_quoted(std::string_view text) {
+  std::string result = "'";
+  for (const char c : text) {
+    if (c == '\'') result += '\'';
+    result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  return result + "'";
+}
+
+// Columns: time, comparison, value, band from, band to, provenance, event mark. A run that stands
+// for several samples gives two rows, its lowest and its highest.
+std::string data_block(const Figure& figure, const FigureData& data) {
+  std::string block = fmt::format("${} << EOD\n", figure.name);
+  for (const FigureRun& run : data.runs()) {
+    const FigureCurve& curve = run.*figure.curve;
+    const Extremes comparison = figure.comparison != nullptr ? run.*figure.comparison : Extremes{};
+    const auto row = [&](double compared, double value) {
+      const double scale = figure.shown_per_si;
+      block += fmt::format("{:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {} {}\n", run.time_s,
+                           compared * scale, value * scale, curve.band.lowest * scale,
+                           curve.band.highest * scale, static_cast<int>(curve.provenance),
+                           run.has_event ? 0.01 : -1);
+    };
+    row(comparison.lowest, curve.value.lowest);
+    if (data.samples_per_run() > 1) row(comparison.highest, curve.value.highest);
+  }
+  return block + "EOD\n";
+}
+
+std::string plot_command(const Figure& figure, const FigureData& data) {
+  std::string plot;
+  const auto add = [&plot](const std::string& curve) {
+    plot += plot.empty() ? "plot " : ", \\\n  ";
+    plot += curve;
+  };
+  const auto for_present_styles = [&](auto&& visit) {
+    for (const Style& style : kStyles) {
+      const bool present =
+          std::any_of(data.runs().begin(), data.runs().end(), [&](const FigureRun& run) {
+            return (run.*figure.curve).provenance == style.provenance &&
+                   !std::isnan((run.*figure.curve).value.lowest);
+          });
+      if (present) visit(style);
+    }
+  };
+  for_present_styles([&](const Style& style) {
+    add(fmt::format("${0} using 1:($6=={1}?$4:NaN):($6=={1}?$5:NaN) with filledcurves {2} "
+                    "title '{3}'",
+                    figure.name, static_cast<int>(style.provenance), style.band,
+                    style.provenance == Provenance::assumed
+                        ? "95 % band of the filter, which trusts its assumption"
+                        : "95 % band"));
+  });
+  if (figure.comparison != nullptr) {
+    add(fmt::format("${} using 1:2 with points pt 7 ps 0.25 lc rgb '#303030' title '{}'",
+                    figure.name, figure.comparison_label));
+  }
+  for_present_styles([&](const Style& style) {
+    add(fmt::format("${} using 1:($6=={}?$3:NaN) with lines {} title '{}: {}'", figure.name,
+                    static_cast<int>(style.provenance), style.line, figure.estimate_label,
+                    style.label));
+  });
+  const bool has_events = std::any_of(data.runs().begin(), data.runs().end(),
+                                      [](const FigureRun& run) { return run.has_event; });
+  if (has_events) {
+    add(fmt::format("${} using 1:($7>0?$7:NaN) axes x1y2 with points pt 2 ps 0.5 "
+                    "lc rgb '#c00000' title 'event'",
+                    figure.name));
+  }
+  return plot + "\n";
+}
+
+class Gnuplot {
+ public:
+  Gnuplot() : pipe_(popen("gnuplot 2>&1 >/dev/null", "w")) {
+    if (pipe_ == nullptr) fail(std::strerror(errno));
+  }
+  ~Gnuplot() {
+    if (pipe_ != nullptr) pclose(pipe_);
+  }
+  Gnuplot(const Gnuplot&) = delete;
+  Gnuplot& operator=(const Gnuplot&) = delete;
+
+  void send(const std::string& text) { std::fwrite(text.data(), 1, text.size(), pipe_); }
+  void finish() {
+    const int status = pclose(pipe_);
+    pipe_ = nullptr;
+    if (status != 0) {
+      fail(fmt::format("it ended with status {}", WIFEXITED(status) ? WEXITSTATUS(status) : -1));
+    }
+  }
+
+ private:
+  [[noreturn]] static void fail(const std::string& problem) {
+    throw InputError("gnuplot", "cannot draw the figures: " + problem,
+                     "install it (Debian package gnuplot-nox) or leave out --figures");
+  }
+  std::FILE* pipe_;
+};
+
+}  // namespace
+
+std::vector<std::string> draw_figures(const std::string& directory, const std::string& title,
+                                      const FigureData& data) {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  if (error) {
+    throw InputError(directory, "cannot be made: " + error.message(), "name another folder");
+  }
+  std::vector<std::string> paths;
+  std::vector<std::unique_ptr<OutputFile>> files;
+  Gnuplot gnuplot;
+  gnuplot.send(
+      "set encoding utf8\nset grid lc rgb '#dddddd'\nset key outside bottom center horizontal "
+      "samplen 2\nset xlabel 'time (s)'\nset y2range [0:1]\n");
+  for (const Figure& figure : kFigures) {
+    gnuplot.send(data_block(figure, data));
+    gnuplot.send(fmt::format("set ylabel '{}'\nset title {} noenhanced font ',11'\n",
+                             figure.axis_label,
+                             gnuplot_quoted(title + "  (research use only)")));
+    const std::string plot = plot_command(figure, data);
+    for (const auto& [ending, terminal] :
+         {std::pair{"svg", "svg size 960,480 dynamic background 'white'"},
+          std::pair{"png", "pngcairo size 1280,640 background 'white'"}}) {
+      paths.push_back((std::filesystem::path(directory) / figure.name).string() + "." + ending);
+      files.push_back(std::make_unique<OutputFile>(paths.back()));
+      gnuplot.send(fmt::format("set terminal {}\nset output {}\n{}unset output\n", terminal,
+                               gnuplot_quoted(files.back()->path_while_writing()), plot));
+    }
+  }
+  gnuplot.finish();
+  for (const auto& file : files) file->commit();
+  return paths;
+}
+
+}  // namespace condyle::host

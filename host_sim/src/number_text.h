@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Numbers as text, independent of the locale.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "condyle/estimator/sample.h"
+
+namespace condyle::host {
+
+/// How reading a number went.
+enum class NumberStatus { ok, empty, not_a_number, not_finite, overflow };
+
+/// `text` without blanks at its ends.
+std::string_view trim(std::string_view text);
+
+/// Reads all of `text` as a decimal number; blanks at the ends are ignored.
+NumberStatus parse_number(std::string_view text, double& value);
+
+/// Reads all of `text` as seconds into nanoseconds: exactly for plain decimals (rounded to the
+/// nearest beyond nine places), through a double where an exponent is used.
+NumberStatus parse_time_s(std::string_view text, TimeNs& time_ns);
+
+/// Appends `value` with the fewest digits that read back as the same number; nothing for NaN and
+/// infinity, which stand for "not computed".
+void append_number(std::string& text, double value);
+
+/// Appends nanoseconds as seconds, exactly.
+void append_time_s(std::string& text, TimeNs time_ns);
+
+/// `text` fit for a message: cut at 40 characters, unprintable bytes as \xNN.
+std::string quoted(std::string_view text);
+
+}  // namespace condyle::host

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "condyle/estimator/parameters.h"
+
+namespace condyle::host {
+
+/// Parameters as a file gave them.
+struct LoadedParameters {
+  PublishedParameters values;         ///< defaults where the file is silent
+  bool gives_sample_time = false;     ///< else the recording's median step is to be used
+};
+
+/// Loads a TOML parameter file. Everything in it must be known and in range; else an InputError
+/// names line, column and mend.
+LoadedParameters load_parameters(const std::string& path);
+
+}  // namespace condyle::host

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+namespace condyle::host {
+namespace {
+constexpr TimeNs kFirst_ns = kNanosecondsPerSecond;
+constexpr TimeNs kEvery_ns = kNanosecondsPerSecond / 5;
+constexpr unsigned kCallsBetweenLooks = 64;  // at the clock
+}  // namespace
+
+Progress::Progress(std::string what, hal::Clock& clock)
+    : what_(std::move(what)),
+      clock_(clock),
+      is_terminal_(isatty(STDERR_FILENO) == 1),
+      next_ns_(clock.now_ns() + kFirst_ns) {}
+
+Progress::~Progress() {
+  if (shown_) fmt::print(stderr, "\r\x1b[K");
+}
+
+void Progress::show(double share) {
+  if (!is_terminal_ || ++calls_ % kCallsBetweenLooks != 0) return;
+  const TimeNs now_ns = clock_.now_ns();
+  if (now_ns < next_ns_) return;
+  next_ns_ = now_ns + kEvery_ns;
+  shown_ = true;
+  fmt::print(stderr, "\r{} {:3.0f} %", what_, 100 * share);
+  std::fflush(stderr);
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "input_error.h"
+#include "recording_formats.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr std::string_view kFormats =
+    "condyle reads CSV with named columns (time_s,position_m), Zebris text and XML exports, JAWS3D "
+    "text and SSFF";
+
+// Control characters that no text file of ours has; bytes from 0x80 on may be UTF-8.
+bool is_text(std::string_view start) {
+  return std::none_of(start.begin(), start.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return (byte < 0x20 && c != '\n' && c != '\r' && c != '\t' && c != '\f') || byte == 0x7f;
+  });
+}
+
+}  // namespace
+
+bool FaultRule::accept(NumberStatus status, const std::string& place, std::string_view column,
+                       std::string_view text) const {
+  const auto fail = [&](const std::string& problem, const std::string& mend) {
+    throw InputError(fmt::format("{}: column {}", place, column), problem, mend);
+  };
+  constexpr const char* as_event =
+      "correct the row, or count it as an event with --faults event";
+  switch (status) {
+    case NumberStatus::ok: return true;
+    case NumberStatus::empty:
+      if (policy_ == FaultPolicy::refuse) fail("the value is missing", as_event);
+      return false;
+    case NumberStatus::not_finite:
+      if (policy_ == FaultPolicy::refuse) {
+        fail(fmt::format("{} is not a finite number", quoted(text)), as_event);
+      }
+      return false;
+    case NumberStatus::overflow:
+      fail(fmt::format("{} is larger than a number can hold", quoted(text)),
+           "correct the value");
+      break;
+    case NumberStatus::not_a_number:
+      fail(fmt::format("{} is not a number", quoted(text)),
+           "write numbers with a decimal point, like 0.0123");
+      break;
+  }
+  return false;
+}
+
+std::unique_ptr<Recording> open_recording(const std::string& path,
+                                          const RecordingOptions& options) {
+  auto reader = std::make_unique<ByteReader>(path);
+  std::string_view start = reader->peek(4096);
+  if (start.substr(0, 2) == "\xff\xfe" || start.substr(0, 2) == "\xfe\xff") {
+    throw InputError(path, "is UTF-16 text", "save it as UTF-8");
+  }
+  if (start.substr(0, 3) == "\xef\xbb\xbf") {
+    reader->skip(3);
+    start.remove_prefix(3);
+  }
+  if (start.empty()) throw InputError(path, "is empty", "name a file with a recording");
+  if (start.substr(0, 4) == "SSFF") return open_ssff(std::move(reader), options);
+  if (!is_text(start)) {
+    throw InputError(path, "is a binary file of no known format", std::string(kFormats));
+  }
+  const std::size_t first = start.find_first_not_of(" \t\r\n");
+  if (first != std::string_view::npos && start[first] == '<') {
+    return open_zebris_xml(std::move(reader), options);
+  }
+  if (looks_like_probe_text(start)) return open_probe_text(std::move(reader), options);
+  return open_csv(std::move(reader), options);
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recordings of jaw motion, whatever their format, as a sequence of samples.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "condyle/estimator/sample.h"
+
+namespace condyle::host {
+
+/// What to do with a row whose value is missing or not finite, or whose time runs backwards.
+enum class FaultPolicy {
+  refuse,  ///< an InputError that names the place
+  event,   ///< a sample that is marked so, counted as an event
+};
+
+/// How to read a recording.
+struct RecordingOptions {
+  FaultPolicy faults = FaultPolicy::refuse;
+  std::vector<std::string> ignored_columns;  ///< CSV columns that are not read
+  std::optional<double> metres_per_unit;     ///< for formats that do not state their unit
+  int movement = 1;                          ///< which movement of a Zebris XML file, from 1
+};
+
+/// What a recording says of itself.
+struct RecordingInfo {
+  std::string format;              ///< in words
+  SampleKind kind = SampleKind::one_axis;
+  bool has_drive = false;
+  std::vector<std::string> notes;  ///< what the user should know about how it was read
+};
+
+/// A recording being read. Problems of the file are InputErrors.
+class Recording {
+ public:
+  virtual ~Recording() = default;
+  /// Next sample; false at the end.
+  virtual bool next(Sample& sample) = 0;
+  virtual const RecordingInfo& info() const = 0;
+  /// Where the sample last returned stands: "FILE:LINE", or the like for files without lines.
+  virtual std::string place() const = 0;
+  /// Share of the file read so far, 0 to 1; 0 where it is not known.
+  virtual double progress() const = 0;
+};
+
+/// Opens the recording at `path`, recognised by its content.
+std::unique_ptr<Recording> open_recording(const std::string& path, const RecordingOptions& options);
+
+}  // namespace condyle::host

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "commands.h"
+#include "condyle/estimator/published_cascade.h"
+#include "condyle/firmware/run_loop.h"
+#include "condyle/hal/clock.h"
+#include "estimates_file.h"
+#include "figures.h"
+#include "input_error.h"
+#include "parameter_file.h"
+#include "progress.h"
+#include "replay_facebow.h"
+#include "replay_summary.h"
+
+namespace condyle::host {
+namespace {
+
+struct ReplayOptions {
+  std::string recording;
+  std::string estimator = "published";
+  std::string parameters;
+  std::string out;
+  std::string figures;
+  std::string unit;
+  FollowedCoordinate followed;
+  double speed = 0;
+  RecordingOptions reading;
+};
+
+void refuse_overwriting(const std::string& input, const std::string& output) {
+  std::error_code error;
+  if (!input.empty() && !output.empty() && std::filesystem::equivalent(input, output, error)) {
+    throw InputError(output, "is an input of this replay", "write the estimates to another file");
+  }
+}
+
+PublishedParameters choose_parameters(const ReplayOptions& options, const ReplayFacebow& facebow) {
+  LoadedParameters loaded;
+  if (!options.parameters.empty()) loaded = load_parameters(options.parameters);
+  if (loaded.gives_sample_time) return loaded.values;
+  if (!facebow.median_step_ns()) {
+    throw InputError(options.recording, "no time passes between its samples",
+                     "give sample_time_s with --parameters");
+  }
+  loaded.values.sample_time_s = seconds(*facebow.median_step_ns());
+  if (!is_valid(loaded.values)) {
+    throw InputError(options.recording,
+                     fmt::format("its median step of {:.4g} s is no usable sample time",
+                                 loaded.values.sample_time_s),
+                     "check the unit of time_s or give sample_time_s with --parameters");
+  }
+  return loaded.values;
+}
+
+int replay(const ReplayOptions& options) {
+  refuse_overwriting(options.recording, options.out);
+  refuse_overwriting(options.parameters, options.out);
+  hal::SteadyClock clock;
+  ReplayFacebow facebow(options.recording, options.reading, options.speed, clock);
+  if (facebow.open() != hal::Status::ok) {
+    fmt::print(stderr, "condyle: {}\n", facebow.problem());
+    return kExitBadInput;
+  }
+  const RecordingInfo& info = facebow.info();
+  if (!is_available(info.kind, options.followed)) {
+    throw InputError(options.recording,
+                     fmt::format("has one point, not point {}", options.followed.point),
+                     "leave out --point");
+  }
+  const PublishedParameters parameters = choose_parameters(options, facebow);
+
+  // Opened first, so that an output that cannot be written is said before the work.
+  std::unique_ptr<EstimatesFile> estimates;
+  if (!options.out.empty()) estimates = std::make_unique<EstimatesFile>(options.out);
+  FigureData figure_data;
+  ReplaySummary summary(parameters);
+  PublishedCascade<double> cascade(parameters);
+  firmware::RunCounts counts;
+  firmware::RunSettings settings;
+  settings.followed = options.followed;
+  settings.nominal_step_ns = nanoseconds(parameters.sample_time_s);
+  settings.expects_drive = info.has_drive;
+  {
+    Progress progress("replaying", clock);
+    const hal::Status status = firmware::run(
+        facebow, clock, cascade, settings, counts,
+        [&](const Sample& sample, const PublishedEstimate<double>& estimate) {
+          if (estimates) estimates->write_row(sample, estimate);
+          if (!options.figures.empty()) figure_data.add(sample, options.followed, estimate);
+          summary.add(sample, estimate);
+          progress.show(facebow.progress());
+        },
+        [&] { return stop_requested() || !facebow.problem().empty(); });
+    if (!facebow.problem().empty()) {
+      fmt::print(stderr, "condyle: {}\n", facebow.problem());
+      return kExitBadInput;
+    }
+    if (status == hal::Status::ok) {
+      fmt::print(stderr, "condyle: stopped after {} samples; nothing was written\n",
+                 counts.samples);
+      return kExitInterrupted;
+    }
+  }
+
+  const std::string name = std::filesystem::path(options.recording).filename().string();
+  std::vector<std::string> figure_paths;
+  if (!options.figures.empty()) figure_paths = draw_figures(options.figures, name, figure_data);
+  if (estimates) estimates->commit();
+
+  fmt::print("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
+  fmt::print("{:<12}{}, {}{}\n", "recording", options.recording, info.format,
+             info.kind == SampleKind::one_axis
+                 ? ", one axis"
+                 : fmt::format(", point {}, axis {}", options.followed.point,
+                               "xyz"[static_cast<int>(options.followed.axis)]));
+  for (const std::string& note : info.notes) fmt::print("{:<12}{}\n", "note", note);
+  fmt::print("{}", summary.text());
+  if (estimates) fmt::print("{:<12}{}\n", "estimates", options.out);
+  for (const std::string& path : figure_paths) {
+    if (path.ends_with(".png")) fmt::print("{:<12}{} (and .svg)\n", "figure", path);
+  }
+  std::fflush(stdout);
+  if (summary.uneven_steps() > 0) {
+    fmt::print(stderr,
+               "condyle: warning: {} of {} steps ({:.4g} to {:.4g} ms) differ from the sample time "
+               "{:.6g} s by more than 1 %; the published cascade takes every step as that long, and "
+               "nothing is resampled\n",
+               summary.uneven_steps(), summary.steps(), summary.shortest_step_s() * 1e3,
+               summary.longest_step_s() * 1e3, parameters.sample_time_s);
+  }
+  return kExitOk;
+}
+
+}  // namespace
+
+Command add_replay(CLI::App& app) {
+  auto options = std::make_shared<ReplayOptions>();
+  CLI::App* const command = app.add_subcommand(
+      "replay", "Run a recording through an estimator and write estimates and figures");
+  command->add_option("RECORDING", options->recording,
+                      "CSV, Zebris text or XML, JAWS3D text or SSFF; recognised by its content")
+      ->required();
+  command->add_option("--estimator", options->estimator, "Which estimator runs")
+      ->check(CLI::IsMember({"published"}))
+      ->capture_default_str();
+  command->add_option("--parameters", options->parameters, "TOML file with its parameters");
+  command->add_option("--point", options->followed.point, "Point to follow")
+      ->check(CLI::Range(1, 3))
+      ->capture_default_str();
+  const std::map<std::string, Axis> axes{{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}};
+  command->add_option("--axis", options->followed.axis, "Axis to follow: x, y or z (default)")
+      ->transform(CLI::CheckedTransformer(axes));
+  const std::map<std::string, FaultPolicy> policies{{"refuse", FaultPolicy::refuse},
+                                                    {"event", FaultPolicy::event}};
+  command
+      ->add_option("--faults", options->reading.faults,
+                   "Missing, non-finite and reversed rows: refuse (default) or event")
+      ->transform(CLI::CheckedTransformer(policies));
+  command->add_option("--ignore-column", options->reading.ignored_columns,
+                      "CSV column to leave unread; may be given several times")
+      ->allow_extra_args(false);
+  command->add_option("--unit", options->unit, "Unit of coordinates where the format states none")
+      ->check(CLI::IsMember({"mm", "m"}));
+  command->add_option("--movement", options->reading.movement, "Movement of a Zebris XML file")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--speed", options->speed, "0 as fast as possible, 1 real time")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  command->add_option("--out", options->out, "CSV file for the estimates");
+  command->add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
+  return [options] {
+    if (!options->unit.empty()) {
+      options->reading.metres_per_unit = options->unit == "mm" ? 1e-3 : 1.0;
+    }
+    return replay(*options);
+  };
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
+# Warnings for our own code. Never exported: a user's build keeps its own.
+add_library(condyle_warnings INTERFACE)
+target_compile_options(condyle_warnings INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wdouble-promotion
+  -Wold-style-cast -Wcast-qual -Wformat=2 -Wnon-virtual-dtor -Woverloaded-virtual -Wundef
+  $<$<CXX_COMPILER_ID:GNU>:-Wduplicated-cond -Wlogical-op -Wuseless-cast>
+  $<$<BOOL:${CONDYLE_WARNINGS_AS_ERRORS}>:-Werror>)
