@@ -55,7 +55,7 @@ struct MotionSystem {
     return {at.position_m, at.velocity_m_s, at.force_N};
   }
   template <class T>
-  void f(const T (&x)[3], const T&, T (&rate)[3]) const {
+  void f(const T* x, const T&, T* rate) const {
     rate[0] = x[1];
     rate[1] = x[2] / T(m0);
     rate[2] = T(0);
@@ -72,7 +72,7 @@ struct FrictionSystem {
     return {at.position_m, at.velocity_m_s, at.friction_Ns_m};
   }
   template <class T>
-  void f(const T (&x)[3], const T& u, T (&rate)[3]) const {
+  void f(const T* x, const T& u, T* rate) const {
     rate[0] = x[1];
     rate[1] = (u - x[2] * x[1]) / T(m0);
     rate[2] = T(0);
@@ -89,7 +89,7 @@ struct MassSystem {
     return {at.position_m, at.velocity_m_s, at.mass_kg};
   }
   template <class T>
-  void f(const T (&x)[3], const T& u, T (&rate)[3]) const {
+  void f(const T* x, const T& u, T* rate) const {
     rate[0] = x[1];
     rate[1] = (u - T(kv) * x[1]) / x[2];
     rate[2] = T(0);
@@ -105,7 +105,7 @@ struct FullSystem {
     return {at.position_m, at.velocity_m_s, at.friction_Ns_m, at.mass_kg};
   }
   template <class T>
-  void f(const T (&x)[4], const T& u, T (&rate)[4]) const {
+  void f(const T* x, const T& u, T* rate) const {
     rate[0] = x[1];
     rate[1] = (u - x[2] * x[1]) / x[3];
     rate[2] = rate[3] = T(0);
@@ -122,7 +122,7 @@ struct PrintedFullSystem {
     return {at.position_m, at.velocity_m_s, 0, at.mass_kg};
   }
   template <class T>
-  void f(const T (&x)[4], const T& u, T (&rate)[4]) const {
+  void f(const T* x, const T& u, T* rate) const {
     rate[0] = x[1];
     rate[1] = (u - T(kv) * x[1]) / x[3];
     rate[2] = rate[3] = T(0);
@@ -142,7 +142,7 @@ struct UnknownDriveSystem {
     return x;
   }
   template <class T>
-  void f(const T (&x)[6], const T&, T (&rate)[6]) const {
+  void f(const T* x, const T&, T* rate) const {
     rate[0] = x[1];
     rate[1] = (x[4] - x[2] * x[1]) / x[3];
     rate[2] = rate[3] = rate[5] = T(0);
@@ -153,8 +153,7 @@ struct UnknownDriveSystem {
 /// Lie derivative L_`order` of measurement `output` at state `x`, input `u` and its rate (eq 25 f.):
 /// the slope of L_{order-1} when x moves along f and u along u'.
 template <int order, class System, class T>
-T lie_derivative(const System& system, int output, const T (&x)[System::kStates], const T& u,
-                 const T& u_rate) {
+T lie_derivative(const System& system, int output, const T* x, const T& u, const T& u_rate) {
   if constexpr (order == 0) {
     return x[output];
   } else {
