@@ -175,12 +175,11 @@ class CsvRecording final : public Recording {
   void parse_row(std::string_view line, Sample& sample) {
     const auto fields = split(line);
     if (fields.size() != columns_.size()) {
-      throw InputError(
-          fmt::format("{}: column {}", place(),
-                      columns_[std::min(fields.size(), columns_.size() - 1)].name),
-          fmt::format("the row has {} columns, the header names {}", fields.size(),
-                      columns_.size()),
-          "complete the row; numbers take a decimal point, not a comma");
+      throw InputError(fmt::format("{}: column {}", place(),
+                                   columns_[std::min(fields.size(), columns_.size() - 1)].name),
+                       fmt::format("the row has {} columns, the header names {}", fields.size(),
+                                   columns_.size()),
+                       "complete the row; numbers take a decimal point, not a comma");
     }
     sample.drive_valid = info_.has_drive;
     for (std::size_t i = 0; i < columns_.size(); ++i) {
@@ -188,21 +187,32 @@ class CsvRecording final : public Recording {
       double value = 0;
       NumberStatus status = NumberStatus::ok;
       switch (column.role) {
-        case Column::Role::ignored: continue;
-        case Column::Role::time: status = parse_time_s(fields[i], sample.time_ns); break;
+        case Column::Role::ignored:
+          continue;
+        case Column::Role::time:
+          status = parse_time_s(fields[i], sample.time_ns);
+          break;
         case Column::Role::coordinate: {
           status = parse_number(fields[i], value);
           sample.coordinates[column.coordinate] = value / column.units_per_metre;
           break;
         }
-        case Column::Role::drive: status = parse_number(fields[i], sample.drive_N); break;
+        case Column::Role::drive:
+          status = parse_number(fields[i], sample.drive_N);
+          break;
       }
       if (status == NumberStatus::ok) continue;
       rule_.accept(status, place(), column.name, fields[i]);
       switch (column.role) {
-        case Column::Role::time: sample.time_valid = false; break;
-        case Column::Role::drive: sample.drive_valid = false; break;
-        default: sample.position_valid = false; break;
+        case Column::Role::time:
+          sample.time_valid = false;
+          break;
+        case Column::Role::drive:
+          sample.drive_valid = false;
+          break;
+        default:
+          sample.position_valid = false;
+          break;
       }
     }
   }

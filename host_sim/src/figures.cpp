@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -22,8 +23,8 @@ struct Figure {
   const char* name;
   const char* axis_label;
   const char* estimate_label;
-  FigureCurve FigureRun::* curve;
-  Extremes FigureRun::* comparison;  // null: none
+  FigureCurve FigureRun::*curve;
+  Extremes FigureRun::*comparison;  // null: none
   const char* comparison_label;
   double shown_per_si;  // 1000: mm for m
 };
@@ -50,8 +51,8 @@ constexpr Style kStyles[] = {
      "measured"},
     {Provenance::derived, "lc rgb '#b35900' lw 1.6 dt 1", "fc rgb '#fdd0a2' fs solid 0.6 noborder",
      "derived from an assumption"},
-    {Provenance::assumed, "lc rgb '#606060' lw 1.6 dt (8,6)", "fc rgb '#b0b0b0' fs pattern 4 noborder",
-     "ASSUMED, not measured"}};
+    {Provenance::assumed, "lc rgb '#606060' lw 1.6 dt (8,6)",
+     "fc rgb '#b0b0b0' fs pattern 4 noborder", "ASSUMED, not measured"}};
 
 std::string gnuplot_quoted(std::string_view text) {
   std::string result = "'";
@@ -60,6 +61,10 @@ std::string gnuplot_quoted(std::string_view text) {
     result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
   }
   return result + "'";
+}
+
+bool is_drawn(const FigureCurve& curve) {
+  return !std::isnan(curve.value.lowest);
 }
 
 // Columns: time, comparison, value, band from, band to, provenance, event mark. A run that stands
@@ -71,10 +76,10 @@ std::string data_block(const Figure& figure, const FigureData& data) {
     const Extremes comparison = figure.comparison != nullptr ? run.*figure.comparison : Extremes{};
     const auto row = [&](double compared, double value) {
       const double scale = figure.shown_per_si;
-      block += fmt::format("{:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {} {}\n", run.time_s,
-                           compared * scale, value * scale, curve.band.lowest * scale,
-                           curve.band.highest * scale, static_cast<int>(curve.provenance),
-                           run.has_event ? 0.01 : -1);
+      block +=
+          fmt::format("{:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {} {}\n", run.time_s, compared * scale,
+                      value * scale, curve.band.lowest * scale, curve.band.highest * scale,
+                      static_cast<int>(curve.provenance), run.has_event ? 0.01 : -1);
     };
     row(comparison.lowest, curve.value.lowest);
     if (data.samples_per_run() > 1) row(comparison.highest, curve.value.highest);
@@ -92,14 +97,15 @@ std::string plot_command(const Figure& figure, const FigureData& data) {
     for (const Style& style : kStyles) {
       const bool present =
           std::any_of(data.runs().begin(), data.runs().end(), [&](const FigureRun& run) {
-            return (run.*figure.curve).provenance == style.provenance &&
-                   !std::isnan((run.*figure.curve).value.lowest);
+            const FigureCurve& curve = run.*figure.curve;
+            return is_drawn(curve) && curve.provenance == style.provenance;
           });
       if (present) visit(style);
     }
   };
   for_present_styles([&](const Style& style) {
-    add(fmt::format("${0} using 1:($6=={1}?$4:NaN):($6=={1}?$5:NaN) with filledcurves {2} "
+    add(
+        fmt::format("${0} using 1:($6=={1}?$4:NaN):($6=={1}?$5:NaN) with filledcurves {2} "
                     "title '{3}'",
                     figure.name, static_cast<int>(style.provenance), style.band,
                     style.provenance == Provenance::assumed
@@ -118,11 +124,42 @@ std::string plot_command(const Figure& figure, const FigureData& data) {
   const bool has_events = std::any_of(data.runs().begin(), data.runs().end(),
                                       [](const FigureRun& run) { return run.has_event; });
   if (has_events) {
-    add(fmt::format("${} using 1:($7>0?$7:NaN) axes x1y2 with points pt 2 ps 0.5 "
+    add(
+        fmt::format("${} using 1:($7>0?$7:NaN) axes x1y2 with points pt 2 ps 0.5 "
                     "lc rgb '#c00000' title 'event'",
                     figure.name));
   }
   return plot + "\n";
+}
+
+// The vertical range: that of the values known from measurements where there are any (a prior's
+// band would dwarf them), else that of all.
+std::string range_command(const Figure& figure, const FigureData& data) {
+  Extremes known, all;
+  for (const FigureRun& run : data.runs()) {
+    const FigureCurve& curve = run.*figure.curve;
+    if (!is_drawn(curve)) continue;
+    all.add(curve.band);
+    if (curve.provenance != Provenance::assumed) known.add(curve.band);
+    if (figure.comparison != nullptr) known.add(run.*figure.comparison);
+  }
+  const Extremes& range = std::isnan(known.lowest) ? all : known;
+  const double low = range.lowest * figure.shown_per_si, high = range.highest * figure.shown_per_si;
+  const double margin = 0.05 * (high - low);
+  if (!std::isfinite(margin) || !(margin > 0)) return "set yrange [*:*]\n";
+  return fmt::format("set yrange [{:.9g}:{:.9g}]\n", low - margin, high + margin);
+}
+
+// Words across a figure whose values are all assumed.
+std::string label_command(const Figure& figure, const FigureData& data) {
+  const bool all_assumed =
+      std::all_of(data.runs().begin(), data.runs().end(), [&](const FigureRun& run) {
+        return !is_drawn(run.*figure.curve) ||
+               (run.*figure.curve).provenance == Provenance::assumed;
+      });
+  return all_assumed ? "set label 1 'ASSUMED: says nothing about the subject' at graph 0.5, 0.93 "
+                       "center front font ',14' tc rgb '#606060'\n"
+                     : "unset label 1\n";
 }
 
 class Gnuplot {
@@ -166,13 +203,14 @@ std::vector<std::string> draw_figures(const std::string& directory, const std::s
   std::vector<std::unique_ptr<OutputFile>> files;
   Gnuplot gnuplot;
   gnuplot.send(
-      "set encoding utf8\nset grid lc rgb '#dddddd'\nset key outside bottom center horizontal "
-      "samplen 2\nset xlabel 'time (s)'\nset y2range [0:1]\n");
+      "set encoding utf8\nset grid back lt 1 lw 0.5 lc rgb '#d0d0d0'\nset key outside bottom "
+      "center maxrows 3 Left reverse samplen 3\nset xlabel 'time (s)'\nset autoscale xfix\n"
+      "set y2range [0:1]\nset ytics nomirror\n");
   for (const Figure& figure : kFigures) {
     gnuplot.send(data_block(figure, data));
     gnuplot.send(fmt::format("set ylabel '{}'\nset title {} noenhanced font ',11'\n",
-                             figure.axis_label,
-                             gnuplot_quoted(title + "  (research use only)")));
+                             figure.axis_label, gnuplot_quoted(title + "  (research use only)")));
+    gnuplot.send(range_command(figure, data) + label_command(figure, data));
     const std::string plot = plot_command(figure, data);
     for (const auto& [ending, terminal] :
          {std::pair{"svg", "svg size 960,480 dynamic background 'white'"},

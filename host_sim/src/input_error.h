@@ -6,8 +6,8 @@
 
 namespace condyle::host {
 
-/// Something the user gave cannot be used: says where, what is wrong and how to mend it. The command
-/// prints it and exits with 2.
+/// Something the user gave cannot be used: says where, what is wrong and how to mend it. The
+/// command prints it and exits with 2.
 class InputError : public std::runtime_error {
  public:
   /// `where`: "FILE", "FILE:LINE" or "FILE:LINE: column NAME".

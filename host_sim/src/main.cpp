@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The condyle command. Exit codes: 0 done, 2 unusable input or command line, 130 interrupted.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <csignal>
 #include <exception>
@@ -44,7 +44,9 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-bool stop_requested() { return stop_signal != 0; }
+bool stop_requested() {
+  return stop_signal != 0;
+}
 
 }  // namespace condyle::host
 

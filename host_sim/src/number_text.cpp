@@ -11,7 +11,9 @@
 namespace condyle::host {
 namespace {
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
 
 constexpr double kLongestTime_s = 9.2e9;  // int64 nanoseconds end at 9.22e9 s
 
@@ -81,8 +83,8 @@ void append_number(std::string& text, double value) {
 
 void append_time_s(std::string& text, TimeNs time_ns) {
   if (time_ns < 0) text += '-';
-  const std::uint64_t magnitude = time_ns < 0 ? 0 - static_cast<std::uint64_t>(time_ns)
-                                              : static_cast<std::uint64_t>(time_ns);
+  const std::uint64_t magnitude =
+      time_ns < 0 ? 0 - static_cast<std::uint64_t>(time_ns) : static_cast<std::uint64_t>(time_ns);
   char buffer[24];
   const auto whole = std::to_chars(buffer, buffer + sizeof buffer, magnitude / 1'000'000'000U);
   text.append(buffer, whole.ptr);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <cmath>
 #include <memory>
@@ -64,9 +64,7 @@ Command add_observability(CLI::App& app) {
   CLI::App* const command = app.add_subcommand(
       "observability", "Print the observability of the paper's systems, as printed and corrected");
   const auto add = [command](const char* name, double& value, const char* meaning) {
-    command->add_option(name, value, meaning)
-        ->check(CLI::Range(-1e9, 1e9))
-        ->capture_default_str();
+    command->add_option(name, value, meaning)->check(CLI::Range(-1e9, 1e9))->capture_default_str();
   };
   add("--position-m", point->position_m, "Position p");
   add("--velocity-m-s", point->velocity_m_s, "Velocity v");

@@ -75,11 +75,11 @@ class Loader {
     const bool single = array == nullptr;
     const bool may_be_single = key.find("variance") == std::string_view::npos;
     if (single != may_be_single || (!single && array->size() != count)) {
-      throw InputError(place(node.source()),
-                       fmt::format("{} takes {}", key,
-                                   may_be_single ? "one number"
-                                                 : fmt::format("an array of {} numbers", count)),
-                       fmt::format("in {}", unit));
+      throw InputError(
+          place(node.source()),
+          fmt::format("{} takes {}", key,
+                      may_be_single ? "one number" : fmt::format("an array of {} numbers", count)),
+          fmt::format("in {}", unit));
     }
     for (std::size_t i = 0; i < count; ++i) {
       const toml::node& item = single ? node : *array->get(i);
@@ -133,7 +133,8 @@ class Loader {
     }
     throw InputError(place(name.source()), fmt::format("unknown key {}", quoted(name.str())),
                      section.empty() ? fmt::format("keys here are {}; sections are motion, "
-                                                   "friction, mass", names)
+                                                   "friction, mass",
+                                                   names)
                                      : fmt::format("keys of [{}] are {}", section, names));
   }
 
@@ -144,6 +145,8 @@ class Loader {
 
 }  // namespace
 
-LoadedParameters load_parameters(const std::string& path) { return Loader(path).load(); }
+LoadedParameters load_parameters(const std::string& path) {
+  return Loader(path).load();
+}
 
 }  // namespace condyle::host

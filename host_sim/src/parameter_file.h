@@ -9,8 +9,8 @@ namespace condyle::host {
 
 /// Parameters as a file gave them.
 struct LoadedParameters {
-  PublishedParameters values;         ///< defaults where the file is silent
-  bool gives_sample_time = false;     ///< else the recording's median step is to be used
+  PublishedParameters values;      ///< defaults where the file is silent
+  bool gives_sample_time = false;  ///< else the recording's median step is to be used
 };
 
 /// Loads a TOML parameter file. Everything in it must be known and in range; else an InputError

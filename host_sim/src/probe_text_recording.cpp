@@ -109,13 +109,11 @@ class ProbeTextRecording final : public Recording {
     for (std::size_t i = 0; i < columns_; ++i, ++field) {
       double value = 0;
       const NumberStatus status = parse_number(fields[field], value);
-      const bool usable =
-          status == NumberStatus::ok ||
-          rule_.accept(status, place(), std::to_string(field + 1), fields[field]);
+      const bool usable = status == NumberStatus::ok ||
+                          rule_.accept(status, place(), std::to_string(field + 1), fields[field]);
       sample.position_valid = sample.position_valid && usable;
       // Divided where it can be: 11.573 mm is then exactly the double nearest to 0.011573 m.
-      sample.coordinates[i] =
-          metres_per_unit_ == 1e-3 ? value / 1000 : value * metres_per_unit_;
+      sample.coordinates[i] = metres_per_unit_ == 1e-3 ? value / 1000 : value * metres_per_unit_;
     }
     ++sequence_;
     return true;

@@ -30,10 +30,10 @@ bool FaultRule::accept(NumberStatus status, const std::string& place, std::strin
   const auto fail = [&](const std::string& problem, const std::string& mend) {
     throw InputError(fmt::format("{}: column {}", place, column), problem, mend);
   };
-  constexpr const char* as_event =
-      "correct the row, or count it as an event with --faults event";
+  constexpr const char* as_event = "correct the row, or count it as an event with --faults event";
   switch (status) {
-    case NumberStatus::ok: return true;
+    case NumberStatus::ok:
+      return true;
     case NumberStatus::empty:
       if (policy_ == FaultPolicy::refuse) fail("the value is missing", as_event);
       return false;
@@ -43,8 +43,7 @@ bool FaultRule::accept(NumberStatus status, const std::string& place, std::strin
       }
       return false;
     case NumberStatus::overflow:
-      fail(fmt::format("{} is larger than a number can hold", quoted(text)),
-           "correct the value");
+      fail(fmt::format("{} is larger than a number can hold", quoted(text)), "correct the value");
       break;
     case NumberStatus::not_a_number:
       fail(fmt::format("{} is not a number", quoted(text)),

@@ -28,7 +28,7 @@ struct RecordingOptions {
 
 /// What a recording says of itself.
 struct RecordingInfo {
-  std::string format;              ///< in words
+  std::string format;  ///< in words
   SampleKind kind = SampleKind::one_axis;
   bool has_drive = false;
   std::vector<std::string> notes;  ///< what the user should know about how it was read

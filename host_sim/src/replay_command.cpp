@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <filesystem>
 #include <memory>
@@ -127,12 +127,13 @@ int replay(const ReplayOptions& options) {
   }
   std::fflush(stdout);
   if (summary.uneven_steps() > 0) {
-    fmt::print(stderr,
-               "condyle: warning: {} of {} steps ({:.4g} to {:.4g} ms) differ from the sample time "
-               "{:.6g} s by more than 1 %; the published cascade takes every step as that long, and "
-               "nothing is resampled\n",
-               summary.uneven_steps(), summary.steps(), summary.shortest_step_s() * 1e3,
-               summary.longest_step_s() * 1e3, parameters.sample_time_s);
+    fmt::print(
+        stderr,
+        "condyle: warning: {} of {} steps ({:.4g} to {:.4g} ms) differ from the sample time "
+        "{:.6g} s by more than 1 %; the published cascade takes every step as that long, and "
+        "nothing is resampled\n",
+        summary.uneven_steps(), summary.steps(), summary.shortest_step_s() * 1e3,
+        summary.longest_step_s() * 1e3, parameters.sample_time_s);
   }
   return kExitOk;
 }
@@ -143,8 +144,9 @@ Command add_replay(CLI::App& app) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* const command = app.add_subcommand(
       "replay", "Run a recording through an estimator and write estimates and figures");
-  command->add_option("RECORDING", options->recording,
-                      "CSV, Zebris text or XML, JAWS3D text or SSFF; recognised by its content")
+  command
+      ->add_option("RECORDING", options->recording,
+                   "CSV, Zebris text or XML, JAWS3D text or SSFF; recognised by its content")
       ->required();
   command->add_option("--estimator", options->estimator, "Which estimator runs")
       ->check(CLI::IsMember({"published"}))
@@ -162,8 +164,9 @@ Command add_replay(CLI::App& app) {
       ->add_option("--faults", options->reading.faults,
                    "Missing, non-finite and reversed rows: refuse (default) or event")
       ->transform(CLI::CheckedTransformer(policies));
-  command->add_option("--ignore-column", options->reading.ignored_columns,
-                      "CSV column to leave unread; may be given several times")
+  command
+      ->add_option("--ignore-column", options->reading.ignored_columns,
+                   "CSV column to leave unread; may be given several times")
       ->allow_extra_args(false);
   command->add_option("--unit", options->unit, "Unit of coordinates where the format states none")
       ->check(CLI::IsMember({"mm", "m"}));

@@ -39,11 +39,10 @@ bool ReplayFacebow::fetch(Sample& sample) {
   if (sample.time_valid) {
     if (previous_time_ns_ && sample.time_ns < *previous_time_ns_ &&
         options_.faults == FaultPolicy::refuse) {
-      throw InputError(
-          recording_->place() + ": column time_s",
-          fmt::format("time runs backwards, from {:.9g} s to {:.9g} s", seconds(*previous_time_ns_),
-                      seconds(sample.time_ns)),
-          "sort the rows, or count them as events with --faults event");
+      throw InputError(recording_->place() + ": column time_s",
+                       fmt::format("time runs backwards, from {:.9g} s to {:.9g} s",
+                                   seconds(*previous_time_ns_), seconds(sample.time_ns)),
+                       "sort the rows, or count them as events with --faults event");
     }
     previous_time_ns_ = sample.time_ns;
   }
@@ -57,8 +56,8 @@ void ReplayFacebow::find_median_step() {
     if (!sample.time_valid) continue;
     if (previous && sample.time_ns > *previous) {
       // Unsigned, because the difference of two far times can leave int64.
-      const auto step = static_cast<std::uint64_t>(sample.time_ns) -
-                        static_cast<std::uint64_t>(*previous);
+      const auto step =
+          static_cast<std::uint64_t>(sample.time_ns) - static_cast<std::uint64_t>(*previous);
       steps.push_back(static_cast<TimeNs>(std::min<std::uint64_t>(step, hal::kNoDeadline)));
     }
     previous = sample.time_ns;

@@ -10,9 +10,10 @@ namespace {
 
 constexpr double kUnevenShare = 0.01;
 constexpr double kNormalQuantile95 = 1.96;
+// Mean NIS beyond which the intervals are said to be off: they are then wrong by 22 % and more.
+constexpr double kTrustedNis = 1.5;
 
-std::string with_interval(const Quantity<double>& quantity, double shown_per_si,
-                          const char* unit) {
+std::string with_interval(const Quantity<double>& quantity, double shown_per_si, const char* unit) {
   return fmt::format("{:.4g} +- {:.2g} {} (95 %), {}", quantity.value * shown_per_si,
                      kNormalQuantile95 * quantity.standard_deviation * shown_per_si, unit,
                      provenance_name(quantity.provenance));
@@ -47,8 +48,7 @@ std::string ReplaySummary::text() const {
   const auto line = [&text](const char* label, const std::string& words) {
     text += fmt::format("{:<12}{}\n", label, words);
   };
-  const double duration_s =
-      first_time_ns_ ? seconds(*previous_time_ns_ - *first_time_ns_) : 0;
+  const double duration_s = first_time_ns_ ? seconds(*previous_time_ns_ - *first_time_ns_) : 0;
   line("duration", fmt::format("{:.6g} s, {} samples", duration_s, samples_));
   if (duration_s > 0) {
     line("rate", fmt::format("{:.5g} Hz on average; steps {:.4g} to {:.4g} ms; {} of {} differ "
@@ -65,11 +65,11 @@ std::string ReplaySummary::text() const {
   }
   line("events", events.empty() ? "none" : events);
   line("estimator",
-       fmt::format("published cascade, stage 1 {} Euler, sample time {:.6g} s, assumed mass {:.4g} "
-                   "kg",
-                   parameters_.motion.discretisation == Discretisation::forward ? "forward"
-                                                                                : "backward",
-                   parameters_.sample_time_s, parameters_.assumed_mass_kg));
+       fmt::format(
+           "published cascade, stage 1 {} Euler, sample time {:.6g} s, assumed mass {:.4g} "
+           "kg",
+           parameters_.motion.discretisation == Discretisation::forward ? "forward" : "backward",
+           parameters_.sample_time_s, parameters_.assumed_mass_kg));
   const auto mean = [](const Mean& m) { return m.sum / static_cast<double>(m.count); };
   if (innovation_squared_.count > 0) {
     line("innovation", fmt::format("{:.4g} mm rms", std::sqrt(mean(innovation_squared_)) * 1e3));
@@ -77,6 +77,14 @@ std::string ReplaySummary::text() const {
                                  "mass {:.3g} (not 2: stage 1's velocity is no independent "
                                  "measurement)",
                                  mean(motion_nis_), mean(friction_nis_), mean(mass_nis_)));
+  }
+  if (motion_nis_.count > 0 &&
+      (mean(motion_nis_) > kTrustedNis || mean(motion_nis_) < 1 / kTrustedNis)) {
+    const double factor = std::sqrt(mean(motion_nis_));
+    line("intervals",
+         fmt::format("too {} by a factor of about {:.2g}: the stated noise does not "
+                     "fit this recording",
+                     factor > 1 ? "narrow" : "wide", factor > 1 ? factor : 1 / factor));
   }
   if (last_.position_m.provenance == Provenance::not_computed) {
     line("estimates", "none: no sample had a position");
@@ -89,10 +97,10 @@ std::string ReplaySummary::text() const {
   text += "at the end\n";
   line("  position", with_interval(last_.position_m, 1e3, "mm"));
   line("  velocity", with_interval(last_.velocity_m_s, 1e3, "mm/s"));
-  line("  force", with_interval(last_.force_N, 1, "N") +
-                      (last_.force_N.provenance == Provenance::derived
-                           ? ": assumed mass times measured acceleration"
-                           : ""));
+  line("  force",
+       with_interval(last_.force_N, 1, "N") + (last_.force_N.provenance == Provenance::derived
+                                                   ? ": assumed mass times measured acceleration"
+                                                   : ""));
   line("  friction", fmt::format("{:.4g} Ns/m, {}", last_.friction_Ns_m.value,
                                  provenance_name(last_.friction_Ns_m.provenance)));
   line("  mass", fmt::format("{:.4g} kg, {}", last_.mass_kg.value,

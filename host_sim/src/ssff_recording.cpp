@@ -75,9 +75,9 @@ class SsffRecording final : public Recording {
       std::copy_n(record.data() + field.offset, field.type->size, bytes);
       if (swap_bytes_) std::reverse(bytes, bytes + field.type->size);
       const double value = field.type->load(bytes);
-      const bool usable = std::isfinite(value) ||
-                          rule_.accept(NumberStatus::not_finite, place(), field.name,
-                                       fmt::format("{}", value));
+      const bool usable =
+          std::isfinite(value) ||
+          rule_.accept(NumberStatus::not_finite, place(), field.name, fmt::format("{}", value));
       sample.position_valid = sample.position_valid && usable;
       sample.coordinates[i] = value * metres_per_unit_;
     }
@@ -122,8 +122,7 @@ class SsffRecording final : public Recording {
         number(frequency_Hz_);
       } else if (line.starts_with("Start_Time ")) {
         if (parse_time_s(value, start_ns_) != NumberStatus::ok) {
-          throw InputError(place(), fmt::format("{} is no time", quoted(value)),
-                           "give seconds");
+          throw InputError(place(), fmt::format("{} is no time", quoted(value)), "give seconds");
         }
       } else if (line.starts_with("Column ")) {
         add_column(value);

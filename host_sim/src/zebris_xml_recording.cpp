@@ -3,12 +3,13 @@
 //   ROOT / movements / movement[k] / tracks / track[1..3] / frequency (Hz)
 //                                                         / quants / quant / x, y, z
 // Each value is a child element or an attribute of that name, in any case of letters. No other
-// element is read: exports carry the patient's identity. The unit is not stated, so it is asked for.
+// element is read: exports carry the patient's identity. The unit is not stated, so it is asked
+// for.
 #include <fmt/format.h>
 
+#include <strings.h>
 #include <algorithm>
 #include <pugixml.hpp>
-#include <strings.h>
 
 #include "input_error.h"
 #include "recording_formats.h"
@@ -57,8 +58,9 @@ class ZebrisXmlRecording final : public Recording {
     sample.time_ns = nanoseconds(static_cast<double>(sample.sequence) / frequency_Hz_);
     for (std::size_t track = 0; track < tracks_; ++track) {
       if (!quants_[track]) {
-        throw InputError(path_, fmt::format("track {} ends after {} quants, before the others",
-                                            track + 1, sample.sequence),
+        throw InputError(path_,
+                         fmt::format("track {} ends after {} quants, before the others", track + 1,
+                                     sample.sequence),
                          "export the recording again");
       }
       for (std::size_t i = 0; i < 3; ++i) {
@@ -83,9 +85,9 @@ class ZebrisXmlRecording final : public Recording {
   const RecordingInfo& info() const override { return info_; }
   std::string place() const override { return place_of(last_quant_); }
   double progress() const override {
-    return last_quant_ ? static_cast<double>(last_quant_.offset_debug()) /
-                             static_cast<double>(size_)
-                       : 0;
+    return last_quant_
+               ? static_cast<double>(last_quant_.offset_debug()) / static_cast<double>(size_)
+               : 0;
   }
 
  private:
@@ -165,8 +167,8 @@ class ZebrisXmlRecording final : public Recording {
 
   // A value alone in its element may be written with a decimal comma.
   static std::string value_text(pugi::xml_node node, const char* name) {
-    const pugi::xml_attribute attribute = node.find_attribute(
-        [name](pugi::xml_attribute a) { return is_named(a.name(), name); });
+    const pugi::xml_attribute attribute =
+        node.find_attribute([name](pugi::xml_attribute a) { return is_named(a.name(), name); });
     std::string text(trim(attribute ? attribute.value() : child(node, name).text().get()));
     if (std::count(text.begin(), text.end(), ',') == 1 && text.find('.') == std::string::npos) {
       std::replace(text.begin(), text.end(), ',', '.');

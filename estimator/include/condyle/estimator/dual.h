@@ -14,7 +14,8 @@ struct Dual {
 
   constexpr Dual() = default;
   /// A constant: its slope is zero.
-  constexpr Dual(double constant) : value(constant), slope(0.0) {}  // NOLINT(google-explicit-constructor)
+  constexpr Dual(double constant)
+      : value(constant), slope(0.0) {}  // NOLINT(google-explicit-constructor)
   /// `value` moving at `slope`.
   constexpr Dual(const T& value_in, const T& slope_in) : value(value_in), slope(slope_in) {}
 

@@ -23,7 +23,8 @@
 
 namespace condyle {
 
-/// Transition of (position m, velocity m/s, friction Ns/m) under the input `force_N`, eqs (44)-(46).
+/// Transition of (position m, velocity m/s, friction Ns/m) under the input `force_N`, eqs
+/// (44)-(46).
 template <class Scalar>
 Transition<Scalar> friction_transition(const Vector3<Scalar>& x, Scalar force_N,
                                        Scalar sample_time_s, Scalar assumed_mass_kg) {

@@ -30,8 +30,9 @@ Transition<Scalar> motion_transition(const Vector3<Scalar>& x, Scalar sample_tim
   const Scalar v_next = x[kVelocity] + T_over_m0 * x[kThird];
   const bool backward = discretisation == Discretisation::backward;
   const Scalar p_next = x[kPosition] + T * (backward ? v_next : x[kVelocity]);
-  return {.state = {p_next, v_next, x[kThird]},
-          .jacobian = {.pv = T, .px = backward ? T * T_over_m0 : Scalar(0), .vv = 1, .vx = T_over_m0}};
+  return {
+      .state = {p_next, v_next, x[kThird]},
+      .jacobian = {.pv = T, .px = backward ? T * T_over_m0 : Scalar(0), .vv = 1, .vx = T_over_m0}};
 }
 
 }  // namespace condyle

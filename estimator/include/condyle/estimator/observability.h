@@ -7,14 +7,15 @@
 //            L_0 = y,  L_k = (dL_{k-1}/dx) f + (dL_{k-1}/du) u'
 //   O        observability matrix: the gradients dL_k/dx, k = 0 ... n-1, one below the other
 //
-// A system with n states is locally observable at (x, u, u') where O has rank n. Lie derivatives and
-// gradients come from nested automatic differentiation of f (dual.h), none is written by hand.
+// A system with n states is locally observable at (x, u, u') where O has rank n. Lie derivatives
+// and gradients come from nested automatic differentiation of f (dual.h), none is written by hand.
 //
 // Where the printed matrix differs from the right one, it is kept beside it, to show both:
 //   (24)        k_s' = 0 in a system whose equations hold k_v: k_s is then a state that enters no
 //               equation. Right: k_v' = 0.
 //   (29)        the derivative of a row vector, which has no value. Right: (0 1 0 0).
-//   (38), (39)  friction column u/m at order 1 and, following from it, -(kv/m) u/m - a/m at order 2.
+//   (38), (39)  friction column u/m at order 1 and, following from it, -(kv/m) u/m - a/m at
+//   order 2.
 //               Right: -v/m and (2 kv v - u)/m^2.
 //   (43)        mass column at order 2 over m^4. Right: over m^2 (2 kv a / m^2 for constant u).
 #pragma once
@@ -36,7 +37,7 @@ struct OperatingPoint {
   Scalar velocity_m_s = Scalar(0.05);
   Scalar friction_Ns_m = Scalar(0.022);
   Scalar mass_kg = Scalar(0.25);
-  Scalar force_N = Scalar(0.3);        ///< u; in stage 1 the net force
+  Scalar force_N = Scalar(0.3);         ///< u; in stage 1 the net force
   Scalar force_rate_N_s = Scalar(1.0);  ///< u'
 
   /// Acceleration (u - kv v) / m (m/s^2), eqs (13), (15).
@@ -150,8 +151,8 @@ struct UnknownDriveSystem {
   }
 };
 
-/// Lie derivative L_`order` of measurement `output` at state `x`, input `u` and its rate (eq 25 f.):
-/// the slope of L_{order-1} when x moves along f and u along u'.
+/// Lie derivative L_`order` of measurement `output` at state `x`, input `u` and its rate (eq 25
+/// f.): the slope of L_{order-1} when x moves along f and u along u'.
 template <int order, class System, class T>
 T lie_derivative(const System& system, int output, const T* x, const T& u, const T& u_rate) {
   if constexpr (order == 0) {
@@ -179,7 +180,7 @@ auto observability_matrix(const OperatingPoint<Scalar>& point) {
   const auto fill_order = [&]<int order>() {
     for (int output = 0; output < Sys::kOutputs; ++output) {
       for (int column = 0; column < n; ++column) {
-        Dual<Scalar> x[n];
+        Dual<Scalar> x[static_cast<std::size_t>(n)];
         for (int i = 0; i < n; ++i) x[i] = {x0[i], i == column ? Scalar(1) : Scalar(0)};
         O(order * Sys::kOutputs + output, column) =
             lie_derivative<order>(system, output, x, Dual<Scalar>(point.force_N, Scalar(0)),
@@ -190,7 +191,8 @@ auto observability_matrix(const OperatingPoint<Scalar>& point) {
   };
   [&]<int... orders>(std::integer_sequence<int, orders...>) {
     (fill_order.template operator()<orders>(), ...);
-  }(std::make_integer_sequence<int, n>{});
+  }
+  (std::make_integer_sequence<int, n>{});
   return O;
 }
 
@@ -247,9 +249,9 @@ auto judge_observability(const Eigen::MatrixBase<Derived>& matrix) {
   const int n = static_cast<int>(matrix.cols());
   const int rank = static_cast<int>(scaled_svd.rank());
   const Scalar smallest = rank == n ? values[n - 1] : Scalar(0);
-  return Observability<Scalar>{n, rank, smallest,
-                               rank == n ? values[0] / smallest
-                                         : std::numeric_limits<Scalar>::infinity()};
+  return Observability<Scalar>{
+      n, rank, smallest,
+      rank == n ? values[0] / smallest : std::numeric_limits<Scalar>::infinity()};
 }
 
 }  // namespace condyle

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parameters of the published cascade: plain structs, each field with its default, meaning and unit.
-// `visit_fields` is the one list of their names and ranges; loading, saving and checking walk it.
+// Parameters of the published cascade: plain structs, each field with its default, meaning and
+// unit. `visit_fields` is the one list of their names and ranges; loading, saving and checking walk
+// it.
 #pragma once
 
 #include <cstddef>
@@ -16,9 +17,9 @@ enum class Discretisation { forward, backward };
 /// Stage 1, state (position m, velocity m/s, net force N). Variances in those units squared.
 struct MotionParameters {
   Discretisation discretisation = Discretisation::forward;  ///< Euler's form of eq (30)
-  double initial_variance[3] = {1e-6, 0.01, 0.1};            ///< variance of the first state
-  double process_variance[3] = {1e-12, 1e-8, 0.002};         ///< variance added by each step
-  double measurement_variance[1] = {1e-8};                   ///< of the measured position (m^2)
+  double initial_variance[3] = {1e-6, 0.01, 0.1};           ///< variance of the first state
+  double process_variance[3] = {1e-12, 1e-8, 0.002};        ///< variance added by each step
+  double measurement_variance[1] = {1e-8};                  ///< of the measured position (m^2)
 };
 
 /// Stage 2, state (position m, velocity m/s, friction Ns/m). Variances in those units squared.

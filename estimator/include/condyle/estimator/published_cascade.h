@@ -8,8 +8,8 @@
 // C. Bogena, S. Hovsepyan, P. Mercorelli, J. Phys.: Conf. Ser. 2162 (2022) 012017,
 // doi 10.1088/1742-6596/2162/1/012017; equation numbers are that paper's.
 //
-// The first sample initialises (p = z, v = 0, F = 0, kv and m from the parameters) and is taken as a
-// measurement, without prediction. p, v and F come from stage 1, kv from 2, m from 3.
+// The first sample initialises (p = z, v = 0, F = 0, kv and m from the parameters) and is taken as
+// a measurement, without prediction. p, v and F come from stage 1, kv from 2, m from 3.
 //
 // Provenance. F of stage 1 is m0 times the acceleration seen, so kv = 0 and m = m0 solve stages 2
 // and 3 for every motion: no measurement enters them that does not presuppose the parameter. The
@@ -92,8 +92,8 @@ class PublishedCascade {
     if (!motion_update.refused) estimate.motion_nis = motion_update.nis;
     if (!friction_update.refused) estimate.friction_nis = friction_update.nis;
     if (!mass_update.refused) estimate.mass_nis = mass_update.nis;
-    estimate.events.add(Event::update_refused, motion_update.refused || friction_update.refused ||
-                                                   mass_update.refused);
+    estimate.events.add(Event::update_refused,
+                        motion_update.refused || friction_update.refused || mass_update.refused);
     return estimate;
   }
 
@@ -130,7 +130,8 @@ class PublishedCascade {
       const double* const variances = stage.measurement_variance;
       R[0] = static_cast<Scalar>(variances[0]);
       R[1] = sizeof stage.measurement_variance > sizeof(double)
-                 ? static_cast<Scalar>(variances[sizeof stage.measurement_variance / sizeof(double) - 1])
+                 ? static_cast<Scalar>(
+                       variances[sizeof stage.measurement_variance / sizeof(double) - 1])
                  : Scalar(0);
     }
   };
@@ -159,9 +160,8 @@ class PublishedCascade {
         friction_noise_.Q);
   }
   void predict_mass() {
-    mass_.predict(
-        mass_transition(mass_.x, motion_.x[kThird], friction_.x[kThird], sample_time_s_),
-        mass_noise_.Q);
+    mass_.predict(mass_transition(mass_.x, motion_.x[kThird], friction_.x[kThird], sample_time_s_),
+                  mass_noise_.Q);
   }
 
   static Pair update_pair(Filter& filter, Scalar z, Scalar v, const StageNoise& noise) {
@@ -213,7 +213,8 @@ class PublishedCascade {
   bool parameters_valid_;
   bool started_ = false;
   Filter motion_, friction_, mass_;
-  SymmetricMatrix3<Scalar> motion_prior_;  // covariance that prior and process noise alone would give
+  SymmetricMatrix3<Scalar>
+      motion_prior_;  // covariance that prior and process noise alone would give
   MatchingCriterion matching_;
 };
 

@@ -18,7 +18,9 @@ using TimeNs = std::int64_t;
 inline constexpr TimeNs kNanosecondsPerSecond = 1'000'000'000;
 
 /// `duration_ns` in seconds.
-constexpr double seconds(TimeNs duration_ns) { return static_cast<double>(duration_ns) * 1e-9; }
+constexpr double seconds(TimeNs duration_ns) {
+  return static_cast<double>(duration_ns) * 1e-9;
+}
 
 /// `duration_s` in nanoseconds, rounded to the nearest; `duration_s` within +-9.2e9 s.
 inline TimeNs nanoseconds(double duration_s) {
@@ -36,17 +38,21 @@ enum class SampleKind : std::uint8_t {
 /// Number of coordinates of a sample of `kind`.
 constexpr std::size_t coordinate_count(SampleKind kind) {
   switch (kind) {
-    case SampleKind::one_axis: return 1;
-    case SampleKind::one_point: return 3;
-    case SampleKind::three_points: return 9;
-    case SampleKind::pose: return 7;
+    case SampleKind::one_axis:
+      return 1;
+    case SampleKind::one_point:
+      return 3;
+    case SampleKind::three_points:
+      return 9;
+    case SampleKind::pose:
+      return 7;
   }
   return 0;
 }
 
 /// One sample as a source delivers it. A value that is not there is marked, never invented.
 struct Sample {
-  TimeNs time_ns = 0;         ///< instant of the measurement
+  TimeNs time_ns = 0;          ///< instant of the measurement
   std::uint64_t sequence = 0;  ///< counts the source's samples, lost ones included
   SampleKind kind = SampleKind::one_axis;
   double coordinates[9] = {};  ///< see SampleKind (m; quaternion without unit)

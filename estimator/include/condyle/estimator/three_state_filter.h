@@ -67,7 +67,7 @@ SymmetricMatrix3<Scalar> propagate_covariance(const SymmetricMatrix3<Scalar>& P,
 template <class Scalar>
 struct ScalarUpdate {
   Scalar innovation{};  ///< z - x_i before the update, unit of the measured state
-  Scalar nis{};         ///< innovation^2 / S: chi-square with 1 degree of freedom if the model holds
+  Scalar nis{};  ///< innovation^2 / S: chi-square with 1 degree of freedom if the model holds
   bool refused = false;  ///< S was not positive and finite: state and covariance are untouched
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loop from a facebow through an estimator to a sink. Replay, measurement box and bare metal run
-// this one. No heap, no exceptions; the clock is given.
+// The loop from a facebow through an estimator to a sink. Replay, measurement box and bare metal
+// run this one. No heap, no exceptions; the clock is given.
 #pragma once
 
 #include "condyle/estimator/events.h"
@@ -13,14 +13,14 @@ namespace condyle::firmware {
 /// What the loop follows and expects.
 struct RunSettings {
   FollowedCoordinate followed;
-  TimeNs nominal_step_ns = 0;    ///< for finding gaps; 0 finds none
-  bool expects_drive = false;    ///< a sample without drive force is an event
+  TimeNs nominal_step_ns = 0;        ///< for finding gaps; 0 finds none
+  bool expects_drive = false;        ///< a sample without drive force is an event
   TimeNs patience_ns = 100'000'000;  ///< longest wait for a sample before looking at `should_stop`
 };
 
 /// What happened in a run.
 struct RunCounts {
-  std::uint64_t samples = 0;      ///< read from the facebow
+  std::uint64_t samples = 0;  ///< read from the facebow
   std::uint64_t timeouts = 0;
   std::uint64_t bad_reports = 0;
   EventCounts events;
@@ -44,8 +44,8 @@ typename Estimator::Estimate process_sample(const Sample& sample, EventSet sampl
 }
 
 /// Reads `facebow` (which is open, on `clock`) and gives each sample with its estimate to
-/// `sink(sample, estimate)`, until the facebow ends or `should_stop()`. Returns why it stopped: `ok`
-/// where it was told to, else the facebow's last status. Timeouts and bad reports are counted.
+/// `sink(sample, estimate)`, until the facebow ends or `should_stop()`. Returns why it stopped:
+/// `ok` where it was told to, else the facebow's last status. Timeouts and bad reports are counted.
 template <class Estimator, class Sink, class Predicate>
 hal::Status run(hal::Facebow& facebow, hal::Clock& clock, Estimator& estimator,
                 const RunSettings& settings, RunCounts& counts, Sink&& sink,
@@ -63,9 +63,14 @@ hal::Status run(hal::Facebow& facebow, hal::Clock& clock, Estimator& estimator,
         sink(sample, estimate);
         break;
       }
-      case hal::Status::timeout: ++counts.timeouts; break;
-      case hal::Status::bad_report: ++counts.bad_reports; break;
-      default: return status;
+      case hal::Status::timeout:
+        ++counts.timeouts;
+        break;
+      case hal::Status::bad_report:
+        ++counts.bad_reports;
+        break;
+      default:
+        return status;
     }
   }
   return hal::Status::ok;

@@ -19,8 +19,8 @@ class Facebow {
   /// Makes the source ready. ok, not_found, not_permitted or bad_report.
   virtual Status open() = 0;
 
-  /// Next sample, waited for until `deadline_ns` of the clock the source was built with. `sample` is
-  /// written only with ok. After disconnected, end or not_open the source must be opened again.
+  /// Next sample, waited for until `deadline_ns` of the clock the source was built with. `sample`
+  /// is written only with ok. After disconnected, end or not_open the source must be opened again.
   virtual Status read(TimeNs deadline_ns, Sample& sample) = 0;
 
   /// Gives the source back; may be called at any time, also twice.
