@@ -35,12 +35,13 @@ std::string_view unquote(std::string_view text) {
   return text;
 }
 
-std::vector<std::string_view> split(std::string_view line) {
-  std::vector<std::string_view> fields;
+// Fields of a row, into `fields`, whose memory is used again from row to row.
+void split(std::string_view line, std::vector<std::string_view>& fields) {
+  fields.clear();
   while (true) {
     const std::size_t comma = line.find(',');
     fields.push_back(unquote(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return fields;
+    if (comma == std::string_view::npos) return;
     line.remove_prefix(comma + 1);
   }
 }
@@ -101,13 +102,13 @@ class CsvRecording final : public Recording {
       throw InputError(place(), "columns are not separated by commas",
                        "separate columns by commas and write decimals with points");
     }
-    const auto names = split(line);
+    split(line, fields_);
     double first_value = 0;
-    if (parse_number(names[0], first_value) != NumberStatus::not_a_number) {
+    if (parse_number(fields_[0], first_value) != NumberStatus::not_a_number) {
       throw InputError(place(), "the first line does not name the columns",
                        fmt::format("add a first line such as time_s,position_m; {}", kColumns));
     }
-    for (const std::string_view name : names) add_column(name, ignored);
+    for (const std::string_view name : fields_) add_column(name, ignored);
     check_layout();
     info_.format = "CSV";
   }
@@ -132,13 +133,14 @@ class CsvRecording final : public Recording {
       column.role = Column::Role::coordinate;
       seen_[column.coordinate] = true;
     } else {
-      throw InputError(fmt::format("{}: column {}", place(), quoted(name)),
+      throw InputError(fmt::format("{}: column {}", place(), quote(name)),
                        "the column is not known",
                        fmt::format("leave it out with --ignore-column '{}'; {}", name, kColumns));
     }
     if (unit == "mm") column.units_per_metre = 1000;
+    const auto quantity = [](std::string_view full) { return full.substr(0, full.rfind('_')); };
     const bool repeated = std::any_of(columns_.begin(), columns_.end(), [&](const Column& other) {
-      return !is_ignored && other.role == column.role && other.coordinate == column.coordinate;
+      return !is_ignored && other.role == column.role && quantity(other.name) == quantity(name);
     });
     if (repeated) {
       throw InputError(fmt::format("{}: column {}", place(), name),
@@ -173,11 +175,11 @@ class CsvRecording final : public Recording {
   }
 
   void parse_row(std::string_view line, Sample& sample) {
-    const auto fields = split(line);
-    if (fields.size() != columns_.size()) {
+    split(line, fields_);
+    if (fields_.size() != columns_.size()) {
       throw InputError(fmt::format("{}: column {}", place(),
-                                   columns_[std::min(fields.size(), columns_.size() - 1)].name),
-                       fmt::format("the row has {} columns, the header names {}", fields.size(),
+                                   columns_[std::min(fields_.size(), columns_.size() - 1)].name),
+                       fmt::format("the row has {} columns, the header names {}", fields_.size(),
                                    columns_.size()),
                        "complete the row; numbers take a decimal point, not a comma");
     }
@@ -190,19 +192,19 @@ class CsvRecording final : public Recording {
         case Column::Role::ignored:
           continue;
         case Column::Role::time:
-          status = parse_time_s(fields[i], sample.time_ns);
+          status = parse_time_s(fields_[i], sample.time_ns);
           break;
         case Column::Role::coordinate: {
-          status = parse_number(fields[i], value);
+          status = parse_number(fields_[i], value);
           sample.coordinates[column.coordinate] = value / column.units_per_metre;
           break;
         }
         case Column::Role::drive:
-          status = parse_number(fields[i], sample.drive_N);
+          status = parse_number(fields_[i], sample.drive_N);
           break;
       }
       if (status == NumberStatus::ok) continue;
-      rule_.accept(status, place(), column.name, fields[i]);
+      rule_.accept(status, place(), column.name, fields_[i]);
       switch (column.role) {
         case Column::Role::time:
           sample.time_valid = false;
@@ -221,7 +223,8 @@ class CsvRecording final : public Recording {
   FaultRule rule_;
   RecordingInfo info_;
   std::vector<Column> columns_;
-  std::array<bool, 9> seen_{};  // coordinates that a point column gives
+  std::vector<std::string_view> fields_;  // of the row being read
+  std::array<bool, 9> seen_{};            // coordinates that a point column gives
   std::ptrdiff_t axis_columns_ = 0;
   std::optional<std::string_view> held_line_;  // valid until the reader moves on
   std::uint64_t blank_rows_ = 0;               // before the held line

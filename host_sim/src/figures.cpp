@@ -150,21 +150,31 @@ std::string range_command(const Figure& figure, const FigureData& data) {
   return fmt::format("set yrange [{:.9g}:{:.9g}]\n", low - margin, high + margin);
 }
 
-// Words across a figure whose values are all assumed.
+// Words above a figure whose values are all assumed.
 std::string label_command(const Figure& figure, const FigureData& data) {
   const bool all_assumed =
       std::all_of(data.runs().begin(), data.runs().end(), [&](const FigureRun& run) {
         return !is_drawn(run.*figure.curve) ||
                (run.*figure.curve).provenance == Provenance::assumed;
       });
-  return all_assumed ? "set label 1 'ASSUMED: says nothing about the subject' at graph 0.5, 0.93 "
-                       "center front font ',14' tc rgb '#606060'\n"
+  return all_assumed ? "set label 1 'ASSUMED: says nothing about the subject' at graph 0.5, 1.035 "
+                       "center font ',11' tc rgb '#a00000'\n"
                      : "unset label 1\n";
 }
 
+// A folder that goes again, where it is new and stayed empty.
+struct NewFolder {
+  std::string path;
+  bool is_new;
+  ~NewFolder() {
+    std::error_code ignored;
+    if (is_new) std::filesystem::remove(path, ignored);
+  }
+};
+
 class Gnuplot {
  public:
-  Gnuplot() : pipe_(popen("gnuplot 2>&1 >/dev/null", "w")) {
+  Gnuplot() : pipe_(popen("gnuplot >/dev/null", "w")) {
     if (pipe_ == nullptr) fail(std::strerror(errno));
   }
   ~Gnuplot() {
@@ -195,7 +205,7 @@ class Gnuplot {
 std::vector<std::string> draw_figures(const std::string& directory, const std::string& title,
                                       const FigureData& data) {
   std::error_code error;
-  std::filesystem::create_directories(directory, error);
+  const NewFolder folder{directory, std::filesystem::create_directories(directory, error)};
   if (error) {
     throw InputError(directory, "cannot be made: " + error.message(), "name another folder");
   }
@@ -208,7 +218,7 @@ std::vector<std::string> draw_figures(const std::string& directory, const std::s
       "set y2range [0:1]\nset ytics nomirror\n");
   for (const Figure& figure : kFigures) {
     gnuplot.send(data_block(figure, data));
-    gnuplot.send(fmt::format("set ylabel '{}'\nset title {} noenhanced font ',11'\n",
+    gnuplot.send(fmt::format("set ylabel '{}'\nset title {} noenhanced offset 0,0.8 font ',11'\n",
                              figure.axis_label, gnuplot_quoted(title + "  (research use only)")));
     gnuplot.send(range_command(figure, data) + label_command(figure, data));
     const std::string plot = plot_command(figure, data);

@@ -98,7 +98,7 @@ void append_time_s(std::string& text, TimeNs time_ns) {
   text += shown;
 }
 
-std::string quoted(std::string_view text) {
+std::string quote(std::string_view text) {
   constexpr std::size_t longest = 40;
   std::string result = "'";
   for (const char c : text.substr(0, longest)) {

@@ -30,6 +30,6 @@ void append_number(std::string& text, double value);
 void append_time_s(std::string& text, TimeNs time_ns);
 
 /// `text` fit for a message: cut at 40 characters, unprintable bytes as \xNN.
-std::string quoted(std::string_view text);
+std::string quote(std::string_view text);
 
 }  // namespace condyle::host

@@ -46,7 +46,7 @@ int print_table(const Point& point) {
   print_row("full (24): p, v, ks, m; p; u, kv", "printed",
             observability_matrix<PrintedFullSystem>(point));
   print_row("full (24): p, v, kv, m; p; u", "corrected", observability_matrix<FullSystem>(point));
-  print_row("full, drive unknown: p, v, kv, m, u, u'; p; -", "corrected",
+  print_row("drive unknown: p, v, kv, m, u, u'; p; -", "corrected",
             observability_matrix<UnknownDriveSystem>(point));
   fmt::print(
       "\nPrinted: (24) holds a spring ks that enters no equation; (38, 39) u/m for -v/m; (43) m^4 "

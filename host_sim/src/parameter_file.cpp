@@ -131,7 +131,7 @@ class Loader {
       if (known.key == name.str()) return;
       names += fmt::format("{}{}", names.empty() ? "" : ", ", known.key);
     }
-    throw InputError(place(name.source()), fmt::format("unknown key {}", quoted(name.str())),
+    throw InputError(place(name.source()), fmt::format("unknown key {}", quote(name.str())),
                      section.empty() ? fmt::format("keys here are {}; sections are motion, "
                                                    "friction, mass",
                                                    names)

@@ -71,7 +71,7 @@ class ProbeTextRecording final : public Recording {
       TimeNs step_ns = 0;
       if (parse_time_s(layout[2], step_ns) != NumberStatus::ok || step_ns <= 0 ||
           parse_time_s(range[0], start_ns_) != NumberStatus::ok) {
-        throw InputError(place(), fmt::format("{} is no time step", quoted(layout[2])),
+        throw InputError(place(), fmt::format("{} is no time step", quote(layout[2])),
                          "give seconds, or the word explicit where each row starts with its time");
       }
       parse_number(layout[2], step_s_);

@@ -39,14 +39,14 @@ bool FaultRule::accept(NumberStatus status, const std::string& place, std::strin
       return false;
     case NumberStatus::not_finite:
       if (policy_ == FaultPolicy::refuse) {
-        fail(fmt::format("{} is not a finite number", quoted(text)), as_event);
+        fail(fmt::format("{} is not a finite number", quote(text)), as_event);
       }
       return false;
     case NumberStatus::overflow:
-      fail(fmt::format("{} is larger than a number can hold", quoted(text)), "correct the value");
+      fail(fmt::format("{} is larger than a number can hold", quote(text)), "correct the value");
       break;
     case NumberStatus::not_a_number:
-      fail(fmt::format("{} is not a number", quoted(text)),
+      fail(fmt::format("{} is not a number", quote(text)),
            "write numbers with a decimal point, like 0.0123");
       break;
   }

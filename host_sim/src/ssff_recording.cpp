@@ -106,14 +106,14 @@ class SsffRecording final : public Recording {
       const std::string_view value = value_after_key(line);
       const auto number = [&](double& result) {
         if (parse_number(value, result) != NumberStatus::ok) {
-          throw InputError(place(), fmt::format("{} is no number", quoted(value)),
+          throw InputError(place(), fmt::format("{} is no number", quote(value)),
                            "check that the file is SSFF");
         }
       };
       if (line.starts_with("Machine ")) {
         const bool little = value == "IBM-PC";
         if (!little && value != "SPARC") {
-          throw InputError(place(), fmt::format("unknown machine {}", quoted(value)),
+          throw InputError(place(), fmt::format("unknown machine {}", quote(value)),
                            "the byte order is known for IBM-PC and SPARC");
         }
         swap_bytes_ = little != (std::endian::native == std::endian::little);
@@ -122,7 +122,7 @@ class SsffRecording final : public Recording {
         number(frequency_Hz_);
       } else if (line.starts_with("Start_Time ")) {
         if (parse_time_s(value, start_ns_) != NumberStatus::ok) {
-          throw InputError(place(), fmt::format("{} is no time", quoted(value)), "give seconds");
+          throw InputError(place(), fmt::format("{} is no time", quote(value)), "give seconds");
         }
       } else if (line.starts_with("Column ")) {
         add_column(value);
@@ -158,7 +158,7 @@ class SsffRecording final : public Recording {
     const auto* const type = std::find_if(std::begin(kTypes), std::end(kTypes),
                                           [&](const ValueType& t) { return t.name == type_name; });
     if (!shaped || type == std::end(kTypes)) {
-      throw InputError(place(), fmt::format("{} is not NAME TYPE COUNT", quoted(text)),
+      throw InputError(place(), fmt::format("{} is not NAME TYPE COUNT", quote(text)),
                        "types are FLOAT, DOUBLE, SHORT, LONG, BYTE and CHAR");
     }
     for (std::size_t i = 0; i < 3; ++i) {

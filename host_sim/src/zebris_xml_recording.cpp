@@ -156,7 +156,7 @@ class ZebrisXmlRecording final : public Recording {
     const std::string place = place_of(track);
     if (parse_number(text, frequency_Hz) != NumberStatus::ok ||
         !(frequency_Hz >= 1e-3 && frequency_Hz <= 1e6)) {
-      throw InputError(place, fmt::format("the track's frequency {} is no rate", quoted(text)),
+      throw InputError(place, fmt::format("the track's frequency {} is no rate", quote(text)),
                        "give it in Hz");
     }
     if (frequency_Hz_ > 0 && frequency_Hz != frequency_Hz_) {

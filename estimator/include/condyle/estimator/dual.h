@@ -4,6 +4,8 @@
 // nest.)
 #pragma once
 
+#include <type_traits>
+
 namespace condyle {
 
 /// Value and directional derivative. T is a scalar or another Dual.
@@ -14,8 +16,8 @@ struct Dual {
 
   constexpr Dual() = default;
   /// A constant: its slope is zero.
-  constexpr Dual(double constant)
-      : value(constant), slope(0.0) {}  // NOLINT(google-explicit-constructor)
+  template <class Number, std::enable_if_t<std::is_arithmetic_v<Number>, int> = 0>
+  constexpr Dual(Number constant) : value(static_cast<T>(constant)), slope(static_cast<T>(0)) {}
   /// `value` moving at `slope`.
   constexpr Dual(const T& value_in, const T& slope_in) : value(value_in), slope(slope_in) {}
 

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "replay/command.h"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+
+#include "unit/temporary_folder.h"
+
+namespace condyle::testing_support {
+
+CommandResult run_condyle(const std::vector<std::string>& arguments,
+                          const CommandOptions& options) {
+  const TemporaryFolder folder;
+  const std::string out = folder.write("out", ""), err = folder.write("err", "");
+  std::string program = CONDYLE_COMMAND;
+  if (options.as_nobody) {  // who may not enter the build folder
+    program = folder / "condyle";
+    std::filesystem::copy_file(CONDYLE_COMMAND, program);
+  }
+  std::vector<char*> argv{program.data()};
+  std::vector<std::string> copies = arguments;
+  for (std::string& argument : copies) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+
+  const pid_t child = fork();
+  if (child == 0) {
+    const int out_file = open(out.c_str(), O_WRONLY), err_file = open(err.c_str(), O_WRONLY);
+    dup2(out_file, STDOUT_FILENO);
+    dup2(err_file, STDERR_FILENO);
+    if (!options.search_path.empty()) setenv("PATH", options.search_path.c_str(), 1);
+    if (options.as_nobody && geteuid() == 0 && (setgid(65534) != 0 || setuid(65534) != 0))
+      _exit(97);
+    execv(argv[0], argv.data());
+    _exit(98);
+  }
+  if (options.interrupt_after_s > 0) {
+    usleep(static_cast<useconds_t>(options.interrupt_after_s * 1e6));
+    kill(child, SIGINT);
+  }
+  int status = 0;
+  struct rusage usage = {};
+  wait4(child, &status, 0, &usage);
+  CommandResult result;
+  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  result.output = read_file(out);
+  result.errors = read_file(err);
+  result.peak_memory_kB = usage.ru_maxrss;
+  return result;
+}
+
+}  // namespace condyle::testing_support

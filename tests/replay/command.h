@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace condyle::testing_support {
+
+/// What a run of the condyle command left.
+struct CommandResult {
+  int exit_code = -1;  ///< -1: ended by a signal
+  std::string output, errors;
+  long peak_memory_kB = 0;
+};
+
+/// How to run it.
+struct CommandOptions {
+  bool as_nobody = false;        ///< without root's rights, where the tests have them
+  double interrupt_after_s = 0;  ///< sends SIGINT then; 0: never
+  std::string search_path;       ///< PATH; empty: the tests' own
+};
+
+/// Runs `condyle ARGUMENTS...` and waits for its end.
+CommandResult run_condyle(const std::vector<std::string>& arguments,
+                          const CommandOptions& options = {});
+
+}  // namespace condyle::testing_support

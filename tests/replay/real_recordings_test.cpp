@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// Real recordings. They are not part of the project: without CONDYLE_REFERENCE_DATA these tests
+// skip.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "replay/command.h"
+#include "replay/table.h"
+#include "unit/temporary_folder.h"
+
+namespace condyle {
+namespace {
+
+using testing::HasSubstr;
+using testing_support::reference_data;
+using testing_support::run_condyle;
+using testing_support::Table;
+
+class RealRecordings : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (reference_data("zebris_jma/JMA_position.txt").empty()) {
+      GTEST_SKIP() << "set CONDYLE_REFERENCE_DATA to the folder of reference data";
+    }
+  }
+
+  // Replays and returns the estimates; the summary stays in `summary_`, warnings in `errors_`.
+  Table replay(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "replay");
+    arguments.insert(arguments.end(), {"--out", folder_ / "estimates.csv"});
+    const auto result = run_condyle(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    summary_ = result.output;
+    errors_ = result.errors;
+    return testing_support::read_table(folder_ / "estimates.csv");
+  }
+
+  testing_support::TemporaryFolder folder_;
+  std::string summary_, errors_;
+};
+
+// The paper's figures 5 and 6: friction stands still, the mass climbs to the assumed one.
+TEST_F(RealRecordings, ZebrisGivesThePapersFrictionAndMassAndCallsThemAssumed) {
+  const Table table = replay({reference_data("zebris_jma/JMA_position.txt"), "--parameters",
+                              reference_data("zebris_opening_50hz.toml")});
+  ASSERT_EQ(table.rows, 634U);
+  for (const double friction : table.numbers("friction_Ns_m")) {
+    EXPECT_GE(friction, 0.0219);
+    EXPECT_LE(friction, 0.0221);
+  }
+  EXPECT_EQ(table.numbers("mass_kg").front(), 0.1);
+  EXPECT_NEAR(table.numbers("mass_kg").back(), 0.247, 0.0005);
+  EXPECT_THAT(table.columns.at("friction_provenance"), testing::Each("assumed"));
+  EXPECT_THAT(table.columns.at("mass_provenance"), testing::Each("assumed"));
+  EXPECT_THAT(summary_, HasSubstr("Friction and mass are assumed, not measured: the force that"));
+  EXPECT_THAT(summary_, HasSubstr("friction  0.02199 Ns/m, assumed"));
+  EXPECT_THAT(summary_, HasSubstr("verdict     matched"));
+}
+
+// Point 1's vertical axis of the export is what the reference vector was made from.
+TEST_F(RealRecordings, ZebrisExportIsReadAsTheVectorSays) {
+  const Table table = replay({reference_data("zebris_jma/JMA_position.txt"), "--parameters",
+                              reference_data("zebris_opening_50hz.toml")});
+  const Table expected =
+      testing_support::read_table(reference_data("zebris_opening_50hz.estimates.csv"));
+  for (const char* column : {"position_m", "velocity_m_s", "force_N", "mass_kg"}) {
+    const auto a = table.numbers(column), b = expected.numbers(column);
+    ASSERT_EQ(a.size(), b.size());
+    const double scale = testing_support::rms(b);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      ASSERT_LE(std::abs(a[i] - b[i]), 1e-9 * std::max(std::abs(b[i]), scale)) << column << i;
+    }
+  }
+}
+
+TEST_F(RealRecordings, ZebrisPointsAndAxesDiffer) {
+  const std::string path = reference_data("zebris_jma/JMA_position.txt");
+  EXPECT_NEAR(replay({path, "--point", "1", "--axis", "x"}).numbers("position_m")[0], 0.40567,
+              1e-9);
+  EXPECT_NEAR(replay({path, "--point", "3", "--axis", "y"}).numbers("position_m")[0], 0.34193,
+              1e-9);
+  EXPECT_NEAR(replay({path, "--point", "2"}).numbers("position_m")[0], 0.010911, 1e-9);
+}
+
+TEST_F(RealRecordings, Jaws3dsUnevenStepsAreWarnedAbout) {
+  const Table table = replay({reference_data("jaws3d/jawPosition.txt"), "--axis", "x"});
+  EXPECT_EQ(table.rows, 1017U);
+  EXPECT_THAT(errors_, HasSubstr("134 of 1016 steps (14 to 15 ms) differ from the sample time"));
+  EXPECT_THAT(summary_, HasSubstr("sample time 0.015 s"));
+  EXPECT_EQ(table.columns.at("time_s")[4], "0.059") << "nothing is resampled";
+}
+
+TEST_F(RealRecordings, SsffsZeroFilledEndIsAnEvent) {
+  const Table table = replay({reference_data("ema_jaw/0020.jaw")});
+  EXPECT_EQ(table.rows, 800U);
+  EXPECT_THAT(summary_, HasSubstr("39 zero_filled"));
+  const auto& events = table.columns.at("events");
+  EXPECT_EQ(std::count(events.begin(), events.end(), "zero_filled"), 39);
+  EXPECT_EQ(events.back(), "zero_filled");
+}
+
+}  // namespace
+}  // namespace condyle

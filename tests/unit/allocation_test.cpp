@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// No step allocates. This program's malloc counts its calls; operator new ends in it.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <memory>
+
+#include "condyle/estimator/observability.h"
+#include "condyle/estimator/published_cascade.h"
+#include "condyle/firmware/run_loop.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define MALLOC_IS_TAKEN 1
+#else
+#define MALLOC_IS_TAKEN 0
+namespace {
+std::atomic<long> allocations{0};
+}
+extern "C" void* __libc_malloc(std::size_t size);
+extern "C" void* malloc(std::size_t size) {
+  ++allocations;
+  return __libc_malloc(size);
+}
+#endif
+
+namespace condyle {
+namespace {
+
+long allocation_count() {
+#if MALLOC_IS_TAKEN
+  return 0;
+#else
+  return allocations;
+#endif
+}
+
+class Allocation : public testing::Test {
+  void SetUp() override {
+    if (MALLOC_IS_TAKEN) GTEST_SKIP() << "the sanitizer replaces malloc itself";
+  }
+};
+
+TEST_F(Allocation, IsCounted) {
+  const long before = allocation_count();
+  const auto pointer = std::make_unique<volatile int>(1);
+  EXPECT_GT(allocation_count(), before);
+}
+
+// Delivers a ramp with a gap, a repeated and a reversed time and a missing position.
+class RampFacebow final : public hal::Facebow {
+ public:
+  hal::Status open() override { return hal::Status::ok; }
+  hal::Status read(TimeNs, Sample& sample) override {
+    if (count_ == 1000) return hal::Status::end;
+    sample.time_ns = 20'000'000 * (count_ % 100 == 7 ? count_ - 3 : count_);
+    sample.coordinates[0] = 0.001 * static_cast<double>(count_);
+    sample.position_valid = count_ % 50 != 3;
+    ++count_;
+    return hal::Status::ok;
+  }
+  void close() override {}
+
+ private:
+  TimeNs count_ = 0;
+};
+
+template <class Scalar>
+void expect_run_without_allocation() {
+  PublishedParameters parameters;
+  parameters.sample_time_s = 0.02;
+  PublishedCascade<Scalar> cascade(parameters);
+  RampFacebow facebow;
+  hal::ManualClock clock;
+  firmware::RunCounts counts;
+  firmware::RunSettings settings;
+  settings.nominal_step_ns = 20'000'000;
+  const long before = allocation_count();
+  const hal::Status status = firmware::run(
+      facebow, clock, cascade, settings, counts,
+      [](const Sample&, const PublishedEstimate<Scalar>&) {}, [] { return false; });
+  EXPECT_EQ(allocation_count(), before);
+  EXPECT_EQ(status, hal::Status::end);
+  EXPECT_EQ(counts.samples, 1000U);
+  EXPECT_EQ(counts.events[Event::position_missing], 20U);
+  EXPECT_GT(counts.events[Event::time_reversed], 0U);
+}
+
+TEST_F(Allocation, RunOfTheCascadeHasNoneInDouble) {
+  expect_run_without_allocation<double>();
+}
+TEST_F(Allocation, RunOfTheCascadeHasNoneInFloat) {
+  expect_run_without_allocation<float>();
+}
+
+TEST_F(Allocation, ObservabilityHasNone) {
+  const long before = allocation_count();
+  const auto result =
+      judge_observability(observability_matrix<FullSystem>(OperatingPoint<double>{}));
+  EXPECT_EQ(allocation_count(), before);
+  EXPECT_EQ(result.rank, 4);
+}
+
+}  // namespace
+}  // namespace condyle

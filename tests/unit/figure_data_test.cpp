@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "figure_data.h"
+
+#include <gtest/gtest.h>
+
+#include "unit/rapidcheck_gtest.h"
+
+namespace condyle::host {
+namespace {
+
+// However long the recording, the runs are few, in order, and no extreme is lost.
+RC_GTEST_PROP(FigureData, ThinsWithoutLosingExtremes, ()) {
+  const auto samples = *rc::gen::inRange<std::size_t>(1, 40'000);
+  const auto peak_at = *rc::gen::inRange<std::size_t>(0, samples);
+  FigureData data;
+  for (std::size_t i = 0; i < samples; ++i) {
+    Sample sample;
+    sample.time_ns = static_cast<TimeNs>(i) * 1'000'000;
+    sample.coordinates[0] = i == peak_at ? 0.5 : 0.001;
+    PublishedEstimate<double> estimate;
+    estimate.position_m = {sample.coordinates[0], 0.1,
+                           i == peak_at ? Provenance::assumed : Provenance::measured};
+    estimate.events.add(Event::time_gap, i == peak_at);
+    data.add(sample, {}, estimate);
+  }
+  RC_ASSERT(data.runs().size() <= FigureData::kMostRuns);
+  RC_ASSERT(data.runs().size() >= std::min(samples, FigureData::kMostRuns / 2));
+  Extremes position;
+  int events = 0;
+  double previous_s = -1;
+  for (const FigureRun& run : data.runs()) {
+    RC_ASSERT(run.time_s > previous_s);
+    previous_s = run.time_s;
+    position.add(run.position_m.value);
+    if (!run.has_event) continue;
+    ++events;
+    RC_ASSERT(run.position_m.provenance == Provenance::assumed);
+    RC_ASSERT(run.position_m.band.highest > 0.69);
+  }
+  RC_ASSERT(events == 1);
+  RC_ASSERT(position.highest == 0.5);
+}
+
+TEST(FigureData, DifferentiatesOverTheTimeThatPassed) {
+  FigureData data;
+  for (const double t : {0.0, 0.1, 0.3}) {
+    Sample sample;
+    sample.time_ns = nanoseconds(t);
+    sample.coordinates[0] = t;
+    data.add(sample, {}, {});
+  }
+  ASSERT_EQ(data.runs().size(), 3U);
+  EXPECT_TRUE(std::isnan(data.runs()[0].differentiated_velocity_m_s.lowest));
+  EXPECT_NEAR(data.runs()[1].differentiated_velocity_m_s.lowest, 1, 1e-12);
+  EXPECT_NEAR(data.runs()[2].differentiated_velocity_m_s.lowest, 1, 1e-12);
+}
+
+}  // namespace
+}  // namespace condyle::host

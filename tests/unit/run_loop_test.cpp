@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "condyle/firmware/run_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "condyle/estimator/published_cascade.h"
+#include "condyle/hal/clock.h"
+
+namespace condyle::firmware {
+namespace {
+
+using hal::Status;
+using Estimate = PublishedEstimate<double>;
+
+// Gives what it is told to, in order; then it is at its end.
+class ScriptedFacebow final : public hal::Facebow {
+ public:
+  struct Step {
+    Status status;
+    Sample sample;
+  };
+  explicit ScriptedFacebow(std::vector<Step> steps) : steps_(std::move(steps)) {}
+  Status open() override { return Status::ok; }
+  Status read(TimeNs deadline_ns, Sample& sample) override {
+    deadlines.push_back(deadline_ns);
+    if (next_ == steps_.size()) return Status::end;
+    sample = steps_[next_].sample;
+    return steps_[next_++].status;
+  }
+  void close() override {}
+  std::vector<TimeNs> deadlines;
+
+ private:
+  std::vector<Step> steps_;
+  std::size_t next_ = 0;
+};
+
+Sample at(double time_s, double position_m) {
+  Sample sample;
+  sample.time_ns = nanoseconds(time_s);
+  sample.coordinates[0] = position_m;
+  return sample;
+}
+
+struct Outcome {
+  Status status;
+  RunCounts counts;
+  std::vector<Estimate> estimates;
+};
+
+Outcome run_script(std::vector<ScriptedFacebow::Step> steps) {
+  ScriptedFacebow facebow(std::move(steps));
+  hal::ManualClock clock;
+  PublishedParameters parameters;
+  parameters.sample_time_s = 0.02;
+  PublishedCascade<double> cascade(parameters);
+  RunSettings settings;
+  settings.nominal_step_ns = nanoseconds(0.02);
+  Outcome outcome;
+  outcome.status = run(
+      facebow, clock, cascade, settings, outcome.counts,
+      [&](const Sample&, const Estimate& estimate) { outcome.estimates.push_back(estimate); },
+      [] { return false; });
+  for (const TimeNs deadline : facebow.deadlines) EXPECT_EQ(deadline, settings.patience_ns);
+  return outcome;
+}
+
+TEST(RunLoop, CountsWhatIsNotASampleAndGoesOn) {
+  const Outcome outcome = run_script({{Status::ok, at(0, 0)},
+                                      {Status::timeout, {}},
+                                      {Status::bad_report, {}},
+                                      {Status::ok, at(0.02, 0)},
+                                      {Status::disconnected, {}},
+                                      {Status::ok, at(0.04, 0)}});
+  EXPECT_EQ(outcome.status, Status::disconnected);
+  EXPECT_EQ(outcome.counts.samples, 2U);
+  EXPECT_EQ(outcome.counts.timeouts, 1U);
+  EXPECT_EQ(outcome.counts.bad_reports, 1U);
+  EXPECT_EQ(outcome.estimates.size(), 2U);
+}
+
+TEST(RunLoop, KeepsAReversedSampleFromTheEstimator) {
+  const Outcome with = run_script({{Status::ok, at(0, 0)},
+                                   {Status::ok, at(0.02, 0.001)},
+                                   {Status::ok, at(0.01, 0.5)},
+                                   {Status::ok, at(0.04, 0.002)}});
+  const Outcome without = run_script(
+      {{Status::ok, at(0, 0)}, {Status::ok, at(0.02, 0.001)}, {Status::ok, at(0.04, 0.002)}});
+  ASSERT_EQ(with.estimates.size(), 4U);
+  EXPECT_TRUE(with.estimates[2].events.has(Event::time_reversed));
+  EXPECT_EQ(with.estimates[2].position_m.provenance, Provenance::not_computed);
+  EXPECT_EQ(with.estimates[3].velocity_m_s.value, without.estimates[2].velocity_m_s.value);
+  EXPECT_EQ(with.counts.events[Event::time_reversed], 1U);
+}
+
+TEST(RunLoop, PredictsThroughAMissingPosition) {
+  Sample missing = at(0.02, 0);
+  missing.position_valid = false;
+  const Outcome outcome =
+      run_script({{Status::ok, at(0, 0)}, {Status::ok, missing}, {Status::ok, at(0.08, 0)}});
+  EXPECT_TRUE(outcome.estimates[1].events.has(Event::position_missing));
+  EXPECT_NE(outcome.estimates[1].position_m.provenance, Provenance::not_computed);
+  EXPECT_TRUE(outcome.estimates[2].events.has(Event::time_gap));
+  EXPECT_EQ(outcome.counts.events[Event::time_gap], 1U);
+}
+
+TEST(RunLoop, StopsWhenTold) {
+  ScriptedFacebow facebow({{Status::ok, at(0, 0)}, {Status::ok, at(0.02, 0)}});
+  hal::ManualClock clock;
+  PublishedCascade<double> cascade(PublishedParameters{});
+  RunCounts counts;
+  int taken = 0;
+  EXPECT_EQ(run(
+                facebow, clock, cascade, {}, counts,
+                [&](const Sample&, const Estimate&) { ++taken; }, [&] { return taken == 1; }),
+            Status::ok);
+  EXPECT_EQ(taken, 1);
+}
+
+}  // namespace
+}  // namespace condyle::firmware
