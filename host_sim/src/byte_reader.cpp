@@ -12,7 +12,8 @@
 
 namespace condyle::host {
 
-ByteReader::ByteReader(const std::string& path) : path_(path), buffer_(2 * kLongestLine) {
+ByteReader::ByteReader(const std::string& path)
+    : path_(path), buffer_(std::make_unique_for_overwrite<char[]>(kBufferSize)) {
   file_.reset(std::fopen(path.c_str(), "rb"));
   if (!file_) {
     throw InputError(path, fmt::format("cannot be opened: {}", std::strerror(errno)),
@@ -30,12 +31,11 @@ ByteReader::ByteReader(const std::string& path) : path_(path), buffer_(2 * kLong
 
 void ByteReader::fill(std::size_t wanted) {
   if (end_ - begin_ >= wanted || at_end_) return;
-  std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+  std::memmove(buffer_.get(), buffer_.get() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
   while (end_ < wanted && !at_end_) {
-    const std::size_t got =
-        std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, file_.get());
+    const std::size_t got = std::fread(buffer_.get() + end_, 1, kBufferSize - end_, file_.get());
     if (got == 0 && std::ferror(file_.get())) {
       throw InputError(path_, fmt::format("cannot be read: {}", std::strerror(errno)),
                        "check the disk or copy the file");
@@ -47,7 +47,7 @@ void ByteReader::fill(std::size_t wanted) {
 
 std::string_view ByteReader::peek(std::size_t count) {
   fill(count);
-  return {buffer_.data() + begin_, std::min(count, end_ - begin_)};
+  return {buffer_.get() + begin_, std::min(count, end_ - begin_)};
 }
 
 void ByteReader::skip(std::size_t count) {
@@ -58,7 +58,7 @@ void ByteReader::skip(std::size_t count) {
 bool ByteReader::next_line(std::string_view& line) {
   std::size_t searched = 0;
   while (true) {
-    const char* const start = buffer_.data() + begin_;
+    const char* const start = buffer_.get() + begin_;
     const void* const found = std::memchr(start + searched, '\n', end_ - begin_ - searched);
     if (found != nullptr || at_end_) {
       const std::size_t available = end_ - begin_;

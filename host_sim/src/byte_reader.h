@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace condyle::host {
 
@@ -39,6 +38,8 @@ class ByteReader {
   const std::string& path() const { return path_; }
 
  private:
+  static constexpr std::size_t kBufferSize = 2 * kLongestLine;
+
   void fill(std::size_t wanted);
 
   struct Closer {
@@ -47,7 +48,7 @@ class ByteReader {
 
   std::string path_;
   std::unique_ptr<std::FILE, Closer> file_;
-  std::vector<char> buffer_;
+  std::unique_ptr<char[]> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // unread bytes of the buffer
   bool at_end_ = false;
   std::uint64_t line_number_ = 0, consumed_ = 0, size_ = 0;

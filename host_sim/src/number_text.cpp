@@ -15,8 +15,6 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
-constexpr double kLongestTime_s = 9.2e9;  // int64 nanoseconds end at 9.22e9 s
-
 }  // namespace
 
 std::string_view trim(std::string_view text) {
@@ -48,7 +46,7 @@ NumberStatus parse_time_s(std::string_view text, TimeNs& time_ns) {
   double value = 0;
   const NumberStatus status = parse_number(text, value);
   if (status != NumberStatus::ok) return status;
-  if (std::abs(value) > kLongestTime_s) return NumberStatus::overflow;
+  if (std::abs(value) > kFurthestTime_s) return NumberStatus::overflow;
   time_ns = nanoseconds(value);
 
   text = trim(text);

@@ -9,6 +9,9 @@
 
 namespace condyle::host {
 
+/// Times are accepted up to this distance from zero, so that differences of two fit TimeNs.
+inline constexpr double kFurthestTime_s = 4.6e9;
+
 /// How reading a number went.
 enum class NumberStatus { ok, empty, not_a_number, not_finite, overflow };
 

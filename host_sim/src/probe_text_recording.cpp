@@ -104,7 +104,7 @@ class ProbeTextRecording final : public Recording {
           status == NumberStatus::ok || rule_.accept(status, place(), "1 (time)", fields[0]);
       field = 1;
     } else {
-      sample.time_ns = start_ns_ + nanoseconds(static_cast<double>(sequence_) * step_s_);
+      sample.time_ns = regular_time_ns(start_ns_, sequence_, step_s_, reader_->path());
     }
     for (std::size_t i = 0; i < columns_; ++i, ++field) {
       double value = 0;

@@ -53,6 +53,17 @@ bool FaultRule::accept(NumberStatus status, const std::string& place, std::strin
   return false;
 }
 
+TimeNs regular_time_ns(TimeNs start_ns, std::uint64_t index, double step_s,
+                       const std::string& path) {
+  const double since_start_s = static_cast<double>(index) * step_s;
+  if (!(seconds(start_ns) + since_start_s <= kFurthestTime_s)) {
+    throw InputError(path,
+                     fmt::format("row {} lies {:.3g} s after the first", index + 1, since_start_s),
+                     "check the start and the time step in its header");
+  }
+  return start_ns + nanoseconds(since_start_s);
+}
+
 std::unique_ptr<Recording> open_recording(const std::string& path,
                                           const RecordingOptions& options) {
   auto reader = std::make_unique<ByteReader>(path);

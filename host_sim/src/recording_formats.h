@@ -28,6 +28,11 @@ std::unique_ptr<Recording> open_zebris_xml(std::unique_ptr<ByteReader> reader,
 /// True where `start`, the beginning of a file, has the two header lines of ArtiSynth probe text.
 bool looks_like_probe_text(std::string_view start);
 
+/// Time of row `index` of a recording with regular steps. An InputError naming `path` where it
+/// leaves the range of times.
+TimeNs regular_time_ns(TimeNs start_ns, std::uint64_t index, double step_s,
+                       const std::string& path);
+
 /// Turns the outcome of reading one value into a usable number, a mark on the sample, or an error.
 class FaultRule {
  public:

@@ -54,12 +54,7 @@ void ReplayFacebow::find_median_step() {
   std::optional<TimeNs> previous;
   for (const Sample& sample : ahead_) {
     if (!sample.time_valid) continue;
-    if (previous && sample.time_ns > *previous) {
-      // Unsigned, because the difference of two far times can leave int64.
-      const auto step =
-          static_cast<std::uint64_t>(sample.time_ns) - static_cast<std::uint64_t>(*previous);
-      steps.push_back(static_cast<TimeNs>(std::min<std::uint64_t>(step, hal::kNoDeadline)));
-    }
+    if (previous && sample.time_ns > *previous) steps.push_back(sample.time_ns - *previous);
     previous = sample.time_ns;
   }
   median_step_ns_.reset();
@@ -88,14 +83,13 @@ hal::Status ReplayFacebow::read(TimeNs deadline_ns, Sample& sample) {
       start_ns_ = clock_.now_ns();
       first_time_ns_ = due.time_ns;
     }
-    const double wait_ns =
-        (static_cast<double>(due.time_ns) - static_cast<double>(*first_time_ns_)) / speed_;
-    const double due_ns = static_cast<double>(*start_ns_) + wait_ns;
-    if (due_ns > static_cast<double>(deadline_ns)) {
+    const double wait_ns = static_cast<double>(due.time_ns - *first_time_ns_) / speed_;
+    const double deadline_wait_ns = static_cast<double>(deadline_ns - *start_ns_);
+    if (wait_ns > deadline_wait_ns) {
       clock_.sleep_until(deadline_ns);
       return hal::Status::timeout;
     }
-    clock_.sleep_until(static_cast<TimeNs>(due_ns));
+    if (wait_ns > 0) clock_.sleep_until(*start_ns_ + static_cast<TimeNs>(wait_ns));
   }
   sample = due;
   ahead_.pop_front();

@@ -68,7 +68,8 @@ class SsffRecording final : public Recording {
     sample = Sample{};
     sample.kind = info_.kind;
     sample.sequence = sequence_++;
-    sample.time_ns = start_ns_ + nanoseconds(static_cast<double>(sample.sequence) / frequency_Hz_);
+    sample.time_ns =
+        regular_time_ns(start_ns_, sample.sequence, 1 / frequency_Hz_, reader_->path());
     for (std::size_t i = 0; i < 3; ++i) {
       const CoordinateField& field = fields_[i];
       char bytes[8];

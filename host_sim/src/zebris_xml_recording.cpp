@@ -55,7 +55,7 @@ class ZebrisXmlRecording final : public Recording {
     sample = Sample{};
     sample.kind = info_.kind;
     sample.sequence = sequence_++;
-    sample.time_ns = nanoseconds(static_cast<double>(sample.sequence) / frequency_Hz_);
+    sample.time_ns = regular_time_ns(0, sample.sequence, 1 / frequency_Hz_, path_);
     for (std::size_t track = 0; track < tracks_; ++track) {
       if (!quants_[track]) {
         throw InputError(path_,

@@ -27,7 +27,7 @@ RC_GTEST_PROP(NumberText, WrittenNumbersReadBackExactly, ()) {
 
 RC_GTEST_PROP(NumberText, TimesReadBackToTheNanosecond, ()) {
   const auto time_ns =
-      *rc::gen::inRange<TimeNs>(-9'200'000'000'000'000'000, 9'200'000'000'000'000'000);
+      *rc::gen::inRange<TimeNs>(-4'600'000'000'000'000'000, 4'600'000'000'000'000'000);
   std::string text;
   append_time_s(text, time_ns);
   TimeNs read = 0;
@@ -48,7 +48,7 @@ TEST(NumberText, TimesRoundBeyondNinePlaces) {
   EXPECT_EQ(read("1.5e-3"), 1'500'000);
   EXPECT_EQ(read("12345678901234567890e-10"), 1'234'567'890'123'456'768) << "through a double";
   EXPECT_EQ(read(" 2\t"), 2'000'000'000);
-  EXPECT_EQ(parse_time_s("9.3e9", time_ns), NumberStatus::overflow);
+  EXPECT_EQ(parse_time_s("4.7e9", time_ns), NumberStatus::overflow);
   EXPECT_EQ(parse_time_s("nan", time_ns), NumberStatus::not_finite);
 }
 
