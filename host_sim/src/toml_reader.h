@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "condyle/estimator/parameters.h"
+
+namespace condyle::host {
+
+/// Reads a TOML file field by field into variables that keep their value where the file is silent.
+/// Every problem is an InputError that names line, column and mend; so is, at the end, a key that
+/// nobody asked for. `section` is "" at the top level.
+class TomlReader {
+ public:
+  explicit TomlReader(const std::string& path);
+  ~TomlReader();
+  TomlReader(const TomlReader&) = delete;
+  TomlReader& operator=(const TomlReader&) = delete;
+
+  /// One number in `range`. True where the file has it (here and below).
+  bool number(std::string_view section, std::string_view key, double& value, std::string_view unit,
+              Range range);
+  /// An array of exactly `count` numbers, each in `range`.
+  bool numbers(std::string_view section, std::string_view key, double* values, std::size_t count,
+               std::string_view unit, Range range);
+  /// A text that is one of `choices`; its index is given.
+  bool choice(std::string_view section, std::string_view key, std::size_t& index,
+              const std::vector<std::string_view>& choices);
+  /// Any text.
+  bool text(std::string_view section, std::string_view key, std::string& value);
+  /// Refuses whatever was not asked for.
+  void finish() const;
+  /// "FILE:LINE:COLUMN" of a key, or the file where it has none.
+  std::string place(std::string_view section, std::string_view key) const;
+
+ private:
+  struct Document;
+  std::unique_ptr<Document> document_;
+};
+
+}  // namespace condyle::host
