@@ -174,7 +174,7 @@ struct NewFolder {
 
 class Gnuplot {
  public:
-  Gnuplot() : pipe_(popen("gnuplot >/dev/null", "w")) {
+  Gnuplot() : pipe_(popen("LC_ALL=C.UTF-8 gnuplot >/dev/null", "w")) {
     if (pipe_ == nullptr) fail(std::strerror(errno));
   }
   ~Gnuplot() {
