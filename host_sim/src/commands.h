@@ -5,6 +5,7 @@
 
 #include <CLI/App.hpp>
 #include <functional>
+#include <string>
 
 namespace condyle::host {
 
@@ -14,6 +15,8 @@ inline constexpr int kExitOk = 0;
 inline constexpr int kExitBadInput = 2;
 /// Stopped by the user.
 inline constexpr int kExitInterrupted = 130;
+/// A defect of condyle's own.
+inline constexpr int kExitInternal = 70;
 
 using Command = std::function<int()>;
 
@@ -21,6 +24,11 @@ using Command = std::function<int()>;
 Command add_replay(CLI::App& app);
 /// `condyle observability`
 Command add_observability(CLI::App& app);
+
+/// Writes `text` to the standard output; an InputError where that is closed or full.
+void print_output(const std::string& text);
+/// Writes "condyle: `text`" to the error output, if anybody listens.
+void print_error(const std::string& text);
 
 /// True once the user asked the program to stop (SIGINT, SIGTERM).
 bool stop_requested();

@@ -18,6 +18,8 @@ namespace {
 constexpr std::string_view kColumns =
     "columns are time_s, position_m or position_mm, p1_x_mm ... p3_z_mm (or _m), drive_N";
 
+constexpr std::size_t kLongestName = 100;
+
 // What a column's values are.
 struct Column {
   enum class Role { ignored, time, coordinate, drive };
@@ -60,44 +62,33 @@ bool parse_point_column(std::string_view name, std::size_t& coordinate, std::str
 class CsvRecording final : public Recording {
  public:
   CsvRecording(std::unique_ptr<ByteReader> reader, const RecordingOptions& options)
-      : reader_(std::move(reader)), rule_(options.faults) {
+      : reader_(std::move(reader)), rows_(*reader_), rule_(options.faults) {
     read_header(options.ignored_columns);
   }
 
   bool next(Sample& sample) override {
-    if (!held_line_) {
-      std::string_view line;
-      do {
-        if (!reader_->next_line(line)) return false;  // blank lines at the end are not rows
-        ++blank_rows_;
-      } while (trim(line).empty());
-      --blank_rows_;
-      held_line_ = line;
-    }
+    std::string_view row;
+    if (!rows_.next(row)) return false;
     sample = Sample{};
     sample.kind = info_.kind;
     sample.sequence = sequence_++;
-    line_ = reader_->line_number() - blank_rows_;
-    if (blank_rows_ > 0) {
-      --blank_rows_;
+    if (row.empty()) {
       rule_.accept(NumberStatus::empty, place(), columns_[0].name, "");
       sample.time_valid = sample.position_valid = false;
     } else {
-      parse_row(*held_line_, sample);
-      held_line_.reset();
+      parse_row(row, sample);
     }
     return true;
   }
 
   const RecordingInfo& info() const override { return info_; }
-  std::string place() const override { return fmt::format("{}:{}", reader_->path(), line_); }
+  std::string place() const override { return fmt::format("{}:{}", reader_->path(), rows_.line()); }
   double progress() const override { return reader_->progress(); }
 
  private:
   void read_header(const std::vector<std::string>& ignored) {
     std::string_view line;
-    reader_->next_line(line);
-    line_ = reader_->line_number();
+    if (!rows_.next(line)) line = {};
     if (line.find(',') == std::string_view::npos && line.find_first_of(";\t") != line.npos) {
       throw InputError(place(), "columns are not separated by commas",
                        "separate columns by commas and write decimals with points");
@@ -109,11 +100,21 @@ class CsvRecording final : public Recording {
                        fmt::format("add a first line such as time_s,position_m; {}", kColumns));
     }
     for (const std::string_view name : fields_) add_column(name, ignored);
+    for (const std::string& name : ignored) {
+      if (std::find(fields_.begin(), fields_.end(), name) == fields_.end()) {
+        throw InputError(place(), fmt::format("no column {} to ignore", quote(name)),
+                         "check the name given to --ignore-column");
+      }
+    }
     check_layout();
     info_.format = "CSV";
   }
 
   void add_column(std::string_view name, const std::vector<std::string>& ignored) {
+    if (name.size() > kLongestName) {
+      throw InputError(place(), fmt::format("the column name {} is too long", quote(name)),
+                       "check that the first line names the columns");
+    }
     Column column;
     column.name = std::string(name);
     std::string_view unit;
@@ -220,15 +221,14 @@ class CsvRecording final : public Recording {
   }
 
   std::unique_ptr<ByteReader> reader_;
+  RowReader rows_;
   FaultRule rule_;
   RecordingInfo info_;
   std::vector<Column> columns_;
   std::vector<std::string_view> fields_;  // of the row being read
   std::array<bool, 9> seen_{};            // coordinates that a point column gives
   std::ptrdiff_t axis_columns_ = 0;
-  std::optional<std::string_view> held_line_;  // valid until the reader moves on
-  std::uint64_t blank_rows_ = 0;               // before the held line
-  std::uint64_t line_ = 0, sequence_ = 0;
+  std::uint64_t sequence_ = 0;
 };
 
 }  // namespace

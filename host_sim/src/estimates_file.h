@@ -14,7 +14,9 @@ class EstimatesFile {
  public:
   explicit EstimatesFile(const std::string& path);
   void write_row(const Sample& sample, const PublishedEstimate<double>& estimate);
-  /// Gives the file its name; without it, nothing is left.
+  /// Writes out what is buffered.
+  void close() { file_.close(); }
+  /// Gives the closed file its name; without it, nothing is left.
   void commit() { file_.commit(); }
 
  private:

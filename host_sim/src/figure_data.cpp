@@ -6,8 +6,6 @@
 namespace condyle::host {
 namespace {
 
-constexpr double kNormalQuantile95 = 1.959963984540054;  // two-sided
-
 FigureCurve curve_of(const Quantity<double>& quantity) {
   FigureCurve curve;
   if (quantity.provenance == Provenance::not_computed) return curve;

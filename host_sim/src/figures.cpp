@@ -162,19 +162,10 @@ std::string label_command(const Figure& figure, const FigureData& data) {
                      : "unset label 1\n";
 }
 
-// A folder that goes again, where it is new and stayed empty.
-struct NewFolder {
-  std::string path;
-  bool is_new;
-  ~NewFolder() {
-    std::error_code ignored;
-    if (is_new) std::filesystem::remove(path, ignored);
-  }
-};
-
 class Gnuplot {
  public:
-  Gnuplot() : pipe_(popen("LC_ALL=C.UTF-8 gnuplot >/dev/null", "w")) {
+  // An interrupt is the command's to handle; the user's own gnuplot settings are left out.
+  Gnuplot() : pipe_(popen("trap '' INT; LC_ALL=C.UTF-8 exec gnuplot -d >/dev/null", "w")) {
     if (pipe_ == nullptr) fail(std::strerror(errno));
   }
   ~Gnuplot() {
@@ -187,9 +178,8 @@ class Gnuplot {
   void finish() {
     const int status = pclose(pipe_);
     pipe_ = nullptr;
-    if (status != 0) {
-      fail(fmt::format("it ended with status {}", WIFEXITED(status) ? WEXITSTATUS(status) : -1));
-    }
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 127) fail("it is not installed");
+    if (status != 0) fail("it failed; its own words stand above");
   }
 
  private:
@@ -200,23 +190,37 @@ class Gnuplot {
   std::FILE* pipe_;
 };
 
+bool has_values(const Figure& figure, const FigureData& data) {
+  return std::any_of(data.runs().begin(), data.runs().end(),
+                     [&](const FigureRun& run) { return is_drawn(run.*figure.curve); });
+}
+
+// gnuplot warns where all times are the same.
+std::string time_range_command(const FigureData& data) {
+  Extremes time;
+  for (const FigureRun& run : data.runs()) time.add(run.time_s);
+  if (time.highest > time.lowest) return "set autoscale xfix\n";
+  return fmt::format("set xrange [{:.9g}:{:.9g}]\n", time.lowest - 0.5, time.lowest + 0.5);
+}
+
 }  // namespace
 
-std::vector<std::string> draw_figures(const std::string& directory, const std::string& title,
-                                      const FigureData& data) {
-  std::error_code error;
-  const NewFolder folder{directory, std::filesystem::create_directories(directory, error)};
-  if (error) {
-    throw InputError(directory, "cannot be made: " + error.message(), "name another folder");
+std::vector<std::unique_ptr<OutputFile>> draw_figures(const std::string& directory,
+                                                      const std::string& title,
+                                                      const FigureData& data) {
+  if (std::any_of(directory.begin(), directory.end(),
+                  [](char c) { return static_cast<unsigned char>(c) < 0x20; })) {
+    throw InputError(directory, "has a control character in its name", "name another folder");
   }
-  std::vector<std::string> paths;
   std::vector<std::unique_ptr<OutputFile>> files;
   Gnuplot gnuplot;
   gnuplot.send(
       "set encoding utf8\nset grid back lt 1 lw 0.5 lc rgb '#d0d0d0'\nset key outside bottom "
-      "center maxrows 3 Left reverse samplen 3\nset xlabel 'time (s)'\nset autoscale xfix\n"
-      "set y2range [0:1]\nset ytics nomirror\n");
+      "center maxrows 3 Left reverse samplen 3\nset xlabel 'time (s)'\nset y2range [0:1]\n"
+      "set ytics nomirror\n" +
+      time_range_command(data));
   for (const Figure& figure : kFigures) {
+    if (!has_values(figure, data)) continue;
     gnuplot.send(data_block(figure, data));
     gnuplot.send(fmt::format("set ylabel '{}'\nset title {} noenhanced offset 0,0.8 font ',11'\n",
                              figure.axis_label, gnuplot_quoted(title + "  (research use only)")));
@@ -225,15 +229,16 @@ std::vector<std::string> draw_figures(const std::string& directory, const std::s
     for (const auto& [ending, terminal] :
          {std::pair{"svg", "svg size 960,480 dynamic background 'white'"},
           std::pair{"png", "pngcairo size 1280,640 background 'white'"}}) {
-      paths.push_back((std::filesystem::path(directory) / figure.name).string() + "." + ending);
-      files.push_back(std::make_unique<OutputFile>(paths.back()));
+      const auto path =
+          std::filesystem::path(directory) / (std::string(figure.name) + "." + ending);
+      files.push_back(std::make_unique<OutputFile>(path.string()));
       gnuplot.send(fmt::format("set terminal {}\nset output {}\n{}unset output\n", terminal,
                                gnuplot_quoted(files.back()->path_while_writing()), plot));
     }
   }
   gnuplot.finish();
-  for (const auto& file : files) file->commit();
-  return paths;
+  for (const auto& file : files) file->close();
+  return files;
 }
 
 }  // namespace condyle::host

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The condyle command. Exit codes: 0 done, 2 unusable input or command line, 130 interrupted.
-#include <fmt/format.h>
+// The condyle command; exit codes are in commands.h.
 #include <CLI/CLI.hpp>
 
 #include <csignal>
+#include <cstdio>
 #include <exception>
 #include <utility>
 #include <vector>
@@ -16,9 +16,16 @@ namespace {
 
 volatile std::sig_atomic_t stop_signal = 0;
 
+// Without SA_RESTART, so that waiting for a pipe ends as well.
+void stop_on(int signal) {
+  struct sigaction action = {};
+  action.sa_handler = [](int) { stop_signal = 1; };
+  sigaction(signal, &action, nullptr);
+}
+
 int run(int argc, char** argv) {
-  std::signal(SIGINT, [](int) { stop_signal = 1; });
-  std::signal(SIGTERM, [](int) { stop_signal = 1; });
+  stop_on(SIGINT);
+  stop_on(SIGTERM);
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a write error, reported as one
 
   CLI::App app{"Virtual sensor for jaw motion. Research use only; it diagnoses nothing."};
@@ -37,7 +44,11 @@ int run(int argc, char** argv) {
       if (app.got_subcommand(name)) return command();
     }
   } catch (const InputError& error) {
-    fmt::print(stderr, "condyle: {}\n", error.what());
+    if (stop_requested()) {  // what looks like an error is the interrupted wait
+      print_error("stopped; no file was left");
+      return kExitInterrupted;
+    }
+    print_error(error.what());
   }
   return kExitBadInput;
 }
@@ -48,13 +59,25 @@ bool stop_requested() {
   return stop_signal != 0;
 }
 
+void print_output(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+    throw InputError("standard output", "cannot be written", "give it a place that takes the text");
+  }
+}
+
+void print_error(const std::string& text) {
+  const std::string line = "condyle: " + text + "\n";
+  std::fwrite(line.data(), 1, line.size(), stderr);
+}
+
 }  // namespace condyle::host
 
 int main(int argc, char** argv) {
   try {
     return condyle::host::run(argc, argv);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "condyle: internal error: {}; please report it\n", error.what());
-    return 70;
+    condyle::host::print_error(std::string("internal error: ") + error.what() +
+                               "; please report it");
+    return condyle::host::kExitInternal;
   }
 }

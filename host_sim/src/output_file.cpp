@@ -8,12 +8,19 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <system_error>
 
 #include "input_error.h"
 
 namespace condyle::host {
 
-OutputFile::OutputFile(std::string path) : path_(std::move(path)), temporary_path_(path_) {
+OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
+  std::error_code no_link;
+  const auto target = std::filesystem::canonical(path_, no_link);
+  if (!no_link && std::filesystem::is_symlink(path_) && std::filesystem::is_regular_file(target)) {
+    path_ = target.string();  // the file behind a link is replaced, not the link
+  }
+  temporary_path_ = path_;
   struct stat status = {};
   const bool exists = stat(path_.c_str(), &status) == 0;
   if (exists && !S_ISREG(status.st_mode)) {
@@ -44,10 +51,13 @@ void OutputFile::write(std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail("cannot be written");
 }
 
-void OutputFile::commit() {
+void OutputFile::close() {
   std::FILE* const file = file_;
   file_ = nullptr;
   if (std::fclose(file) != 0) fail("cannot be written");
+}
+
+void OutputFile::commit() {
   if (temporary_path_ != path_ && std::rename(temporary_path_.c_str(), path_.c_str()) != 0) {
     fail("cannot be given its name");
   }
@@ -57,6 +67,28 @@ void OutputFile::commit() {
 void OutputFile::fail(const char* what) const {
   throw InputError(path_, fmt::format("{}: {}", what, std::strerror(errno)),
                    "check the folder, its permissions and the space on the disk");
+}
+
+OutputFolder::OutputFolder(const std::string& path) : path_(std::filesystem::absolute(path)) {
+  for (auto folder = path_; !std::filesystem::exists(folder); folder = folder.parent_path()) {
+    first_made_ = folder;
+  }
+  std::error_code error;
+  std::filesystem::create_directories(path_, error);
+  if (!error && !std::filesystem::is_directory(path_)) {
+    error = std::make_error_code(std::errc::not_a_directory);
+  }
+  if (error) throw InputError(path, "cannot be made: " + error.message(), "name another folder");
+}
+
+OutputFolder::~OutputFolder() {
+  if (first_made_.empty()) return;
+  std::error_code error;
+  // remove() leaves what is not empty.
+  for (auto folder = path_; !error && std::filesystem::remove(folder, error);) {
+    if (folder == first_made_) break;
+    folder = folder.parent_path();
+  }
 }
 
 }  // namespace condyle::host

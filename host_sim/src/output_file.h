@@ -2,14 +2,15 @@
 #pragma once
 
 #include <cstdio>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
 namespace condyle::host {
 
-/// A file that appears under its name only when it is complete: written beside it and renamed by
-/// `commit`; without that, nothing is left. A pipe or device that exists is written directly.
-/// Problems are InputErrors.
+/// A file that appears under its name only when it is complete: written beside it, `close`d, then
+/// renamed by `commit`; without that, nothing is left. A pipe or device that exists is written
+/// directly. Problems are InputErrors.
 class OutputFile {
  public:
   explicit OutputFile(std::string path);
@@ -18,8 +19,12 @@ class OutputFile {
   OutputFile& operator=(const OutputFile&) = delete;
 
   void write(std::string_view text);
-  /// Writes out what is buffered and gives the file its name.
+  /// Writes out what is buffered. Whatever the disk has against it is said here.
+  void close();
+  /// Gives the closed file its name.
   void commit();
+  /// Name that `commit` gives it.
+  const std::string& path() const { return path_; }
   /// Where the file is being written.
   const std::string& path_while_writing() const { return temporary_path_; }
 
@@ -29,6 +34,18 @@ class OutputFile {
   std::string path_;
   std::string temporary_path_;
   std::FILE* file_ = nullptr;
+};
+
+/// A folder, made where it is missing. What was made goes again if it stays empty.
+class OutputFolder {
+ public:
+  explicit OutputFolder(const std::string& path);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+ private:
+  std::filesystem::path path_, first_made_;  // the outermost folder that was missing; may be empty
 };
 
 }  // namespace condyle::host

@@ -39,13 +39,15 @@ class ProbeTextRecording final : public Recording {
  public:
   ProbeTextRecording(std::unique_ptr<ByteReader> reader, const RecordingOptions& options)
       : reader_(std::move(reader)),
+        rows_(*reader_),
         rule_(options.faults),
-        metres_per_unit_(options.metres_per_unit.value_or(1e-3)) {
+        units_per_metre_(options.units_per_metre.value_or(1000)) {
     std::string_view line;
-    reader_->next_line(line);
+    static_cast<void>(rows_.next(line));
     const auto range = words(line);
-    double start_s = 0, scale = 1;
-    if (range.size() != 3 || parse_number(range[0], start_s) != NumberStatus::ok ||
+    double scale = 1;
+    if (range.size() != 3 || parse_time_s(range[0], start_ns_) != NumberStatus::ok ||
+        parse_number(range[1], stop_s_) != NumberStatus::ok ||
         parse_number(range[2], scale) != NumberStatus::ok) {
       throw InputError(place(), "line 1 is not START STOP SCALE", "write for example: 0 12.68 1");
     }
@@ -53,7 +55,7 @@ class ProbeTextRecording final : public Recording {
       throw InputError(place(), fmt::format("the time scale is {}, not 1", range[2]),
                        "export the recording unscaled");
     }
-    reader_->next_line(line);
+    static_cast<void>(rows_.next(line));
     const auto layout = words(line);
     double columns = 0;
     if (layout.size() != 3 || parse_number(layout[1], columns) != NumberStatus::ok) {
@@ -69,42 +71,50 @@ class ProbeTextRecording final : public Recording {
     explicit_time_ = layout[2] == "explicit";
     if (!explicit_time_) {
       TimeNs step_ns = 0;
-      if (parse_time_s(layout[2], step_ns) != NumberStatus::ok || step_ns <= 0 ||
-          parse_time_s(range[0], start_ns_) != NumberStatus::ok) {
+      if (parse_time_s(layout[2], step_ns) != NumberStatus::ok || step_ns <= 0) {
         throw InputError(place(), fmt::format("{} is no time step", quote(layout[2])),
                          "give seconds, or the word explicit where each row starts with its time");
       }
       parse_number(layout[2], step_s_);
     }
     info_.format = explicit_time_ ? "probe text with times (JAWS3D)" : "probe text (Zebris export)";
-    if (!options.metres_per_unit) {
+    if (!options.units_per_metre) {
       info_.notes.push_back("the format states no unit: read as millimetres (--unit m for metres)");
     }
   }
 
   bool next(Sample& sample) override {
-    std::string_view line;
-    do {
-      if (!reader_->next_line(line)) return false;
-    } while (trim(line).empty());
-    const auto fields = words(line);
+    std::string_view row;
+    if (!rows_.next(row)) {
+      note_unexpected_end();
+      return false;
+    }
+    sample = Sample{};
+    sample.kind = info_.kind;
+    sample.sequence = sequence_;
+    if (!explicit_time_) {
+      sample.time_ns = regular_time_ns(start_ns_, sequence_, step_s_, reader_->path());
+    }
+    ++sequence_;
+    const auto fields = words(row);
+    if (fields.empty()) {
+      rule_.accept(NumberStatus::empty, place(), "1", "");
+      sample.position_valid = false;
+      sample.time_valid = !explicit_time_;
+      return true;
+    }
     const std::size_t expected = columns_ + (explicit_time_ ? 1 : 0);
     if (fields.size() != expected) {
       throw InputError(fmt::format("{}: column {}", place(), std::min(fields.size(), expected) + 1),
                        fmt::format("the row has {} numbers, not {}", fields.size(), expected),
                        "complete the row; numbers take a decimal point, not a comma");
     }
-    sample = Sample{};
-    sample.kind = info_.kind;
-    sample.sequence = sequence_;
     std::size_t field = 0;
     if (explicit_time_) {
       const NumberStatus status = parse_time_s(fields[0], sample.time_ns);
       sample.time_valid =
           status == NumberStatus::ok || rule_.accept(status, place(), "1 (time)", fields[0]);
       field = 1;
-    } else {
-      sample.time_ns = regular_time_ns(start_ns_, sequence_, step_s_, reader_->path());
     }
     for (std::size_t i = 0; i < columns_; ++i, ++field) {
       double value = 0;
@@ -112,28 +122,36 @@ class ProbeTextRecording final : public Recording {
       const bool usable = status == NumberStatus::ok ||
                           rule_.accept(status, place(), std::to_string(field + 1), fields[field]);
       sample.position_valid = sample.position_valid && usable;
-      // Divided where it can be: 11.573 mm is then exactly the double nearest to 0.011573 m.
-      sample.coordinates[i] = metres_per_unit_ == 1e-3 ? value / 1000 : value * metres_per_unit_;
+      sample.coordinates[i] = value / units_per_metre_;
     }
-    ++sequence_;
     return true;
   }
 
   const RecordingInfo& info() const override { return info_; }
-  std::string place() const override {
-    return fmt::format("{}:{}", reader_->path(), reader_->line_number());
-  }
+  std::string place() const override { return fmt::format("{}:{}", reader_->path(), rows_.line()); }
   double progress() const override { return reader_->progress(); }
 
  private:
+  // With fixed steps the header says when the recording ends.
+  void note_unexpected_end() {
+    if (explicit_time_ || noted_end_) return;
+    noted_end_ = true;
+    const double end_s = seconds(start_ns_) + static_cast<double>(sequence_) * step_s_;
+    if (std::abs(end_s - stop_s_) <= 1.5 * step_s_) return;
+    info_.notes.push_back(
+        fmt::format("the header says it ends at {:g} s, its rows end at {:g} s", stop_s_, end_s));
+  }
+
   std::unique_ptr<ByteReader> reader_;
+  RowReader rows_;
   FaultRule rule_;
-  double metres_per_unit_;
+  double units_per_metre_;
   RecordingInfo info_;
   std::size_t columns_ = 0;
   bool explicit_time_ = false;
   TimeNs start_ns_ = 0;
-  double step_s_ = 0;
+  double step_s_ = 0, stop_s_ = 0;
+  bool noted_end_ = false;
   std::uint64_t sequence_ = 0;
 };
 

@@ -20,7 +20,7 @@ Progress::Progress(std::string what, hal::Clock& clock)
       next_ns_(clock.now_ns() + kFirst_ns) {}
 
 Progress::~Progress() {
-  if (shown_) fmt::print(stderr, "\r\x1b[K");
+  if (shown_) std::fputs("\r\x1b[K", stderr);
 }
 
 void Progress::show(double share) {
@@ -29,7 +29,7 @@ void Progress::show(double share) {
   if (now_ns < next_ns_) return;
   next_ns_ = now_ns + kEvery_ns;
   shown_ = true;
-  fmt::print(stderr, "\r{} {:3.0f} %", what_, 100 * share);
+  std::fputs(fmt::format("\r{} {:3.0f} %", what_, 100 * share).c_str(), stderr);
   std::fflush(stderr);
 }
 

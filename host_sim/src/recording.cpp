@@ -53,6 +53,28 @@ bool FaultRule::accept(NumberStatus status, const std::string& place, std::strin
   return false;
 }
 
+bool RowReader::next(std::string_view& row) {
+  if (!held_) {
+    std::string_view line;
+    std::uint64_t lines = 0;
+    do {
+      if (!reader_.next_line(line)) return false;
+      ++lines;
+    } while (trim(line).empty());
+    held_ = line;
+    blank_rows_ = lines - 1;
+  }
+  line_ = reader_.line_number() - blank_rows_;
+  if (blank_rows_ > 0) {
+    --blank_rows_;
+    row = {};
+  } else {
+    row = *held_;
+    held_.reset();
+  }
+  return true;
+}
+
 TimeNs regular_time_ns(TimeNs start_ns, std::uint64_t index, double step_s,
                        const std::string& path) {
   const double since_start_s = static_cast<double>(index) * step_s;
@@ -76,15 +98,33 @@ std::unique_ptr<Recording> open_recording(const std::string& path,
     start.remove_prefix(3);
   }
   if (start.empty()) throw InputError(path, "is empty", "name a file with a recording");
-  if (start.substr(0, 4) == "SSFF") return open_ssff(std::move(reader), options);
+  const auto only_for = [&](bool used, const char* option, const char* format) {
+    if (used) {
+      throw InputError(path, fmt::format("{} goes with {}", option, format), "leave it out");
+    }
+  };
+  if (start.substr(0, 4) == "SSFF") {
+    only_for(options.movement != 1, "--movement", "Zebris XML");
+    only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
+    return open_ssff(std::move(reader), options);
+  }
   if (!is_text(start)) {
     throw InputError(path, "is a binary file of no known format", std::string(kFormats));
   }
   const std::size_t first = start.find_first_not_of(" \t\r\n");
   if (first != std::string_view::npos && start[first] == '<') {
+    only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
     return open_zebris_xml(std::move(reader), options);
   }
-  if (looks_like_probe_text(start)) return open_probe_text(std::move(reader), options);
+  only_for(options.movement != 1, "--movement", "Zebris XML");
+  if (start.find('\n') == std::string_view::npos && start.find('\r') != std::string_view::npos) {
+    throw InputError(path, "its lines end in CR alone", "save it with LF or CR LF line ends");
+  }
+  if (looks_like_probe_text(start)) {
+    only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
+    return open_probe_text(std::move(reader), options);
+  }
+  only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns name no unit");
   return open_csv(std::move(reader), options);
 }
 

@@ -22,7 +22,7 @@ enum class FaultPolicy {
 struct RecordingOptions {
   FaultPolicy faults = FaultPolicy::refuse;
   std::vector<std::string> ignored_columns;  ///< CSV columns that are not read
-  std::optional<double> metres_per_unit;     ///< for formats that do not state their unit
+  std::optional<double> units_per_metre;     ///< 1000: mm; for formats that do not state their unit
   int movement = 1;                          ///< which movement of a Zebris XML file, from 1
 };
 

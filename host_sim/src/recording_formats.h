@@ -25,6 +25,23 @@ std::unique_ptr<Recording> open_ssff(std::unique_ptr<ByteReader> reader,
 std::unique_ptr<Recording> open_zebris_xml(std::unique_ptr<ByteReader> reader,
                                            const RecordingOptions& options);
 
+/// Rows of a text format. Blank lines at the end of the file are no rows; blank lines before a row
+/// are rows without values.
+class RowReader {
+ public:
+  explicit RowReader(ByteReader& reader) : reader_(reader) {}
+  /// Next row; false at the end. `row` is empty for a blank line, else valid until the next call.
+  bool next(std::string_view& row);
+  /// Line of the row last returned.
+  std::uint64_t line() const { return line_; }
+
+ private:
+  ByteReader& reader_;
+  std::optional<std::string_view> held_;  // valid until the reader moves on
+  std::uint64_t blank_rows_ = 0;          // before the held row
+  std::uint64_t line_ = 0;
+};
+
 /// True where `start`, the beginning of a file, has the two header lines of ArtiSynth probe text.
 bool looks_like_probe_text(std::string_view start);
 

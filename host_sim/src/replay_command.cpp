@@ -13,6 +13,7 @@
 #include "estimates_file.h"
 #include "figures.h"
 #include "input_error.h"
+#include "number_option.h"
 #include "parameter_file.h"
 #include "progress.h"
 #include "replay_facebow.h"
@@ -29,6 +30,7 @@ struct ReplayOptions {
   std::string figures;
   std::string unit;
   FollowedCoordinate followed;
+  bool axis_given = false;
   double speed = 0;
   RecordingOptions reading;
 };
@@ -63,19 +65,22 @@ int replay(const ReplayOptions& options) {
   refuse_overwriting(options.parameters, options.out);
   hal::SteadyClock clock;
   ReplayFacebow facebow(options.recording, options.reading, options.speed, clock);
-  if (facebow.open() != hal::Status::ok) {
-    fmt::print(stderr, "condyle: {}\n", facebow.problem());
-    return kExitBadInput;
-  }
+  if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
   const RecordingInfo& info = facebow.info();
   if (!is_available(info.kind, options.followed)) {
     throw InputError(options.recording,
                      fmt::format("has one point, not point {}", options.followed.point),
                      "leave out --point");
   }
+  if (info.kind == SampleKind::one_axis && options.axis_given) {
+    throw InputError(options.recording, "has one axis, so there is none to choose",
+                     "leave out --axis");
+  }
   const PublishedParameters parameters = choose_parameters(options, facebow);
 
   // Opened first, so that an output that cannot be written is said before the work.
+  std::unique_ptr<OutputFolder> figure_folder;
+  if (!options.figures.empty()) figure_folder = std::make_unique<OutputFolder>(options.figures);
   std::unique_ptr<EstimatesFile> estimates;
   if (!options.out.empty()) estimates = std::make_unique<EstimatesFile>(options.out);
   FigureData figure_data;
@@ -97,43 +102,50 @@ int replay(const ReplayOptions& options) {
           progress.show(facebow.progress());
         },
         [&] { return stop_requested() || !facebow.problem().empty(); });
-    if (!facebow.problem().empty()) {
-      fmt::print(stderr, "condyle: {}\n", facebow.problem());
-      return kExitBadInput;
-    }
+    if (!facebow.problem().empty()) throw InputError(facebow.problem());
     if (status == hal::Status::ok) {
-      fmt::print(stderr, "condyle: stopped after {} samples; nothing was written\n",
-                 counts.samples);
+      print_error(fmt::format("stopped after {} samples; no file was left", counts.samples));
       return kExitInterrupted;
     }
   }
 
+  // Everything is written and closed before anything gets its name.
   const std::string name = std::filesystem::path(options.recording).filename().string();
-  std::vector<std::string> figure_paths;
-  if (!options.figures.empty()) figure_paths = draw_figures(options.figures, name, figure_data);
-  if (estimates) estimates->commit();
-
-  fmt::print("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
-  fmt::print("{:<12}{}, {}{}\n", "recording", options.recording, info.format,
-             info.kind == SampleKind::one_axis
-                 ? ", one axis"
-                 : fmt::format(", point {}, axis {}", options.followed.point,
-                               "xyz"[static_cast<int>(options.followed.axis)]));
-  for (const std::string& note : info.notes) fmt::print("{:<12}{}\n", "note", note);
-  fmt::print("{}", summary.text());
-  if (estimates) fmt::print("{:<12}{}\n", "estimates", options.out);
-  for (const std::string& path : figure_paths) {
-    if (path.ends_with(".png")) fmt::print("{:<12}{} (and .svg)\n", "figure", path);
+  std::vector<std::unique_ptr<OutputFile>> figures;
+  if (figure_folder) figures = draw_figures(options.figures, name, figure_data);
+  if (estimates) estimates->close();
+  if (stop_requested()) {
+    print_error("stopped; no file was left");
+    return kExitInterrupted;
   }
-  std::fflush(stdout);
+  if (estimates) estimates->commit();
+  for (const auto& figure : figures) figure->commit();
+
+  std::string text =
+      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
+  const auto line = [&text](const char* label, const std::string& words) {
+    text += fmt::format("{:<12}{}\n", label, words);
+  };
+  line("recording", fmt::format("{}, {}{}", options.recording, info.format,
+                                info.kind == SampleKind::one_axis
+                                    ? ", one axis"
+                                    : fmt::format(", point {}, axis {}", options.followed.point,
+                                                  "xyz"[static_cast<int>(options.followed.axis)])));
+  for (const std::string& note : info.notes) line("note", note);
+  text += summary.text();
+  if (estimates) line("estimates", options.out);
+  for (const auto& figure : figures) {
+    if (figure->path().ends_with(".png")) line("figure", figure->path() + " (and .svg)");
+  }
+  if (figure_folder && figures.empty()) line("figures", "none: there are no values to draw");
+  print_output(text);
   if (summary.uneven_steps() > 0) {
-    fmt::print(
-        stderr,
-        "condyle: warning: {} of {} steps ({:.4g} to {:.4g} ms) differ from the sample time "
-        "{:.6g} s by more than 1 %; the published cascade takes every step as that long, and "
-        "nothing is resampled\n",
+    print_error(fmt::format(
+        "warning: {} of {} steps ({:.4g} to {:.4g} ms) differ from the sample time {:.6g} s by "
+        "more "
+        "than 1 %; the published cascade takes every step as that long, and nothing is resampled",
         summary.uneven_steps(), summary.steps(), summary.shortest_step_s() * 1e3,
-        summary.longest_step_s() * 1e3, parameters.sample_time_s);
+        summary.longest_step_s() * 1e3, parameters.sample_time_s));
   }
   return kExitOk;
 }
@@ -155,15 +167,14 @@ Command add_replay(CLI::App& app) {
   command->add_option("--point", options->followed.point, "Point to follow")
       ->check(CLI::Range(1, 3))
       ->capture_default_str();
-  const std::map<std::string, Axis> axes{{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}};
-  command->add_option("--axis", options->followed.axis, "Axis to follow: x, y or z (default)")
-      ->transform(CLI::CheckedTransformer(axes));
-  const std::map<std::string, FaultPolicy> policies{{"refuse", FaultPolicy::refuse},
-                                                    {"event", FaultPolicy::event}};
-  command
-      ->add_option("--faults", options->reading.faults,
-                   "Missing, non-finite and reversed rows: refuse (default) or event")
-      ->transform(CLI::CheckedTransformer(policies));
+  auto axis = std::make_shared<std::string>("z");
+  CLI::Option* const axis_option = command->add_option("--axis", *axis, "Axis to follow")
+                                       ->check(CLI::IsMember({"x", "y", "z"}))
+                                       ->capture_default_str();
+  auto faults = std::make_shared<std::string>("refuse");
+  command->add_option("--faults", *faults, "What to do with missing, non-finite and reversed rows")
+      ->check(CLI::IsMember({"refuse", "event"}))
+      ->capture_default_str();
   command
       ->add_option("--ignore-column", options->reading.ignored_columns,
                    "CSV column to leave unread; may be given several times")
@@ -174,13 +185,16 @@ Command add_replay(CLI::App& app) {
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   command->add_option("--speed", options->speed, "0 as fast as possible, 1 real time")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(number_in({0, 1e6}))
       ->capture_default_str();
   command->add_option("--out", options->out, "CSV file for the estimates");
   command->add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
-  return [options] {
+  return [options, axis, axis_option, faults] {
+    options->followed.axis = static_cast<Axis>((*axis)[0] - 'x');
+    options->axis_given = axis_option->count() > 0;
+    options->reading.faults = *faults == "event" ? FaultPolicy::event : FaultPolicy::refuse;
     if (!options->unit.empty()) {
-      options->reading.metres_per_unit = options->unit == "mm" ? 1e-3 : 1.0;
+      options->reading.units_per_metre = options->unit == "mm" ? 1000 : 1;
     }
     return replay(*options);
   };

@@ -2,6 +2,7 @@
 #include "replay_facebow.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <utility>
@@ -28,7 +29,8 @@ hal::Status ReplayFacebow::open() {
   } catch (const InputError& error) {
     close();
     problem_ = error.what();
-    return hal::Status::bad_report;
+    if (access(path_.c_str(), F_OK) != 0) return hal::Status::not_found;
+    return access(path_.c_str(), R_OK) != 0 ? hal::Status::not_permitted : hal::Status::bad_report;
   }
   find_median_step();
   return hal::Status::ok;
@@ -39,8 +41,8 @@ bool ReplayFacebow::fetch(Sample& sample) {
   if (sample.time_valid) {
     if (previous_time_ns_ && sample.time_ns < *previous_time_ns_ &&
         options_.faults == FaultPolicy::refuse) {
-      throw InputError(recording_->place() + ": column time_s",
-                       fmt::format("time runs backwards, from {:.9g} s to {:.9g} s",
+      throw InputError(recording_->place() + ": time",
+                       fmt::format("it runs backwards, from {:.9g} s to {:.9g} s",
                                    seconds(*previous_time_ns_), seconds(sample.time_ns)),
                        "sort the rows, or count them as events with --faults event");
     }

@@ -9,28 +9,35 @@ namespace condyle::host {
 namespace {
 
 constexpr double kUnevenShare = 0.01;
-constexpr double kNormalQuantile95 = 1.96;
 // Mean NIS beyond which the intervals are said to be off: they are then wrong by 22 % and more.
 constexpr double kTrustedNis = 1.5;
 
-std::string with_interval(const Quantity<double>& quantity, double shown_per_si, const char* unit) {
-  return fmt::format("{:.4g} +- {:.2g} {} (95 %), {}", quantity.value * shown_per_si,
-                     kNormalQuantile95 * quantity.standard_deviation * shown_per_si, unit,
+std::string with_interval(const Quantity<double>& quantity, double shown_per_si, const char* unit,
+                          const char* level) {
+  if (quantity.provenance == Provenance::not_computed) return "none";
+  return fmt::format("{:.4g} +- {:.2g} {} ({}), {}", quantity.value * shown_per_si,
+                     kNormalQuantile95 * quantity.standard_deviation * shown_per_si, unit, level,
                      provenance_name(quantity.provenance));
+}
+
+// No interval: the filter's own would be that of its tuning.
+std::string without_interval(const Quantity<double>& quantity, const char* unit) {
+  if (quantity.provenance == Provenance::not_computed) return "none";
+  return fmt::format("{:.4g} {}, {}", quantity.value, unit, provenance_name(quantity.provenance));
 }
 
 }  // namespace
 
 void ReplaySummary::add(const Sample& sample, const PublishedEstimate<double>& estimate) {
   ++samples_;
-  if (sample.time_valid) {
-    if (!first_time_ns_) first_time_ns_ = sample.time_ns;
-    if (previous_time_ns_ && sample.time_ns >= *previous_time_ns_) {
+  if (sample.time_valid && !estimate.events.has(Event::time_reversed)) {
+    if (previous_time_ns_ && !estimate.events.has(Event::time_restarted)) {
       const TimeNs step_ns = sample.time_ns - *previous_time_ns_;
       const double T = parameters_.sample_time_s;
       if (std::abs(seconds(step_ns) - T) > kUnevenShare * T) ++uneven_steps_;
       shortest_step_ns_ = steps_ == 0 ? step_ns : std::min(shortest_step_ns_, step_ns);
       longest_step_ns_ = std::max(longest_step_ns_, step_ns);
+      duration_ns_ += step_ns;
       ++steps_;
     }
     previous_time_ns_ = sample.time_ns;
@@ -40,7 +47,10 @@ void ReplaySummary::add(const Sample& sample, const PublishedEstimate<double>& e
   friction_nis_.add(estimate.friction_nis);
   mass_nis_.add(estimate.mass_nis);
   events_.add(estimate.events);
-  if (estimate.position_m.provenance != Provenance::not_computed) last_ = estimate;
+  if (estimate.position_m.provenance == Provenance::not_computed) return;
+  last_ = estimate;
+  last_time_ns_.reset();
+  if (sample.time_valid) last_time_ns_ = sample.time_ns;
 }
 
 std::string ReplaySummary::text() const {
@@ -48,7 +58,7 @@ std::string ReplaySummary::text() const {
   const auto line = [&text](const char* label, const std::string& words) {
     text += fmt::format("{:<12}{}\n", label, words);
   };
-  const double duration_s = first_time_ns_ ? seconds(*previous_time_ns_ - *first_time_ns_) : 0;
+  const double duration_s = seconds(duration_ns_);
   line("duration", fmt::format("{:.6g} s, {} samples", duration_s, samples_));
   if (duration_s > 0) {
     line("rate", fmt::format("{:.5g} Hz on average; steps {:.4g} to {:.4g} ms; {} of {} differ "
@@ -78,33 +88,38 @@ std::string ReplaySummary::text() const {
                                  "measurement)",
                                  mean(motion_nis_), mean(friction_nis_), mean(mass_nis_)));
   }
-  if (motion_nis_.count > 0 &&
-      (mean(motion_nis_) > kTrustedNis || mean(motion_nis_) < 1 / kTrustedNis)) {
-    const double factor = std::sqrt(mean(motion_nis_));
+  const double trust = motion_nis_.count > 0 ? mean(motion_nis_) : 0;
+  const bool trusted = trust <= kTrustedNis && trust >= 1 / kTrustedNis;
+  if (trust > 0 && !trusted) {
+    const double factor = std::sqrt(trust);
     line("intervals",
-         fmt::format("too {} by a factor of about {:.2g}: the stated noise does not "
-                     "fit this recording",
+         fmt::format("too {} by a factor of about {:.2g}: the stated noise does not fit this "
+                     "recording",
                      factor > 1 ? "narrow" : "wide", factor > 1 ? factor : 1 / factor));
   }
   if (last_.position_m.provenance == Provenance::not_computed) {
     line("estimates", "none: no sample had a position");
     return text;
   }
-  line("verdict", fmt::format("{}: mass {} within 2 % of the assumed mass throughout the last "
-                              "quarter. It judges the tuning, not the subject",
-                              verdict_name(last_.verdict),
-                              last_.verdict == Verdict::matched ? "stayed" : "did not stay"));
-  text += "at the end\n";
-  line("  position", with_interval(last_.position_m, 1e3, "mm"));
-  line("  velocity", with_interval(last_.velocity_m_s, 1e3, "mm/s"));
-  line("  force",
-       with_interval(last_.force_N, 1, "N") + (last_.force_N.provenance == Provenance::derived
-                                                   ? ": assumed mass times measured acceleration"
-                                                   : ""));
-  line("  friction", fmt::format("{:.4g} Ns/m, {}", last_.friction_Ns_m.value,
-                                 provenance_name(last_.friction_Ns_m.provenance)));
-  line("  mass", fmt::format("{:.4g} kg, {}", last_.mass_kg.value,
-                             provenance_name(last_.mass_kg.provenance)));
+  line("verdict",
+       fmt::format(
+           "{}: {}. It judges the tuning, not the subject", verdict_name(last_.verdict),
+           last_.verdict == Verdict::diverged
+               ? "the mass was not positive, or no number, at some sample"
+               : fmt::format("the mass {} within 2 % of the assumed mass throughout the "
+                             "last quarter",
+                             last_.verdict == Verdict::matched ? "stayed" : "did not stay")));
+  text += last_time_ns_ ? fmt::format("last values, at {:.6g} s\n", seconds(*last_time_ns_))
+                        : std::string("last values\n");
+  const char* const level = trusted ? "95 %" : "95 % if the intervals were right";
+  line("  position", with_interval(last_.position_m, 1e3, "mm", level));
+  line("  velocity", with_interval(last_.velocity_m_s, 1e3, "mm/s", level));
+  line("  force", with_interval(last_.force_N, 1, "N", level) +
+                      (last_.force_N.provenance == Provenance::derived
+                           ? ": assumed mass times measured acceleration"
+                           : ""));
+  line("  friction", without_interval(last_.friction_Ns_m, "Ns/m"));
+  line("  mass", without_interval(last_.mass_kg, "kg"));
   text +=
       "Friction and mass are assumed, not measured: the force that drives their stages is the "
       "assumed mass times the\nacceleration seen in the same positions, so friction zero and the "

@@ -39,11 +39,14 @@ class ReplaySummary {
 
   PublishedParameters parameters_;
   std::uint64_t samples_ = 0, steps_ = 0, uneven_steps_ = 0;
-  std::optional<TimeNs> first_time_ns_, previous_time_ns_;
+  std::optional<TimeNs> previous_time_ns_;  // of the last accepted sample
+  TimeNs duration_ns_ = 0;
   TimeNs shortest_step_ns_ = 0, longest_step_ns_ = 0;
   Mean innovation_squared_, motion_nis_, friction_nis_, mass_nis_;
   EventCounts events_;
-  PublishedEstimate<double> last_;  // the last with values
+  // The last with values, and when.
+  PublishedEstimate<double> last_;
+  std::optional<TimeNs> last_time_ns_;
 };
 
 }  // namespace condyle::host

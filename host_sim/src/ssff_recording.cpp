@@ -47,10 +47,10 @@ class SsffRecording final : public Recording {
   SsffRecording(std::unique_ptr<ByteReader> reader, const RecordingOptions& options)
       : reader_(std::move(reader)),
         rule_(options.faults),
-        metres_per_unit_(options.metres_per_unit.value_or(1e-3)) {
+        units_per_metre_(options.units_per_metre.value_or(1000)) {
     info_.format = "SSFF";
     info_.kind = SampleKind::one_point;
-    if (!options.metres_per_unit) {
+    if (!options.units_per_metre) {
       info_.notes.push_back("the format states no unit: read as millimetres (--unit m for metres)");
     }
     read_header();
@@ -61,7 +61,7 @@ class SsffRecording final : public Recording {
     if (record.empty()) return false;
     if (record.size() < record_size_) {
       throw InputError(place(),
-                       fmt::format("the file ends inside record {}: {} of {} bytes", sequence_ + 1,
+                       fmt::format("the file ends inside the next record: {} of {} bytes",
                                    record.size(), record_size_),
                        "copy the file again");
     }
@@ -80,7 +80,7 @@ class SsffRecording final : public Recording {
           std::isfinite(value) ||
           rule_.accept(NumberStatus::not_finite, place(), field.name, fmt::format("{}", value));
       sample.position_valid = sample.position_valid && usable;
-      sample.coordinates[i] = value * metres_per_unit_;
+      sample.coordinates[i] = value / units_per_metre_;
     }
     reader_->skip(record_size_);
     return true;
@@ -152,7 +152,8 @@ class SsffRecording final : public Recording {
     double count = 0;
     const bool shaped = first != std::string_view::npos && second > first &&
                         parse_number(text.substr(second), count) == NumberStatus::ok &&
-                        count >= 1 && count <= static_cast<double>(kLargestRecord);
+                        count >= 1 && count <= static_cast<double>(kLargestRecord) &&
+                        count == std::floor(count);
     const std::string_view name = text.substr(0, first);
     const std::string_view type_name =
         shaped ? trim(text.substr(first, second - first)) : std::string_view();
@@ -179,7 +180,7 @@ class SsffRecording final : public Recording {
 
   std::unique_ptr<ByteReader> reader_;
   FaultRule rule_;
-  double metres_per_unit_;
+  double units_per_metre_;
   RecordingInfo info_;
   CoordinateField fields_[3];
   std::size_t record_size_ = 0;

@@ -40,11 +40,11 @@ class ZebrisXmlRecording final : public Recording {
   ZebrisXmlRecording(std::unique_ptr<ByteReader> reader, const RecordingOptions& options)
       : path_(reader->path()), rule_(options.faults) {
     load(*reader);
-    if (!options.metres_per_unit) {
+    if (!options.units_per_metre) {
       throw InputError(path_, "the format does not state the unit of its coordinates",
                        "say it: --unit mm or --unit m");
     }
-    units_per_metre_ = 1 / *options.metres_per_unit;
+    units_per_metre_ = *options.units_per_metre;
     info_.format = "Zebris XML";
     find_tracks(options.movement);
   }

@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   condyle::host::RecordingOptions options;
   options.faults =
       (data[0] & 1U) != 0 ? condyle::host::FaultPolicy::event : condyle::host::FaultPolicy::refuse;
-  if ((data[0] & 2U) != 0) options.metres_per_unit = 1e-3;
+  if ((data[0] & 2U) != 0) options.units_per_metre = 1000;
   const condyle::fuzz::MemoryFile file(data + 1, size - 1);
   try {
     const auto recording = condyle::host::open_recording(file.path(), options);

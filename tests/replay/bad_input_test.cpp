@@ -68,7 +68,7 @@ TEST_F(BadInput, Overflow) {
 }
 TEST_F(BadInput, TimeRunningBackwards) {
   expect_refused(csv("0,1\n0.02,1\n0.01,1\n"),
-                 {"bad.csv:4: column time_s: time runs backwards", "--faults event"});
+                 {"bad.csv:4: time: it runs backwards", "--faults event"});
 }
 TEST_F(BadInput, RowWithMissingColumns) {
   expect_refused(csv("0,1\n0.02\n"),
@@ -78,7 +78,11 @@ TEST_F(BadInput, RowWithMissingColumns) {
 TEST_F(BadInput, Binary) {
   expect_refused(folder_.write("bad.csv", std::string("\x89PNG\r\n\x1a\n\0\0", 10)),
                  {"bad.csv: is a binary file of no known format"});
-  expect_refused(csv(std::string("0,\0\x01\n", 5)), {"bad.csv"});
+  expect_refused(csv(std::string("0,\0\x01\n", 5)), {"bad.csv: is a binary file"});
+  std::string late;  // beyond what recognition looks at
+  for (int i = 0; i < 2000; ++i) late += std::to_string(i) + ",1\n";
+  expect_refused(csv(late + std::string("2000,\x1b[2J\0\n", 12)),
+                 {"bad.csv:2002: column position_m: '\\x1b[2J\\x00' is not a number"});
 }
 TEST_F(BadInput, CommaDecimals) {
   expect_refused(csv("0,0,001\n0,02,0,002\n"),
@@ -131,10 +135,24 @@ TEST_F(BadInput, UnwritableOutput) {
   std::filesystem::permissions(closed.path(), std::filesystem::perms(0555));
   expect(closed / "estimates.csv", {.as_nobody = true});
   EXPECT_EQ(closed.count(), 0);
+  // Neither file nor figures where one of them cannot be written.
+  const TemporaryFolder results;
+  const CommandResult half =
+      run_condyle({"replay", path, "--out", "/dev/full", "--figures", results / "a/b"});
+  EXPECT_EQ(half.exit_code, 2);
+  EXPECT_EQ(results.count(), 0);
   const std::string in_the_way = folder_.write("file", "");
   const CommandResult result = run_condyle({"replay", path, "--figures", in_the_way + "/figures"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.errors, HasSubstr("file/figures: cannot be made"));
+}
+
+TEST_F(BadInput, StandardOutputThatTakesNothing) {
+  const CommandResult full = run_condyle({"replay", good()}, {.output_to = "/dev/full"});
+  EXPECT_EQ(full.exit_code, 2);
+  EXPECT_THAT(full.errors, HasSubstr("standard output: cannot be written"));
+  EXPECT_EQ(run_condyle({"observability"}, {.output_to = "/dev/full"}).exit_code, 2);
+  EXPECT_EQ(run_condyle({"replay", "/nowhere"}, {.errors_to = "/dev/full"}).exit_code, 2);
 }
 
 TEST_F(BadInput, OutputOverItsOwnInput) {
@@ -147,8 +165,8 @@ TEST_F(BadInput, OutputOverItsOwnInput) {
 }
 
 TEST_F(BadInput, FiguresWithoutGnuplot) {
-  expect_refused(good(), {"gnuplot: cannot draw the figures", "gnuplot-nox"}, {},
-                 {.search_path = "/nowhere"});
+  expect_refused(good(), {"gnuplot: cannot draw the figures: it is not installed", "gnuplot-nox"},
+                 {}, {.search_path = "/nowhere"});
 }
 
 TEST_F(BadInput, NoUsableSampleTime) {
@@ -163,6 +181,10 @@ TEST_F(BadInput, CommandLine) {
                                                     {"replay", good(), "--point", "4"},
                                                     {"replay", good(), "--axis", "w"},
                                                     {"replay", good(), "--speed", "-1"},
+                                                    {"replay", good(), "--speed", "nan"},
+                                                    {"replay", good(), "--axis", "2"},
+                                                    {"observability", "--velocity-m-s", "nan"},
+                                                    {"observability", "--mass-kg", "1e-300"},
                                                     {"replay", good(), "--estimator", "best"},
                                                     {"replay", good(), "--faults", "ignore"},
                                                     {"replay", good(), "--nonsense"},
@@ -172,6 +194,7 @@ TEST_F(BadInput, CommandLine) {
     EXPECT_THAT(result.errors, testing::Not(testing::IsEmpty()));
   }
   expect_refused(good(), {"has one point, not point 2"}, {"--point", "2"});
+  expect_refused(good(), {"has one axis"}, {"--axis", "x"});
 }
 
 }  // namespace

@@ -16,7 +16,8 @@ namespace condyle::testing_support {
 CommandResult run_condyle(const std::vector<std::string>& arguments,
                           const CommandOptions& options) {
   const TemporaryFolder folder;
-  const std::string out = folder.write("out", ""), err = folder.write("err", "");
+  const std::string out = options.output_to.empty() ? folder.write("out", "") : options.output_to;
+  const std::string err = options.errors_to.empty() ? folder.write("err", "") : options.errors_to;
   std::string program = CONDYLE_COMMAND;
   if (options.as_nobody) {  // who may not enter the build folder
     program = folder / "condyle";
@@ -47,8 +48,8 @@ CommandResult run_condyle(const std::vector<std::string>& arguments,
   wait4(child, &status, 0, &usage);
   CommandResult result;
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  result.output = read_file(out);
-  result.errors = read_file(err);
+  if (options.output_to.empty()) result.output = read_file(out);
+  if (options.errors_to.empty()) result.errors = read_file(err);
   result.peak_memory_kB = usage.ru_maxrss;
   return result;
 }

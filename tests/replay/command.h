@@ -15,9 +15,10 @@ struct CommandResult {
 
 /// How to run it.
 struct CommandOptions {
-  bool as_nobody = false;        ///< without root's rights, where the tests have them
-  double interrupt_after_s = 0;  ///< sends SIGINT then; 0: never
-  std::string search_path;       ///< PATH; empty: the tests' own
+  bool as_nobody = false;            ///< without root's rights, where the tests have them
+  double interrupt_after_s = 0;      ///< sends SIGINT then; 0: never
+  std::string output_to, errors_to;  ///< where they go instead; empty: they are returned
+  std::string search_path;           ///< PATH; empty: the tests' own
 };
 
 /// Runs `condyle ARGUMENTS...` and waits for its end.

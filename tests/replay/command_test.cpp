@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command as a user runs it.
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <chrono>
 #include <cmath>
@@ -166,8 +167,94 @@ TEST(Replay, InterruptedLeavesNothing) {
       run_condyle({"replay", recording, "--speed", "0.01", "--out", results / "e.csv"},
                   {.interrupt_after_s = 0.5});
   EXPECT_EQ(result.exit_code, 130);
-  EXPECT_THAT(result.errors, HasSubstr("stopped after 1 samples; nothing was written"));
+  EXPECT_THAT(result.errors, HasSubstr("stopped after 1 samples; no file was left"));
   EXPECT_EQ(results.count(), 0);
+}
+
+TEST(Replay, InterruptedWhileWaitingForAPipeEnds) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  const CommandResult result = run_condyle({"replay", folder / "pipe"}, {.interrupt_after_s = 0.3});
+  EXPECT_EQ(result.exit_code, 130);
+  EXPECT_THAT(result.errors, HasSubstr("stopped; no file was left"));
+}
+
+// Rows whose time runs backwards are left out of duration, rate and gaps.
+TEST(Replay, ReversedRowsDoNotDistortTheSummary) {
+  const TemporaryFolder folder;
+  std::string rows;
+  for (int i = 0; i < 100; ++i) {
+    rows += std::to_string(i * 0.02) + ",0.001\n";
+    if (i == 50) rows += "0.3,0.001\n";
+  }
+  const CommandResult result =
+      run_condyle({"replay", folder.write("r.csv", "time_s,position_m\n" + rows + "0.1,0.001\n"),
+                   "--faults", "event"});
+  EXPECT_THAT(result.output, HasSubstr("duration    1.98 s, 102 samples"));
+  EXPECT_THAT(result.output, HasSubstr("rate        50 Hz on average; steps 20 to 20 ms; 0 of 99"));
+  EXPECT_THAT(result.output, HasSubstr("events      2 time_reversed\n"));
+  EXPECT_THAT(result.errors, testing::IsEmpty());
+  const CommandResult reset =
+      run_condyle({"replay", folder.write("s.csv", "time_s,position_m\n100,0.001\n" + rows),
+                   "--faults", "event"});
+  EXPECT_THAT(reset.output, HasSubstr("3 time_reversed, 1 time_restarted\n"));
+  EXPECT_THAT(reset.output, HasSubstr("duration    1.94 s"));
+}
+
+TEST(Replay, ClaimsNothingWhereNothingIsMeasured) {
+  const TemporaryFolder folder;
+  std::string rows;
+  for (int i = 0; i < 200; ++i)
+    rows += std::to_string(i * 0.02) + (i < 100 ? ",0.001\n" : ",nan\n");
+  const CommandResult result =
+      run_condyle({"replay", folder.write("r.csv", "time_s,position_m\n" + rows), "--faults",
+                   "event", "--out", folder / "e.csv"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.output, testing::Not(HasSubstr(", measured\n")));
+  EXPECT_THAT(result.output, testing::Not(HasSubstr("derived")));
+  EXPECT_EQ(read_table(folder / "e.csv").columns.at("force_provenance")[99], "derived");
+  EXPECT_EQ(read_table(folder / "e.csv").columns.at("force_provenance")[100], "assumed");
+}
+
+TEST(Replay, WithoutAnyValueDrawsNothing) {
+  const TemporaryFolder folder;
+  const CommandResult result = run_condyle(
+      {"replay", folder.write("r.csv", "time_s,position_m\n0,nan\n0.02,nan\n"), "--faults", "event",
+       "--figures", folder / "a/b/figures", "--out", folder / "e.csv"});
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, HasSubstr("none: no sample had a position"));
+  EXPECT_THAT(result.output, HasSubstr("figures     none"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a"));
+  EXPECT_THAT(read_table(folder / "e.csv").columns.at("events"),
+              testing::Each("position_missing|not_started"));
+}
+
+TEST(Replay, OfOneSampleIsComplete) {
+  const TemporaryFolder folder;
+  const CommandResult result = run_condyle(
+      {"replay", folder.write("r.csv", "time_s,position_m\n0,0.001\n"), "--parameters",
+       folder.write("p.toml", "sample_time_s = 0.02\n"), "--figures", folder / "figures"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.errors, testing::IsEmpty());
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "figures"), {}), 10);
+}
+
+TEST(Replay, WritesThroughALink) {
+  const TemporaryFolder folder;
+  const std::string target = folder.write("target.csv", "old");
+  std::filesystem::create_symlink(target, folder / "link.csv");
+  EXPECT_EQ(run_condyle({"replay", kShipped, "--out", folder / "link.csv"}).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.csv"));
+  EXPECT_EQ(read_table(target).rows, 1800U);
+}
+
+TEST(Replay, EstimatesMayGoIntoTheFiguresFolder) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(run_condyle({"replay", kShipped, "--out", folder / "results/e.csv", "--figures",
+                         folder / "results"})
+                .exit_code,
+            0);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "results"), {}), 11);
 }
 
 TEST(Replay, MemoryDoesNotGrowWithTheRecording) {
@@ -198,6 +285,12 @@ TEST(Observability, TableShowsPrintedAndCorrected) {
       run_condyle({"observability", "--velocity-m-s", "0", "--force-N", "0"});
   EXPECT_THAT(still.output, testing::ContainsRegex("corrected +2 of 3 .*NOT observable"));
   EXPECT_THAT(still.output, HasSubstr("v = 0 m/s"));
+  // Acceleration zero up to rounding.
+  const CommandResult rounded =
+      run_condyle({"observability", "--velocity-m-s", "0.1", "--friction-Ns-m", "0.7", "--force-N",
+                   "0.07", "--force-rate-N-s", "0"});
+  EXPECT_THAT(rounded.output, testing::ContainsRegex("corrected +2 of 3 +0 +inf +NOT observable"));
+  EXPECT_THAT(rounded.output, testing::ContainsRegex("corrected +3 of 4 +0 +inf +NOT observable"));
 }
 
 TEST(Command, TellsItsVersionAndHelp) {

@@ -95,10 +95,12 @@ TEST_F(RealRecordings, Jaws3dsUnevenStepsAreWarnedAbout) {
 TEST_F(RealRecordings, SsffsZeroFilledEndIsAnEvent) {
   const Table table = replay({reference_data("ema_jaw/0020.jaw")});
   EXPECT_EQ(table.rows, 800U);
-  EXPECT_THAT(summary_, HasSubstr("39 zero_filled"));
+  EXPECT_THAT(summary_, HasSubstr("40 zero_filled"));
   const auto& events = table.columns.at("events");
-  EXPECT_EQ(std::count(events.begin(), events.end(), "zero_filled"), 39);
+  EXPECT_EQ(std::count(events.begin(), events.end(), "zero_filled"), 40);
   EXPECT_EQ(events.back(), "zero_filled");
+  EXPECT_EQ(table.columns.at("force_provenance").back(), "assumed");
+  EXPECT_EQ(table.columns.at("motion_nis").back(), "");
 }
 
 }  // namespace

@@ -31,15 +31,15 @@ TEST(SampleChecker, NamesWhatIsUnusual) {
   EXPECT_TRUE(checker.check(at(25)).empty());
   EXPECT_TRUE(checker.check(at(41)).has(Event::time_gap));
   EXPECT_TRUE(checker.check(at(41)).has(Event::time_repeated));
-  EXPECT_TRUE(checker.check(at(35)).has(Event::time_reversed));
-  EXPECT_TRUE(checker.check(at(45)).empty()) << "compared with the sample before it";
-  Sample sample = at(55);
+  EXPECT_TRUE(checker.check(at(2)).has(Event::time_reversed));
+  EXPECT_TRUE(checker.check(at(51)).empty()) << "compared with the last accepted one";
+  Sample sample = at(61);
   sample.position_valid = false;
   EXPECT_TRUE(checker.check(sample).has(Event::position_missing));
   sample = at(0);
   sample.time_valid = false;
   EXPECT_TRUE(checker.check(sample).has(Event::time_missing));
-  EXPECT_TRUE(checker.check(at(65)).empty());
+  EXPECT_TRUE(checker.check(at(71)).empty());
 }
 
 TEST(SampleChecker, SurvivesTheEndsOfTime) {
@@ -49,17 +49,55 @@ TEST(SampleChecker, SurvivesTheEndsOfTime) {
   EXPECT_TRUE(checker.check(at(std::numeric_limits<TimeNs>::min())).has(Event::time_reversed));
 }
 
-TEST(SampleChecker, TakesRepeatedZerosOfAPointForADropout) {
-  SampleChecker checker;
+TEST(SampleChecker, FollowsAClockThatWasSetBack) {
+  SampleChecker checker(10);
+  checker.check(at(1000));
+  EXPECT_TRUE(checker.check(at(0)).has(Event::time_reversed));
+  EXPECT_TRUE(checker.check(at(10)).has(Event::time_reversed));
+  const EventSet third = checker.check(at(20));
+  EXPECT_TRUE(third.has(Event::time_restarted));
+  EXPECT_FALSE(third.has(Event::time_reversed));
+  EXPECT_FALSE(third.has(Event::time_gap));
+  EXPECT_TRUE(checker.check(at(30)).empty());
+  // Out of order among themselves, they restart nothing.
+  for (const TimeNs time_ns : {20, 10, 5, 4, 3}) {
+    EXPECT_TRUE(checker.check(at(time_ns)).has(Event::time_reversed)) << time_ns;
+  }
+}
+
+Sample point_at(double x_m, double z_m) {
   Sample sample;
   sample.kind = SampleKind::one_point;
-  EXPECT_FALSE(checker.check(sample).has(Event::zero_filled)) << "one may be true";
-  EXPECT_TRUE(checker.check(sample).has(Event::zero_filled));
-  sample.coordinates[2] = 1e-5;
-  EXPECT_FALSE(checker.check(sample).has(Event::zero_filled));
-  sample = Sample{};  // along one axis zero is a position like any other
-  checker.check(sample);
-  EXPECT_FALSE(checker.check(sample).has(Event::zero_filled));
+  sample.coordinates[0] = x_m;
+  sample.coordinates[2] = z_m;
+  return sample;
+}
+
+TEST(SampleChecker, TakesZerosFromAfarOrRepeatedForADropout) {
+  const auto is_filled = [](SampleChecker& checker, const Sample& sample) {
+    return checker.check(sample).has(Event::zero_filled);
+  };
+  SampleChecker checker;
+  EXPECT_FALSE(is_filled(checker, point_at(0, 0))) << "a recording may start at its origin";
+  EXPECT_TRUE(is_filled(checker, point_at(0, 0)));
+  EXPECT_FALSE(is_filled(checker, point_at(0, 1e-5)));
+  EXPECT_FALSE(is_filled(checker, point_at(0, 0))) << "the jaw may pass the origin";
+  EXPECT_FALSE(is_filled(checker, point_at(0, -0.02)));
+  EXPECT_TRUE(is_filled(checker, point_at(0, 0))) << "but not from 20 mm away";
+  Sample along_one_axis;
+  SampleChecker axis;
+  axis.check(along_one_axis);
+  EXPECT_FALSE(is_filled(axis, along_one_axis));
+
+  Sample points;
+  points.kind = SampleKind::three_points;
+  for (int i = 0; i < 9; ++i) points.coordinates[i] = 0.05;
+  SampleChecker second(0, false, {2, Axis::z}), third(0, false, {3, Axis::z});
+  second.check(points);
+  third.check(points);
+  for (int i = 3; i < 6; ++i) points.coordinates[i] = 0;
+  EXPECT_TRUE(is_filled(second, points));
+  EXPECT_FALSE(is_filled(third, points));
 }
 
 TEST(SampleChecker, MissesADriveOnlyWhereOneIsExpected) {

@@ -23,6 +23,7 @@ TEST(OutputFile, AppearsOnlyWhenCommitted) {
   EXPECT_EQ(folder.count(), 0);
   OutputFile file(path);
   file.write("kept");
+  file.close();
   file.commit();
   EXPECT_EQ(read_file(path), "kept");
   EXPECT_EQ(folder.count(), 1);
@@ -39,6 +40,7 @@ TEST(OutputFile, LeavesTheOldFileUntilTheNewOneIsComplete) {
   EXPECT_EQ(read_file(path), "old");
   OutputFile file(path);
   file.write("new");
+  file.close();
   file.commit();
   EXPECT_EQ(read_file(path), "new");
   EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms(0640));
@@ -52,7 +54,7 @@ TEST(OutputFile, SaysWhereItCannotWrite) {
   EXPECT_THROW(
       {
         full.write(std::string(1 << 20, 'x'));
-        full.commit();
+        full.close();
       },
       InputError);
 }

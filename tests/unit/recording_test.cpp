@@ -126,9 +126,22 @@ TEST(ProbeTextRecording, ReadsFixedAndExplicitTimes) {
   EXPECT_EQ(timed.info.kind, SampleKind::one_point);
   EXPECT_EQ(timed.samples[1].time_ns, 15'000'000);
   EXPECT_THAT(timed.info.notes, testing::ElementsAre(HasSubstr("no unit")));
-  const Read metres = read("0 1 1\nLinear 3 0.02\n1 2 3\n", {.metres_per_unit = 1.0});
+  const Read metres = read("0 1 1\nLinear 3 0.02\n1 2 3\n", {.units_per_metre = 1});
   EXPECT_EQ(metres.samples[0].coordinates[2], 3);
-  EXPECT_TRUE(metres.info.notes.empty());
+  EXPECT_THAT(metres.info.notes,
+              testing::ElementsAre(HasSubstr("ends at 1 s, its rows end at 0.02 s")));
+  EXPECT_TRUE(read("0 0.02 1\nLinear 3 0.02\n1 2 3\n", {.units_per_metre = 1}).info.notes.empty());
+}
+
+// A row lost from a file with fixed steps would shift all times after it.
+TEST(ProbeTextRecording, TakesBlankRowsForFaults) {
+  const char* const content = "0 0.06 1\nLinear 3 0.02\n1 2 3\n\n4 5 6\n\n\n";
+  EXPECT_THAT(problem_of(content), HasSubstr("recording:4: column 1: the value is missing"));
+  const Read r = read(content, {.faults = FaultPolicy::event});
+  ASSERT_EQ(r.samples.size(), 3U);
+  EXPECT_FALSE(r.samples[1].position_valid);
+  EXPECT_EQ(r.samples[2].time_ns, 40'000'000);
+  EXPECT_EQ(r.samples[2].coordinates[0], 0.004);
 }
 
 TEST(ProbeTextRecording, NamesItsProblems) {
@@ -137,6 +150,7 @@ TEST(ProbeTextRecording, NamesItsProblems) {
   };
   expect("0 1 2\nLinear 3 0.02\n1 2 3\n", "time scale is 2");
   expect("0 1\nLinear 3 0.02\n1 2 3\n", "START STOP SCALE");
+  expect("9e9 1 1\nLinear 3 0.02\n1 2 3\n", "recording:1: line 1 is not START STOP SCALE");
   expect("0 1 1\nLinear 4 0.02\n1 2 3 4\n", "4 columns, not 3 or 9");
   expect("0 1 1\nLinear 3 -0.02\n1 2 3\n", "no time step");
   expect("0 1 1\nLinear 3 0.02\n1 2\n", "recording:3: column 3: the row has 2 numbers, not 3");
@@ -184,7 +198,8 @@ TEST(SsffRecording, NamesItsProblems) {
     EXPECT_THAT(problem_of(content), HasSubstr(words));
   };
   const std::string whole = ssff(kSsffHeader, {1, 2, 3, 9, 4, 5, 6, 9});
-  expect(whole.substr(0, whole.size() - 1), "the file ends inside record 2: 15 of 16 bytes");
+  expect(whole.substr(0, whole.size() - 1),
+         "record 1 at byte 192: the file ends inside the next record: 15 of 16 bytes");
   expect(ssff(kSsffHeader, {1, 2, NAN, 9}), "column jw_posz: 'nan' is not a finite number");
   expect("SSFF\nMachine IBM-PC\n", "no line of dashes");
   expect("SSFF\nMachine VAX\n---\n", "unknown machine 'VAX'");
@@ -193,6 +208,10 @@ TEST(SsffRecording, NamesItsProblems) {
   expect("SSFF\nColumn posx REAL 1\n", "not NAME TYPE COUNT");
   expect("SSFF\nColumn a_posx FLOAT 1\nColumn b_posx FLOAT 1\n", "second column ends in posx");
   expect("SSFF\nColumn posx FLOAT 99999\n", "NAME TYPE COUNT");
+  expect("SSFF\nColumn posx FLOAT 1.7\n", "NAME TYPE COUNT");
+  std::string escape = ssff(kSsffHeader, {1, NAN, 3, 9});
+  escape.replace(escape.find("jw_posy"), 2, "\x1b[");
+  expect(escape, "column \\x1b[_posy: 'nan'");
 }
 
 std::string zebris(const std::string& tracks) {
@@ -207,7 +226,7 @@ constexpr const char* kTrack =
     "</quants></track>\n";
 
 TEST(ZebrisXmlRecording, ReadsTracks) {
-  const RecordingOptions mm{.metres_per_unit = 1e-3};
+  const RecordingOptions mm{.units_per_metre = 1000};
   const Read three = read(zebris(std::string(kTrack) + kTrack + kTrack), mm);
   EXPECT_EQ(three.info.kind, SampleKind::three_points);
   ASSERT_EQ(three.samples.size(), 2U);
@@ -223,7 +242,7 @@ TEST(ZebrisXmlRecording, ReadsTracks) {
 }
 
 TEST(ZebrisXmlRecording, NamesItsProblems) {
-  const RecordingOptions mm{.metres_per_unit = 1e-3};
+  const RecordingOptions mm{.units_per_metre = 1000};
   const auto expect = [&](const std::string& content, const char* words) {
     EXPECT_THAT(problem_of(content, mm), HasSubstr(words)) << content;
   };
@@ -245,6 +264,18 @@ TEST(ZebrisXmlRecording, NamesItsProblems) {
   EXPECT_THAT(problem_of(zebris(kTrack), second), HasSubstr("choose --movement 1 to 1"));
 }
 
+TEST(Recording, RefusesOptionsThatDoNotApply) {
+  const std::string csv = "time_s,position_m\n0,1\n", probe = "0 1 1\nLinear 3 0.02\n1 2 3\n";
+  EXPECT_THAT(problem_of(csv, {.ignored_columns = {"drive"}}),
+              HasSubstr("no column 'drive' to ignore"));
+  EXPECT_THAT(problem_of(csv, {.units_per_metre = 1}), HasSubstr("--unit goes with"));
+  EXPECT_THAT(problem_of(csv, {.movement = 2}), HasSubstr("--movement goes with Zebris XML"));
+  EXPECT_THAT(problem_of(probe, {.ignored_columns = {"x"}}),
+              HasSubstr("--ignore-column goes with CSV"));
+  EXPECT_THAT(problem_of(ssff(kSsffHeader, {}), {.movement = 2}),
+              HasSubstr("--movement goes with"));
+}
+
 TEST(Recording, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(problem_of(""), HasSubstr("is empty"));
   EXPECT_THAT(problem_of("\xef\xbb\xbf"), HasSubstr("is empty"));
@@ -256,6 +287,8 @@ TEST(Recording, RefusesWhatItDoesNotKnow) {
                                      "t\0i\0",
                                      6)),
               HasSubstr("UTF-16"));
+  EXPECT_THAT(problem_of("time_s,position_m\r0,1\r"), HasSubstr("its lines end in CR alone"));
+  EXPECT_THAT(problem_of(std::string(5000, 'x') + ",time_s\n"), HasSubstr("is too long"));
   EXPECT_THROW(open_recording("/nowhere", {}), InputError);
   EXPECT_THROW(open_recording("/tmp", {}), InputError);
 }
@@ -272,7 +305,7 @@ RC_GTEST_PROP(Recording, ArbitraryBytesAreReadOrRefused, ()) {
   for (const FaultPolicy faults : {FaultPolicy::refuse, FaultPolicy::event}) {
     try {
       const auto recording = open_recording(folder.write("any", start + bytes),
-                                            {.faults = faults, .metres_per_unit = 1e-3});
+                                            {.faults = faults, .units_per_metre = 1000});
       Sample sample;
       while (recording->next(sample)) {
         for (std::size_t i = 0; sample.position_valid && i < coordinate_count(sample.kind); ++i) {

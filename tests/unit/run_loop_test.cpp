@@ -84,7 +84,7 @@ TEST(RunLoop, CountsWhatIsNotASampleAndGoesOn) {
 TEST(RunLoop, KeepsAReversedSampleFromTheEstimator) {
   const Outcome with = run_script({{Status::ok, at(0, 0)},
                                    {Status::ok, at(0.02, 0.001)},
-                                   {Status::ok, at(0.01, 0.5)},
+                                   {Status::ok, at(-5, 0.5)},
                                    {Status::ok, at(0.04, 0.002)}});
   const Outcome without = run_script(
       {{Status::ok, at(0, 0)}, {Status::ok, at(0.02, 0.001)}, {Status::ok, at(0.04, 0.002)}});
@@ -93,6 +93,8 @@ TEST(RunLoop, KeepsAReversedSampleFromTheEstimator) {
   EXPECT_EQ(with.estimates[2].position_m.provenance, Provenance::not_computed);
   EXPECT_EQ(with.estimates[3].velocity_m_s.value, without.estimates[2].velocity_m_s.value);
   EXPECT_EQ(with.counts.events[Event::time_reversed], 1U);
+  EXPECT_EQ(with.counts.events[Event::time_gap], 0U)
+      << "the row after it follows the row before it";
 }
 
 TEST(RunLoop, PredictsThroughAMissingPosition) {
@@ -104,6 +106,22 @@ TEST(RunLoop, PredictsThroughAMissingPosition) {
   EXPECT_NE(outcome.estimates[1].position_m.provenance, Provenance::not_computed);
   EXPECT_TRUE(outcome.estimates[2].events.has(Event::time_gap));
   EXPECT_EQ(outcome.counts.events[Event::time_gap], 1U);
+}
+
+TEST(RunLoop, TakesNoZeroFilledDropoutForAMeasurement) {
+  const auto point_at = [](double time_s, double z_m) {
+    Sample sample = at(time_s, 0);
+    sample.kind = SampleKind::one_point;
+    sample.coordinates[2] = z_m;
+    return sample;
+  };
+  const Outcome outcome = run_script({{Status::ok, point_at(0, -0.02)},
+                                      {Status::ok, point_at(0.02, -0.02)},
+                                      {Status::ok, point_at(0.04, 0)},
+                                      {Status::ok, point_at(0.06, 0)}});
+  EXPECT_EQ(outcome.counts.events[Event::zero_filled], 2U);
+  EXPECT_EQ(outcome.estimates[3].position_m.provenance, Provenance::assumed);
+  EXPECT_NEAR(outcome.estimates[3].position_m.value, -0.02, 1e-3);
 }
 
 TEST(RunLoop, StopsWhenTold) {

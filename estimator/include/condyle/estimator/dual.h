@@ -17,7 +17,7 @@ struct Dual {
   constexpr Dual() = default;
   /// A constant: its slope is zero.
   template <class Number, std::enable_if_t<std::is_arithmetic_v<Number>, int> = 0>
-  constexpr Dual(Number constant) : value(static_cast<T>(constant)), slope(static_cast<T>(0)) {}
+  constexpr Dual(Number constant) : value(static_cast<T>(constant)) {}
   /// `value` moving at `slope`.
   constexpr Dual(const T& value_in, const T& slope_in) : value(value_in), slope(slope_in) {}
 

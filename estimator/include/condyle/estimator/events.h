@@ -9,28 +9,30 @@ namespace condyle {
 
 /// What can be unusual about a sample (first group) or about the estimator's step (second group).
 enum class Event : std::uint8_t {
-  time_missing,         ///< the sample has no time
-  time_reversed,        ///< earlier than the sample before it; not given to the estimator
-  time_repeated,        ///< same time as the sample before it
-  time_gap,             ///< more than 1.5 nominal steps after the sample before it
-  position_missing,     ///< a coordinate is empty, NaN or infinite; the estimator only predicts
-  zero_filled,          ///< all coordinates exactly zero, as in the sample before it
-  drive_missing,        ///< the drive force is empty, NaN or infinite
-  not_started,          ///< no position has been measured yet
-  update_refused,       ///< an innovation variance was not positive and finite; nothing was updated
+  time_missing,      ///< the sample has no time
+  time_reversed,     ///< earlier than the last accepted sample; not given to the estimator
+  time_restarted,    ///< the third such sample in a row, in order: the clock was set back; accepted
+  time_repeated,     ///< same time as the last accepted sample
+  time_gap,          ///< more than 1.5 nominal steps after the last accepted sample
+  position_missing,  ///< a coordinate is empty, NaN or infinite; the estimator only predicts
+  zero_filled,       ///< the followed point is exactly (0, 0, 0); the estimator only predicts
+  drive_missing,     ///< the drive force is empty, NaN or infinite
+  not_started,       ///< no position has been measured yet
+  update_refused,    ///< an innovation variance was not positive and finite; nothing was updated
   estimate_not_finite,  ///< a state has left the range of numbers
   variance_negative,    ///< a variance has become negative
   parameters_invalid,   ///< a parameter is out of its range; nothing is computed
 };
 /// Number of events.
-inline constexpr std::size_t kEventCount = 12;
+inline constexpr std::size_t kEventCount = 13;
 
 /// Name of an event as it stands in files and summaries.
 constexpr const char* event_name(Event event) {
   constexpr const char* names[kEventCount] = {
-      "time_missing",     "time_reversed",       "time_repeated",     "time_gap",
-      "position_missing", "zero_filled",         "drive_missing",     "not_started",
-      "update_refused",   "estimate_not_finite", "variance_negative", "parameters_invalid"};
+      "time_missing",      "time_reversed",    "time_restarted",      "time_repeated",
+      "time_gap",          "position_missing", "zero_filled",         "drive_missing",
+      "not_started",       "update_refused",   "estimate_not_finite", "variance_negative",
+      "parameters_invalid"};
   return names[static_cast<std::size_t>(event)];
 }
 

@@ -27,6 +27,7 @@
 
 #include "condyle/estimator/arithmetic.h"
 #include "condyle/estimator/dual.h"
+#include "condyle/estimator/tracked.h"
 
 namespace condyle {
 
@@ -168,24 +169,40 @@ T lie_derivative(const System& system, int output, const T* x, const T& u, const
   }
 }
 
+/// An observability matrix with, entry by entry, the size of the terms it was summed from.
+template <class Scalar, int rows, int columns>
+struct ObservabilityMatrix {
+  Eigen::Matrix<Scalar, rows, columns> O;
+  Eigen::Matrix<Scalar, rows, columns> term_size;
+
+  /// Puts another entry in the place of one.
+  void replace(int row, int column, const Tracked<Scalar>& entry) {
+    O(row, column) = entry.value;
+    term_size(row, column) = entry.size;
+  }
+};
+
 /// Builds O of `System` at `point` (eqs 24-43, corrected): kStates orders times kOutputs rows, row
 /// `order * kOutputs + output`, kStates columns. Units: the measurement's / s^order / the state's.
 template <template <class> class System, class Scalar>
 auto observability_matrix(const OperatingPoint<Scalar>& point) {
   using Sys = System<Scalar>;
+  using Number = Tracked<Scalar>;
   constexpr int n = Sys::kStates;
-  Eigen::Matrix<Scalar, n * Sys::kOutputs, n> O;
+  ObservabilityMatrix<Scalar, n * Sys::kOutputs, n> result;
   const Sys system(point);
   const auto x0 = Sys::state(point);
   const auto fill_order = [&]<int order>() {
     for (int output = 0; output < Sys::kOutputs; ++output) {
       for (int column = 0; column < n; ++column) {
-        Dual<Scalar> x[static_cast<std::size_t>(n)];
-        for (int i = 0; i < n; ++i) x[i] = {x0[i], i == column ? Scalar(1) : Scalar(0)};
-        O(order * Sys::kOutputs + output, column) =
-            lie_derivative<order>(system, output, x, Dual<Scalar>(point.force_N, Scalar(0)),
-                                  Dual<Scalar>(point.force_rate_N_s, Scalar(0)))
-                .slope;
+        Dual<Number> x[static_cast<std::size_t>(n)];
+        for (int i = 0; i < n; ++i) {
+          x[i] = {Number(x0[i]), Number(i == column ? Scalar(1) : Scalar(0))};
+        }
+        const Dual<Number> u(Number(point.force_N), Number(0));
+        const Dual<Number> u_rate(Number(point.force_rate_N_s), Number(0));
+        result.replace(order * Sys::kOutputs + output, column,
+                       lie_derivative<order>(system, output, x, u, u_rate).slope);
       }
     }
   };
@@ -193,65 +210,77 @@ auto observability_matrix(const OperatingPoint<Scalar>& point) {
     (fill_order.template operator()<orders>(), ...);
   }
   (std::make_integer_sequence<int, n>{});
-  return O;
+  return result;
 }
 
 /// O of stage 2 with the entries that eqs (38), (39) print.
 template <class Scalar>
-Eigen::Matrix<Scalar, 6, 3> printed_friction_matrix(const OperatingPoint<Scalar>& at) {
-  auto O = observability_matrix<FrictionSystem>(at);
-  const Scalar m = at.mass_kg, printed_order_1 = at.force_N / m;
-  O(3, 2) = printed_order_1;  // order 1 of v
-  O(4, 2) = printed_order_1;  // order 2 of p is the same function
-  O(5, 2) = -(at.friction_Ns_m / m) * printed_order_1 - at.acceleration_m_s2() / m;
-  return O;
+auto printed_friction_matrix(const OperatingPoint<Scalar>& at) {
+  auto result = observability_matrix<FrictionSystem>(at);
+  using Number = Tracked<Scalar>;
+  const Number m = at.mass_kg, kv = at.friction_Ns_m, u = at.force_N, v = at.velocity_m_s;
+  const Number order_1 = u / m, a = (u - kv * v) / m;
+  result.replace(3, 2, order_1);  // order 1 of v
+  result.replace(4, 2, order_1);  // order 2 of p is the same function
+  result.replace(5, 2, Number(0) - kv / m * order_1 - a / m);
+  return result;
 }
 
 /// O of stage 3 with the entry that eq (43) prints.
 template <class Scalar>
-Eigen::Matrix<Scalar, 6, 3> printed_mass_matrix(const OperatingPoint<Scalar>& at) {
-  auto O = observability_matrix<MassSystem>(at);
-  O(5, 2) /= at.mass_kg * at.mass_kg;  // order 2 of v
-  return O;
+auto printed_mass_matrix(const OperatingPoint<Scalar>& at) {
+  auto result = observability_matrix<MassSystem>(at);
+  const Scalar m = at.mass_kg;
+  result.replace(5, 2, {result.O(5, 2) / (m * m), result.term_size(5, 2) / (m * m)});
+  return result;
 }
 
 /// How observable a system is at a point.
 template <class Scalar>
 struct Observability {
-  int states;                      ///< n: observable where the rank equals it
-  int rank;                        ///< of O with rows and columns brought to length 1
+  int states;  ///< n: observable where the rank equals it
+  int rank;    ///< of O with rows and columns brought to length 1; -1: O not finite
   Scalar smallest_singular_value;  ///< of O in SI units; 0 where the rank is short
   Scalar condition_number;         ///< largest / smallest singular value; infinity likewise
 };
 
 /// Rank, smallest singular value and condition number of an observability matrix in SI units. Rank
-/// is independent of units, so it is taken after scaling rows and columns to comparable lengths.
-template <class Derived>
-auto judge_observability(const Eigen::MatrixBase<Derived>& matrix) {
-  using Scalar = typename Derived::Scalar;
-  using Plain = typename Derived::PlainObject;
-  const Eigen::JacobiSVD<Plain> svd(matrix);
-  const auto values = svd.singularValues();
+/// is independent of units, so it is taken after scaling rows and columns to comparable lengths; a
+/// singular value that rounding alone could have made counts as zero.
+template <class Scalar, int rows, int n>
+Observability<Scalar> judge_observability(const ObservabilityMatrix<Scalar, rows, n>& matrix) {
+  constexpr Scalar infinity = std::numeric_limits<Scalar>::infinity();
+  constexpr Scalar epsilon = std::numeric_limits<Scalar>::epsilon();
+  if (!matrix.O.allFinite() || !matrix.term_size.allFinite()) return {n, -1, 0, infinity};
 
-  Plain scaled = matrix;
+  // Each entry is off by a few epsilon of its terms' size.
+  constexpr Scalar few_epsilon = Scalar(16) * epsilon;
+  auto scaled = matrix.O;
+  auto rounding = matrix.term_size;
+  for (int i = 0; i < scaled.size(); ++i) {
+    if (std::abs(scaled.data()[i]) <= few_epsilon * rounding.data()[i]) scaled.data()[i] = 0;
+  }
   for (int pass = 0; pass < 8; ++pass) {
-    for (int i = 0; i < scaled.rows(); ++i) {
+    for (int i = 0; i < rows; ++i) {
       const Scalar length = scaled.row(i).norm();
-      if (length > 0) scaled.row(i) /= length;
+      if (!(length > 0)) continue;
+      scaled.row(i) /= length;
+      rounding.row(i) /= length;
     }
-    for (int j = 0; j < scaled.cols(); ++j) {
+    for (int j = 0; j < n; ++j) {
       const Scalar length = scaled.col(j).norm();
-      if (length > 0) scaled.col(j) /= length;
+      if (!(length > 0)) continue;
+      scaled.col(j) /= length;
+      rounding.col(j) /= length;
     }
   }
-  Eigen::JacobiSVD<Plain> scaled_svd(scaled);
-  scaled_svd.setThreshold(Scalar(1000) * std::numeric_limits<Scalar>::epsilon());
-  const int n = static_cast<int>(matrix.cols());
-  const int rank = static_cast<int>(scaled_svd.rank());
-  const Scalar smallest = rank == n ? values[n - 1] : Scalar(0);
-  return Observability<Scalar>{
-      n, rank, smallest,
-      rank == n ? values[0] / smallest : std::numeric_limits<Scalar>::infinity()};
+  const Scalar noise = few_epsilon * rounding.norm();
+  const auto scaled_values = Eigen::JacobiSVD<decltype(scaled)>(scaled).singularValues();
+  int rank = 0;
+  while (rank < n && scaled_values[rank] > noise) ++rank;
+  if (rank < n) return {n, rank, 0, infinity};
+  const auto values = Eigen::JacobiSVD<decltype(scaled)>(matrix.O).singularValues();
+  return {n, rank, values[n - 1], values[0] / values[n - 1]};
 }
 
 }  // namespace condyle

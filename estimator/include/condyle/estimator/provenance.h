@@ -31,6 +31,9 @@ struct Quantity {
   Provenance provenance = Provenance::not_computed;
 };
 
+/// Half-width of a normal distribution's central 95 %, in standard deviations.
+inline constexpr double kNormalQuantile95 = 1.959963984540054;
+
 /// Share of information from which on a value counts as measured, not assumed.
 inline constexpr double kMeasuredInformationShare = 0.5;
 

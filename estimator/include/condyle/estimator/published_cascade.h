@@ -13,7 +13,8 @@
 //
 // Provenance. F of stage 1 is m0 times the acceleration seen, so kv = 0 and m = m0 solve stages 2
 // and 3 for every motion: no measurement enters them that does not presuppose the parameter. The
-// information share of friction and mass is 0 by construction and both are assumed, always.
+// information share of friction and mass is 0 by construction and both are assumed, always. A step
+// without a measurement only predicts: all of it is assumed.
 #pragma once
 
 #include "condyle/estimator/events.h"
@@ -87,7 +88,7 @@ class PublishedCascade {
     const Pair mass_update = update_pair(mass_, z, v, mass_noise_);
     started_ = true;
 
-    Estimate estimate = current_estimate();
+    Estimate estimate = current_estimate(!motion_update.refused);
     estimate.innovation_m = motion_update.innovation;
     if (!motion_update.refused) estimate.motion_nis = motion_update.nis;
     if (!friction_update.refused) estimate.friction_nis = friction_update.nis;
@@ -109,7 +110,7 @@ class PublishedCascade {
     predict_motion();
     predict_friction();
     predict_mass();
-    return current_estimate();
+    return current_estimate(false);
   }
 
  private:
@@ -119,7 +120,7 @@ class PublishedCascade {
   struct StageNoise {
     Vector3<Scalar> initial;
     Vector3<Scalar> Q;
-    Scalar R[2];
+    Scalar R[2] = {};
 
     template <class StageParameters>
     explicit StageNoise(const StageParameters& stage) {
@@ -127,12 +128,10 @@ class PublishedCascade {
         initial[i] = static_cast<Scalar>(stage.initial_variance[i]);
         Q[i] = static_cast<Scalar>(stage.process_variance[i]);
       }
-      const double* const variances = stage.measurement_variance;
-      R[0] = static_cast<Scalar>(variances[0]);
-      R[1] = sizeof stage.measurement_variance > sizeof(double)
-                 ? static_cast<Scalar>(
-                       variances[sizeof stage.measurement_variance / sizeof(double) - 1])
-                 : Scalar(0);
+      int measurement = 0;
+      for (const double variance : stage.measurement_variance) {
+        R[measurement++] = static_cast<Scalar>(variance);
+      }
     }
   };
 
@@ -170,16 +169,21 @@ class PublishedCascade {
     return {position.nis + velocity.nis, position.refused || velocity.refused};
   }
 
+  // No value without a standard deviation, nor the other way round.
   static Quantity<Scalar> quantity(const Filter& filter, StateIndex i, Provenance provenance) {
-    return {filter.x[i], std::sqrt(filter.P(i, i)), provenance};
+    const Scalar variance = filter.P(i, i);
+    if (!std::isfinite(filter.x[i]) || !std::isfinite(variance) || variance < Scalar(0)) return {};
+    return {filter.x[i], std::sqrt(variance), provenance};
   }
 
-  Estimate current_estimate() {
+  // `is_measured`: stage 1 was updated in this step; a prediction alone is assumed.
+  Estimate current_estimate(bool is_measured) {
     Estimate estimate;
     Provenance motion_provenance[3];
     for (int i = 0; i < 3; ++i) {
       motion_provenance[i] =
-          provenance_of_share(information_share(motion_.P(i, i), motion_prior_(i, i)));
+          is_measured ? provenance_of_share(information_share(motion_.P(i, i), motion_prior_(i, i)))
+                      : Provenance::assumed;
     }
     // The force is the measured acceleration times the assumed mass.
     const Provenance force_provenance = motion_provenance[kThird] == Provenance::measured
@@ -197,7 +201,7 @@ class PublishedCascade {
         estimate.events.add(Event::variance_negative, filter->P(i, i) < Scalar(0));
       }
     }
-    estimate.verdict = matching_.add(estimate.mass_kg.value, assumed_mass_kg_);
+    estimate.verdict = matching_.add(mass_.x[kThird], assumed_mass_kg_);
     return estimate;
   }
 
@@ -213,8 +217,8 @@ class PublishedCascade {
   bool parameters_valid_;
   bool started_ = false;
   Filter motion_, friction_, mass_;
-  SymmetricMatrix3<Scalar>
-      motion_prior_;  // covariance that prior and process noise alone would give
+  // Covariance that prior and process noise alone would give stage 1.
+  SymmetricMatrix3<Scalar> motion_prior_;
   MatchingCriterion matching_;
 };
 

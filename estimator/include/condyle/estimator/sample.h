@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 
 #include "condyle/estimator/events.h"
 
@@ -84,49 +85,82 @@ constexpr double followed_position_m(const Sample& sample, FollowedCoordinate fo
   return sample.coordinates[first + static_cast<int>(followed.axis)];
 }
 
-/// Compares each sample with the one before it.
+/// Compares each sample with the ones before it.
 class SampleChecker {
  public:
   /// `nominal_step_ns`: expected time between samples; 0 finds no gaps. `expects_drive`: a sample
-  /// without a drive force is an event.
-  constexpr explicit SampleChecker(TimeNs nominal_step_ns = 0, bool expects_drive = false)
-      : gap_ns_(nominal_step_ns + nominal_step_ns / 2), expects_drive_(expects_drive) {}
+  /// without a drive force is an event. `followed`: the point whose zeros are looked for.
+  constexpr explicit SampleChecker(TimeNs nominal_step_ns = 0, bool expects_drive = false,
+                                   FollowedCoordinate followed = {})
+      : gap_ns_(nominal_step_ns + nominal_step_ns / 2),
+        expects_drive_(expects_drive),
+        followed_(followed) {}
 
-  /// Events of `sample`, which becomes the one that the next is compared with.
+  /// Events of `sample`.
   constexpr EventSet check(const Sample& sample) {
     EventSet events;
     events.add(Event::time_missing, !sample.time_valid);
     events.add(Event::position_missing, !sample.position_valid);
     events.add(Event::drive_missing, expects_drive_ && !sample.drive_valid);
-    if (sample.time_valid) {
-      if (has_previous_) {
-        events.add(Event::time_reversed, sample.time_ns < previous_time_ns_);
-        events.add(Event::time_repeated, sample.time_ns == previous_time_ns_);
-        // Unsigned, because the difference of two far times can leave int64.
-        const std::uint64_t step_ns = static_cast<std::uint64_t>(sample.time_ns) -
-                                      static_cast<std::uint64_t>(previous_time_ns_);
-        events.add(Event::time_gap, sample.time_ns > previous_time_ns_ && gap_ns_ > 0 &&
-                                        step_ns > static_cast<std::uint64_t>(gap_ns_));
-      }
-      previous_time_ns_ = sample.time_ns;
-      has_previous_ = true;
-    }
-    // Along one axis an exact zero is an ordinary position.
-    bool all_zero = sample.position_valid && sample.kind != SampleKind::one_axis;
-    for (std::size_t i = 0; all_zero && i < coordinate_count(sample.kind); ++i) {
-      all_zero = sample.coordinates[i] == 0;
-    }
-    events.add(Event::zero_filled, all_zero && previous_all_zero_);
-    previous_all_zero_ = all_zero;
+    if (sample.time_valid) check_time(sample.time_ns, events);
+    events.add(Event::zero_filled, is_zero_filled(sample));
     return events;
   }
 
  private:
+  static constexpr int kRestartAfter = 3;
+  static constexpr double kZeroJump_m = 1e-3;
+
+  constexpr void check_time(TimeNs time_ns, EventSet& events) {
+    if (has_time_ && time_ns < time_ns_) {
+      reversed_in_order_ =
+          reversed_in_order_ > 0 && time_ns >= last_reversed_ns_ ? reversed_in_order_ + 1 : 1;
+      last_reversed_ns_ = time_ns;
+      if (reversed_in_order_ < kRestartAfter) {
+        events.add(Event::time_reversed);
+        return;
+      }
+      events.add(Event::time_restarted);
+    } else if (has_time_) {
+      events.add(Event::time_repeated, time_ns == time_ns_);
+      // Unsigned, because the difference of two far times can leave int64.
+      const std::uint64_t step_ns =
+          static_cast<std::uint64_t>(time_ns) - static_cast<std::uint64_t>(time_ns_);
+      events.add(Event::time_gap, gap_ns_ > 0 && step_ns > static_cast<std::uint64_t>(gap_ns_));
+    }
+    reversed_in_order_ = 0;
+    time_ns_ = time_ns;
+    has_time_ = true;
+  }
+
+  // Devices fill dropouts with zeros. Exactly (0, 0, 0) is taken for one where the point comes from
+  // more than a millimetre away, or stays. Along one axis zero is a position like any other.
+  constexpr bool is_zero_filled(const Sample& sample) {
+    if (!sample.position_valid || sample.kind == SampleKind::one_axis ||
+        !is_available(sample.kind, followed_)) {
+      return false;
+    }
+    bool is_zero = true, is_near = true;
+    for (const Axis axis : {Axis::x, Axis::y, Axis::z}) {
+      const double position_m = followed_position_m(sample, {followed_.point, axis});
+      is_zero = is_zero && position_m == 0;
+      is_near = is_near && position_m < kZeroJump_m && position_m > -kZeroJump_m;
+    }
+    const bool is_filled = is_zero && has_position_ && (was_zero_ || !was_near_);
+    has_position_ = true;
+    was_zero_ = is_zero;
+    was_near_ = is_near;
+    return is_filled;
+  }
+
   TimeNs gap_ns_;
   bool expects_drive_;
-  bool has_previous_ = false;
-  bool previous_all_zero_ = false;
-  TimeNs previous_time_ns_ = 0;
+  FollowedCoordinate followed_;
+  bool has_time_ = false;
+  TimeNs time_ns_ = 0;  // of the last accepted sample
+  int reversed_in_order_ = 0;
+  TimeNs last_reversed_ns_ = 0;
+  bool has_position_ = false, was_zero_ = false, was_near_ = false;
 };
 
 }  // namespace condyle

@@ -27,17 +27,18 @@ struct RunCounts {
 };
 
 /// One sample through `estimator`: its estimate with the sample's events added. A sample whose time
-/// runs backwards is out of order and is kept from the estimator.
+/// runs backwards is kept from the estimator; one without a usable position lets it predict only.
 template <class Estimator>
 typename Estimator::Estimate process_sample(const Sample& sample, EventSet sample_events,
                                             FollowedCoordinate followed, Estimator& estimator) {
   using Scalar = decltype(Estimator::Estimate::kNone);
   typename Estimator::Estimate estimate;
   if (!sample_events.has(Event::time_reversed)) {
-    const bool usable = sample.position_valid && is_available(sample.kind, followed);
+    const bool usable = sample.position_valid && !sample_events.has(Event::zero_filled) &&
+                        is_available(sample.kind, followed);
     estimate = usable ? estimator.step(static_cast<Scalar>(followed_position_m(sample, followed)))
                       : estimator.step_without_measurement();
-    estimate.events.add(Event::position_missing, !usable);
+    estimate.events.add(Event::position_missing, !is_available(sample.kind, followed));
   }
   estimate.events.add(sample_events);
   return estimate;
@@ -50,7 +51,7 @@ template <class Estimator, class Sink, class Predicate>
 hal::Status run(hal::Facebow& facebow, hal::Clock& clock, Estimator& estimator,
                 const RunSettings& settings, RunCounts& counts, Sink&& sink,
                 Predicate&& should_stop) {
-  SampleChecker checker(settings.nominal_step_ns, settings.expects_drive);
+  SampleChecker checker(settings.nominal_step_ns, settings.expects_drive, settings.followed);
   while (!should_stop()) {
     Sample sample;
     const hal::Status status = facebow.read(clock.now_ns() + settings.patience_ns, sample);
