@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <thread>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace condyle::host {
+
+/// Called on the thread that called run_monte_carlo, after each merged run.
+using MonteCarloProgress = std::function<void(std::uint64_t merged, std::uint64_t runs)>;
+
+struct MonteCarloControl {
+  unsigned threads = 0;  ///< 0: one for each core
+  /// Asked after each merged run, on the caller's thread; true ends the work. What it answers from
+  /// the merged results alone is the same for every number of threads.
+  std::function<bool()> stop;
+};
+
+/// Results of runs that are under way or wait to be merged: a ring with one place for each.
+template <class Result>
+class MonteCarloQueue {
+ public:
+  MonteCarloQueue(std::uint64_t runs, std::size_t places) : runs_(runs), places_(places) {}
+
+  /// Waits for a run to do: its index; nothing when all are given out or `stop` is requested.
+  std::optional<std::uint64_t> take(std::stop_token stop) {
+    std::unique_lock lock(mutex_);
+    const bool free = place_freed_.wait(
+        lock, stop, [this] { return next_ == runs_ || next_ < merged_ + places_.size(); });
+    if (!free || stop.stop_requested() || next_ == runs_) return std::nullopt;
+    return next_++;
+  }
+
+  void put(std::uint64_t index, std::optional<Result> result, std::exception_ptr failure) {
+    {
+      const std::lock_guard lock(mutex_);
+      places_[index % places_.size()] = {std::move(result), std::move(failure), true};
+    }
+    result_put_.notify_one();
+  }
+
+  /// Waits for the next result in order and frees its place. Throws what its run threw.
+  Result next_in_order() {
+    Place place;
+    {
+      std::unique_lock lock(mutex_);
+      Place& next = places_[merged_ % places_.size()];
+      result_put_.wait(lock, [&next] { return next.filled; });
+      place = std::exchange(next, Place{});
+      ++merged_;
+    }
+    place_freed_.notify_all();
+    if (place.failure) std::rethrow_exception(std::move(place.failure));
+    return std::move(*place.result);
+  }
+
+ private:
+  struct Place {
+    std::optional<Result> result;
+    std::exception_ptr failure;
+    bool filled = false;
+  };
+  std::mutex mutex_;
+  std::condition_variable_any place_freed_;
+  std::condition_variable result_put_;
+  const std::uint64_t runs_;
+  std::uint64_t next_ = 0, merged_ = 0;
+  std::vector<Place> places_;
+};
+
+/// Runs `work(seed)` for `runs` seeds from `first_seed` upwards on all cores and hands the results
+/// to `merge(Result&&)` in the order of the seeds, on the caller's thread: where `work` depends on
+/// its seed alone, the outcome is the same, bit for bit, for every number of threads. At most two
+/// results a thread are held. An exception of `work` is thrown on when its turn comes, those of
+/// `merge`, `progress` and `control.stop` at once; runs under way are then finished and dropped.
+/// Returns the number of runs merged: `runs`, or fewer when stopped.
+template <class Work, class Merge>
+std::uint64_t run_monte_carlo(std::uint64_t runs, std::uint64_t first_seed, const Work& work,
+                              Merge&& merge, const MonteCarloProgress& progress = {},
+                              const MonteCarloControl& control = {}) {
+  using Result = std::invoke_result_t<const Work&, std::uint64_t>;
+  if (runs == 0) return 0;
+  const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
+  const std::uint64_t wanted = control.threads > 0 ? control.threads : cores;
+  const std::size_t threads = std::min(wanted, runs);
+
+  MonteCarloQueue<Result> queue(runs, 2 * threads);
+  const auto run_until_stopped = [&](std::stop_token stop) {
+    while (const auto index = queue.take(stop)) {
+      std::optional<Result> result;
+      std::exception_ptr failure;
+      try {
+        result.emplace(work(first_seed + *index));
+      } catch (...) {
+        failure = std::current_exception();
+      }
+      queue.put(*index, std::move(result), std::move(failure));
+    }
+  };
+  // All are asked to stop before the first is joined.
+  struct Workers {
+    std::vector<std::jthread> threads;
+    ~Workers() {
+      for (auto& thread : threads) thread.request_stop();
+    }
+  } workers;
+  workers.threads.reserve(threads);
+  while (workers.threads.size() < threads) workers.threads.emplace_back(run_until_stopped);
+
+  for (std::uint64_t merged = 1; merged <= runs; ++merged) {
+    merge(queue.next_in_order());
+    if (progress) progress(merged, runs);
+    if (control.stop && control.stop()) return merged;
+  }
+  return runs;
+}
+
+}  // namespace condyle::host
