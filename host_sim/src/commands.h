@@ -22,6 +22,8 @@ using Command = std::function<int()>;
 
 /// `condyle replay`
 Command add_replay(CLI::App& app);
+/// `condyle simulate`
+Command add_simulate(CLI::App& app);
 /// `condyle observability`
 Command add_observability(CLI::App& app);
 

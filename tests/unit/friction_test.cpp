@@ -18,7 +18,7 @@ constexpr double kTwoPi = 6.283185307179586;
 constexpr FrictionModel kModels[] = {FrictionModel::viscous, FrictionModel::coulomb,
                                      FrictionModel::stribeck, FrictionModel::lugre};
 
-FrictionParameters demonstration(FrictionModel model) {
+FrictionLaw demonstration(FrictionModel model) {
   return {.model = model};
 }
 
@@ -34,7 +34,7 @@ std::array<double, n> integrate(std::array<double, n> x, double end_s, double st
 // A mass under a drive u(t, x, v) and friction: state x (m), v (m/s), z (m).
 using State = std::array<double, 3>;
 template <class Drive>
-auto moving_mass(const FrictionParameters& parameters, double mass_kg, const Drive& drive) {
+auto moving_mass(const FrictionLaw& parameters, double mass_kg, const Drive& drive) {
   return [=](double time_s, const State& s, State& rate) {
     const double force_N = drive(time_s, s[0], s[1]) - friction_force_N(parameters, s[1], s[2]);
     rate = {s[1], force_N / mass_kg, bristle_rate_m_s(parameters, s[1], s[2])};
@@ -59,7 +59,7 @@ TEST(Integrator, IsOfOrderFour) {
 }
 
 TEST(Friction, ForcesAreTheirEquations) {
-  FrictionParameters p = demonstration(FrictionModel::viscous);
+  FrictionLaw p = demonstration(FrictionModel::viscous);
   EXPECT_DOUBLE_EQ(friction_force_N(p, -0.1, 0), -0.04);
   EXPECT_DOUBLE_EQ(friction_force_N(p, -0.1, 0, 22), -0.88);
   p.model = FrictionModel::coulomb;
@@ -76,7 +76,7 @@ TEST(Friction, ForcesAreTheirEquations) {
 
 TEST(Friction, IsOddInVelocityAndDeflectionAndLinearInScale) {
   for (const FrictionModel model : kModels) {
-    const FrictionParameters p = demonstration(model);
+    const FrictionLaw p = demonstration(model);
     for (const double v : {0.0, 1e-6, 3e-4, 2e-3, 0.1}) {
       for (const double z : {0.0, 4e-6, -1e-5}) {
         const double force_N = friction_force_N(p, v, z);
@@ -91,7 +91,7 @@ TEST(Friction, IsOddInVelocityAndDeflectionAndLinearInScale) {
 
 TEST(Friction, SlopesAreTheDerivatives) {
   for (const FrictionModel model : kModels) {
-    const FrictionParameters p = demonstration(model);
+    const FrictionLaw p = demonstration(model);
     for (const double v : {-0.1, -1e-3, -2e-5, 1e-6, 5e-5, 7e-4, 3e-3, 0.05}) {
       for (const double z : {0.0, 6e-6, -9e-6}) {
         const double h = 1e-4 * std::abs(v);
@@ -104,14 +104,14 @@ TEST(Friction, SlopesAreTheDerivatives) {
       }
     }
   }
-  const FrictionParameters p = demonstration(FrictionModel::lugre);
+  const FrictionLaw p = demonstration(FrictionModel::lugre);
   EXPECT_DOUBLE_EQ(friction_slope_Ns_m(p, 0, 0), 316.4) << "stuck: bristle damping";
   EXPECT_NEAR(friction_slope_Ns_m(p, 0.1, steady_deflection_m(p, 0.1)), 0.4, 1e-9) << "sliding";
 }
 
 TEST(Friction, StribeckCurveDipsBetweenBreakAwayAndViscousBranch) {
   for (const FrictionModel model : {FrictionModel::stribeck, FrictionModel::lugre}) {
-    const FrictionParameters p = demonstration(model);
+    const FrictionLaw p = demonstration(model);
     const double slow = steady_friction_N(p, 3e-4), dip = steady_friction_N(p, 4e-3);
     const double fast = steady_friction_N(p, 1);
     EXPECT_GT(slow, 1.44);
@@ -123,7 +123,7 @@ TEST(Friction, StribeckCurveDipsBetweenBreakAwayAndViscousBranch) {
 }
 
 TEST(Friction, LuGreSettlesOnTheStribeckCurve) {
-  const FrictionParameters p = demonstration(FrictionModel::lugre);
+  const FrictionLaw p = demonstration(FrictionModel::lugre);
   for (const double v : {-0.05, -2e-3, -4e-4, 4e-4, 1e-3, 2e-3, 0.01, 0.1}) {
     const auto bristles = [&](double, const std::array<double, 1>& z, std::array<double, 1>& rate) {
       rate[0] = bristle_rate_m_s(p, v, z[0]);
@@ -133,7 +133,7 @@ TEST(Friction, LuGreSettlesOnTheStribeckCurve) {
     const auto z = integrate(std::array{0.0}, end_s, end_s / 2000, bristles);
     EXPECT_NEAR(z[0], steady_deflection_m(p, v), 1e-9 * std::abs(z[0]));
     EXPECT_NEAR(friction_force_N(p, v, z[0]), steady_friction_N(p, v), 1e-9);
-    FrictionParameters stribeck = p;
+    FrictionLaw stribeck = p;
     stribeck.model = FrictionModel::stribeck;
     stribeck.smoothing_velocity_m_s = 1e-6;
     EXPECT_NEAR(steady_friction_N(p, v), friction_force_N(stribeck, v, 0), 1e-12);
@@ -141,7 +141,7 @@ TEST(Friction, LuGreSettlesOnTheStribeckCurve) {
 }
 
 TEST(Friction, LuGreIsASpringBeforeItSlides) {
-  const FrictionParameters p = demonstration(FrictionModel::lugre);
+  const FrictionLaw p = demonstration(FrictionModel::lugre);
   // 1 kg under a force of 1 mN, a thousandth of the sliding force: rests where s0 x carries it.
   const auto pushed = moving_mass(p, 1, [](double, double, double) { return 1e-3; });
   const State x = integrate(State{0, 0, 0}, 1, 1e-4, pushed);
@@ -149,7 +149,7 @@ TEST(Friction, LuGreIsASpringBeforeItSlides) {
   EXPECT_NEAR(x[1], 0, 1e-15);
 
   // Undamped, it rings at sqrt(s0/m): back at its start after one period.
-  FrictionParameters undamped = p;
+  FrictionLaw undamped = p;
   undamped.bristle_damping_Ns_m = 0;
   undamped.viscous_Ns_m = 0;
   const auto free = moving_mass(undamped, 1, [](double, double, double) { return 0.0; });
@@ -159,7 +159,7 @@ TEST(Friction, LuGreIsASpringBeforeItSlides) {
 }
 
 // Largest friction, less its viscous part, of 1 kg at rest under a force that grows at `rate_N_s`.
-double break_away_N(const FrictionParameters& p, double rate_N_s) {
+double break_away_N(const FrictionLaw& p, double rate_N_s) {
   const auto ramp = moving_mass(p, 1, [=](double t, double, double) { return rate_N_s * t; });
   State x = {0, 0, 0};
   double largest_N = 0;
@@ -174,7 +174,7 @@ double break_away_N(const FrictionParameters& p, double rate_N_s) {
 
 TEST(Friction, BreakAwayForceFallsWithTheForceRate) {
   // As in figure 5 of Canudas de Wit et al., for 1 to 50 N/s.
-  const FrictionParameters p = demonstration(FrictionModel::lugre);
+  const FrictionLaw p = demonstration(FrictionModel::lugre);
   EXPECT_NEAR(break_away_N(p, 0.1), 1.5, 0.03);
   double last_N = 1.5;
   for (const double rate_N_s : {0.2, 1.0, 5.0, 10.0, 20.0, 50.0}) {
@@ -193,7 +193,7 @@ struct Pull {
   double slowest_m_s = 1e9, fastest_m_s = 0;  // in the second half
 };
 
-Pull pull(const FrictionParameters& p, double speed_m_s, double duration_s, double step_s) {
+Pull pull(const FrictionLaw& p, double speed_m_s, double duration_s, double step_s) {
   const auto pulled =
       moving_mass(p, 1, [=](double t, double x, double) { return 2 * (speed_m_s * t - x); });
   Pull result;
@@ -230,7 +230,7 @@ TEST(Friction, FastPullOrNoDipSlidesSteadily) {
   EXPECT_GT(fast.slowest_m_s, 0.48);
   EXPECT_LT(fast.fastest_m_s, 0.52);
 
-  FrictionParameters flat = demonstration(FrictionModel::lugre);
+  FrictionLaw flat = demonstration(FrictionModel::lugre);
   flat.static_N = flat.coulomb_N;
   const Pull no_dip = pull(flat, 0.1, 40, 4e-5);
   EXPECT_EQ(no_dip.slips_s.size(), 1U) << "the start";
@@ -240,7 +240,7 @@ TEST(Friction, FastPullOrNoDipSlidesSteadily) {
 
 // Area of the loop of friction over velocity (N m/s) in the third period, for a velocity that
 // swings about 1.5 mm/s without reversing.
-double loop_area(const FrictionParameters& p, double frequency_rad_s) {
+double loop_area(const FrictionLaw& p, double frequency_rad_s) {
   const auto velocity_m_s = [=](double t) {
     return 1.5e-3 + 1.2e-3 * std::sin(frequency_rad_s * t);
   };
@@ -264,7 +264,7 @@ double loop_area(const FrictionParameters& p, double frequency_rad_s) {
 
 TEST(Friction, LagsBehindVelocityTheMoreTheFasterItChanges) {
   // Figure 3 of Canudas de Wit et al.: 1, 10 and 25 rad/s. Positive: more while speeding up.
-  const FrictionParameters p = demonstration(FrictionModel::lugre);
+  const FrictionLaw p = demonstration(FrictionModel::lugre);
   const double slow = loop_area(p, 1), middle = loop_area(p, 10), fast = loop_area(p, 25);
   EXPECT_GT(slow, 0);
   EXPECT_GT(middle, 5 * slow);
@@ -275,7 +275,7 @@ TEST(Friction, LagsBehindVelocityTheMoreTheFasterItChanges) {
 
 TEST(Friction, DissipatesOverEveryCycleAndBalancesEnergy) {
   for (const FrictionModel model : kModels) {
-    const FrictionParameters p = demonstration(model);
+    const FrictionLaw p = demonstration(model);
     for (const double amplitude_m_s : {1e-4, 2e-3, 0.1}) {
       constexpr double frequency_Hz = 1.3;
       const auto velocity_m_s = [=](double t) {
@@ -313,7 +313,7 @@ TEST(Friction, DissipatesOverEveryCycleAndBalancesEnergy) {
 
 TEST(Friction, HalvingTheStepChangesNothingWhereMotionIsSmooth) {
   for (const FrictionModel model : kModels) {
-    FrictionParameters p = demonstration(model);
+    FrictionLaw p = demonstration(model);
     p.smoothing_velocity_m_s = 1e-2;
     p.stribeck_velocity_m_s = 2e-2;
     // A quarter kilogram that slides at 0.1 to 0.2 m/s under a drive of 1.3 Hz.
@@ -329,7 +329,7 @@ TEST(Friction, HalvingTheStepChangesNothingWhereMotionIsSmooth) {
     EXPECT_GT(fine[0], 0.1);
   }
   // Through reversals, with the smoothed sign.
-  FrictionParameters p = demonstration(FrictionModel::stribeck);
+  FrictionLaw p = demonstration(FrictionModel::stribeck);
   p.smoothing_velocity_m_s = 1e-2;
   p.stribeck_velocity_m_s = 2e-2;
   const auto driven = moving_mass(

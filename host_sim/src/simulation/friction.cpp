@@ -15,13 +15,13 @@ struct Curve {
 };
 
 // g(v).
-Curve stribeck_level(const FrictionParameters& p, double v) {
+Curve stribeck_level(const FrictionLaw& p, double v) {
   const double ratio = v / p.stribeck_velocity_m_s;
   const double excess_N = (p.static_N - p.coulomb_N) * elementary::exp(-ratio * ratio);
   return {p.coulomb_N + excess_N, -2 * ratio / p.stribeck_velocity_m_s * excess_N};
 }
 
-Curve smooth_sign(const FrictionParameters& p, double v) {
+Curve smooth_sign(const FrictionLaw& p, double v) {
   const double sign = elementary::tanh(v / p.smoothing_velocity_m_s);
   return {sign, (1 - sign * sign) / p.smoothing_velocity_m_s};
 }
@@ -31,14 +31,14 @@ double sign(double v) {
 }
 
 // z' and its derivative to v at fixed z.
-Curve bristle_rate(const FrictionParameters& p, double v, double z) {
+Curve bristle_rate(const FrictionLaw& p, double v, double z) {
   const Curve g = stribeck_level(p, v);
   const double pull = p.bristle_stiffness_N_m * z / g.value;
   return {v - std::abs(v) * pull, 1 - sign(v) * pull + std::abs(v) * pull * g.slope / g.value};
 }
 
 // F at scale 1 and its derivative to v at fixed z.
-Curve friction(const FrictionParameters& p, double v, double z) {
+Curve friction(const FrictionLaw& p, double v, double z) {
   Curve dry = {0, 0};
   switch (p.model) {
     case FrictionModel::viscous:
@@ -64,7 +64,7 @@ Curve friction(const FrictionParameters& p, double v, double z) {
 }
 
 // F of steady sliding at scale 1.
-Curve steady_friction(const FrictionParameters& p, double v) {
+Curve steady_friction(const FrictionLaw& p, double v) {
   if (p.model != FrictionModel::lugre) return friction(p, v, 0);
   const Curve g = stribeck_level(p, v);
   return {sign(v) * g.value + p.viscous_Ns_m * v, sign(v) * g.slope + p.viscous_Ns_m};
@@ -72,39 +72,38 @@ Curve steady_friction(const FrictionParameters& p, double v) {
 
 }  // namespace
 
-double bristle_rate_m_s(const FrictionParameters& parameters, double velocity_m_s,
-                        double deflection_m) {
+double bristle_rate_m_s(const FrictionLaw& parameters, double velocity_m_s, double deflection_m) {
   if (parameters.model != FrictionModel::lugre) return 0;
   return bristle_rate(parameters, velocity_m_s, deflection_m).value;
 }
 
-double friction_force_N(const FrictionParameters& parameters, double velocity_m_s,
-                        double deflection_m, double scale) {
+double friction_force_N(const FrictionLaw& parameters, double velocity_m_s, double deflection_m,
+                        double scale) {
   return scale * friction(parameters, velocity_m_s, deflection_m).value;
 }
 
-double friction_slope_Ns_m(const FrictionParameters& parameters, double velocity_m_s,
-                           double deflection_m, double scale) {
+double friction_slope_Ns_m(const FrictionLaw& parameters, double velocity_m_s, double deflection_m,
+                           double scale) {
   return scale * friction(parameters, velocity_m_s, deflection_m).slope;
 }
 
-double steady_deflection_m(const FrictionParameters& parameters, double velocity_m_s) {
+double steady_deflection_m(const FrictionLaw& parameters, double velocity_m_s) {
   if (parameters.model != FrictionModel::lugre) return 0;
   return sign(velocity_m_s) * stribeck_level(parameters, velocity_m_s).value /
          parameters.bristle_stiffness_N_m;
 }
 
-double steady_friction_N(const FrictionParameters& parameters, double velocity_m_s, double scale) {
+double steady_friction_N(const FrictionLaw& parameters, double velocity_m_s, double scale) {
   return scale * steady_friction(parameters, velocity_m_s).value;
 }
 
-double steady_friction_slope_Ns_m(const FrictionParameters& parameters, double velocity_m_s,
+double steady_friction_slope_Ns_m(const FrictionLaw& parameters, double velocity_m_s,
                                   double scale) {
   return scale * steady_friction(parameters, velocity_m_s).slope;
 }
 
-double dissipated_power_W(const FrictionParameters& parameters, double velocity_m_s,
-                          double deflection_m, double scale) {
+double dissipated_power_W(const FrictionLaw& parameters, double velocity_m_s, double deflection_m,
+                          double scale) {
   const double taken_W =
       friction_force_N(parameters, velocity_m_s, deflection_m, scale) * velocity_m_s;
   const double stored_W = scale * parameters.bristle_stiffness_N_m * deflection_m *
@@ -112,7 +111,7 @@ double dissipated_power_W(const FrictionParameters& parameters, double velocity_
   return taken_W - stored_W;
 }
 
-double bristle_energy_J(const FrictionParameters& parameters, double deflection_m, double scale) {
+double bristle_energy_J(const FrictionLaw& parameters, double deflection_m, double scale) {
   if (parameters.model != FrictionModel::lugre) return 0;
   return scale * parameters.bristle_stiffness_N_m * deflection_m * deflection_m / 2;
 }

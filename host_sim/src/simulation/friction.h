@@ -37,7 +37,7 @@ enum class FrictionModel : std::uint8_t { viscous, coulomb, stribeck, lugre };
 
 /// Parameters of all models; each uses those its equation names. The defaults are the
 /// demonstration set of Canudas de Wit et al.
-struct FrictionParameters {
+struct FrictionLaw {
   FrictionModel model = FrictionModel::viscous;
   double viscous_Ns_m = 0.4;             ///< s2, force per velocity (Ns/m), >= 0
   double coulomb_N = 1;                  ///< Fc, force of steady sliding (N), > 0 for lugre
@@ -49,36 +49,33 @@ struct FrictionParameters {
 };
 
 /// Rate of the bristle deflection z' (m/s); 0 for models without bristles.
-double bristle_rate_m_s(const FrictionParameters& parameters, double velocity_m_s,
-                        double deflection_m);
+double bristle_rate_m_s(const FrictionLaw& parameters, double velocity_m_s, double deflection_m);
 
 /// Friction force F (N), positive with the velocity. `deflection_m` matters to lugre only.
-double friction_force_N(const FrictionParameters& parameters, double velocity_m_s,
-                        double deflection_m, double scale = 1);
+double friction_force_N(const FrictionLaw& parameters, double velocity_m_s, double deflection_m,
+                        double scale = 1);
 
 /// dF/dv at fixed deflection (Ns/m): the effective friction at the followed point. LuGre: s1 + s2
 /// when stuck, about s2 in steady sliding well above vs.
-double friction_slope_Ns_m(const FrictionParameters& parameters, double velocity_m_s,
-                           double deflection_m, double scale = 1);
+double friction_slope_Ns_m(const FrictionLaw& parameters, double velocity_m_s, double deflection_m,
+                           double scale = 1);
 
 /// Bristle deflection of steady sliding (m): g(v) sign(v) / s0; 0 for models without bristles.
-double steady_deflection_m(const FrictionParameters& parameters, double velocity_m_s);
+double steady_deflection_m(const FrictionLaw& parameters, double velocity_m_s);
 
 /// F of steady sliding (N); only for lugre another function than `friction_force_N`.
-double steady_friction_N(const FrictionParameters& parameters, double velocity_m_s,
-                         double scale = 1);
+double steady_friction_N(const FrictionLaw& parameters, double velocity_m_s, double scale = 1);
 
 /// Slope of the curve `steady_friction_N` (Ns/m), negative in the Stribeck dip.
-double steady_friction_slope_Ns_m(const FrictionParameters& parameters, double velocity_m_s,
+double steady_friction_slope_Ns_m(const FrictionLaw& parameters, double velocity_m_s,
                                   double scale = 1);
 
 /// Power turned into heat (W): F v less the growth of `bristle_energy_J` at constant scale.
-double dissipated_power_W(const FrictionParameters& parameters, double velocity_m_s,
-                          double deflection_m, double scale = 1);
+double dissipated_power_W(const FrictionLaw& parameters, double velocity_m_s, double deflection_m,
+                          double scale = 1);
 
 /// Energy stored in the bristles (J), c s0 z^2 / 2; 0 for models without bristles.
-double bristle_energy_J(const FrictionParameters& parameters, double deflection_m,
-                        double scale = 1);
+double bristle_energy_J(const FrictionLaw& parameters, double deflection_m, double scale = 1);
 
 /// Friction over time, as the `scale` of the functions above.
 struct FrictionSchedule {

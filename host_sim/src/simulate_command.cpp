@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "commands.h"
+#include "input_error.h"
+#include "number_text.h"
+#include "output_file.h"
+#include "progress.h"
+#include "simulation/recording_writer.h"
+#include "simulation/scenario_file.h"
+
+namespace condyle::host {
+namespace {
+
+struct SimulateOptions {
+  std::string scenario;
+  std::string out;
+  std::string truth;
+  std::optional<std::uint64_t> seed;
+};
+
+// "a/b.csv" with "drive" becomes "a/b.drive.csv".
+std::string beside(const std::string& path, const std::string& part) {
+  const std::filesystem::path base(path);
+  return (base.parent_path() / (base.stem().string() + "." + part + ".csv")).string();
+}
+
+int simulate(const SimulateOptions& options) {
+  const Scenario scenario = load_scenario(options.scenario);
+  const std::uint64_t seed = options.seed.value_or(scenario.seed);
+  hal::SteadyClock clock;
+
+  std::vector<std::unique_ptr<OutputFile>> files;
+  const auto open = [&files](const std::string& path) {
+    files.push_back(std::make_unique<OutputFile>(path));
+    return files.back().get();
+  };
+  OutputFile* const recording = open(options.out);
+  OutputFile* const truth = options.truth.empty() ? nullptr : open(options.truth);
+  OutputFile* const drive =
+      scenario.drive.rate_Hz > 0 ? open(beside(options.out, "drive")) : nullptr;
+  OutputFile* const emg = scenario.emg.rate_Hz > 0 ? open(beside(options.out, "emg")) : nullptr;
+  RecordingWriter writer(scenario);
+  recording->write(writer.recording_header());
+  if (truth != nullptr) truth->write(writer.truth_header());
+  if (drive != nullptr) drive->write(writer.drive_header());
+  if (emg != nullptr) emg->write(writer.emg_header());
+
+  Simulation simulation(scenario, seed);
+  SimulatedData data;
+  std::uint64_t samples = 0;
+  {
+    Progress progress("simulating", clock);
+    while (simulation.advance(data)) {
+      for (const Sample& sample : data.samples) recording->write(writer.recording_row(sample));
+      if (truth != nullptr) {
+        for (const SubjectTruth& state : data.truths) truth->write(writer.truth_row(state));
+      }
+      if (drive != nullptr) {
+        for (const Reading& reading : data.drive) drive->write(writer.drive_row(reading));
+      }
+      if (emg != nullptr) {
+        for (const Reading& reading : data.emg) emg->write(writer.emg_row(reading));
+      }
+      samples += data.samples.size();
+      data.clear();
+      progress.show(simulation.time_s() / scenario.duration_s);
+      if (stop_requested()) {
+        print_error("stopped; no file was left");
+        return kExitInterrupted;
+      }
+    }
+  }
+  for (const auto& file : files) file->close();
+  for (const auto& file : files) file->commit();
+  std::string text = fmt::format("{} samples of {}, seed {}; simulated, no person was recorded\n",
+                                 samples, scenario.name, seed);
+  for (const auto& file : files) text += file->path() + "\n";
+  print_output(text);
+  return kExitOk;
+}
+
+}  // namespace
+
+Command add_simulate(CLI::App& app) {
+  auto options = std::make_shared<SimulateOptions>();
+  CLI::App* const command =
+      app.add_subcommand("simulate", "Simulate a subject and the instruments that see it");
+  command->add_option("SCENARIO", options->scenario, "TOML file; host_sim/scenarios has some")
+      ->required();
+  command->add_option("--out", options->out, "CSV file for the recording")->required();
+  command->add_option("--truth", options->truth, "CSV file for the true states");
+  command->add_option("--seed", options->seed, "Seed of all random numbers, not the scenario's");
+  return [options] { return simulate(*options); };
+}
+
+}  // namespace condyle::host

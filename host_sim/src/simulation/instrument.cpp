@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/instrument.h"
+
+#include <cmath>
+
+#include "condyle/estimator/elementary.h"
+
+namespace condyle::host {
+namespace {
+
+using Vector = std::array<double, 3>;
+
+constexpr Vector kBodyPoints_m[3] = {{0, 0, 0}, {0.025, 0, 0.030}, {-0.025, 0, 0.030}};
+constexpr double kSmallestGlitch_m = 0.003, kLargestGlitch_m = 0.008;
+constexpr double kTwoPi = 6.283185307179586;
+
+// Turned about x, then y, then z: a true rotation, whatever its size.
+Vector turn(Vector point, const Vector& angles) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t j = (axis + 1) % 3, k = (axis + 2) % 3;
+    const double s = elementary::sin(angles[axis]), c = elementary::cos(angles[axis]);
+    const double pj = point[j], pk = point[k];
+    point[j] = c * pj - s * pk;
+    point[k] = s * pj + c * pk;
+  }
+  return point;
+}
+
+Pose blend(const Pose& previous, const Pose& now, double share_of_previous) {
+  Pose result;
+  for (std::size_t i = 0; i < 3; ++i) {
+    result.translation_m[i] = share_of_previous * previous.translation_m[i] +
+                              (1 - share_of_previous) * now.translation_m[i];
+    result.rotation_rad[i] = share_of_previous * previous.rotation_rad[i] +
+                             (1 - share_of_previous) * now.rotation_rad[i];
+  }
+  return result;
+}
+
+}  // namespace
+
+SimulatedFacebow::SimulatedFacebow(const FacebowModel& model, Axis translation_axis,
+                                   std::uint64_t seed)
+    : model_(model), axis_(translation_axis), noise_(seed, 1), faults_(seed, 2), times_(seed, 3) {
+  schedule();
+}
+
+void SimulatedFacebow::schedule() {
+  const double jitter_s = model_.jitter_s * times_.normal();
+  next_instant_s_ =
+      std::max(next_instant_s_, static_cast<double>(count_) / model_.rate_Hz + jitter_s);
+}
+
+Pose SimulatedFacebow::true_pose(const Jaw& jaw, double coordinate) const {
+  Pose pose;
+  if (jaw.motion == JawMotion::translation) {
+    pose.translation_m[static_cast<std::size_t>(axis_)] = coordinate;
+    return pose;
+  }
+  // The incisor point turns about the TMJ axis, which is parallel to x; opening turns it down.
+  const double phi = jaw.incisor_angle_rad - coordinate;
+  pose.translation_m[1] =
+      jaw.incisor_radius_m * (elementary::cos(phi) - elementary::cos(jaw.incisor_angle_rad));
+  pose.translation_m[2] = jaw.followed_position_m(coordinate);
+  pose.rotation_rad[0] = -coordinate;
+  return pose;
+}
+
+void SimulatedFacebow::sample(const Jaw& jaw, double coordinate, std::vector<Sample>& samples) {
+  const double instant_s = next_instant_s_;
+  Pose pose = true_pose(jaw, coordinate);
+  for (double& value : pose.translation_m) value += model_.noise_m * noise_.normal();
+  for (double& value : pose.rotation_rad) value += model_.noise_rad * noise_.normal();
+  if (smoothed_) pose = blend(*smoothed_, pose, model_.smoothing);
+  smoothed_ = pose;
+  if (faults_.uniform() < model_.glitch_share) {
+    const double size_m =
+        kSmallestGlitch_m + (kLargestGlitch_m - kSmallestGlitch_m) * faults_.uniform();
+    const double height = 2 * faults_.uniform() - 1, angle = kTwoPi * faults_.uniform();
+    const double across = std::sqrt(1 - height * height);
+    pose.translation_m[0] += size_m * across * elementary::cos(angle);
+    pose.translation_m[1] += size_m * across * elementary::sin(angle);
+    pose.translation_m[2] += size_m * height;
+  }
+  if (model_.frozen.contains(instant_s) && shown_) pose = *shown_;
+  shown_ = pose;
+
+  Sample sample;
+  sample.sequence = count_;
+  sample.time_ns = nanoseconds(instant_s * (1 + model_.clock_drift) + model_.latency_s);
+  const auto show = [&](double value_m) {
+    if (model_.dropout.contains(instant_s)) return 0.0;
+    if (model_.quantum_m <= 0) return value_m;
+    return std::floor(value_m / model_.quantum_m + 0.5) * model_.quantum_m;
+  };
+  if (model_.gives_points) {
+    sample.kind = SampleKind::three_points;
+    for (std::size_t point = 0; point < 3; ++point) {
+      const Vector turned = turn(kBodyPoints_m[point], pose.rotation_rad);
+      for (std::size_t i = 0; i < 3; ++i) {
+        sample.coordinates[3 * point + i] = show(turned[i] + pose.translation_m[i]);
+      }
+    }
+  } else {
+    const Axis followed = jaw.motion == JawMotion::hinge ? Axis::z : axis_;
+    sample.coordinates[0] = show(pose.translation_m[static_cast<std::size_t>(followed)]);
+  }
+  if (faults_.uniform() >= model_.lost_share) samples.push_back(sample);
+  if (faults_.uniform() < model_.repeated_share) samples.push_back(sample);
+  ++count_;
+  schedule();
+}
+
+}  // namespace condyle::host

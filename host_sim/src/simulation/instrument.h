@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// A simulated facebow and its companions (force sensor, EMG amplifier), with the faults real ones
+// have.
+//
+// The facebow sees the pose of a rigid body on the lower teeth and reports three virtual points of
+// it, (0,0,0), (25,0,30) and (-25,0,30) mm in the body, so that one 6-DoF noise moves all three and
+// their distances never change.
+//
+// Order of what happens to a sample: true pose at its instant (rate, jitter) -> noise -> the
+// maker's smoothing -> glitch, freeze or zero-filled dropout -> quantisation -> device time (clock
+// drift, latency) -> lost or repeated.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "condyle/estimator/sample.h"
+#include "simulation/random.h"
+#include "simulation/subject.h"
+
+namespace condyle::host {
+
+/// A stretch of time at the same place in every run.
+struct Stretch {
+  double start_s = 0;
+  double duration_s = 0;  ///< 0: none
+  bool contains(double time_s) const {
+    return duration_s > 0 && time_s >= start_s && time_s < start_s + duration_s;
+  }
+};
+
+/// The facebow.
+struct FacebowModel {
+  double rate_Hz = 60;
+  double jitter_s = 0;        ///< standard deviation of the sampling instant, not reported
+  double clock_drift = 0;     ///< relative: the device's clock runs fast
+  double latency_s = 0;       ///< the reported time is that much after the instant
+  double noise_m = 5e-5;      ///< standard deviation of each of three translations
+  double noise_rad = 3e-4;    ///< of each of three rotations
+  double smoothing = 0;       ///< share of the previous output in each (first-order filter)
+  double quantum_m = 0;       ///< coordinates are multiples of it; 0: none
+  double lost_share = 0;      ///< of samples
+  double repeated_share = 0;  ///< of samples, reported twice
+  double glitch_share = 0;    ///< of samples, thrown 3-8 mm off in a random direction
+  Stretch dropout;            ///< filled with zeros
+  Stretch frozen;             ///< repeats the last pose at new times
+  bool gives_points = true;   ///< three points; else the followed axis alone
+};
+
+/// A force sensor on the followed axis.
+struct DriveModel {
+  double rate_Hz = 0;  ///< 0: none
+  double noise_N = 0.01;
+  double gain = 1;           ///< what it shows of the true force
+  double missing_share = 0;  ///< share of the muscles' force that passes it by
+  double delay_s = 0;
+};
+
+/// An EMG amplifier: envelopes of the muscles' excitations, 0 to 1.
+struct EmgModel {
+  double rate_Hz = 0;  ///< 0: none
+  double noise = 0.02;
+  double gain = 1;
+  double delay_s = 0;
+};
+
+/// True pose of the body that the facebow sees, about its rest place.
+struct Pose {
+  std::array<double, 3> translation_m{};  ///< x right, y forward, z up
+  std::array<double, 3> rotation_rad{};   ///< small turns about x, y, z
+};
+
+/// The facebow: asked once per true sampling instant, in order.
+class SimulatedFacebow {
+ public:
+  SimulatedFacebow(const FacebowModel& model, Axis translation_axis, std::uint64_t seed);
+
+  /// Instant of the next sample (s).
+  double next_instant_s() const { return next_instant_s_; }
+  /// Takes the subject's state at that instant; appends the samples it gives (none when lost, two
+  /// when repeated) to `samples`.
+  void sample(const Jaw& jaw, double coordinate, std::vector<Sample>& samples);
+
+ private:
+  Pose true_pose(const Jaw& jaw, double coordinate) const;
+  void schedule();
+
+  FacebowModel model_;
+  Axis axis_;
+  RandomGenerator noise_, faults_, times_;
+  std::uint64_t count_ = 0;
+  double next_instant_s_ = 0;
+  std::optional<Pose> smoothed_, shown_;
+};
+
+}  // namespace condyle::host

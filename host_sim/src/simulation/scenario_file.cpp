@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/scenario_file.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "input_error.h"
+#include "toml_reader.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr Range kPositive{1e-9, 1e9};
+constexpr Range kNonNegative{0, 1e9};
+constexpr Range kShare{0, 1};
+constexpr Range kPlace_m{-0.1, 0.1};
+
+// The jaw: one of the tabulated subjects, then whatever the file changes in it.
+void read_subject(TomlReader& file, Scenario& scenario) {
+  SubjectParameters& subject = scenario.subject;
+  std::size_t drive = 0;
+  file.choice("subject", "drive", drive, {"muscles", "force", "prescribed", "released"});
+  subject.drive = static_cast<SubjectDrive>(drive);
+  std::size_t motion = 0;
+  file.choice("subject", "motion", motion, {"hinge", "lateral", "protrusive", "point_mass"});
+  std::size_t table = 0;
+  const std::vector<std::string_view> tables = {"artisynth", "anybody"};
+  file.choice("subject", "jaw", table, tables);
+  const std::string name(tables[table]);
+  constexpr Axis axes[] = {Axis::z, Axis::x, Axis::y, Axis::z};
+  scenario.axis = axes[motion];
+  subject.jaw = motion == 0 ? tabulated_hinge_jaw(name) : tabulated_translation_jaw(name);
+  const bool is_point_mass = motion == 3;
+  if (is_point_mass) {
+    subject.jaw.muscles.clear();
+    subject.jaw.mass_kg = 0.25;
+  }
+  const bool needs_muscles = subject.drive == SubjectDrive::muscles;
+  const bool needs_mass =
+      subject.drive == SubjectDrive::force || subject.drive == SubjectDrive::prescribed;
+  if ((needs_muscles && is_point_mass) || (needs_mass && motion == 0)) {
+    throw InputError(
+        file.place("subject", "drive"), "this drive does not go with this motion",
+        "muscles drive a hinge, lateral or protrusive jaw; force and prescribed drive a "
+        "point_mass, lateral or protrusive one");
+  }
+  Jaw& jaw = subject.jaw;
+  file.number("subject", "mass_kg", jaw.mass_kg, "kg", {1e-3, 10});
+  file.number("subject", "inertia_kg_m2", jaw.inertia_kg_m2, "kg m^2", {1e-6, 1});
+  file.number("subject", "incisor_radius_m", jaw.incisor_radius_m, "m", {0.01, 0.5});
+  file.number("subject", "incisor_angle_rad", jaw.incisor_angle_rad, "rad", {-1, 1});
+  file.number("subject", "centre_of_mass_radius_m", jaw.centre_of_mass_radius_m, "m", {0, 0.5});
+  for (Muscle& muscle : jaw.muscles) {
+    const std::string section = "muscle_" + muscle.name;
+    file.number(section, "maximum_force_N", muscle.maximum_force_N, "N", {0, 1e4});
+    file.number(section, "arm", muscle.arm, "m, or the cosine of its angle", {-1, 1});
+    file.number(section, "optimal_length_m", muscle.optimal_length_m, "m", {1e-3, 1});
+    file.number(section, "gain", muscle.gain, "1", {0, 100});
+  }
+  file.number("subject", "support_stiffness_N_m", subject.support_stiffness_N_m, "N/m", {0, 1e5});
+  file.number("subject", "support_rest_m", subject.support_rest_m, "m", kPlace_m);
+  file.number("subject", "offset_N", subject.offset_N, "N", {-1e3, 1e3});
+  file.number("subject", "drive_friction_Ns_m", subject.drive_friction_Ns_m, "Ns/m", {0, 1e4});
+  file.number("subject", "release_s", subject.release_s, "s", {0, 1e4});
+  double steps = subject.steps_per_millisecond;
+  file.number("subject", "steps_per_millisecond", steps, "whole number", {1, 1000});
+  if (steps != std::floor(steps)) {
+    throw InputError(file.place("subject", "steps_per_millisecond"), "is no whole number",
+                     "give 1 to 1000");
+  }
+  subject.steps_per_millisecond = static_cast<int>(steps);
+}
+
+void read_task(TomlReader& file, MotionTask& task) {
+  file.number("task", "rest_position_m", task.rest_position_m, "m", kPlace_m);
+  file.number("task", "amplitude_m", task.amplitude_m, "m", {0, 0.06});
+  file.number("task", "amplitude_spread", task.amplitude_spread, "share", kShare);
+  file.number("task", "cycle_rate_Hz", task.cycle_rate_Hz, "Hz", {0.01, 20});
+  file.number("task", "rate_spread", task.rate_spread, "share", kShare);
+  file.number("task", "dwell_share", task.dwell_share, "share", {0, 0.9});
+  file.number("task", "pause_probability", task.pause_probability, "share", kShare);
+  file.number("task", "pause_s", task.pause_s, "s", {0, 3600});
+  file.number("task", "tremor_m", task.tremor_m, "m", {0, 0.01});
+  file.number("task", "tremor_Hz", task.tremor_Hz, "Hz", {0.1, 50});
+  std::size_t alternates = task.alternates ? 1 : 0;
+  file.choice("task", "sides", alternates, {"one", "alternating"});
+  task.alternates = alternates == 1;
+}
+
+void read_forces(TomlReader& file, SubjectParameters& subject) {
+  FrictionLaw& friction = subject.friction;
+  friction.viscous_Ns_m = 0.022;
+  std::size_t model = 0;
+  file.choice("friction", "model", model, {"viscous", "coulomb", "stribeck", "lugre"});
+  friction.model = static_cast<FrictionModel>(model);
+  file.number("friction", "viscous_Ns_m", friction.viscous_Ns_m, "Ns/m", {0, 1e4});
+  file.number("friction", "coulomb_N", friction.coulomb_N, "N", {1e-6, 1e3});
+  file.number("friction", "static_N", friction.static_N, "N", {1e-6, 1e3});
+  file.number("friction", "stribeck_velocity_m_s", friction.stribeck_velocity_m_s, "m/s",
+              {1e-6, 10});
+  file.number("friction", "smoothing_velocity_m_s", friction.smoothing_velocity_m_s, "m/s",
+              {1e-6, 10});
+  file.number("friction", "bristle_stiffness_N_m", friction.bristle_stiffness_N_m, "N/m", {1, 1e6});
+  file.number("friction", "bristle_damping_Ns_m", friction.bristle_damping_Ns_m, "Ns/m", {0, 1e4});
+  if (friction.static_N < friction.coulomb_N) {
+    throw InputError(file.place("friction", "static_N"), "static_N is below coulomb_N",
+                     "breaking away takes at least the sliding force");
+  }
+  FrictionSchedule& schedule = subject.friction_schedule;
+  std::size_t shape = 0;
+  file.choice("friction", "change", shape, {"constant", "step", "ramp"});
+  schedule.shape = static_cast<FrictionSchedule::Shape>(shape);
+  file.number("friction", "change_start_s", schedule.start_s, "s", kNonNegative);
+  schedule.end_s = schedule.start_s + 1;
+  file.number("friction", "change_end_s", schedule.end_s, "s", kNonNegative);
+  file.number("friction", "change_factor", schedule.factor, "1", {0, 1e6});
+  if (schedule.shape == FrictionSchedule::Shape::ramp && schedule.end_s <= schedule.start_s) {
+    throw InputError(file.place("friction", "change_end_s"), "the ramp ends before it starts",
+                     "give change_start_s < change_end_s");
+  }
+  file.number("contact", "stiffness_N_m15", subject.contact_stiffness_N_m15, "N/m^1.5",
+              kNonNegative);
+  file.number("contact", "damping_s_m", subject.contact_damping_s_m, "s/m", {0, 1e3});
+  file.number("contact", "clench_force_N", subject.clench_force_N, "N", {0, 1e3});
+  file.number("food", "height_m", subject.food_height_m, "m", {0, 0.05});
+  file.number("food", "stiffness_N_m", subject.food_stiffness_N_m, "N/m", {1, 1e6});
+  file.number("food", "strength_N", subject.food_strength_N, "N", {0, 1e3});
+  file.number("food", "flow_time_s", subject.food_flow_time_s, "s", {1e-3, 10});
+  file.number("food", "softening", subject.food_softening, "share", {0, 0.9});
+  file.number("load", "force_N", subject.load_force_N, "N", {-1e3, 1e3});
+  file.number("load", "period_s", subject.load_period_s, "s", {1e-2, 1e4});
+  file.number("load", "width_s", subject.load_width_s, "s", {1e-3, 1e4});
+  file.number("load", "rise_s", subject.load_rise_s, "s", {1e-3, 1e3});
+}
+
+void read_instruments(TomlReader& file, Scenario& scenario) {
+  FacebowModel& facebow = scenario.facebow;
+  file.number("facebow", "rate_Hz", facebow.rate_Hz, "Hz", {1, 5000});
+  file.number("facebow", "jitter_s", facebow.jitter_s, "s", {0, 0.1});
+  file.number("facebow", "clock_drift", facebow.clock_drift, "share", {-0.1, 0.1});
+  file.number("facebow", "latency_s", facebow.latency_s, "s", {0, 10});
+  file.number("facebow", "noise_m", facebow.noise_m, "m", {0, 0.01});
+  file.number("facebow", "noise_rad", facebow.noise_rad, "rad", {0, 0.1});
+  file.number("facebow", "smoothing", facebow.smoothing, "share", {0, 0.999});
+  file.number("facebow", "quantum_m", facebow.quantum_m, "m", {0, 0.01});
+  file.number("facebow", "lost_share", facebow.lost_share, "share", {0, 0.99});
+  file.number("facebow", "repeated_share", facebow.repeated_share, "share", {0, 0.99});
+  file.number("facebow", "glitch_share", facebow.glitch_share, "share", kShare);
+  const auto stretch = [&](const std::string& name, Stretch& value) {
+    file.number("facebow", name + "_start_s", value.start_s, "s", kNonNegative);
+    file.number("facebow", name + "_duration_s", value.duration_s, "s", kNonNegative);
+  };
+  stretch("dropout", facebow.dropout);
+  stretch("frozen", facebow.frozen);
+  std::size_t gives = 0;
+  file.choice("facebow", "gives", gives, {"points", "axis"});
+  facebow.gives_points = gives == 0;
+
+  file.number("drive", "rate_Hz", scenario.drive.rate_Hz, "Hz", {0, 5000});
+  file.number("drive", "noise_N", scenario.drive.noise_N, "N", {0, 1e3});
+  file.number("drive", "gain", scenario.drive.gain, "1", {-10, 10});
+  file.number("drive", "missing_share", scenario.drive.missing_share, "share", kShare);
+  file.number("drive", "delay_s", scenario.drive.delay_s, "s", {0, 1});
+  file.number("emg", "rate_Hz", scenario.emg.rate_Hz, "Hz", {0, 5000});
+  file.number("emg", "noise", scenario.emg.noise, "share of the maximum", {0, 10});
+  file.number("emg", "gain", scenario.emg.gain, "1", {0, 100});
+  file.number("emg", "delay_s", scenario.emg.delay_s, "s", {0, 1});
+}
+
+}  // namespace
+
+Scenario load_scenario(const std::string& path) {
+  TomlReader file(path);
+  Scenario scenario;
+  scenario.name = std::filesystem::path(path).stem().string();
+  file.number("", "duration_s", scenario.duration_s, "s", {0.1, 86400});
+  double seed = 1;
+  file.number("", "seed", seed, "whole number", {0, 9e15});
+  if (seed != std::floor(seed)) {
+    throw InputError(file.place("", "seed"), "is no whole number", "give 0 to 9e15");
+  }
+  scenario.seed = static_cast<std::uint64_t>(seed);
+  read_subject(file, scenario);
+  read_task(file, scenario.subject.task);
+  read_forces(file, scenario.subject);
+  read_instruments(file, scenario);
+  file.finish();
+  return scenario;
+}
+
+}  // namespace condyle::host
