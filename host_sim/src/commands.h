@@ -24,6 +24,8 @@ using Command = std::function<int()>;
 Command add_replay(CLI::App& app);
 /// `condyle simulate`
 Command add_simulate(CLI::App& app);
+/// `condyle evaluate`
+Command add_evaluate(CLI::App& app);
 /// `condyle observability`
 Command add_observability(CLI::App& app);
 

@@ -2,16 +2,13 @@
 #include "figures.h"
 
 #include <fmt/format.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 
+#include "gnuplot.h"
 #include "input_error.h"
 #include "output_file.h"
 
@@ -53,15 +50,6 @@ constexpr Style kStyles[] = {
      "derived from an assumption"},
     {Provenance::assumed, "lc rgb '#606060' lw 1.6 dt (8,6)",
      "fc rgb '#b0b0b0' fs pattern 4 noborder", "ASSUMED, not measured"}};
-
-std::string gnuplot_quoted(std::string_view text) {
-  std::string result = "'";
-  for (const char c : text) {
-    if (c == '\'') result += '\'';
-    result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return result + "'";
-}
 
 bool is_drawn(const FigureCurve& curve) {
   return !std::isnan(curve.value.lowest);
@@ -161,34 +149,6 @@ std::string label_command(const Figure& figure, const FigureData& data) {
                        "center font ',11' tc rgb '#a00000'\n"
                      : "unset label 1\n";
 }
-
-class Gnuplot {
- public:
-  // An interrupt is the command's to handle; the user's own gnuplot settings are left out.
-  Gnuplot() : pipe_(popen("trap '' INT; LC_ALL=C.UTF-8 exec gnuplot -d >/dev/null", "w")) {
-    if (pipe_ == nullptr) fail(std::strerror(errno));
-  }
-  ~Gnuplot() {
-    if (pipe_ != nullptr) pclose(pipe_);
-  }
-  Gnuplot(const Gnuplot&) = delete;
-  Gnuplot& operator=(const Gnuplot&) = delete;
-
-  void send(const std::string& text) { std::fwrite(text.data(), 1, text.size(), pipe_); }
-  void finish() {
-    const int status = pclose(pipe_);
-    pipe_ = nullptr;
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 127) fail("it is not installed");
-    if (status != 0) fail("it failed; its own words stand above");
-  }
-
- private:
-  [[noreturn]] static void fail(const std::string& problem) {
-    throw InputError("gnuplot", "cannot draw the figures: " + problem,
-                     "install it (Debian package gnuplot-nox) or leave out --figures");
-  }
-  std::FILE* pipe_;
-};
 
 bool has_values(const Figure& figure, const FigureData& data) {
   return std::any_of(data.runs().begin(), data.runs().end(),

@@ -34,6 +34,7 @@ int run(int argc, char** argv) {
   std::vector<std::pair<const char*, Command>> commands;
   commands.emplace_back("replay", add_replay(app));
   commands.emplace_back("simulate", add_simulate(app));
+  commands.emplace_back("evaluate", add_evaluate(app));
   commands.emplace_back("observability", add_observability(app));
   try {
     app.parse(argc, argv);

@@ -10,13 +10,13 @@ namespace condyle::host {
 namespace {
 constexpr TimeNs kFirst_ns = kNanosecondsPerSecond;
 constexpr TimeNs kEvery_ns = kNanosecondsPerSecond / 5;
-constexpr unsigned kCallsBetweenLooks = 64;  // at the clock
 }  // namespace
 
-Progress::Progress(std::string what, hal::Clock& clock)
+Progress::Progress(std::string what, hal::Clock& clock, unsigned calls_between_looks)
     : what_(std::move(what)),
       clock_(clock),
       is_terminal_(isatty(STDERR_FILENO) == 1),
+      calls_between_looks_(calls_between_looks),
       next_ns_(clock.now_ns() + kFirst_ns) {}
 
 Progress::~Progress() {
@@ -24,7 +24,7 @@ Progress::~Progress() {
 }
 
 void Progress::show(double share) {
-  if (!is_terminal_ || ++calls_ % kCallsBetweenLooks != 0) return;
+  if (!is_terminal_ || ++calls_ % calls_between_looks_ != 0) return;
   const TimeNs now_ns = clock_.now_ns();
   if (now_ns < next_ns_) return;
   next_ns_ = now_ns + kEvery_ns;

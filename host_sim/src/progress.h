@@ -11,7 +11,7 @@ namespace condyle::host {
 /// terminal, and for the first second.
 class Progress {
  public:
-  Progress(std::string what, hal::Clock& clock);
+  Progress(std::string what, hal::Clock& clock, unsigned calls_between_looks = 64);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -24,6 +24,7 @@ class Progress {
   hal::Clock& clock_;
   bool is_terminal_;
   bool shown_ = false;
+  unsigned calls_between_looks_;  // at the clock
   unsigned calls_ = 0;
   TimeNs next_ns_;
 };

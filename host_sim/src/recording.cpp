@@ -7,6 +7,7 @@
 
 #include "input_error.h"
 #include "recording_formats.h"
+#include "simulation/simulated_recording.h"
 
 namespace condyle::host {
 namespace {
@@ -86,8 +87,11 @@ TimeNs regular_time_ns(TimeNs start_ns, std::uint64_t index, double step_s,
   return start_ns + nanoseconds(since_start_s);
 }
 
-std::unique_ptr<Recording> open_recording(const std::string& path,
+std::unique_ptr<Recording> open_recording(const std::string& source,
                                           const RecordingOptions& options) {
+  constexpr std::string_view simulated = "synth:", file = "file:";
+  if (source.starts_with(simulated)) return open_simulation(source.substr(simulated.size()));
+  const std::string path = source.starts_with(file) ? source.substr(file.size()) : source;
   auto reader = std::make_unique<ByteReader>(path);
   std::string_view start = reader->peek(4096);
   if (start.substr(0, 2) == "\xff\xfe" || start.substr(0, 2) == "\xfe\xff") {

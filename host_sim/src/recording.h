@@ -47,7 +47,9 @@ class Recording {
   virtual double progress() const = 0;
 };
 
-/// Opens the recording at `path`, recognised by its content.
-std::unique_ptr<Recording> open_recording(const std::string& path, const RecordingOptions& options);
+/// Opens `source`: the path of a recording (also "file:PATH"), recognised by its content, or
+/// "synth:SCENARIO.toml", simulated while it is read.
+std::unique_ptr<Recording> open_recording(const std::string& source,
+                                          const RecordingOptions& options);
 
 }  // namespace condyle::host

@@ -158,7 +158,8 @@ Command add_replay(CLI::App& app) {
       "replay", "Run a recording through an estimator and write estimates and figures");
   command
       ->add_option("RECORDING", options->recording,
-                   "CSV, Zebris text or XML, JAWS3D text or SSFF; recognised by its content")
+                   "CSV, Zebris text or XML, JAWS3D text or SSFF, recognised by its content; or "
+                   "synth:SCENARIO.toml")
       ->required();
   command->add_option("--estimator", options->estimator, "Which estimator runs")
       ->check(CLI::IsMember({"published"}))

@@ -18,7 +18,7 @@ using testing_support::Random;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(ErrorStatistics, NominalIntervalsAreNormal) {
-  EXPECT_NEAR(normal_quantile((1 + kNominalCoverage) / 2), kNominalHalfWidth, 1e-14);
+  EXPECT_NEAR(normal_quantile((1 + kNominalCoverage) / 2), kNormalQuantile95, 1e-14);
 }
 
 TEST(ErrorStatistics, OneSampleARunIsTheTextbook) {

@@ -12,7 +12,7 @@ void add_mean(Moments& runs, const Moments& run) {
 }  // namespace
 
 void RunErrors::add(double error, double standard_deviation) {
-  add(error, standard_deviation, std::abs(error) <= kNominalHalfWidth * standard_deviation);
+  add(error, standard_deviation, std::abs(error) <= kNormalQuantile95 * standard_deviation);
 }
 
 void RunErrors::add(double error, double standard_deviation, bool covered) {

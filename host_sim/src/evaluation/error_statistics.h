@@ -16,6 +16,7 @@
 
 #include <cstdint>
 
+#include "condyle/estimator/provenance.h"
 #include "evaluation/chi_square.h"
 #include "evaluation/moments.h"
 
@@ -24,13 +25,12 @@ namespace condyle::host {
 /// Share of the errors that the intervals of this report are meant to cover.
 inline constexpr double kNominalCoverage = 0.95;
 /// Half width of a normal interval of nominal coverage, in standard deviations.
-inline constexpr double kNominalHalfWidth = 1.959963984540054;
 
 /// One quantity during one run.
 class RunErrors {
  public:
   /// Takes the error and the standard deviation claimed for it, both in the quantity's unit. The
-  /// interval is estimate +- kNominalHalfWidth standard deviations.
+  /// interval is estimate +- kNormalQuantile95 standard deviations.
   void add(double error, double standard_deviation);
   /// The same where the interval reported to the user is another one.
   void add(double error, double standard_deviation, bool covered);

@@ -20,11 +20,11 @@ constexpr Range kPlace_m{-0.1, 0.1};
 // The jaw: one of the tabulated subjects, then whatever the file changes in it.
 void read_subject(TomlReader& file, Scenario& scenario) {
   SubjectParameters& subject = scenario.subject;
-  std::size_t drive = 0;
-  file.choice("subject", "drive", drive, {"muscles", "force", "prescribed", "released"});
-  subject.drive = static_cast<SubjectDrive>(drive);
   std::size_t motion = 0;
   file.choice("subject", "motion", motion, {"hinge", "lateral", "protrusive", "point_mass"});
+  std::size_t drive = motion == 3 ? 1 : 0;
+  file.choice("subject", "drive", drive, {"muscles", "force", "prescribed", "released"});
+  subject.drive = static_cast<SubjectDrive>(drive);
   std::size_t table = 0;
   const std::vector<std::string_view> tables = {"artisynth", "anybody"};
   file.choice("subject", "jaw", table, tables);

@@ -13,6 +13,8 @@ constexpr std::size_t kCoordinate = 0, kRate = 1, kBristle = 2, kFoodHeight = 3;
 constexpr double kTick_s = 1e-3;
 // Feedback of the muscles' command: natural frequency (rad/s), critically damped.
 constexpr double kFollowing_rad_s = 15;
+// Biting: this much more than the food resists, so that the force rises until it breaks.
+constexpr double kBiteGain = 1.1;
 constexpr double kFoodClearance_m = 0.002;
 
 constexpr std::size_t index(Cause cause) {
@@ -43,7 +45,10 @@ SimulatedSubject::SimulatedSubject(const SubjectParameters& parameters, std::uin
   double start_m = parameters.task.rest_position_m;
   if (parameters.drive == SubjectDrive::released) start_m -= parameters.task.amplitude_m;
   x_[kCoordinate] = parameters.jaw.coordinate_at(start_m);
-  x_[kFoodHeight] = parameters.food_height_m;
+  if (parameters.drive == SubjectDrive::muscles) {  // at rest with what that takes
+    command_muscles();
+    for (std::size_t n = 0; n < kMostMuscles; ++n) x_[kActivations + n] = excitation_[n];
+  }
 }
 
 double SimulatedSubject::load_N(double time_s) const {
@@ -68,6 +73,7 @@ double SimulatedSubject::passive_force_N(Cause cause, double time_s, double posi
       return -std::max(0.0, elastic_N * (1 + p.contact_damping_s_m * velocity_m_s));
     }
     case Cause::food:
+      if (x[kFoodHeight] <= 0) return 0;
       return -p.food_stiffness_N_m * std::max(0.0, x[kFoodHeight] + position_m);
     case Cause::load:
       return load_N(time_s);
@@ -81,7 +87,8 @@ double SimulatedSubject::passive_force_N(Cause cause, double time_s, double posi
 // The force that makes the point mass of the task's motion move along it.
 double SimulatedSubject::compensating_force_N(const MotionPoint& wanted) const {
   const SubjectParameters& p = parameters_;
-  return p.jaw.mass_kg * wanted.acceleration_m_s2 + p.drive_friction_Ns_m * wanted.velocity_m_s +
+  const double mass_kg = p.drive_mass_kg > 0 ? p.drive_mass_kg : p.jaw.mass_kg;
+  return mass_kg * wanted.acceleration_m_s2 + p.drive_friction_Ns_m * wanted.velocity_m_s +
          p.support_stiffness_N_m * (wanted.position_m - p.support_rest_m) - p.offset_N;
 }
 
@@ -158,9 +165,12 @@ void SimulatedSubject::command_muscles() {
                                    kFollowing_rad_s * kFollowing_rad_s * (wanted.position_m - z) +
                                    2 * kFollowing_rad_s * (wanted.velocity_m_s - v);
   double wanted_drive = p.jaw.effective_mass_kg(q) * J * acceleration_m_s2;
-  // What is felt is compensated; friction, load and food come as a surprise.
+  // What is felt is compensated, while closing also food, and more; friction and load surprise.
   wanted_drive -= p.jaw.weight(q);
   wanted_drive -= J * (passive_force_N(Cause::support, time_s(), z, v, x_) + p.offset_N);
+  if (wanted.velocity_m_s > 0) {
+    wanted_drive -= J * kBiteGain * passive_force_N(Cause::food, time_s(), z, v, x_);
+  }
   if (p.clench_force_N > 0) {
     wanted_drive += J * p.clench_force_N * pulse(time_s(), 2, 1, 0.2);
   }

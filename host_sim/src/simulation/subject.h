@@ -42,7 +42,8 @@ struct SubjectParameters {
   MotionTask task;
   FrictionLaw friction;
   FrictionSchedule friction_schedule;
-  double drive_friction_Ns_m = 0.022;  ///< friction that the driving force compensates (force)
+  double drive_mass_kg = 0;  ///< mass that the driving force is made for (force); 0: the jaw's
+  double drive_friction_Ns_m = 0.022;
   double support_stiffness_N_m = 20;
   double support_rest_m = -0.002;
   double offset_N = 0;

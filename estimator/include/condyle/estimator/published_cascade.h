@@ -113,6 +113,9 @@ class PublishedCascade {
     return current_estimate(false);
   }
 
+  /// Stage 1's state (position m, velocity m/s, net force N) and its covariance.
+  const ThreeStateFilter<Scalar>& motion_filter() const { return motion_; }
+
  private:
   using Filter = ThreeStateFilter<Scalar>;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A number with the size of the terms it was computed from, which bounds what rounding can have done
-// to it: after a cancellation the value is small and the size is not.
+// A number with the size of the terms it was computed from, which bounds what rounding can have
+// done to it: after a cancellation the value is small and the size is not.
 #pragma once
 
 #include <type_traits>
