@@ -26,6 +26,8 @@ Command add_replay(CLI::App& app);
 Command add_simulate(CLI::App& app);
 /// `condyle evaluate`
 Command add_evaluate(CLI::App& app);
+/// `condyle friction`
+Command add_friction(CLI::App& app);
 /// `condyle observability`
 Command add_observability(CLI::App& app);
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -87,6 +88,9 @@ std::vector<std::unique_ptr<OutputFile>> draw_responses(const std::string& direc
   gnuplot.send("set encoding utf8\nset grid back lt 1 lw 0.5 lc rgb '#d0d0d0'\nset key left top\n");
   const auto draw = [&](const std::string& name, const std::string& unit,
                         const std::vector<ResponsePair>& pairs) {
+    const auto [low, high] = std::minmax_element(
+        pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.truth < b.truth; });
+    if (!(high->truth > low->truth)) return;  // a response needs a truth that varies
     std::string block = fmt::format("${} << EOD\n", name);
     for (const ResponsePair& pair : pairs) {
       if (std::isfinite(pair.estimate)) block += fmt::format("{} {}\n", pair.truth, pair.estimate);

@@ -35,6 +35,7 @@ int run(int argc, char** argv) {
   commands.emplace_back("replay", add_replay(app));
   commands.emplace_back("simulate", add_simulate(app));
   commands.emplace_back("evaluate", add_evaluate(app));
+  commands.emplace_back("friction", add_friction(app));
   commands.emplace_back("observability", add_observability(app));
   try {
     app.parse(argc, argv);

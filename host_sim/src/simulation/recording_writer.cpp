@@ -43,7 +43,8 @@ std::string RecordingWriter::truth_header() const {
   header += ",drive_N";
   for (const Muscle& muscle : scenario_.subject.jaw.muscles)
     header += "," + muscle.name + "_activation";
-  return header + ",effective_mass_kg,effective_friction_Ns_m,bristle_m,kinetic_energy_J\n";
+  return header +
+         ",effective_mass_kg,effective_friction_Ns_m,bristle_m,food_height_m,kinetic_energy_J\n";
 }
 
 std::string_view RecordingWriter::truth_row(const SubjectTruth& truth) {
@@ -59,7 +60,7 @@ std::string_view RecordingWriter::truth_row(const SubjectTruth& truth) {
     append_field(row_, truth.activation[n]);
   }
   for (const double value : {truth.effective_mass_kg, truth.effective_friction_Ns_m,
-                             truth.bristle_m, truth.kinetic_energy_J}) {
+                             truth.bristle_m, truth.food_height_m, truth.kinetic_energy_J}) {
     append_field(row_, value);
   }
   return row_ += '\n';

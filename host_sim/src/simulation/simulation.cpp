@@ -35,6 +35,7 @@ SubjectTruth interpolate(const Jaw& jaw, const SubjectTruth& before, const Subje
   truth.kinetic_energy_J = line(before.kinetic_energy_J, after.kinetic_energy_J);
   truth.momentum = line(before.momentum, after.momentum);
   truth.bristle_m = line(before.bristle_m, after.bristle_m);
+  truth.food_height_m = line(before.food_height_m, after.food_height_m);
   truth.effective_mass_kg = line(before.effective_mass_kg, after.effective_mass_kg);
   truth.effective_friction_Ns_m =
       line(before.effective_friction_Ns_m, after.effective_friction_Ns_m);

@@ -45,6 +45,7 @@ SimulatedSubject::SimulatedSubject(const SubjectParameters& parameters, std::uin
   double start_m = parameters.task.rest_position_m;
   if (parameters.drive == SubjectDrive::released) start_m -= parameters.task.amplitude_m;
   x_[kCoordinate] = parameters.jaw.coordinate_at(start_m);
+  x_[kFoodHeight] = 0;  // the first piece comes with the first wide opening
   if (parameters.drive == SubjectDrive::muscles) {  // at rest with what that takes
     command_muscles();
     for (std::size_t n = 0; n < kMostMuscles; ++n) x_[kActivations + n] = excitation_[n];
@@ -234,6 +235,7 @@ SubjectTruth SimulatedSubject::truth() {
   truth.momentum = p.jaw.inertia() * truth.coordinate_rate;
   truth.kinetic_energy_J = truth.momentum * truth.coordinate_rate / 2;
   truth.bristle_m = x_[kBristle];
+  truth.food_height_m = x_[kFoodHeight];
   truth.effective_mass_kg = p.jaw.effective_mass_kg(truth.coordinate);
   truth.effective_friction_Ns_m = friction_slope_Ns_m(
       p.friction, truth.velocity_m_s, truth.bristle_m, p.friction_schedule.factor_at(truth.time_s));

@@ -83,7 +83,8 @@ struct SubjectTruth {
   std::array<double, kMostMuscles> activation{};
   std::array<double, kMostMuscles> excitation{};
   double kinetic_energy_J = 0;
-  double momentum = 0;                 ///< inertia x q'
+  double momentum = 0;  ///< inertia x q'
+  double food_height_m = 0;
   double bristle_m = 0;                ///< LuGre deflection
   double effective_mass_kg = 0;        ///< that the followed coordinate meets
   double effective_friction_Ns_m = 0;  ///< local slope of friction against velocity

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// simulate, evaluate, friction and synth: as a user runs them.
+#include <gmock/gmock.h>
+
+#include <regex>
+
+#include "replay/command.h"
+#include "replay/table.h"
+#include "unit/temporary_folder.h"
+
+namespace condyle {
+namespace {
+
+using testing::HasSubstr;
+using testing_support::CommandResult;
+using testing_support::read_file;
+using testing_support::read_table;
+using testing_support::run_condyle;
+using testing_support::TemporaryFolder;
+
+std::string scenario(const std::string& name) {
+  return CONDYLE_SOURCE_DIR "/host_sim/scenarios/" + name + ".toml";
+}
+
+TEST(Simulate, WritesWhatReplayReads) {
+  const TemporaryFolder folder;
+  const CommandResult simulated = run_condyle({"simulate", scenario("chin_load"), "--out",
+                                               folder / "r.csv", "--truth", folder / "truth.csv"});
+  ASSERT_EQ(simulated.exit_code, 0) << simulated.errors;
+  EXPECT_EQ(folder.count(), 3) << "the drive stands beside the recording";
+  EXPECT_GT(read_table(folder / "r.drive.csv").rows, 3990U);
+  const auto truth = read_table(folder / "truth.csv");
+  EXPECT_EQ(truth.rows, 1200U);
+  EXPECT_EQ(truth.columns.count("anterior_digastric_activation"), 1U);
+  EXPECT_EQ(truth.columns.count("friction_force_N"), 1U);
+  const CommandResult replayed =
+      run_condyle({"replay", folder / "r.csv", "--out", folder / "e.csv"});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.errors;
+  EXPECT_EQ(read_table(folder / "e.csv").rows, 1200U);
+}
+
+TEST(Simulate, SameSeedSameBytes) {
+  const TemporaryFolder folder;
+  const auto simulate = [&](const char* name, const char* seed) {
+    EXPECT_EQ(run_condyle({"simulate", scenario("chewing"), "--out", folder / name, "--seed", seed})
+                  .exit_code,
+              0);
+    return read_file(folder / name);
+  };
+  const std::string first = simulate("a.csv", "5");
+  EXPECT_EQ(first, simulate("b.csv", "5"));
+  EXPECT_NE(first, simulate("c.csv", "6"));
+}
+
+// The same simulation, written first or played live behind the facebow interface.
+TEST(Synth, IsTheSimulationLive) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_condyle({"simulate", scenario("chewing"), "--out", folder / "r.csv"}).exit_code, 0);
+  ASSERT_EQ(
+      run_condyle({"replay", "file:" + (folder / "r.csv"), "--out", folder / "a.csv"}).exit_code,
+      0);
+  const CommandResult live =
+      run_condyle({"replay", "synth:" + scenario("chewing"), "--out", folder / "b.csv"});
+  ASSERT_EQ(live.exit_code, 0) << live.errors;
+  EXPECT_THAT(live.output, HasSubstr("no person was recorded"));
+  EXPECT_EQ(read_file(folder / "a.csv"), read_file(folder / "b.csv"));
+}
+
+double slope_in(const std::string& output, const std::string& quantity) {
+  std::smatch match;
+  const std::regex pattern(quantity + " +d\\(estimate\\)/d\\(truth\\) = ([-0-9.]+)");
+  EXPECT_TRUE(std::regex_search(output, match, pattern)) << output;
+  return match.empty() ? 1e9 : std::stod(match[1]);
+}
+
+// Under the same drive, friction 22 times as large does not show; the mass returns is the assumed
+// one.
+TEST(Evaluate, ThePublishedCascadeFollowsNeitherFrictionNorMass) {
+  const TemporaryFolder folder;
+  const CommandResult friction =
+      run_condyle({"evaluate", scenario("point_mass"), "--runs", "20", "--friction-factors", "1,22",
+                   "--figures", folder / "figures", "--out", folder / "table.csv"});
+  ASSERT_EQ(friction.exit_code, 0) << friction.errors;
+  EXPECT_LT(std::abs(slope_in(friction.output, "friction")), 0.05);
+  EXPECT_THAT(friction.output, HasSubstr("20 matched"));
+  const auto table = read_table(folder / "table.csv");
+  EXPECT_EQ(table.rows, 5U);
+  EXPECT_LT(std::abs(table.numbers("bias")[4]), 0.02 * 0.25) << "the assumed mass";
+  EXPECT_LT(table.numbers("coverage")[3], 0.05) << "and its friction's interval misses the truth";
+  EXPECT_THAT(read_file(folder / "figures/friction_response.svg"), HasSubstr("</svg>"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "figures/mass_response.svg"));
+  const CommandResult mass =
+      run_condyle({"evaluate", scenario("prescribed"), "--runs", "20", "--mass-factors", "0.5,2"});
+  EXPECT_LT(std::abs(slope_in(mass.output, "mass")), 0.05);
+}
+
+TEST(Friction, DrawsItsTextbookFigures) {
+  const TemporaryFolder folder;
+  const CommandResult result = run_condyle({"friction", "--figures", folder / "figures"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  for (const char* name : {"stribeck_curve", "stick_slip", "hysteresis", "break_away"}) {
+    EXPECT_THAT(read_file(folder / ("figures/" + std::string(name) + ".svg")), HasSubstr("</svg>"));
+  }
+}
+
+TEST(Simulate, RefusesBadInput) {
+  const TemporaryFolder folder;
+  for (const auto& [text, words] :
+       {std::pair{"[subject]\nmass_kg = -1\n", "mass_kg = -1 is out of range"},
+        std::pair{"duration_s = 0\n", "duration_s = 0 is out of range"},
+        std::pair{"colour = \"red\"\n", "unknown key 'colour'"}}) {
+    const std::string path = folder.write("s.toml", text);
+    for (const std::vector<std::string>& arguments :
+         {std::vector<std::string>{"simulate", path, "--out", folder / "r.csv"},
+          {"evaluate", path, "--out", folder / "r.csv"},
+          {"replay", "synth:" + path, "--out", folder / "r.csv"}}) {
+      const CommandResult result = run_condyle(arguments);
+      EXPECT_EQ(result.exit_code, 2);
+      EXPECT_THAT(result.errors, HasSubstr(words));
+      EXPECT_EQ(folder.count(), 1);
+    }
+  }
+  EXPECT_EQ(run_condyle({"simulate", scenario("chewing"), "--out", "/nowhere/r.csv"}).exit_code, 2);
+  EXPECT_EQ(run_condyle({"evaluate", scenario("chewing"), "--runs", "1"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace condyle
