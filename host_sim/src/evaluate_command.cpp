@@ -45,6 +45,11 @@ std::string table(const Evaluation& evaluation) {
         r.mean_normalised_square,
         i < 3 ? fmt::format("{:.3g}", r.rms / evaluation.bound[i]) : std::string("-"));
   }
+  std::uint64_t unusable = 0;
+  for (const ErrorStatistics& errors : evaluation.errors) {
+    unusable += errors.report(kConfidence).unusable;
+  }
+  if (unusable > 0) text += fmt::format("{} values were missing or not finite\n", unusable);
   const auto consistency = [&](const char* name, const ConsistencyReport& r) {
     text += fmt::format("{:<10}{:.4g}, consistent within {:.4g} to {:.4g}: {}\n", name, r.mean,
                         r.bounds.low, r.bounds.high, r.inside ? "inside" : "OUTSIDE");
@@ -64,7 +69,11 @@ std::string table(const Evaluation& evaluation) {
   return text +
          "Intervals and bounds at 99 %. NES: normalised error squared, 1 if the standard deviation "
          "is\n"
-         "right. To bound: error rms over the Cramer-Rao bound of stage 1's own model of motion.\n";
+         "right. To bound: error rms over the Cramer-Rao bound of stage 1's own model, a random "
+         "walk of\n"
+         "force; below 1 where the motion is smoother than that. With the drive unknown there is "
+         "no\n"
+         "information on friction and mass, so their bound is their prior.\n";
 }
 
 std::string rows(const Evaluation& evaluation) {
@@ -122,6 +131,14 @@ std::vector<std::unique_ptr<OutputFile>> draw_responses(const std::string& direc
 
 int evaluate(const EvaluateOptions& options) {
   const Scenario scenario = load_scenario(options.scenario);
+  const std::size_t variants =
+      options.plan.friction_factors.size() * options.plan.mass_factors.size();
+  if (options.plan.runs < 2 * variants) {
+    throw InputError(
+        "--runs", fmt::format("{} runs are too few for {} variants", options.plan.runs, variants),
+        "give at least two a variant");
+  }
+  refuse_same_files({options.scenario, options.parameters}, {options.out});
   LoadedParameters loaded;
   if (!options.parameters.empty()) loaded = load_parameters(options.parameters);
   if (!loaded.gives_sample_time) loaded.values.sample_time_s = 1 / scenario.facebow.rate_Hz;

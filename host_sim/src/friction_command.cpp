@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -95,7 +96,7 @@ std::string hysteresis() {
   return text;
 }
 
-// A mass of 0.25 kg under a force that grows steadily: where it breaks away.
+// A mass of 0.25 kg under a force that grows steadily: the greatest force its bristles hold.
 std::string break_away() {
   constexpr double mass_kg = 0.25, step_s = 2e-5;
   const FrictionLaw law = law_of(FrictionModel::lugre);
@@ -103,15 +104,16 @@ std::string break_away() {
   for (const double growth_N_s : {0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0}) {
     std::array<double, 3> x{};
     double time_s = 0;
-    // Broken away: faster than the Stribeck velocity.
-    for (; x[1] < law.stribeck_velocity_m_s && time_s < 10; time_s += step_s) {
+    double spring_N = 0;  // the bristles' greatest hold
+    for (; x[1] < 10 * law.stribeck_velocity_m_s && time_s < 10; time_s += step_s) {
       runge_kutta_4_step(x, time_s, step_s, [&](double t, const auto& s, auto& rate) {
         rate[0] = s[1];
         rate[1] = (growth_N_s * t - friction_force_N(law, s[1], s[2])) / mass_kg;
         rate[2] = bristle_rate_m_s(law, s[1], s[2]);
       });
+      spring_N = std::max(spring_N, law.bristle_stiffness_N_m * x[2]);
     }
-    block.add(growth_N_s, growth_N_s * time_s);
+    block.add(growth_N_s, spring_N);
   }
   return block.text();
 }
@@ -148,7 +150,7 @@ int draw(const std::string& directory) {
   figure("break_away", break_away(),
          "set title 'Break-away force falls with the rate of the force, LuGre, 0.25 kg'\nset "
          "logscale x\n"
-         "set xlabel 'growth of the force (N/s)'\nset ylabel 'force at break-away (N)'\n",
+         "set xlabel 'growth of the force (N/s)'\nset ylabel 'greatest force held (N)'\n",
          "plot $breakaway with linespoints pt 7 lw 2 notitle");
   gnuplot.finish();
   std::string text;

@@ -2,6 +2,7 @@
 // The condyle command; exit codes are in commands.h.
 #include <CLI/CLI.hpp>
 
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -14,12 +15,13 @@
 namespace condyle::host {
 namespace {
 
-volatile std::sig_atomic_t stop_signal = 0;
+std::atomic<bool> stop_signal{false};  // also read by threads
+static_assert(std::atomic<bool>::is_always_lock_free);
 
 // Without SA_RESTART, so that waiting for a pipe ends as well.
 void stop_on(int signal) {
   struct sigaction action = {};
-  action.sa_handler = [](int) { stop_signal = 1; };
+  action.sa_handler = [](int) { stop_signal = true; };
   sigaction(signal, &action, nullptr);
 }
 
@@ -59,7 +61,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 bool stop_requested() {
-  return stop_signal != 0;
+  return stop_signal;
 }
 
 void print_output(const std::string& text) {

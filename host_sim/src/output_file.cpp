@@ -69,6 +69,31 @@ void OutputFile::fail(const char* what) const {
                    "check the folder, its permissions and the space on the disk");
 }
 
+void refuse_same_files(const std::vector<std::string>& inputs,
+                       const std::vector<std::string>& outputs) {
+  const auto is_same = [](const std::string& a, const std::string& b) {
+    std::error_code missing;
+    return std::filesystem::equivalent(a, b, missing) ||
+           std::filesystem::weakly_canonical(a, missing) ==
+               std::filesystem::weakly_canonical(b, missing);
+  };
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (outputs[i].empty()) continue;
+    for (const std::string& input : inputs) {
+      if (!input.empty() && is_same(input, outputs[i])) {
+        throw InputError(outputs[i], "is also an input", "write to another file");
+      }
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      // A device takes any number of outputs.
+      if (!outputs[k].empty() && is_same(outputs[k], outputs[i]) &&
+          !std::filesystem::is_character_file(outputs[i])) {
+        throw InputError(outputs[i], "is named for two outputs", "give each its own file");
+      }
+    }
+  }
+}
+
 OutputFolder::OutputFolder(const std::string& path) : path_(std::filesystem::absolute(path)) {
   for (auto folder = path_; !std::filesystem::exists(folder); folder = folder.parent_path()) {
     first_made_ = folder;

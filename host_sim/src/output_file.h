@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace condyle::host {
 
@@ -35,6 +36,11 @@ class OutputFile {
   std::string temporary_path_;
   std::FILE* file_ = nullptr;
 };
+
+/// Throws an InputError where one of `outputs` is one of `inputs` or named twice. Empty names are
+/// left out.
+void refuse_same_files(const std::vector<std::string>& inputs,
+                       const std::vector<std::string>& outputs);
 
 /// A folder, made where it is missing. What was made goes again if it stays empty.
 class OutputFolder {

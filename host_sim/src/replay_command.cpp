@@ -35,13 +35,6 @@ struct ReplayOptions {
   RecordingOptions reading;
 };
 
-void refuse_overwriting(const std::string& input, const std::string& output) {
-  std::error_code error;
-  if (!input.empty() && !output.empty() && std::filesystem::equivalent(input, output, error)) {
-    throw InputError(output, "is an input of this replay", "write the estimates to another file");
-  }
-}
-
 PublishedParameters choose_parameters(const ReplayOptions& options, const ReplayFacebow& facebow) {
   LoadedParameters loaded;
   if (!options.parameters.empty()) loaded = load_parameters(options.parameters);
@@ -61,8 +54,7 @@ PublishedParameters choose_parameters(const ReplayOptions& options, const Replay
 }
 
 int replay(const ReplayOptions& options) {
-  refuse_overwriting(options.recording, options.out);
-  refuse_overwriting(options.parameters, options.out);
+  refuse_same_files({options.recording, options.parameters}, {options.out});
   hal::SteadyClock clock;
   ReplayFacebow facebow(options.recording, options.reading, options.speed, clock);
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());

@@ -34,6 +34,11 @@ int simulate(const SimulateOptions& options) {
   const Scenario scenario = load_scenario(options.scenario);
   const std::uint64_t seed = options.seed.value_or(scenario.seed);
   hal::SteadyClock clock;
+  const std::string drive_path =
+      scenario.drive.rate_Hz > 0 ? beside(options.out, "drive") : std::string();
+  const std::string emg_path =
+      scenario.emg.rate_Hz > 0 ? beside(options.out, "emg") : std::string();
+  refuse_same_files({options.scenario}, {options.out, options.truth, drive_path, emg_path});
 
   std::vector<std::unique_ptr<OutputFile>> files;
   const auto open = [&files](const std::string& path) {
@@ -42,9 +47,8 @@ int simulate(const SimulateOptions& options) {
   };
   OutputFile* const recording = open(options.out);
   OutputFile* const truth = options.truth.empty() ? nullptr : open(options.truth);
-  OutputFile* const drive =
-      scenario.drive.rate_Hz > 0 ? open(beside(options.out, "drive")) : nullptr;
-  OutputFile* const emg = scenario.emg.rate_Hz > 0 ? open(beside(options.out, "emg")) : nullptr;
+  OutputFile* const drive = drive_path.empty() ? nullptr : open(drive_path);
+  OutputFile* const emg = emg_path.empty() ? nullptr : open(emg_path);
   RecordingWriter writer(scenario);
   recording->write(writer.recording_header());
   if (truth != nullptr) truth->write(writer.truth_header());

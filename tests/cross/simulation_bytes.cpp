@@ -65,6 +65,10 @@ int main() {
   stribeck.axis = condyle::Axis::x;
   stribeck.subject.friction.model = FrictionModel::stribeck;
   stribeck.subject.friction_schedule = {FrictionSchedule::Shape::ramp, 2, 5, 3};
+  stribeck.subject.friction.coulomb_N = 0.05;
+  stribeck.subject.friction.static_N = 0.08;
+  stribeck.subject.steps_per_millisecond =
+      static_cast<int>(needed_steps_per_millisecond(stribeck.subject));
   stribeck.facebow.gives_points = false;
   print_run(stribeck);
 }

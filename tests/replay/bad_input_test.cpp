@@ -160,7 +160,7 @@ TEST_F(BadInput, OutputOverItsOwnInput) {
   const std::string before = testing_support::read_file(path);
   const CommandResult result = run_condyle({"replay", path, "--out", path});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.errors, HasSubstr("is an input of this replay"));
+  EXPECT_THAT(result.errors, HasSubstr("is also an input"));
   EXPECT_EQ(testing_support::read_file(path), before);
 }
 

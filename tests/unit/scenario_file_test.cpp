@@ -45,7 +45,7 @@ TEST(ScenarioFile, NamesPlaceProblemAndMend) {
          "does not go with this motion");
   expect("[subject]\ndrive = \"prescribed\"\n", "does not go with this motion");
   expect("[muscle_anterior_digastric]\nmaximum_force_N = -1\n", "is out of range");
-  expect("[friction]\nstatic_N = 0.5\n", "static_N is below coulomb_N");
+  expect("[friction]\nmodel = \"stribeck\"\nstatic_N = 0.5\n", "static_N is below coulomb_N");
   expect("[friction]\nchange = \"ramp\"\nchange_start_s = 5\nchange_end_s = 5\n",
          "ends before it starts");
   expect("[facebow]\nrate_Hz = 0\n", "rate_Hz = 0 is out of range");

@@ -76,6 +76,31 @@ INSTANTIATE_TEST_SUITE_P(Shipped, EveryScenario,
                                          "point_mass", "prescribed"),
                          [](const auto& name) { return std::string(name.param); });
 
+// The step that a scenario gets by itself suffices for every friction law.
+TEST(FrictionLaws, HaveConvergedAtTheirStep) {
+  for (const FrictionModel model : {FrictionModel::viscous, FrictionModel::coulomb,
+                                    FrictionModel::stribeck, FrictionModel::lugre}) {
+    SubjectParameters coarse = scenario("point_mass").subject;
+    coarse.drive_friction_Ns_m = 0;
+    coarse.friction.model = model;
+    coarse.friction.coulomb_N = 0.05;
+    coarse.friction.static_N = 0.08;
+    coarse.steps_per_millisecond =
+        static_cast<int>(std::max(10.0, needed_steps_per_millisecond(coarse)));
+    SubjectParameters fine = coarse;
+    fine.steps_per_millisecond *= 2;
+    const auto a = run(coarse, 3), b = run(fine, 3);
+    double largest_m = 0, largest_difference_m = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      largest_m = std::max(largest_m, std::abs(a[i].position_m));
+      largest_difference_m =
+          std::max(largest_difference_m, std::abs(a[i].position_m - b[i].position_m));
+    }
+    EXPECT_GT(largest_m, 1e-3) << "it moves";
+    EXPECT_LE(largest_difference_m, 1e-6 * largest_m) << static_cast<int>(model);
+  }
+}
+
 struct CycleFigures {
   std::vector<double> duration_s, depth_m, peak_speed_m_s, peak_acceleration_m_s2;
 };

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "evaluation/cascade_evaluation.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "condyle/estimator/published_cascade.h"
 #include "condyle/firmware/run_loop.h"
 #include "evaluation/cramer_rao.h"
+#include "input_error.h"
 
 namespace condyle::host {
 namespace {
@@ -33,7 +35,8 @@ std::array<double, 3> bound_of_stage_1(const PublishedParameters& p) {
 }  // namespace
 
 EvaluationRun evaluate_run(const Scenario& scenario, std::uint64_t seed,
-                           const PublishedParameters& parameters) {
+                           const PublishedParameters& parameters,
+                           const std::function<bool()>& stop) {
   Simulation simulation(scenario, seed);
   PublishedCascade<double> cascade(parameters);
   SampleChecker checker(nanoseconds(parameters.sample_time_s));
@@ -44,6 +47,7 @@ EvaluationRun evaluate_run(const Scenario& scenario, std::uint64_t seed,
   std::uint64_t compared = 0;
   SubjectTruth truth;
   while (simulation.advance(data)) {
+    if (stop && stop()) break;
     truth = data.truths.back();
     for (const Sample& sample : data.samples) {
       const auto estimate =
@@ -90,13 +94,14 @@ Evaluation evaluate_cascade(const Scenario& scenario, const PublishedParameters&
     const double friction = plan.friction_factors[variant % plan.friction_factors.size()];
     const double mass = plan.mass_factors[variant / plan.friction_factors.size()];
     Scenario varied = scenario;
-    varied.subject.friction.viscous_Ns_m *= friction;
-    varied.subject.friction.coulomb_N *= friction;
-    varied.subject.friction.static_N *= friction;
+    varied.subject.friction_scale *= friction;
     varied.subject.jaw.mass_kg *= mass;
     varied.subject.jaw.inertia_kg_m2 *= mass;
     varied.subject.drive_mass_kg = scenario.subject.jaw.mass_kg;
-    return evaluate_run(varied, plan.first_seed + index / variants, parameters);
+    const double needed = needed_steps_per_millisecond(varied.subject);
+    varied.subject.steps_per_millisecond =
+        std::max(varied.subject.steps_per_millisecond, static_cast<int>(std::min(needed, 1e3)));
+    return evaluate_run(varied, plan.first_seed + index / variants, parameters, control.stop);
   };
   run_monte_carlo(
       plan.runs, 0, work,
@@ -113,6 +118,11 @@ Evaluation evaluate_cascade(const Scenario& scenario, const PublishedParameters&
         ++evaluation.verdicts[static_cast<std::size_t>(run.verdict)];
       },
       progress, control);
+  const bool stopped = control.stop && control.stop();
+  if (!stopped && evaluation.errors[0].report(0.99).samples == 0) {
+    throw InputError(scenario.name, "no sample of any run could be compared with the truth",
+                     "raise duration_s or rate_Hz, or lose fewer samples");
+  }
   return evaluation;
 }
 

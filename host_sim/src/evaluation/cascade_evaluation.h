@@ -10,6 +10,8 @@
 #pragma once
 
 #include <array>
+#include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -35,7 +37,8 @@ inline constexpr EvaluatedQuantity kEvaluated[kEvaluatedQuantities] = {
 
 /// A true value and what was found.
 struct ResponsePair {
-  double truth = 0, estimate = 0;
+  double truth = std::numeric_limits<double>::quiet_NaN();
+  double estimate = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// One run.
@@ -67,12 +70,14 @@ struct Evaluation {
   std::array<double, 3> bound{};
 };
 
-/// One run of `scenario` with `seed` through the cascade.
+/// One run of `scenario` with `seed` through the cascade; ends early where `stop` says so.
 EvaluationRun evaluate_run(const Scenario& scenario, std::uint64_t seed,
-                           const PublishedParameters& parameters);
+                           const PublishedParameters& parameters,
+                           const std::function<bool()>& stop = {});
 
 /// All runs of `plan`, on all cores; the result does not depend on how many there are. `progress`
-/// and `control` as in run_monte_carlo.
+/// and `control` as in run_monte_carlo; its `stop` is asked by every thread. An InputError where no
+/// sample of any run could be compared.
 Evaluation evaluate_cascade(const Scenario& scenario, const PublishedParameters& parameters,
                             const EvaluationPlan& plan, const MonteCarloProgress& progress = {},
                             const MonteCarloControl& control = {});

@@ -87,7 +87,9 @@ void SimulatedFacebow::sample(const Jaw& jaw, double coordinate, std::vector<Sam
 
   Sample sample;
   sample.sequence = count_;
-  sample.time_ns = nanoseconds(instant_s * (1 + model_.clock_drift) + model_.latency_s);
+  // The device believes in its regular clock; the jitter is not reported.
+  const double regular_s = static_cast<double>(count_) / model_.rate_Hz;
+  sample.time_ns = nanoseconds(regular_s * (1 + model_.clock_drift) + model_.latency_s);
   const auto show = [&](double value_m) {
     if (model_.dropout.contains(instant_s)) return 0.0;
     if (model_.quantum_m <= 0) return value_m;
@@ -105,8 +107,10 @@ void SimulatedFacebow::sample(const Jaw& jaw, double coordinate, std::vector<Sam
     const Axis followed = jaw.motion == JawMotion::hinge ? Axis::z : axis_;
     sample.coordinates[0] = show(pose.translation_m[static_cast<std::size_t>(followed)]);
   }
-  if (faults_.uniform() >= model_.lost_share) samples.push_back(sample);
-  if (faults_.uniform() < model_.repeated_share) samples.push_back(sample);
+  const bool is_lost = faults_.uniform() < model_.lost_share;
+  const bool is_repeated = faults_.uniform() < model_.repeated_share;
+  if (!is_lost) samples.push_back(sample);
+  if (!is_lost && is_repeated) samples.push_back(sample);
   ++count_;
   schedule();
 }

@@ -64,6 +64,7 @@ struct EmgModel {
   double rate_Hz = 0;  ///< 0: none
   double noise = 0.02;
   double gain = 1;
+  double missing_share = 0;  ///< of the excitation that the electrodes do not see
   double delay_s = 0;
 };
 

@@ -3,18 +3,20 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
+#include "condyle/estimator/elementary.h"
 #include "input_error.h"
 #include "toml_reader.h"
 
 namespace condyle::host {
 namespace {
 
-constexpr Range kPositive{1e-9, 1e9};
 constexpr Range kNonNegative{0, 1e9};
 constexpr Range kShare{0, 1};
+constexpr double kMostJitter = 0.2;  // of the sampling period
 constexpr Range kPlace_m{-0.1, 0.1};
 
 // The jaw: one of the tabulated subjects, then whatever the file changes in it.
@@ -64,13 +66,44 @@ void read_subject(TomlReader& file, Scenario& scenario) {
   file.number("subject", "offset_N", subject.offset_N, "N", {-1e3, 1e3});
   file.number("subject", "drive_friction_Ns_m", subject.drive_friction_Ns_m, "Ns/m", {0, 1e4});
   file.number("subject", "release_s", subject.release_s, "s", {0, 1e4});
-  double steps = subject.steps_per_millisecond;
-  file.number("subject", "steps_per_millisecond", steps, "whole number", {1, 1000});
+}
+
+// The integration's step: as small as the forces need, or what the file asks for beyond that.
+void read_steps(TomlReader& file, SubjectParameters& subject) {
+  constexpr double most = 1000;
+  const double needed = needed_steps_per_millisecond(subject);
+  double steps = std::max(needed, 10.0);
+  file.number("subject", "steps_per_millisecond", steps, "whole number", {1, most});
   if (steps != std::floor(steps)) {
     throw InputError(file.place("subject", "steps_per_millisecond"), "is no whole number",
                      "give 1 to 1000");
   }
+  if (steps < needed || needed > most) {
+    throw InputError(
+        file.place("subject", "steps_per_millisecond"),
+        fmt::format("the forces are so stiff that a millisecond takes {} steps", needed),
+        needed > most ? "make friction, contact, food or support less stiff"
+                      : "give at least that many, or leave it out");
+  }
   subject.steps_per_millisecond = static_cast<int>(steps);
+}
+
+// A hinge cannot open further than its incisor point turns down.
+void check_reach(const TomlReader& file, const SubjectParameters& subject) {
+  const MotionTask& task = subject.task;
+  const double far_m = task.amplitude_m * (1 + 3 * task.amplitude_spread) + 3 * task.tremor_m;
+  const double lowest_m = task.rest_position_m - far_m;
+  const Jaw& jaw = subject.jaw;
+  if (jaw.motion == JawMotion::translation) return;
+  constexpr double steepest_sine = -0.95, most_closed_m = 0.002;
+  const double reach_m =
+      jaw.incisor_radius_m * (steepest_sine - elementary::sin(jaw.incisor_angle_rad));
+  if (lowest_m >= reach_m && task.rest_position_m <= most_closed_m) return;
+  throw InputError(file.place("task", lowest_m < reach_m ? "amplitude_m" : "rest_position_m"),
+                   fmt::format("the task reaches {:.1f} mm, this jaw {:.1f} to {:.1f} mm",
+                               (lowest_m < reach_m ? lowest_m : task.rest_position_m) * 1e3,
+                               reach_m * 1e3, most_closed_m * 1e3),
+                   "reduce rest_position_m, amplitude_m or amplitude_spread (3 of it count)");
 }
 
 void read_task(TomlReader& file, MotionTask& task) {
@@ -104,7 +137,9 @@ void read_forces(TomlReader& file, SubjectParameters& subject) {
               {1e-6, 10});
   file.number("friction", "bristle_stiffness_N_m", friction.bristle_stiffness_N_m, "N/m", {1, 1e6});
   file.number("friction", "bristle_damping_Ns_m", friction.bristle_damping_Ns_m, "Ns/m", {0, 1e4});
-  if (friction.static_N < friction.coulomb_N) {
+  const bool breaks_away =
+      friction.model == FrictionModel::stribeck || friction.model == FrictionModel::lugre;
+  if (breaks_away && friction.static_N < friction.coulomb_N) {
     throw InputError(file.place("friction", "static_N"), "static_N is below coulomb_N",
                      "breaking away takes at least the sliding force");
   }
@@ -139,6 +174,11 @@ void read_instruments(TomlReader& file, Scenario& scenario) {
   FacebowModel& facebow = scenario.facebow;
   file.number("facebow", "rate_Hz", facebow.rate_Hz, "Hz", {1, 5000});
   file.number("facebow", "jitter_s", facebow.jitter_s, "s", {0, 0.1});
+  if (facebow.jitter_s > kMostJitter / facebow.rate_Hz) {
+    throw InputError(file.place("facebow", "jitter_s"),
+                     "is more than a fifth of the sampling period",
+                     fmt::format("give at most {:.3g} s", kMostJitter / facebow.rate_Hz));
+  }
   file.number("facebow", "clock_drift", facebow.clock_drift, "share", {-0.1, 0.1});
   file.number("facebow", "latency_s", facebow.latency_s, "s", {0, 10});
   file.number("facebow", "noise_m", facebow.noise_m, "m", {0, 0.01});
@@ -166,6 +206,7 @@ void read_instruments(TomlReader& file, Scenario& scenario) {
   file.number("emg", "rate_Hz", scenario.emg.rate_Hz, "Hz", {0, 5000});
   file.number("emg", "noise", scenario.emg.noise, "share of the maximum", {0, 10});
   file.number("emg", "gain", scenario.emg.gain, "1", {0, 100});
+  file.number("emg", "missing_share", scenario.emg.missing_share, "share", kShare);
   file.number("emg", "delay_s", scenario.emg.delay_s, "s", {0, 1});
 }
 
@@ -186,6 +227,8 @@ Scenario load_scenario(const std::string& path) {
   read_task(file, scenario.subject.task);
   read_forces(file, scenario.subject);
   read_instruments(file, scenario);
+  read_steps(file, scenario.subject);
+  check_reach(file, scenario.subject);
   file.finish();
   return scenario;
 }

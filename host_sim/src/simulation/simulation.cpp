@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/simulation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+
+#include "input_error.h"
 
 namespace condyle::host {
 
@@ -61,6 +65,12 @@ bool Simulation::advance(SimulatedData& data) {
     before_ = after_;
     after_ = subject_.truth();
     read_channels(data);
+    if (!std::isfinite(after_.position_m) || !std::isfinite(after_.velocity_m_s) ||
+        !std::isfinite(after_.acceleration_m_s2)) {
+      throw InputError(scenario_.name,
+                       fmt::format("the simulation broke down at {:.6g} s", after_.time_s),
+                       "raise steps_per_millisecond in [subject], or make its forces less stiff");
+    }
   }
   if (wanted_s == 0) read_channels(data);
   const SubjectTruth now = interpolate(scenario_.subject.jaw, before_, after_, wanted_s);
@@ -91,7 +101,8 @@ void Simulation::read_channels(SimulatedData& data) {
   read(emg_, [&](const SubjectTruth& truth, Reading& reading) {
     for (std::size_t n = 0; n < scenario_.subject.jaw.muscles.size(); ++n) {
       const double envelope =
-          scenario_.emg.gain * truth.excitation[n] + scenario_.emg.noise * emg_noise_.normal();
+          scenario_.emg.gain * (1 - scenario_.emg.missing_share) * truth.excitation[n] +
+          scenario_.emg.noise * emg_noise_.normal();
       reading.values[n] = std::max(0.0, envelope);
     }
     data.emg.push_back(reading);

@@ -35,6 +35,35 @@ const char* cause_name(Cause cause) {
   return names[index(cause)];
 }
 
+double needed_steps_per_millisecond(const SubjectParameters& p) {
+  constexpr double deepest_contact_m = 5e-4, fastest_m_s = 0.3, largest_product = 0.5;
+  // The smallest mass that the followed point can meet.
+  const double R = p.jaw.incisor_radius_m;
+  const double mass_kg =
+      p.jaw.motion == JawMotion::hinge ? p.jaw.inertia_kg_m2 / (R * R) : p.jaw.mass_kg;
+  const FrictionLaw& law = p.friction;
+  const double scale = p.friction_scale * std::max(1.0, p.friction_schedule.factor);
+  double damping_Ns_m = law.viscous_Ns_m;
+  if (law.model == FrictionModel::coulomb)
+    damping_Ns_m += law.coulomb_N / law.smoothing_velocity_m_s;
+  if (law.model == FrictionModel::stribeck)
+    damping_Ns_m += law.static_N / law.smoothing_velocity_m_s;
+  if (law.model == FrictionModel::lugre) damping_Ns_m += law.bristle_damping_Ns_m;
+  double stiffness_N_m = p.support_stiffness_N_m;
+  if (p.jaw.motion == JawMotion::hinge) {
+    stiffness_N_m += 1.5 * p.contact_stiffness_N_m15 * std::sqrt(deepest_contact_m);
+  }
+  if (p.food_height_m > 0) stiffness_N_m += p.food_stiffness_N_m;
+  double bristle_rate = 0;
+  if (law.model == FrictionModel::lugre) {
+    stiffness_N_m += scale * law.bristle_stiffness_N_m;
+    bristle_rate = law.bristle_stiffness_N_m * fastest_m_s / law.coulomb_N;
+  }
+  const double rate = std::max({scale * damping_Ns_m / mass_kg, std::sqrt(stiffness_N_m / mass_kg),
+                                bristle_rate, 1 / p.food_flow_time_s});
+  return std::ceil(rate * kTick_s / largest_product);
+}
+
 SimulatedSubject::SimulatedSubject(const SubjectParameters& parameters, std::uint64_t seed)
     : parameters_(parameters),
       step_s_(kTick_s / parameters.steps_per_millisecond),
@@ -65,7 +94,7 @@ double SimulatedSubject::passive_force_N(Cause cause, double time_s, double posi
   switch (cause) {
     case Cause::friction:
       return -friction_force_N(p.friction, velocity_m_s, x[kBristle],
-                               p.friction_schedule.factor_at(time_s));
+                               p.friction_scale * p.friction_schedule.factor_at(time_s));
     case Cause::support:
       return -p.support_stiffness_N_m * (position_m - p.support_rest_m);
     case Cause::contact: {
@@ -189,10 +218,10 @@ void SimulatedSubject::command_muscles() {
 
 void SimulatedSubject::renew_food() {
   const double z = parameters_.jaw.followed_position_m(x_[kCoordinate]);
-  const bool is_broken = x_[kFoodHeight] < next_food_height_m_;
+  const bool is_broken = x_[kFoodHeight] < next_food_height_m_ || x_[kFoodHeight] <= 0;
   if (!is_broken || -z < next_food_height_m_ + kFoodClearance_m) return;
-  next_food_height_m_ *= 1 - parameters_.food_softening;
   x_[kFoodHeight] = next_food_height_m_;
+  next_food_height_m_ *= 1 - parameters_.food_softening;
 }
 
 void SimulatedSubject::step() {
@@ -237,8 +266,9 @@ SubjectTruth SimulatedSubject::truth() {
   truth.bristle_m = x_[kBristle];
   truth.food_height_m = x_[kFoodHeight];
   truth.effective_mass_kg = p.jaw.effective_mass_kg(truth.coordinate);
-  truth.effective_friction_Ns_m = friction_slope_Ns_m(
-      p.friction, truth.velocity_m_s, truth.bristle_m, p.friction_schedule.factor_at(truth.time_s));
+  truth.effective_friction_Ns_m =
+      friction_slope_Ns_m(p.friction, truth.velocity_m_s, truth.bristle_m,
+                          p.friction_scale * p.friction_schedule.factor_at(truth.time_s));
   return truth;
 }
 

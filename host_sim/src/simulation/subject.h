@@ -42,7 +42,8 @@ struct SubjectParameters {
   MotionTask task;
   FrictionLaw friction;
   FrictionSchedule friction_schedule;
-  double drive_mass_kg = 0;  ///< mass that the driving force is made for (force); 0: the jaw's
+  double friction_scale = 1;  ///< multiplies the schedule
+  double drive_mass_kg = 0;   ///< mass that the driving force is made for (force); 0: the jaw's
   double drive_friction_Ns_m = 0.022;
   double support_stiffness_N_m = 20;
   double support_rest_m = -0.002;
@@ -95,6 +96,11 @@ struct SubjectTruth {
            force_N[static_cast<std::size_t>(Cause::load)];
   }
 };
+
+/// Steps per millisecond from which on the integration has converged: the fastest rate of the
+/// subject's forces (friction at rest and at 0.3 m/s, contact, food, support) times the step is at
+/// most 0.5.
+double needed_steps_per_millisecond(const SubjectParameters& parameters);
 
 /// A subject in motion.
 class SimulatedSubject {
