@@ -102,6 +102,12 @@ TEST(Evaluate, ThePublishedCascadeFollowsNeitherFrictionNorMass) {
   EXPECT_LT(std::abs(slope_in(mass.output, "mass")), 0.05);
 }
 
+TEST(Evaluate, StopsWhenInterrupted) {
+  const CommandResult result = run_condyle({"evaluate", scenario("chewing"), "--runs", "100000"},
+                                           {.interrupt_after_s = 0.5});
+  EXPECT_EQ(result.exit_code, 130);
+}
+
 TEST(Friction, DrawsItsTextbookFigures) {
   const TemporaryFolder folder;
   const CommandResult result = run_condyle({"friction", "--figures", folder / "figures"});

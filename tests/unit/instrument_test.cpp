@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "input_error.h"
 #include "simulation/scenario_file.h"
 #include "simulation/simulation.h"
 
@@ -166,6 +167,12 @@ TEST(Companions, ShowForceAndExcitationWithTheirFaults) {
   for (std::size_t i = 0; i < emg.emg.size(); ++i) {
     ASSERT_DOUBLE_EQ(seen_half.emg[i].values[0], emg.emg[i].values[0] / 2);
   }
+}
+
+TEST(Simulation, SaysWhenItBreaksDown) {
+  Scenario s = chewing(2);
+  s.subject.friction.viscous_Ns_m = 1e4;  // too stiff for the step, which a file would not allow
+  EXPECT_THROW(simulate(s), InputError);
 }
 
 TEST(Simulation, SameSeedSameNumbersOtherSeedOthers) {
