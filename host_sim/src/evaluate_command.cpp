@@ -92,9 +92,8 @@ std::string rows(const Evaluation& evaluation) {
 std::vector<std::unique_ptr<OutputFile>> draw_responses(const std::string& directory,
                                                         const std::string& title,
                                                         const Evaluation& evaluation) {
-  std::vector<std::unique_ptr<OutputFile>> files;
-  Gnuplot gnuplot;
-  gnuplot.send("set encoding utf8\nset grid back lt 1 lw 0.5 lc rgb '#d0d0d0'\nset key left top\n");
+  Gnuplot gnuplot(directory);
+  gnuplot.send("set key left top\n");
   const auto draw = [&](const std::string& name, const std::string& unit,
                         const std::vector<ResponsePair>& pairs) {
     const auto [low, high] = std::minmax_element(
@@ -109,24 +108,17 @@ std::vector<std::unique_ptr<OutputFile>> draw_responses(const std::string& direc
         "set title {} noenhanced\nset xlabel 'true effective {} ({})'\n"
         "set ylabel 'published cascade ({})'\n",
         gnuplot_quoted(title + ": does the estimate follow the truth?"), name, unit, unit));
-    for (const auto& [ending, terminal] : {std::pair{"svg", "svg size 640,480 background 'white'"},
-                                           std::pair{"png", "pngcairo size 960,720"}}) {
-      files.push_back(std::make_unique<OutputFile>(
-          (std::filesystem::path(directory) / (name + "_response." + ending)).string()));
-      gnuplot.send(
-          fmt::format("set terminal {}\nset output {}\nplot x with lines dt 2 lc rgb '#0b559f' "
-                      "title 'a measurement "
-                      "would lie here', ${} with points pt 7 ps 0.7 lc rgb '#606060' title "
-                      "'estimate at the end of a "
-                      "run (assumed)'\nunset output\n",
-                      terminal, gnuplot_quoted(files.back()->path_while_writing()), name));
-    }
+    gnuplot.draw(
+        name + "_response",
+        fmt::format("plot x with lines dt 2 lc rgb '#0b559f' title 'a measurement would lie "
+                    "here', ${} with points pt 7 ps 0.7 lc rgb '#606060' title 'estimate "
+                    "at the end of a run (assumed)'",
+                    name),
+        640, 480);
   };
   draw("friction", "Ns/m", evaluation.friction);
   draw("mass", "kg", evaluation.mass);
-  gnuplot.finish();
-  for (const auto& file : files) file->close();
-  return files;
+  return gnuplot.finish();
 }
 
 int evaluate(const EvaluateOptions& options) {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 
 #include "gnuplot.h"
@@ -117,7 +116,7 @@ std::string plot_command(const Figure& figure, const FigureData& data) {
                     "lc rgb '#c00000' title 'event'",
                     figure.name));
   }
-  return plot + "\n";
+  return plot;
 }
 
 // The vertical range: that of the values known from measurements where there are any (a prior's
@@ -168,16 +167,10 @@ std::string time_range_command(const FigureData& data) {
 std::vector<std::unique_ptr<OutputFile>> draw_figures(const std::string& directory,
                                                       const std::string& title,
                                                       const FigureData& data) {
-  if (std::any_of(directory.begin(), directory.end(),
-                  [](char c) { return static_cast<unsigned char>(c) < 0x20; })) {
-    throw InputError(directory, "has a control character in its name", "name another folder");
-  }
-  std::vector<std::unique_ptr<OutputFile>> files;
-  Gnuplot gnuplot;
+  Gnuplot gnuplot(directory);
   gnuplot.send(
-      "set encoding utf8\nset grid back lt 1 lw 0.5 lc rgb '#d0d0d0'\nset key outside bottom "
-      "center maxrows 3 Left reverse samplen 3\nset xlabel 'time (s)'\nset y2range [0:1]\n"
-      "set ytics nomirror\n" +
+      "set key outside bottom center maxrows 3 Left reverse samplen 3\nset xlabel 'time (s)'\n"
+      "set y2range [0:1]\nset ytics nomirror\n" +
       time_range_command(data));
   for (const Figure& figure : kFigures) {
     if (!has_values(figure, data)) continue;
@@ -185,20 +178,9 @@ std::vector<std::unique_ptr<OutputFile>> draw_figures(const std::string& directo
     gnuplot.send(fmt::format("set ylabel '{}'\nset title {} noenhanced offset 0,0.8 font ',11'\n",
                              figure.axis_label, gnuplot_quoted(title + "  (research use only)")));
     gnuplot.send(range_command(figure, data) + label_command(figure, data));
-    const std::string plot = plot_command(figure, data);
-    for (const auto& [ending, terminal] :
-         {std::pair{"svg", "svg size 960,480 dynamic background 'white'"},
-          std::pair{"png", "pngcairo size 1280,640 background 'white'"}}) {
-      const auto path =
-          std::filesystem::path(directory) / (std::string(figure.name) + "." + ending);
-      files.push_back(std::make_unique<OutputFile>(path.string()));
-      gnuplot.send(fmt::format("set terminal {}\nset output {}\n{}unset output\n", terminal,
-                               gnuplot_quoted(files.back()->path_while_writing()), plot));
-    }
+    gnuplot.draw(figure.name, plot_command(figure, data), 960, 480);
   }
-  gnuplot.finish();
-  for (const auto& file : files) file->close();
-  return files;
+  return gnuplot.finish();
 }
 
 }  // namespace condyle::host

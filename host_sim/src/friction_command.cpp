@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 
 #include "commands.h"
@@ -120,19 +119,12 @@ std::string break_away() {
 
 int draw(const std::string& directory) {
   const OutputFolder folder(directory);
-  std::vector<std::unique_ptr<OutputFile>> files;
-  Gnuplot gnuplot;
-  gnuplot.send("set grid back lt 1 lw 0.5 lc rgb '#d0d0d0'\nset key right top\n");
+  Gnuplot gnuplot(directory);
+  gnuplot.send("set key right top\n");
   const auto figure = [&](const char* name, const std::string& data, const char* set,
                           const char* plot) {
     gnuplot.send(data + set);
-    for (const auto& [ending, terminal] : {std::pair{"svg", "svg size 720,480 background 'white'"},
-                                           std::pair{"png", "pngcairo size 960,640"}}) {
-      files.push_back(std::make_unique<OutputFile>(
-          (std::filesystem::path(directory) / (std::string(name) + "." + ending)).string()));
-      gnuplot.send(fmt::format("set terminal {}\nset output {}\n{}\nunset output\n", terminal,
-                               gnuplot_quoted(files.back()->path_while_writing()), plot));
-    }
+    gnuplot.draw(name, plot, 720, 480);
   };
   figure("stribeck_curve", stribeck_curve(),
          "set title 'Steady friction'\nset xlabel 'velocity (mm/s)'\nset ylabel 'friction (N)'\n",
@@ -152,10 +144,8 @@ int draw(const std::string& directory) {
          "logscale x\n"
          "set xlabel 'growth of the force (N/s)'\nset ylabel 'greatest force held (N)'\n",
          "plot $breakaway with linespoints pt 7 lw 2 notitle");
-  gnuplot.finish();
   std::string text;
-  for (const auto& file : files) file->close();
-  for (const auto& file : files) {
+  for (const auto& file : gnuplot.finish()) {
     file->commit();
     text += file->path() + "\n";
   }

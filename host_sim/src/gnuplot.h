@@ -2,29 +2,38 @@
 #pragma once
 
 #include <cstdio>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "output_file.h"
 
 namespace condyle::host {
 
 /// A text as gnuplot reads it, in quotation marks.
 std::string gnuplot_quoted(std::string_view text);
 
-/// A running gnuplot. Problems are InputErrors.
+/// A running gnuplot that draws into a folder. Problems are InputErrors.
 class Gnuplot {
  public:
-  Gnuplot();
+  /// `directory` must be there.
+  explicit Gnuplot(std::string directory);
   ~Gnuplot();
   Gnuplot(const Gnuplot&) = delete;
   Gnuplot& operator=(const Gnuplot&) = delete;
 
   /// Gives it commands.
   void send(const std::string& text);
-  /// Waits until it has drawn everything.
-  void finish();
+  /// Draws what `plot` says to NAME.svg and NAME.png, half as large again.
+  void draw(const std::string& name, const std::string& plot, int width, int height);
+  /// Waits until it has drawn everything. The files are closed, and wait for `commit`.
+  std::vector<std::unique_ptr<OutputFile>> finish();
 
  private:
-  std::FILE* pipe_;
+  std::string directory_;
+  std::vector<std::unique_ptr<OutputFile>> files_;
+  std::FILE* pipe_ = nullptr;
 };
 
 }  // namespace condyle::host

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "input_error.h"
@@ -76,6 +77,19 @@ TEST(Facebow, FaultsComeAsOftenAsAsked) {
   // 6,000 draws: standard deviations 17 and 13; 4 of them: false alarm 1e-4.
   EXPECT_NEAR(static_cast<double>(lost), 300, 68);
   EXPECT_NEAR(static_cast<double>(repeated), 171, 53);
+}
+
+// The device believes in its regular clock: jitter shows in the position, not in the time.
+TEST(Facebow, JitterIsNotReported) {
+  Scenario s = chewing();
+  s.facebow.jitter_s = 2e-3;
+  const SimulatedData data = simulate(s);
+  double largest_s = 0;
+  for (std::size_t i = 0; i < data.samples.size(); ++i) {
+    ASSERT_NEAR(seconds(data.samples[i].time_ns), static_cast<double>(i) / 60, 1e-9);
+    largest_s = std::max(largest_s, std::abs(data.truths[i].time_s - static_cast<double>(i) / 60));
+  }
+  EXPECT_GT(largest_s, 2e-3);
 }
 
 TEST(Facebow, DropoutsGlitchesAndFreezesShow) {
