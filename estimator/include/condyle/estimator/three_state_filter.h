@@ -14,6 +14,8 @@
 // measurements are taken one after the other with the same result as together):
 //   S = P_ii + R,  K = P_.i / S,  x <- x + K (z - x_i),  P_jk <- P_jk - K_j P_ik.
 // Row i needs no subtraction: P_ji - P_ji P_ii / S = K_j R.
+//
+// The covariance does not depend on x: filters of the same model may share one and its gains.
 #pragma once
 
 #include "condyle/estimator/arithmetic.h"
@@ -40,11 +42,10 @@ struct Transition {
   TransitionJacobian<Scalar> jacobian;
 };
 
-/// J P J' + Q for a covariance P (eq 20). Units of x squared.
+/// J P J' for a covariance P. Units of x squared.
 template <class Scalar>
 SymmetricMatrix3<Scalar> propagate_covariance(const SymmetricMatrix3<Scalar>& P,
-                                              const TransitionJacobian<Scalar>& J,
-                                              const Vector3<Scalar>& process_variance) {
+                                              const TransitionJacobian<Scalar>& J) {
   enum { p = kPosition, v = kVelocity, x = kThird };
   // A = J P
   const Scalar A_pp = P(p, p) + J.pv * P(p, v) + J.px * P(p, x);
@@ -52,15 +53,58 @@ SymmetricMatrix3<Scalar> propagate_covariance(const SymmetricMatrix3<Scalar>& P,
   const Scalar A_px = P(p, x) + J.pv * P(v, x) + J.px * P(x, x);
   const Scalar A_vv = J.vv * P(v, v) + J.vx * P(v, x);
   const Scalar A_vx = J.vv * P(v, x) + J.vx * P(x, x);
-  // A J' + Q
+  // A J'
   SymmetricMatrix3<Scalar> predicted;
-  predicted(p, p) = A_pp + J.pv * A_pv + J.px * A_px + process_variance[p];
+  predicted(p, p) = A_pp + J.pv * A_pv + J.px * A_px;
   predicted(p, v) = J.vv * A_pv + J.vx * A_px;
   predicted(p, x) = A_px;
-  predicted(v, v) = J.vv * A_vv + J.vx * A_vx + process_variance[v];
+  predicted(v, v) = J.vv * A_vv + J.vx * A_vx;
   predicted(v, x) = A_vx;
-  predicted(x, x) = P(x, x) + process_variance[x];
+  predicted(x, x) = P(x, x);
   return predicted;
+}
+
+/// J P J' + Q for a covariance P and a diagonal Q (eq 20). Units of x squared.
+template <class Scalar>
+SymmetricMatrix3<Scalar> propagate_covariance(const SymmetricMatrix3<Scalar>& P,
+                                              const TransitionJacobian<Scalar>& J,
+                                              const Vector3<Scalar>& process_variance) {
+  SymmetricMatrix3<Scalar> predicted = propagate_covariance(P, J);
+  for (int i = 0; i < 3; ++i) predicted(i, i) += process_variance[i];
+  return predicted;
+}
+
+/// What a scalar measurement does to the covariance, and how the state is to follow.
+template <class Scalar>
+struct ScalarGain {
+  Vector3<Scalar> K = Vector3<Scalar>::Zero();
+  Scalar inverse_S = 0;  ///< 1 / innovation variance; 0 where refused
+  bool refused = false;  ///< S was not positive and finite: the covariance is untouched
+};
+
+/// Updates `P` for a measurement of state `i` with variance `R` (eqs 21, 23).
+template <int i, class Scalar>
+[[nodiscard]] ScalarGain<Scalar> update_covariance(SymmetricMatrix3<Scalar>& P, Scalar R) {
+  const Scalar S = P(i, i) + R;
+  ScalarGain<Scalar> gain;
+  if (!(S > Scalar(0)) || !std::isfinite(S)) {
+    gain.refused = true;
+    return gain;
+  }
+  constexpr int j = (i + 1) % 3, k = (i + 2) % 3;
+  gain.inverse_S = Scalar(1) / S;
+  const Scalar K_i = P(i, i) * gain.inverse_S, K_j = P(j, i) * gain.inverse_S,
+               K_k = P(k, i) * gain.inverse_S;
+  P(j, j) -= K_j * P(j, i);
+  P(j, k) -= K_j * P(k, i);
+  P(k, k) -= K_k * P(k, i);
+  P(i, i) = K_i * R;
+  P(j, i) = K_j * R;
+  P(k, i) = K_k * R;
+  gain.K[i] = K_i;
+  gain.K[j] = K_j;
+  gain.K[k] = K_k;
+  return gain;
 }
 
 /// What one scalar measurement said.
@@ -93,26 +137,13 @@ struct ThreeStateFilter {
   /// S is not positive and finite; the caller reports it.
   template <int i>
   [[nodiscard]] ScalarUpdate<Scalar> update(Scalar z, Scalar R) {
-    const Scalar S = P(i, i) + R;
+    const ScalarGain<Scalar> gain = update_covariance<i>(P, R);
     ScalarUpdate<Scalar> result;
     result.innovation = z - x[i];
-    if (!(S > Scalar(0)) || !std::isfinite(S)) {
-      result.refused = true;
-      return result;
-    }
-    constexpr int j = (i + 1) % 3, k = (i + 2) % 3;
-    const Scalar inverse_S = Scalar(1) / S;
-    const Scalar K_i = P(i, i) * inverse_S, K_j = P(j, i) * inverse_S, K_k = P(k, i) * inverse_S;
-    result.nis = result.innovation * result.innovation * inverse_S;
-    x[i] += K_i * result.innovation;
-    x[j] += K_j * result.innovation;
-    x[k] += K_k * result.innovation;
-    P(j, j) -= K_j * P(j, i);
-    P(j, k) -= K_j * P(k, i);
-    P(k, k) -= K_k * P(k, i);
-    P(i, i) = K_i * R;
-    P(j, i) = K_j * R;
-    P(k, i) = K_k * R;
+    result.refused = gain.refused;
+    if (gain.refused) return result;
+    result.nis = result.innovation * result.innovation * gain.inverse_S;
+    x += gain.K * result.innovation;
     return result;
   }
 };
