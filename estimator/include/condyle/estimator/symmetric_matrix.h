@@ -29,6 +29,11 @@ class SymmetricMatrix3 {
     return packed_[offset(row, column)];
   }
 
+  /// Adds `factor` times `other`.
+  constexpr void add_scaled(const SymmetricMatrix3& other, Scalar factor) {
+    for (std::size_t i = 0; i < packed_.size(); ++i) packed_[i] += factor * other.packed_[i];
+  }
+
   /// The same matrix with all nine entries.
   Eigen::Matrix<Scalar, 3, 3> dense() const {
     Eigen::Matrix<Scalar, 3, 3> matrix;

@@ -1,0 +1,376 @@
+// SPDX-License-Identifier: Apache-2.0
+// The recommended estimator: position, velocity and acceleration along up to three axes from
+// measured positions and their times, and the net force that an assumed mass makes of them.
+//
+//   motion      exact white-jerk filters, noise and liveliness learned from the data  motion_bank.h
+//   outliers    full weight, less, none, then a new start outlier_gate.h lag         each estimate
+//   may wait for up to kMostLag later samples               fixed_lag.h force       assumed mass
+//   times acceleration
+//
+// One decision for all axes of a sample: a glitch rarely keeps to one. Time is taken from the
+// samples, differences as integers. Where nothing was measured the filter predicts, and after
+// `longest_gap_s` without a measurement it says nothing.
+//
+// Provenance. Information share (provenance.h) against the documented prior of velocity and
+// acceleration, without growth: a value whose variance has come down to half of the prior's is
+// measured. Where the sample of that instant was not taken, it is the motion model that carries the
+// neighbours' measurements over: derived, the named assumption being white jerk. Force is derived
+// from a measured or derived acceleration. All else is assumed.
+#pragma once
+
+#include "condyle/estimator/events.h"
+#include "condyle/estimator/motion_bank.h"
+#include "condyle/estimator/outlier_gate.h"
+#include "condyle/estimator/provenance.h"
+#include "condyle/estimator/sample.h"
+
+namespace condyle {
+
+/// What is said of one axis at one instant. NaN and `not_computed` where there is no value.
+template <class Scalar>
+struct AxisEstimate {
+  static constexpr Scalar kNone = std::numeric_limits<Scalar>::quiet_NaN();
+
+  Quantity<Scalar> position_m, velocity_m_s, acceleration_m_s2, force_N;
+  Scalar measured_position_m = kNone;  ///< as it came in
+  Scalar innovation_m = kNone;         ///< measured minus predicted position
+  Scalar innovation_sd_m = kNone;      ///< its standard deviation, predicted
+  Scalar noise_sd_m = kNone;           ///< of the instrument, as estimated or given
+  Scalar jerk_density_m2_s5 = kNone;   ///< of the motion, as estimated or given
+};
+
+/// What one step says about one instant.
+template <class Scalar>
+struct RecommendedEstimate {
+  static constexpr Scalar kNone = std::numeric_limits<Scalar>::quiet_NaN();
+
+  bool is_ready = false;    ///< false while the lag fills: there is nothing to show yet
+  TimeNs time_ns = 0;       ///< the instant that is estimated
+  bool time_valid = false;  ///< its time is known
+  int axis_count = 0;
+  AxisEstimate<Scalar> axes[3];
+  Scalar nis = kNone;  ///< normalised innovation squared, one degree of freedom per axis
+  EventSet events;     ///< what was unusual about the sample of that instant
+};
+
+/// A measured position and its time.
+template <class Scalar, int kAxes>
+struct TimedPosition {
+  TimeNs time_ns = 0;
+  bool is_measured = false;  ///< false: the position is missing and the filter only predicts
+  Scalar position_m[kAxes] = {};
+  EventSet events;  ///< what was unusual about the sample; passed on
+};
+
+/// The recommended estimator for `kAxes` (1 or 3) axes. Estimates are of `lag` samples ago, at most
+/// `kMostLag`. One object per run; copying it copies the run.
+template <class Scalar, int kAxes, int kMostLag = 16>
+class RecommendedEstimator {
+ public:
+  static_assert(kAxes == 1 || kAxes == 3);
+  using Estimate = RecommendedEstimate<Scalar>;
+  using Measurement = TimedPosition<Scalar, kAxes>;
+
+  /// `parameters` must satisfy `is_valid`, `lag` be 0 to kMostLag; otherwise every step says
+  /// `parameters_invalid` and computes nothing.
+  explicit RecommendedEstimator(const RecommendedParameters& parameters, int lag = 0)
+      : assumed_mass_kg_(static_cast<Scalar>(parameters.assumed_mass_kg)),
+        prior_velocity_variance_(square(parameters.prior.velocity_sd_m_s)),
+        prior_acceleration_variance_(square(parameters.prior.acceleration_sd_m_s2)),
+        longest_gap_s_(static_cast<Scalar>(parameters.outliers.longest_gap_s)),
+        lag_(lag),
+        parameters_valid_(is_valid(parameters) && lag >= 0 && lag <= kMostLag),
+        bank_(parameters),
+        gate_(parameters.outliers) {
+    for (Scalar& sd_m : noise_sd_m_) sd_m = static_cast<Scalar>(parameters.noise.position_sd_m);
+  }
+
+  /// Noise of the instrument along each axis (m): that of the parameters unless set before the
+  /// first measurement. With adaptation on it is a first guess.
+  void set_noise(const Scalar (&noise_sd_m)[kAxes]) {
+    for (int axis = 0; axis < kAxes; ++axis) noise_sd_m_[axis] = noise_sd_m[axis];
+  }
+
+  /// The next sample, whose time is known. A time before the last one is not taken
+  /// (`time_reversed`); NaN or infinity enters no state (`position_missing`).
+  Estimate step(const Measurement& measurement) {
+    if (!parameters_valid_) return without_values(Event::parameters_invalid);
+    Instant& instant = next_instant(measurement);
+    if (has_time_ && measurement.time_ns < time_ns_) {
+      instant.events.add(Event::time_reversed);
+      return newest_ready();
+    }
+    const Scalar T = has_time_ ? difference_s(measurement.time_ns, time_ns_) : Scalar(0);
+    time_ns_ = measurement.time_ns;
+    has_time_ = true;
+    if (started_ && difference_s(time_ns_, taken_ns_) > longest_gap_s_) lose_motion();
+    if (started_) {
+      instant.F = white_jerk_jacobian(T);
+      bank_.predict(instant.F, white_jerk_covariance(T));
+    }
+    instant.is_measured = measurement.is_measured;
+    for (const Scalar position_m : measurement.position_m) {
+      instant.is_measured = instant.is_measured && std::isfinite(position_m);
+    }
+    if (instant.is_measured) {
+      take(T, instant);
+    } else {
+      instant.events.add(Event::position_missing, measurement.is_measured);
+      instant.events.add(Event::not_started, !started_ && !is_lost_);
+      instant.events.add(Event::state_lost, is_lost_);
+    }
+    instant.has_state = started_;
+    if constexpr (kMostLag > 0) {
+      for (int i = 0; lag_ > 0 && i < bank_.member_count(); ++i) instant.members[i] = bank_.step(i);
+    }
+    return newest_ready();
+  }
+
+  /// A sample that cannot be used, its position or time unknown: it is passed on, with its events,
+  /// and the state stays.
+  Estimate skip(const Measurement& measurement, bool time_valid) {
+    if (!parameters_valid_) return without_values(Event::parameters_invalid);
+    next_instant(measurement).time_valid = time_valid;
+    return newest_ready();
+  }
+
+  /// The source's clock was set: the motion starts anew with the next sample; what is known of the
+  /// noise stays.
+  void restart_clock() {
+    has_time_ = false;
+    if (started_) lose_motion();
+  }
+
+  /// After the last sample: the next of the estimates that still waited for later samples. False
+  /// where there is none left.
+  [[nodiscard]] bool drain(Estimate& estimate) {
+    if (waiting_ == 0) return false;
+    estimate = estimate_of(--waiting_);
+    return true;
+  }
+
+  /// Samples that an estimate lies behind.
+  int lag() const { return lag_; }
+  /// The filters behind the estimate.
+  const MotionBank<Scalar, kAxes>& bank() const { return bank_; }
+
+ private:
+  using Bank = MotionBank<Scalar, kAxes>;
+
+  // One sample and what was made of it.
+  struct Instant {
+    TimeNs time_ns = 0;
+    bool time_valid = true;
+    bool is_measured = false;  // a position came in
+    bool is_taken = false;     // and was used
+    bool is_restart = false;   // nothing connects it with what was before
+    bool has_state = false;
+    EventSet events;
+    Scalar position_m[kAxes] = {};
+    Scalar innovation_m[kAxes] = {};
+    Scalar innovation_variance_m2[kAxes] = {};
+    TransitionJacobian<Scalar> F;  // from the sample before
+    typename Bank::Step members[kMostLag > 0 ? Bank::kMostMembers : 1];
+  };
+
+  static Scalar square(double value) { return static_cast<Scalar>(value * value); }
+
+  // Unsigned, because the difference of two far times can leave int64.
+  static Scalar difference_s(TimeNs later_ns, TimeNs earlier_ns) {
+    const std::uint64_t difference_ns =
+        static_cast<std::uint64_t>(later_ns) - static_cast<std::uint64_t>(earlier_ns);
+    return static_cast<Scalar>(static_cast<double>(difference_ns) * 1e-9);
+  }
+
+  static Estimate without_values(Event event) {
+    Estimate estimate;
+    estimate.is_ready = true;
+    estimate.events.add(event);
+    return estimate;
+  }
+
+  // The instant `back` samples before the newest.
+  Instant& at(int back) { return instants_[(newest_ + kInstants - back) % kInstants]; }
+
+  Instant& next_instant(const Measurement& measurement) {
+    newest_ = (newest_ + 1) % kInstants;
+    waiting_ = std::min(waiting_ + 1, lag_ + 1);
+    Instant& instant = at(0);
+    instant.time_ns = measurement.time_ns;
+    instant.time_valid = true;
+    instant.is_measured = instant.is_taken = instant.is_restart = instant.has_state = false;
+    instant.events = measurement.events;
+    instant.F = white_jerk_jacobian(Scalar(0));
+    for (int axis = 0; axis < kAxes; ++axis)
+      instant.position_m[axis] = measurement.position_m[axis];
+    return instant;
+  }
+
+  void lose_motion() {
+    started_ = false;
+    is_lost_ = true;
+  }
+
+  // Takes the measured position of `instant`, `T` s after the last sample.
+  void take(Scalar T, Instant& instant) {
+    if (!started_) {
+      start(instant);
+      return;
+    }
+    Scalar worst = 0;
+    for (int axis = 0; axis < kAxes; ++axis) {
+      const auto expected = bank_.expectation(axis, instant.position_m[axis]);
+      instant.innovation_m[axis] = instant.position_m[axis] - expected.position_m;
+      instant.innovation_variance_m2[axis] = expected.variance_m2;
+      // So that NaN is the worst.
+      if (!(expected.deviation_squared <= worst)) worst = expected.deviation_squared;
+    }
+    const Acceptance<Scalar> acceptance = gate_.judge(worst);
+    instant.events.add(acceptance.events);
+    // One rejected sample is a glitch and says nothing of the noise; two in a row may be a noise,
+    // or a motion, larger than was thought.
+    if (gate_.rejections() != 1) bank_.learn(instant.position_m, T);
+    if (acceptance.restart) {
+      start(instant);
+    } else if (acceptance.weight > Scalar(0)) {
+      instant.events.add(Event::update_refused,
+                         !bank_.update(instant.position_m, acceptance.weight));
+      instant.is_taken = true;
+      taken_ns_ = instant.time_ns;
+    }
+  }
+
+  void start(Instant& instant) {
+    if (!noise_started_) bank_.start_noise(noise_sd_m_);
+    instant.events.add(Event::state_restarted, noise_started_);
+    bank_.start_motion(instant.position_m);
+    gate_.restart();
+    noise_started_ = started_ = true;
+    is_lost_ = false;
+    instant.is_taken = instant.is_restart = true;
+    taken_ns_ = instant.time_ns;
+  }
+
+  // The estimate that has waited for `lag_` samples, if there is one yet.
+  Estimate newest_ready() {
+    if (waiting_ <= lag_) return {};
+    waiting_ = lag_;
+    return estimate_of(lag_);
+  }
+
+  // The estimate of the instant `back` samples ago, by all samples up to now.
+  Estimate estimate_of(int back) {
+    const Instant& instant = at(back);
+    Estimate estimate;
+    estimate.is_ready = true;
+    estimate.time_ns = instant.time_ns;
+    estimate.time_valid = instant.time_valid;
+    estimate.axis_count = kAxes;
+    estimate.events = instant.events;
+    if (instant.is_measured) describe_measurement(instant, estimate);
+    if (!instant.has_state) return estimate;
+    MotionMoments<Scalar> smoothed[Bank::kMostMembers][kAxes];
+    if (back > 0) smooth(back, smoothed);
+    for (int axis = 0; axis < kAxes; ++axis) {
+      describe_state(back == 0 ? bank_.moments(axis)
+                               : bank_.mixture(axis, [&](int i) { return smoothed[i][axis]; }),
+                     instant.is_taken, estimate.axes[axis], estimate.events);
+      estimate.axes[axis].noise_sd_m = std::sqrt(bank_.noise_variance_m2(axis));
+      estimate.axes[axis].jerk_density_m2_s5 = bank_.jerk_density_m2_s5(axis);
+      estimate.events.add(Event::noise_at_limit, bank_.noise_is_at_limit(axis));
+    }
+    return estimate;
+  }
+
+  void smooth(int back, MotionMoments<Scalar> (&smoothed)[Bank::kMostMembers][kAxes]) {
+    for (int i = 0; i < bank_.member_count(); ++i) {
+      if (!bank_.is_plausible(i)) continue;
+      LaterEvidence<Scalar, kAxes> evidence;
+      for (int j = 0; j < back; ++j) {
+        const Instant& later = at(j);
+        if (later.is_restart) {
+          evidence.forget();
+        } else {
+          if (later.is_taken) evidence.go_back_over_measurement(later.members[i]);
+          evidence.go_back_over_step(later.F);
+        }
+      }
+      const auto& step = at(back).members[i];
+      for (int axis = 0; axis < kAxes; ++axis) {
+        smoothed[i][axis] = {evidence.smoothed_state(step, axis), evidence.smoothed_variance(step)};
+      }
+    }
+  }
+
+  static void describe_measurement(const Instant& instant, Estimate& estimate) {
+    Scalar nis = 0;
+    for (int axis = 0; axis < kAxes; ++axis) {
+      AxisEstimate<Scalar>& described = estimate.axes[axis];
+      described.measured_position_m = instant.position_m[axis];
+      if (instant.is_restart) continue;
+      described.innovation_m = instant.innovation_m[axis];
+      described.innovation_sd_m = std::sqrt(instant.innovation_variance_m2[axis]);
+      nis += instant.innovation_m[axis] * instant.innovation_m[axis] /
+             instant.innovation_variance_m2[axis];
+    }
+    if (!instant.is_restart) estimate.nis = nis;
+  }
+
+  void describe_state(const MotionMoments<Scalar>& moments, bool is_taken,
+                      AxisEstimate<Scalar>& described, EventSet& events) const {
+    for (int i = 0; i < 3; ++i) {
+      events.add(Event::estimate_not_finite,
+                 !std::isfinite(moments.mean[i]) || !std::isfinite(moments.variance[i]));
+      events.add(Event::variance_negative, moments.variance[i] < Scalar(0));
+    }
+    const auto provenance = [&](StateIndex i, Scalar prior_variance) {
+      return carried(provenance_of_share(information_share(moments.variance[i], prior_variance)),
+                     is_taken);
+    };
+    described.position_m = quantity(moments, kPosition, carried(Provenance::measured, is_taken));
+    described.velocity_m_s =
+        quantity(moments, kVelocity, provenance(kVelocity, prior_velocity_variance_));
+    described.acceleration_m_s2 =
+        quantity(moments, kThird, provenance(kThird, prior_acceleration_variance_));
+    described.force_N = described.acceleration_m_s2;
+    described.force_N.value *= assumed_mass_kg_;
+    described.force_N.standard_deviation *= assumed_mass_kg_;
+    if (described.force_N.provenance == Provenance::measured) {
+      described.force_N.provenance = Provenance::derived;
+    }
+  }
+
+  // Where the instant's own sample was not taken, the motion model carries the others' over.
+  static Provenance carried(Provenance provenance, bool is_taken) {
+    return provenance == Provenance::measured && !is_taken ? Provenance::derived : provenance;
+  }
+
+  // No value without a standard deviation, nor the other way round.
+  static Quantity<Scalar> quantity(const MotionMoments<Scalar>& moments, StateIndex i,
+                                   Provenance provenance) {
+    const Scalar variance = moments.variance[i];
+    if (!std::isfinite(moments.mean[i]) || !std::isfinite(variance) || variance < Scalar(0))
+      return {};
+    return {moments.mean[i], std::sqrt(variance), provenance};
+  }
+
+  static constexpr int kInstants = kMostLag + 1;
+
+  Scalar assumed_mass_kg_, prior_velocity_variance_, prior_acceleration_variance_;
+  Scalar longest_gap_s_;
+  int lag_;
+  bool parameters_valid_;
+  Bank bank_;
+  OutlierGate<Scalar> gate_;
+  Scalar noise_sd_m_[kAxes];
+  bool has_time_ = false;       // a sample's time is known,
+  TimeNs time_ns_ = 0;          // the last one's
+  TimeNs taken_ns_ = 0;         // of the last sample that was used
+  bool noise_started_ = false;  // a position was ever taken
+  bool started_ = false;        // there is a state,
+  bool is_lost_ = false;        // or there was one
+  int newest_ = 0, waiting_ = 0;
+  Instant instants_[kInstants];
+};
+
+}  // namespace condyle
