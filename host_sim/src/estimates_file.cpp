@@ -1,50 +1,92 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "estimates_file.h"
 
-#include <cmath>
+#include <fmt/format.h>
 
 #include "number_text.h"
 
 namespace condyle::host {
+namespace {
 
-EstimatesFile::EstimatesFile(const std::string& path) : file_(path) {
-  file_.write(
+std::string header(int axis_count) {
+  std::string line =
       "time_s,position_m,velocity_m_s,force_N,friction_Ns_m,mass_kg,position_sd_m,velocity_sd_m_s,"
       "force_sd_N,friction_sd_Ns_m,mass_sd_kg,motion_nis,friction_nis,mass_nis,force_provenance,"
-      "friction_provenance,mass_provenance,events\n");
+      "friction_provenance,mass_provenance,events";
+  if (axis_count > 0) {
+    line +=
+        ",position_provenance,velocity_provenance,acceleration_m_s2,acceleration_sd_m_s2,"
+        "innovation_m,innovation_sd_m,noise_sd_m,jerk_density_m2_s5";
+  }
+  for (int axis = 0; axis_count == 3 && axis < 3; ++axis) {
+    line += fmt::format(
+        ",{0}_position_m,{0}_velocity_m_s,{0}_acceleration_m_s2,{0}_position_sd_m,"
+        "{0}_velocity_sd_m_s,{0}_acceleration_sd_m_s2",
+        "xyz"[axis]);
+  }
+  return line + '\n';
 }
 
-void EstimatesFile::write_row(const Sample& sample, const PublishedEstimate<double>& estimate) {
+}  // namespace
+
+EstimatesFile::EstimatesFile(const std::string& path, int axis_count)
+    : file_(path), axis_count_(axis_count) {
+  file_.write(header(axis_count));
+}
+
+void EstimatesFile::append_field(double value) {
+  row_ += ',';
+  append_number(row_, value);
+}
+
+void EstimatesFile::append_field(const char* word) {
+  row_ += ',';
+  row_ += word;
+}
+
+void EstimatesFile::write_row(const EstimateRow& row) {
   row_.clear();
-  if (sample.time_valid) append_time_s(row_, sample.time_ns);
-  const Quantity<double>* const quantities[] = {&estimate.position_m, &estimate.velocity_m_s,
-                                                &estimate.force_N, &estimate.friction_Ns_m,
-                                                &estimate.mass_kg};
-  const auto append_field = [this](double value) {
-    row_ += ',';
-    append_number(row_, value);
-  };
+  if (row.time_ns) append_time_s(row_, *row.time_ns);
+  const Quantity<double>* const quantities[] = {&row.position_m, &row.velocity_m_s, &row.force_N,
+                                                &row.friction_Ns_m, &row.mass_kg};
   for (const Quantity<double>* quantity : quantities) append_field(quantity->value);
   for (const Quantity<double>* quantity : quantities) append_field(quantity->standard_deviation);
-  append_field(estimate.motion_nis);
-  append_field(estimate.friction_nis);
-  append_field(estimate.mass_nis);
-  for (const Quantity<double>* quantity :
-       {&estimate.force_N, &estimate.friction_Ns_m, &estimate.mass_kg}) {
-    row_ += ',';
-    row_ += provenance_name(quantity->provenance);
+  append_field(row.motion_nis);
+  append_field(row.friction_nis);
+  append_field(row.mass_nis);
+  for (const Quantity<double>* quantity : {&row.force_N, &row.friction_Ns_m, &row.mass_kg}) {
+    append_field(provenance_name(quantity->provenance));
   }
   row_ += ',';
   bool first = true;
   for (std::size_t i = 0; i < kEventCount; ++i) {
     const auto event = static_cast<Event>(i);
-    if (!estimate.events.has(event)) continue;
+    if (!row.events.has(event)) continue;
     if (!first) row_ += '|';
     row_ += event_name(event);
     first = false;
   }
+  if (axis_count_ > 0) append_axes(row);
   row_ += '\n';
   file_.write(row_);
+}
+
+void EstimatesFile::append_axes(const EstimateRow& row) {
+  append_field(provenance_name(row.position_m.provenance));
+  append_field(provenance_name(row.velocity_m_s.provenance));
+  append_field(row.followed.acceleration_m_s2.value);
+  append_field(row.followed.acceleration_m_s2.standard_deviation);
+  append_field(row.followed.innovation_m);
+  append_field(row.followed.innovation_sd_m);
+  append_field(row.followed.noise_sd_m);
+  append_field(row.followed.jerk_density_m2_s5);
+  if (axis_count_ < 3) return;
+  for (const AxisEstimate<double>& axis : row.axes) {
+    const Quantity<double>* const quantities[] = {&axis.position_m, &axis.velocity_m_s,
+                                                  &axis.acceleration_m_s2};
+    for (const Quantity<double>* quantity : quantities) append_field(quantity->value);
+    for (const Quantity<double>* quantity : quantities) append_field(quantity->standard_deviation);
+  }
 }
 
 }  // namespace condyle::host

@@ -3,8 +3,7 @@
 
 #include <string>
 
-#include "condyle/estimator/published_cascade.h"
-#include "condyle/estimator/sample.h"
+#include "estimate_row.h"
 #include "output_file.h"
 
 namespace condyle::host {
@@ -12,15 +11,22 @@ namespace condyle::host {
 /// Estimates as CSV: a row per sample, all digits, an empty field where nothing was computed.
 class EstimatesFile {
  public:
-  explicit EstimatesFile(const std::string& path);
-  void write_row(const Sample& sample, const PublishedEstimate<double>& estimate);
+  /// `axis_count`: 0 for the published cascade; else the recommended estimator's 1 or 3, whose
+  /// columns follow those that both have.
+  EstimatesFile(const std::string& path, int axis_count);
+  void write_row(const EstimateRow& row);
   /// Writes out what is buffered.
   void close() { file_.close(); }
   /// Gives the closed file its name; without it, nothing is left.
   void commit() { file_.commit(); }
 
  private:
+  void append_field(double value);
+  void append_field(const char* word);
+  void append_axes(const EstimateRow& row);
+
   OutputFile file_;
+  int axis_count_;
   std::string row_;
 };
 

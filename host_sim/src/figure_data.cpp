@@ -36,26 +36,24 @@ void merge(FigureRun& run, const FigureRun& other) {
 
 }  // namespace
 
-void FigureData::add(const Sample& sample, FollowedCoordinate followed,
-                     const PublishedEstimate<double>& estimate) {
-  if (!sample.time_valid) return;  // it has no place on a time axis
+void FigureData::add(const EstimateRow& row) {
+  if (!row.time_ns) return;  // it has no place on a time axis
   FigureRun run;
-  run.time_s = seconds(sample.time_ns);
-  if (sample.position_valid) {
-    const double position_m = followed_position_m(sample, followed);
-    run.measured_position_m.add(position_m);
-    if (previous_ && sample.time_ns > previous_->time_ns) {
-      run.differentiated_velocity_m_s.add((position_m - previous_->position_m) /
-                                          seconds(sample.time_ns - previous_->time_ns));
+  run.time_s = seconds(*row.time_ns);
+  if (std::isfinite(row.measured_position_m)) {
+    run.measured_position_m.add(row.measured_position_m);
+    if (previous_ && *row.time_ns > previous_->time_ns) {
+      run.differentiated_velocity_m_s.add((row.measured_position_m - previous_->position_m) /
+                                          seconds(*row.time_ns - previous_->time_ns));
     }
-    previous_ = Measured{sample.time_ns, position_m};
+    previous_ = Measured{*row.time_ns, row.measured_position_m};
   }
-  run.position_m = curve_of(estimate.position_m);
-  run.velocity_m_s = curve_of(estimate.velocity_m_s);
-  run.force_N = curve_of(estimate.force_N);
-  run.friction_Ns_m = curve_of(estimate.friction_Ns_m);
-  run.mass_kg = curve_of(estimate.mass_kg);
-  run.has_event = !estimate.events.empty();
+  run.position_m = curve_of(row.position_m);
+  run.velocity_m_s = curve_of(row.velocity_m_s);
+  run.force_N = curve_of(row.force_N);
+  run.friction_Ns_m = curve_of(row.friction_Ns_m);
+  run.mass_kg = curve_of(row.mass_kg);
+  run.has_event = !row.events.empty();
 
   if (!runs_.empty() && samples_in_last_run_ < samples_per_run_) {
     merge(runs_.back(), run);

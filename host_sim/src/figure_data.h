@@ -8,8 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "condyle/estimator/published_cascade.h"
-#include "condyle/estimator/sample.h"
+#include "estimate_row.h"
 
 namespace condyle::host {
 
@@ -45,13 +44,12 @@ struct FigureRun {
   bool has_event = false;
 };
 
-/// Collects the samples of a replay.
+/// Collects the rows of a replay.
 class FigureData {
  public:
   static constexpr std::size_t kMostRuns = 4096;
 
-  void add(const Sample& sample, FollowedCoordinate followed,
-           const PublishedEstimate<double>& estimate);
+  void add(const EstimateRow& row);
   const std::vector<FigureRun>& runs() const { return runs_; }
   /// Samples that each run but the last stands for.
   std::uint64_t samples_per_run() const { return samples_per_run_; }

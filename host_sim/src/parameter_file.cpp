@@ -1,12 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "parameter_file.h"
 
+#include <fmt/format.h>
+
+#include "input_error.h"
 #include "toml_reader.h"
 
 namespace condyle::host {
+namespace {
+
+// A file for the other estimator is said to be one, not a row of unknown keys.
+void refuse_other_estimator(const TomlReader& file, const char* section, const char* key,
+                            const char* estimator) {
+  if (!file.has(section, key)) return;
+  throw InputError(file.place(section, key),
+                   fmt::format("belongs to the {} estimator's parameters", estimator),
+                   fmt::format("give --estimator {}, or another file", estimator));
+}
+
+}  // namespace
 
 LoadedParameters load_parameters(const std::string& path) {
   TomlReader file(path);
+  refuse_other_estimator(file, "", "noise", "recommended");
+  refuse_other_estimator(file, "", "outliers", "recommended");
   LoadedParameters loaded;
   visit_fields(loaded.values, [&](const char* section, const char* key, double* values,
                                   std::size_t count, const char* unit, Range range) {
@@ -22,6 +39,36 @@ LoadedParameters load_parameters(const std::string& path) {
       form == 0 ? Discretisation::forward : Discretisation::backward;
   file.finish();
   return loaded;
+}
+
+RecommendedParameters load_recommended_parameters(const std::string& path) {
+  TomlReader file(path);
+  for (const char* key : {"sample_time_s", "motion", "friction", "mass"}) {
+    refuse_other_estimator(file, "", key, "published");
+  }
+  RecommendedParameters parameters;
+  visit_recommended_fields(parameters, [&](const char* section, const char* key, double* value,
+                                           std::size_t, const char* unit, Range range) {
+    file.number(section, key, *value, unit, range);
+  });
+  std::size_t adaptation = parameters.noise.adaptation == Adaptation::on ? 1 : 0;
+  file.choice("noise", "adaptation", adaptation, {"off", "on"});
+  parameters.noise.adaptation = adaptation == 1 ? Adaptation::on : Adaptation::off;
+  file.finish();
+  if (parameters.noise.adaptation == Adaptation::on && file.has("noise", "jerk_density_m2_s5")) {
+    throw InputError(file.place("noise", "jerk_density_m2_s5"),
+                     "jerk_density_m2_s5 is estimated while adaptation is \"on\"",
+                     "leave it out, or set adaptation = \"off\"");
+  }
+  if (!(parameters.noise.lowest_position_sd_m < parameters.noise.highest_position_sd_m)) {
+    throw InputError(file.place("noise", "lowest_position_sd_m"),
+                     "lowest_position_sd_m is not below highest_position_sd_m", "make it so");
+  }
+  if (parameters.outliers.huber_sd > parameters.outliers.gate_sd) {
+    throw InputError(file.place("outliers", "huber_sd"), "huber_sd is above gate_sd",
+                     "make it at most gate_sd");
+  }
+  return parameters;
 }
 
 }  // namespace condyle::host

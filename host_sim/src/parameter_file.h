@@ -4,6 +4,7 @@
 #include <string>
 
 #include "condyle/estimator/parameters.h"
+#include "condyle/estimator/recommended_parameters.h"
 
 namespace condyle::host {
 
@@ -13,8 +14,11 @@ struct LoadedParameters {
   bool gives_sample_time = false;  ///< else the recording's median step is to be used
 };
 
-/// Loads a TOML parameter file. Everything in it must be known and in range; else an InputError
-/// names line, column and mend.
+/// Loads a TOML parameter file of the published cascade. Everything in it must be known and in
+/// range; else an InputError names line, column and mend.
 LoadedParameters load_parameters(const std::string& path);
+
+/// The same for the recommended estimator.
+RecommendedParameters load_recommended_parameters(const std::string& path);
 
 }  // namespace condyle::host

@@ -7,7 +7,8 @@
 #include <optional>
 
 #include "commands.h"
-#include "condyle/estimator/published_cascade.h"
+#include "condyle/estimator/published_sensor.h"
+#include "condyle/estimator/recommended_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/clock.h"
 #include "estimates_file.h"
@@ -24,18 +25,20 @@ namespace {
 
 struct ReplayOptions {
   std::string recording;
-  std::string estimator = "published";
+  std::string estimator = "recommended";
   std::string parameters;
   std::string out;
   std::string figures;
   std::string unit;
   FollowedCoordinate followed;
   bool axis_given = false;
+  int lag = 0;
   double speed = 0;
   RecordingOptions reading;
 };
 
-PublishedParameters choose_parameters(const ReplayOptions& options, const ReplayFacebow& facebow) {
+PublishedParameters choose_published_parameters(const ReplayOptions& options,
+                                                const ReplayFacebow& facebow) {
   LoadedParameters loaded;
   if (!options.parameters.empty()) loaded = load_parameters(options.parameters);
   if (loaded.gives_sample_time) return loaded.values;
@@ -53,44 +56,37 @@ PublishedParameters choose_parameters(const ReplayOptions& options, const Replay
   return loaded.values;
 }
 
-int replay(const ReplayOptions& options) {
-  refuse_same_files({options.recording, options.parameters}, {options.out});
-  hal::SteadyClock clock;
-  ReplayFacebow facebow(options.recording, options.reading, options.speed, clock);
-  if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
-  const RecordingInfo& info = facebow.info();
-  if (!is_available(info.kind, options.followed)) {
-    throw InputError(options.recording,
-                     fmt::format("has one point, not point {}", options.followed.point),
-                     "leave out --point");
-  }
-  if (info.kind == SampleKind::one_axis && options.axis_given) {
-    throw InputError(options.recording, "has one axis, so there is none to choose",
-                     "leave out --axis");
-  }
-  const PublishedParameters parameters = choose_parameters(options, facebow);
+// Which recording, and what of it is followed.
+std::string recording_text(const ReplayOptions& options, const RecordingInfo& info) {
+  const std::string followed = info.kind == SampleKind::one_axis
+                                   ? "one axis"
+                                   : fmt::format("point {}, axis {}", options.followed.point,
+                                                 "xyz"[static_cast<int>(options.followed.axis)]);
+  return fmt::format("{}, {}, {}", options.recording, info.format, followed);
+}
 
+// Runs `sensor` over the open `facebow` and writes what was asked for. `row_of_step(sample,
+// estimate)` gives a row, or none while a lag fills.
+template <class Sensor, class RowOfStep>
+int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
+                   const firmware::RunSettings& settings, Sensor& sensor, int axis_count,
+                   const RowOfStep& row_of_step, ReplaySummary& summary) {
   // Opened first, so that an output that cannot be written is said before the work.
   std::unique_ptr<OutputFolder> figure_folder;
   if (!options.figures.empty()) figure_folder = std::make_unique<OutputFolder>(options.figures);
   std::unique_ptr<EstimatesFile> estimates;
-  if (!options.out.empty()) estimates = std::make_unique<EstimatesFile>(options.out);
+  if (!options.out.empty()) estimates = std::make_unique<EstimatesFile>(options.out, axis_count);
   FigureData figure_data;
-  ReplaySummary summary(parameters);
-  PublishedCascade<double> cascade(parameters);
   firmware::RunCounts counts;
-  firmware::RunSettings settings;
-  settings.followed = options.followed;
-  settings.nominal_step_ns = nanoseconds(parameters.sample_time_s);
-  settings.expects_drive = info.has_drive;
   {
     Progress progress("replaying", clock);
     const hal::Status status = firmware::run(
-        facebow, clock, cascade, settings, counts,
-        [&](const Sample& sample, const PublishedEstimate<double>& estimate) {
-          if (estimates) estimates->write_row(sample, estimate);
-          if (!options.figures.empty()) figure_data.add(sample, options.followed, estimate);
-          summary.add(sample, estimate);
+        facebow, clock, sensor, settings, counts,
+        [&](const Sample& sample, const typename Sensor::Estimate& estimate) {
+          const std::optional<EstimateRow> row = row_of_step(sample, estimate);
+          if (row && estimates) estimates->write_row(*row);
+          if (row && figure_folder) figure_data.add(*row);
+          if (row) summary.add(*row);
           progress.show(facebow.progress());
         },
         [&] { return stop_requested() || !facebow.problem().empty(); });
@@ -118,12 +114,8 @@ int replay(const ReplayOptions& options) {
   const auto line = [&text](const char* label, const std::string& words) {
     text += fmt::format("{:<12}{}\n", label, words);
   };
-  line("recording", fmt::format("{}, {}{}", options.recording, info.format,
-                                info.kind == SampleKind::one_axis
-                                    ? ", one axis"
-                                    : fmt::format(", point {}, axis {}", options.followed.point,
-                                                  "xyz"[static_cast<int>(options.followed.axis)])));
-  for (const std::string& note : info.notes) line("note", note);
+  line("recording", recording_text(options, facebow.info()));
+  for (const std::string& note : facebow.info().notes) line("note", note);
   text += summary.text();
   if (estimates) line("estimates", options.out);
   for (const auto& figure : figures) {
@@ -131,15 +123,69 @@ int replay(const ReplayOptions& options) {
   }
   if (figure_folder && figures.empty()) line("figures", "none: there are no values to draw");
   print_output(text);
-  if (summary.uneven_steps() > 0) {
-    print_error(fmt::format(
-        "warning: {} of {} steps ({:.4g} to {:.4g} ms) differ from the sample time {:.6g} s by "
-        "more "
-        "than 1 %; the published cascade takes every step as that long, and nothing is resampled",
-        summary.uneven_steps(), summary.steps(), summary.shortest_step_s() * 1e3,
-        summary.longest_step_s() * 1e3, parameters.sample_time_s));
-  }
+  if (!summary.warning().empty()) print_error("warning: " + summary.warning());
   return kExitOk;
+}
+
+int replay_published(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
+                     firmware::RunSettings settings) {
+  const PublishedParameters parameters = choose_published_parameters(options, facebow);
+  settings.nominal_step_ns = nanoseconds(parameters.sample_time_s);
+  PublishedSensor<double> sensor(parameters, options.followed);
+  PublishedSummary summary(parameters);
+  return replay_through(
+      options, facebow, clock, settings, sensor, 0,
+      [&](const Sample& sample, const PublishedEstimate<double>& estimate) {
+        return std::optional(row_of(sample, options.followed, estimate));
+      },
+      summary);
+}
+
+template <int kAxes>
+int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
+                       firmware::RunSettings settings) {
+  RecommendedParameters parameters;
+  if (!options.parameters.empty()) parameters = load_recommended_parameters(options.parameters);
+  settings.nominal_step_ns = facebow.median_step_ns().value_or(0);
+  RecommendedSensor<double, kAxes> sensor(parameters, options.lag, options.followed.point);
+  RecommendedSummary summary(parameters, options.lag, options.followed.axis);
+  return replay_through(
+      options, facebow, clock, settings, sensor, kAxes,
+      [&](const Sample&, const RecommendedEstimate<double>& estimate) {
+        return estimate.is_ready ? std::optional(row_of(estimate, options.followed.axis))
+                                 : std::nullopt;
+      },
+      summary);
+}
+
+int replay(const ReplayOptions& options) {
+  refuse_same_files({options.recording, options.parameters}, {options.out});
+  hal::SteadyClock clock;
+  ReplayFacebow facebow(options.recording, options.reading, options.speed, clock);
+  if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
+  const RecordingInfo& info = facebow.info();
+  if (!is_available(info.kind, options.followed)) {
+    throw InputError(options.recording,
+                     fmt::format("has one point, not point {}", options.followed.point),
+                     "leave out --point");
+  }
+  if (info.kind == SampleKind::one_axis && options.axis_given) {
+    throw InputError(options.recording, "has one axis, so there is none to choose",
+                     "leave out --axis");
+  }
+  firmware::RunSettings settings;
+  settings.followed = options.followed;
+  settings.expects_drive = info.has_drive;
+  if (options.estimator == "published") {
+    if (options.lag > 0) {
+      throw InputError("--lag", "the published cascade has no lag",
+                       "leave it out, or give --estimator recommended");
+    }
+    return replay_published(options, facebow, clock, settings);
+  }
+  return info.kind == SampleKind::one_axis
+             ? replay_recommended<1>(options, facebow, clock, settings)
+             : replay_recommended<3>(options, facebow, clock, settings);
 }
 
 }  // namespace
@@ -154,7 +200,12 @@ Command add_replay(CLI::App& app) {
                    "synth:SCENARIO.toml")
       ->required();
   command->add_option("--estimator", options->estimator, "Which estimator runs")
-      ->check(CLI::IsMember({"published"}))
+      ->check(CLI::IsMember({"recommended", "published"}))
+      ->capture_default_str();
+  command
+      ->add_option("--lag", options->lag,
+                   "Samples that an estimate waits for, which makes it better (recommended)")
+      ->check(CLI::Range(0, 16))
       ->capture_default_str();
   command->add_option("--parameters", options->parameters, "TOML file with its parameters");
   command->add_option("--point", options->followed.point, "Point to follow")

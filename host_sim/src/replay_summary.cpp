@@ -28,103 +28,227 @@ std::string without_interval(const Quantity<double>& quantity, const char* unit)
 
 }  // namespace
 
-void ReplaySummary::add(const Sample& sample, const PublishedEstimate<double>& estimate) {
+void ReplaySummary::add(const EstimateRow& row) {
   ++samples_;
-  if (sample.time_valid && !estimate.events.has(Event::time_reversed)) {
-    if (previous_time_ns_ && !estimate.events.has(Event::time_restarted)) {
-      const TimeNs step_ns = sample.time_ns - *previous_time_ns_;
-      const double T = parameters_.sample_time_s;
-      if (std::abs(seconds(step_ns) - T) > kUnevenShare * T) ++uneven_steps_;
+  last_step_ns_.reset();
+  if (row.time_ns && !row.events.has(Event::time_reversed)) {
+    if (previous_time_ns_ && !row.events.has(Event::time_restarted)) {
+      const TimeNs step_ns = *row.time_ns - *previous_time_ns_;
       shortest_step_ns_ = steps_ == 0 ? step_ns : std::min(shortest_step_ns_, step_ns);
       longest_step_ns_ = std::max(longest_step_ns_, step_ns);
       duration_ns_ += step_ns;
       ++steps_;
+      last_step_ns_ = step_ns;
     }
-    previous_time_ns_ = sample.time_ns;
+    previous_time_ns_ = row.time_ns;
   }
-  innovation_squared_.add(estimate.innovation_m * estimate.innovation_m);
-  motion_nis_.add(estimate.motion_nis);
-  friction_nis_.add(estimate.friction_nis);
-  mass_nis_.add(estimate.mass_nis);
-  events_.add(estimate.events);
-  if (estimate.position_m.provenance == Provenance::not_computed) return;
-  last_ = estimate;
-  last_time_ns_.reset();
-  if (sample.time_valid) last_time_ns_ = sample.time_ns;
+  if (std::isfinite(row.innovation_m)) {
+    innovation_square_sum_m2_ += row.innovation_m * row.innovation_m;
+    ++innovations_;
+  }
+  events_.add(row.events);
+  if (row.position_m.provenance != Provenance::not_computed) last_ = row;
 }
 
-std::string ReplaySummary::text() const {
+void ReplaySummary::add_line(std::string& text, const char* label, const std::string& words) {
+  text += fmt::format("{:<12}{}\n", label, words);
+}
+
+double ReplaySummary::innovation_rms_m() const {
+  return innovations_ > 0 ? std::sqrt(innovation_square_sum_m2_ / static_cast<double>(innovations_))
+                          : std::numeric_limits<double>::quiet_NaN();
+}
+
+double ReplaySummary::mean_step_s() const {
+  return steps_ > 0 ? seconds(duration_ns_) / static_cast<double>(steps_) : 0;
+}
+
+std::string ReplaySummary::times_text(const std::string& steps_note) const {
   std::string text;
-  const auto line = [&text](const char* label, const std::string& words) {
-    text += fmt::format("{:<12}{}\n", label, words);
-  };
   const double duration_s = seconds(duration_ns_);
-  line("duration", fmt::format("{:.6g} s, {} samples", duration_s, samples_));
+  add_line(text, "duration", fmt::format("{:.6g} s, {} samples", duration_s, samples_));
   if (duration_s > 0) {
-    line("rate", fmt::format("{:.5g} Hz on average; steps {:.4g} to {:.4g} ms; {} of {} differ "
-                             "from the sample time by more than 1 %",
-                             static_cast<double>(steps_) / duration_s, shortest_step_s() * 1e3,
-                             longest_step_s() * 1e3, uneven_steps_, steps_));
+    add_line(
+        text, "rate",
+        fmt::format("{:.5g} Hz on average; steps {:.4g} to {:.4g} ms{}", 1 / mean_step_s(),
+                    seconds(shortest_step_ns_) * 1e3, seconds(longest_step_ns_) * 1e3, steps_note));
   }
-  line("gaps", fmt::format("{}", events_[Event::time_gap]));
+  add_line(text, "gaps", fmt::format("{}", events_[Event::time_gap]));
   std::string events;
   for (std::size_t i = 0; i < kEventCount; ++i) {
     const auto event = static_cast<Event>(i);
     if (events_[event] == 0) continue;
     events += fmt::format("{}{} {}", events.empty() ? "" : ", ", events_[event], event_name(event));
   }
-  line("events", events.empty() ? "none" : events);
-  line("estimator",
-       fmt::format(
-           "published cascade, stage 1 {} Euler, sample time {:.6g} s, assumed mass {:.4g} "
-           "kg",
-           parameters_.motion.discretisation == Discretisation::forward ? "forward" : "backward",
-           parameters_.sample_time_s, parameters_.assumed_mass_kg));
-  const auto mean = [](const Mean& m) { return m.sum / static_cast<double>(m.count); };
-  if (innovation_squared_.count > 0) {
-    line("innovation", fmt::format("{:.4g} mm rms", std::sqrt(mean(innovation_squared_)) * 1e3));
-    line("mean NIS", fmt::format("motion {:.3g} (1 if the noise is as stated); friction {:.3g}, "
-                                 "mass {:.3g} (not 2: stage 1's velocity is no independent "
-                                 "measurement)",
-                                 mean(motion_nis_), mean(friction_nis_), mean(mass_nis_)));
+  add_line(text, "events", events.empty() ? "none" : events);
+  return text;
+}
+
+std::string ReplaySummary::last_values_text(bool trusted) const {
+  std::string text = last_.time_ns
+                         ? fmt::format("last values, at {:.6g} s\n", seconds(*last_.time_ns))
+                         : std::string("last values\n");
+  const char* const level = trusted ? "95 %" : "95 % if the intervals were right";
+  add_line(text, "  position", with_interval(last_.position_m, 1e3, "mm", level));
+  add_line(text, "  velocity", with_interval(last_.velocity_m_s, 1e3, "mm/s", level));
+  add_line(text, "  force",
+           with_interval(last_.force_N, 1, "N", level) +
+               (last_.force_N.provenance == Provenance::derived
+                    ? ": assumed mass times measured acceleration"
+                    : ""));
+  return text;
+}
+
+bool ReplaySummary::is_trusted(double mean_nis) {
+  return mean_nis <= kTrustedNis && mean_nis >= 1 / kTrustedNis;
+}
+
+std::string ReplaySummary::distrust_text(double mean_nis) {
+  std::string text;
+  if (mean_nis > 0 && !is_trusted(mean_nis)) {
+    const double factor = std::sqrt(mean_nis);
+    add_line(text, "intervals",
+             fmt::format("too {} by a factor of about {:.2g}: the stated noise does not fit this "
+                         "recording",
+                         factor > 1 ? "narrow" : "wide", factor > 1 ? factor : 1 / factor));
   }
-  const double trust = motion_nis_.count > 0 ? mean(motion_nis_) : 0;
-  const bool trusted = trust <= kTrustedNis && trust >= 1 / kTrustedNis;
-  if (trust > 0 && !trusted) {
-    const double factor = std::sqrt(trust);
-    line("intervals",
-         fmt::format("too {} by a factor of about {:.2g}: the stated noise does not fit this "
-                     "recording",
-                     factor > 1 ? "narrow" : "wide", factor > 1 ? factor : 1 / factor));
+  return text;
+}
+
+void PublishedSummary::add(const EstimateRow& row) {
+  ReplaySummary::add(row);
+  const double T = parameters_.sample_time_s;
+  if (last_step_ns_ && std::abs(seconds(*last_step_ns_) - T) > kUnevenShare * T) ++uneven_steps_;
+  motion_nis_.add(row.motion_nis);
+  friction_nis_.add(row.friction_nis);
+  mass_nis_.add(row.mass_nis);
+}
+
+std::string PublishedSummary::text() const {
+  std::string text = times_text(fmt::format(
+      "; {} of {} differ from the sample time by more than 1 %", uneven_steps_, steps_));
+  add_line(
+      text, "estimator",
+      fmt::format(
+          "published cascade, stage 1 {} Euler, sample time {:.6g} s, assumed mass {:.4g} kg",
+          parameters_.motion.discretisation == Discretisation::forward ? "forward" : "backward",
+          parameters_.sample_time_s, parameters_.assumed_mass_kg));
+  if (motion_nis_.count > 0) {
+    add_line(text, "innovation", fmt::format("{:.4g} mm rms", innovation_rms_m() * 1e3));
+    add_line(text, "mean NIS",
+             fmt::format("motion {:.3g} (1 if the noise is as stated); friction {:.3g}, mass "
+                         "{:.3g} (not 2: stage 1's velocity is no independent measurement)",
+                         motion_nis_.value(), friction_nis_.value(), mass_nis_.value()));
   }
+  text += distrust_text(motion_nis_.value());
   if (last_.position_m.provenance == Provenance::not_computed) {
-    line("estimates", "none: no sample had a position");
+    add_line(text, "estimates", "none: no sample had a position");
     return text;
   }
-  line("verdict",
-       fmt::format(
-           "{}: {}. It judges the tuning, not the subject", verdict_name(last_.verdict),
-           last_.verdict == Verdict::diverged
-               ? "the mass was not positive, or no number, at some sample"
-               : fmt::format("the mass {} within 2 % of the assumed mass throughout the "
-                             "last quarter",
-                             last_.verdict == Verdict::matched ? "stayed" : "did not stay")));
-  text += last_time_ns_ ? fmt::format("last values, at {:.6g} s\n", seconds(*last_time_ns_))
-                        : std::string("last values\n");
-  const char* const level = trusted ? "95 %" : "95 % if the intervals were right";
-  line("  position", with_interval(last_.position_m, 1e3, "mm", level));
-  line("  velocity", with_interval(last_.velocity_m_s, 1e3, "mm/s", level));
-  line("  force", with_interval(last_.force_N, 1, "N", level) +
-                      (last_.force_N.provenance == Provenance::derived
-                           ? ": assumed mass times measured acceleration"
-                           : ""));
-  line("  friction", without_interval(last_.friction_Ns_m, "Ns/m"));
-  line("  mass", without_interval(last_.mass_kg, "kg"));
+  add_line(text, "verdict",
+           fmt::format(
+               "{}: {}. It judges the tuning, not the subject", verdict_name(last_.verdict),
+               last_.verdict == Verdict::diverged
+                   ? "the mass was not positive, or no number, at some sample"
+                   : fmt::format("the mass {} within 2 % of the assumed mass throughout "
+                                 "the last quarter",
+                                 last_.verdict == Verdict::matched ? "stayed" : "did not stay")));
+  text += last_values_text(is_trusted(motion_nis_.value()));
+  add_line(text, "  friction", without_interval(last_.friction_Ns_m, "Ns/m"));
+  add_line(text, "  mass", without_interval(last_.mass_kg, "kg"));
   text +=
       "Friction and mass are assumed, not measured: the force that drives their stages is the "
       "assumed mass times the\nacceleration seen in the same positions, so friction zero and the "
       "assumed mass fit every motion, and prior and\ntuning decide what is shown.\n";
   return text;
+}
+
+std::string PublishedSummary::warning() const {
+  if (uneven_steps_ == 0) return {};
+  return fmt::format(
+      "{} of {} steps ({:.4g} to {:.4g} ms) differ from the sample time {:.6g} s by more than 1 %; "
+      "the published cascade takes every step as that long, and nothing is resampled",
+      uneven_steps_, steps_, seconds(shortest_step_ns_) * 1e3, seconds(longest_step_ns_) * 1e3,
+      parameters_.sample_time_s);
+}
+
+void RecommendedSummary::add(const EstimateRow& row) {
+  ReplaySummary::add(row);
+  for (int axis = 0; axis < row.axis_count; ++axis) {
+    monitors_[axis].add(row.axes[axis].innovation_m / row.axes[axis].innovation_sd_m);
+  }
+}
+
+std::string RecommendedSummary::per_axis(const char* format,
+                                         double (*value)(const RecommendedSummary&, int)) const {
+  std::string text;
+  for (int axis = 0; axis < axis_count(); ++axis) {
+    if (axis > 0) text += ", ";
+    if (axis_count() == 3) text += fmt::format("{} ", "xyz"[axis]);
+    text += fmt::format(fmt::runtime(format), value(*this, axis));
+  }
+  return text;
+}
+
+std::string RecommendedSummary::text() const {
+  std::string text = times_text("");
+  const bool adaptive = parameters_.noise.adaptation == Adaptation::on;
+  add_line(text, "estimator",
+           fmt::format("recommended: white-jerk motion, {}, assumed mass {:.4g} kg",
+                       adaptive ? fmt::format("noise and jerk learned over {:.4g} s",
+                                              parameters_.noise.memory_s)
+                                : "noise and jerk as given",
+                       parameters_.assumed_mass_kg));
+  add_line(text, "delay",
+           lag_ == 0 ? "none: each estimate uses the samples up to its own"
+                     : fmt::format("{} samples, {:.4g} ms on average: each estimate uses that many "
+                                   "later samples",
+                                   lag_, lag_ * mean_step_s() * 1e3));
+  if (last_.position_m.provenance == Provenance::not_computed) {
+    add_line(text, "estimates", "none: no sample had a position");
+    return text;
+  }
+  add_line(text, "noise", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {
+                            return s.last_.axes[axis].noise_sd_m * 1e3;
+                          }) + (adaptive ? " mm sd at the end, estimated" : " mm sd, given"));
+  add_line(text, "jerk", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {
+                           return s.last_.axes[axis].jerk_density_m2_s5;
+                         }) + (adaptive ? " m^2/s^5 at the end, estimated" : " m^2/s^5, given"));
+  add_line(text, "innovation", fmt::format("{:.4g} mm rms", innovation_rms_m() * 1e3));
+  const auto monitor = [](const RecommendedSummary& s, int axis) { return s.monitors_[axis]; };
+  static_cast<void>(monitor);
+  add_line(text, "mean NIS", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {
+                               return s.monitors_[axis].mean_nis();
+                             }) + " (1 if the noise is as stated)");
+  add_line(text, "whiteness",
+           "correlation of neighbouring innovations " +
+               per_axis("{:.2f}", [](const RecommendedSummary& s,
+                                     int axis) { return s.monitors_[axis].correlation(); }) +
+               " (0 if the noise is white)");
+  const InnovationMonitor<double>& followed = monitors_[followed_index()];
+  text += distrust_text(followed.mean_nis());
+  text += last_values_text(is_trusted(followed.mean_nis()) && !followed.looks_smoothed());
+  text +=
+      "Friction and mass are not computed: position alone does not determine them. What the "
+      "published cascade shows for\nthem (--estimator published) is decided by its tuning.\n";
+  return text;
+}
+
+std::string RecommendedSummary::warning() const {
+  std::string axes;
+  for (int axis = 0; axis < axis_count(); ++axis) {
+    if (!monitors_[axis].looks_smoothed()) continue;
+    if (axis_count() == 3)
+      axes += fmt::format(" {}", "xyz"[axis]);
+    else
+      axes += " position";
+  }
+  if (axes.empty()) return {};
+  return fmt::format(
+      "neighbouring innovations are correlated (along{}): the positions were probably smoothed "
+      "before they were recorded, the noise is then not white, and the intervals are not to be "
+      "relied on",
+      axes);
 }
 
 }  // namespace condyle::host

@@ -1,30 +1,62 @@
 // SPDX-License-Identifier: Apache-2.0
+// What is said at the end of a replay. Constant memory.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string>
 
-#include "condyle/estimator/published_cascade.h"
-#include "condyle/estimator/sample.h"
+#include "condyle/estimator/innovation_monitor.h"
+#include "estimate_row.h"
 
 namespace condyle::host {
 
-/// Collects what is said at the end of a replay. Constant memory.
+/// Collects rows; each estimator has its own words.
 class ReplaySummary {
  public:
-  explicit ReplaySummary(const PublishedParameters& parameters) : parameters_(parameters) {}
+  virtual ~ReplaySummary() = default;
 
-  void add(const Sample& sample, const PublishedEstimate<double>& estimate);
-
-  /// Steps that differ from the sample time by more than 1 %, of all steps.
-  std::uint64_t uneven_steps() const { return uneven_steps_; }
-  std::uint64_t steps() const { return steps_; }
-  double shortest_step_s() const { return seconds(shortest_step_ns_); }
-  double longest_step_s() const { return seconds(longest_step_ns_); }
-
+  virtual void add(const EstimateRow& row);
   /// The summary in words, with units, uncertainties and provenance.
-  std::string text() const;
+  virtual std::string text() const = 0;
+  /// Something to warn about beside the summary; empty where there is nothing.
+  virtual std::string warning() const { return {}; }
+
+ protected:
+  static void add_line(std::string& text, const char* label, const std::string& words);
+  /// Duration, rate (with `steps_note` on its line), gaps and events.
+  std::string times_text(const std::string& steps_note) const;
+  /// "last values, at ..." with position, velocity and force; the 95 % level is doubted unless
+  /// `trusted`.
+  std::string last_values_text(bool trusted) const;
+  /// Whether a mean NIS speaks for the stated noise; and the line that says so where it does not.
+  static bool is_trusted(double mean_nis);
+  static std::string distrust_text(double mean_nis);
+
+  std::uint64_t steps_ = 0;
+  TimeNs shortest_step_ns_ = 0, longest_step_ns_ = 0;
+  std::optional<TimeNs> last_step_ns_;  // step that the last row added, if any
+  double innovation_rms_m() const;
+  double mean_step_s() const;
+  // The last row with values.
+  EstimateRow last_;
+
+ private:
+  std::uint64_t samples_ = 0, innovations_ = 0;
+  std::optional<TimeNs> previous_time_ns_;  // of the last accepted sample
+  TimeNs duration_ns_ = 0;
+  double innovation_square_sum_m2_ = 0;
+  EventCounts events_;
+};
+
+/// The published cascade's.
+class PublishedSummary final : public ReplaySummary {
+ public:
+  explicit PublishedSummary(const PublishedParameters& parameters) : parameters_(parameters) {}
+  void add(const EstimateRow& row) override;
+  std::string text() const override;
+  /// Steps that differ from the sample time, which the published cascade takes all as equal.
+  std::string warning() const override;
 
  private:
   struct Mean {
@@ -35,18 +67,33 @@ class ReplaySummary {
       sum += value;
       ++count;
     }
+    double value() const { return count > 0 ? sum / static_cast<double>(count) : 0; }
   };
 
   PublishedParameters parameters_;
-  std::uint64_t samples_ = 0, steps_ = 0, uneven_steps_ = 0;
-  std::optional<TimeNs> previous_time_ns_;  // of the last accepted sample
-  TimeNs duration_ns_ = 0;
-  TimeNs shortest_step_ns_ = 0, longest_step_ns_ = 0;
-  Mean innovation_squared_, motion_nis_, friction_nis_, mass_nis_;
-  EventCounts events_;
-  // The last with values, and when.
-  PublishedEstimate<double> last_;
-  std::optional<TimeNs> last_time_ns_;
+  std::uint64_t uneven_steps_ = 0;
+  Mean motion_nis_, friction_nis_, mass_nis_;
+};
+
+/// The recommended estimator's.
+class RecommendedSummary final : public ReplaySummary {
+ public:
+  RecommendedSummary(const RecommendedParameters& parameters, int lag, Axis followed)
+      : parameters_(parameters), lag_(lag), followed_(followed) {}
+  void add(const EstimateRow& row) override;
+  std::string text() const override;
+  /// Positions that were smoothed before they came.
+  std::string warning() const override;
+
+ private:
+  std::string per_axis(const char* format, double (*value)(const RecommendedSummary&, int)) const;
+  int axis_count() const { return last_.axis_count; }
+  int followed_index() const { return axis_count() == 3 ? static_cast<int>(followed_) : 0; }
+
+  RecommendedParameters parameters_;
+  int lag_;
+  Axis followed_;
+  InnovationMonitor<double> monitors_[3];
 };
 
 }  // namespace condyle::host

@@ -154,6 +154,10 @@ bool TomlReader::text(std::string_view section, std::string_view key, std::strin
   return true;
 }
 
+bool TomlReader::has(std::string_view section, std::string_view key) const {
+  return document_->find(section, key) != nullptr;
+}
+
 void TomlReader::finish() const {
   for (const auto& [name, node] : document_->root) {
     const std::string_view key = name.str();

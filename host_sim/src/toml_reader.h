@@ -31,6 +31,8 @@ class TomlReader {
               const std::vector<std::string_view>& choices);
   /// Any text.
   bool text(std::string_view section, std::string_view key, std::string& value);
+  /// True where the file has this key, or with section "" this section. Does not make it known.
+  bool has(std::string_view section, std::string_view key) const;
   /// Refuses whatever was not asked for.
   void finish() const;
   /// "FILE:LINE:COLUMN" of a key, or the file where it has none.

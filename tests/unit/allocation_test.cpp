@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "condyle/estimator/observability.h"
-#include "condyle/estimator/published_cascade.h"
+#include "condyle/estimator/published_sensor.h"
 #include "condyle/firmware/run_loop.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -91,7 +91,7 @@ template <class Scalar>
 void expect_run_without_allocation() {
   PublishedParameters parameters;
   parameters.sample_time_s = 0.02;
-  PublishedCascade<Scalar> cascade(parameters);
+  PublishedSensor<Scalar> sensor(parameters);
   RampFacebow facebow;
   hal::ManualClock clock;
   firmware::RunCounts counts;
@@ -99,7 +99,7 @@ void expect_run_without_allocation() {
   settings.nominal_step_ns = 20'000'000;
   const long before = allocation_count();
   const hal::Status status = firmware::run(
-      facebow, clock, cascade, settings, counts,
+      facebow, clock, sensor, settings, counts,
       [](const Sample&, const PublishedEstimate<Scalar>&) {}, [] { return false; });
   EXPECT_EQ(allocation_count(), before);
   EXPECT_EQ(status, hal::Status::end);

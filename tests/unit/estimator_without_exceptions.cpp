@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compiled with -fno-exceptions -fno-rtti: everything a target without an operating system uses.
 #include "condyle/estimator/observability.h"
-#include "condyle/estimator/published_cascade.h"
+#include "condyle/estimator/published_sensor.h"
 #include "condyle/firmware/run_loop.h"
 
 template class condyle::PublishedCascade<float>;
@@ -12,11 +12,11 @@ Observability<float> judge(const OperatingPoint<float>& point);
 Observability<float> judge(const OperatingPoint<float>& point) {
   return judge_observability(observability_matrix<FullSystem>(point));
 }
-void run_through(hal::Facebow& facebow, hal::Clock& clock, PublishedCascade<float>& cascade);
-void run_through(hal::Facebow& facebow, hal::Clock& clock, PublishedCascade<float>& cascade) {
+void run_through(hal::Facebow& facebow, hal::Clock& clock, PublishedSensor<float>& sensor);
+void run_through(hal::Facebow& facebow, hal::Clock& clock, PublishedSensor<float>& sensor) {
   firmware::RunCounts counts;
   static_cast<void>(firmware::run(
-      facebow, clock, cascade, {}, counts, [](const Sample&, const PublishedEstimate<float>&) {},
+      facebow, clock, sensor, {}, counts, [](const Sample&, const PublishedEstimate<float>&) {},
       [] { return false; }));
 }
 }  // namespace condyle

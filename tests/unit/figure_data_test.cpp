@@ -14,14 +14,13 @@ RC_GTEST_PROP(FigureData, ThinsWithoutLosingExtremes, ()) {
   const auto peak_at = *rc::gen::inRange<std::size_t>(0, samples);
   FigureData data;
   for (std::size_t i = 0; i < samples; ++i) {
-    Sample sample;
-    sample.time_ns = static_cast<TimeNs>(i) * 1'000'000;
-    sample.coordinates[0] = i == peak_at ? 0.5 : 0.001;
-    PublishedEstimate<double> estimate;
-    estimate.position_m = {sample.coordinates[0], 0.1,
-                           i == peak_at ? Provenance::assumed : Provenance::measured};
-    estimate.events.add(Event::time_gap, i == peak_at);
-    data.add(sample, {}, estimate);
+    EstimateRow row;
+    row.time_ns = static_cast<TimeNs>(i) * 1'000'000;
+    row.measured_position_m = i == peak_at ? 0.5 : 0.001;
+    row.position_m = {row.measured_position_m, 0.1,
+                      i == peak_at ? Provenance::assumed : Provenance::measured};
+    row.events.add(Event::time_gap, i == peak_at);
+    data.add(row);
   }
   RC_ASSERT(data.runs().size() <= FigureData::kMostRuns);
   RC_ASSERT(data.runs().size() >= std::min(samples, FigureData::kMostRuns / 2));
@@ -44,10 +43,10 @@ RC_GTEST_PROP(FigureData, ThinsWithoutLosingExtremes, ()) {
 TEST(FigureData, DifferentiatesOverTheTimeThatPassed) {
   FigureData data;
   for (const double t : {0.0, 0.1, 0.3}) {
-    Sample sample;
-    sample.time_ns = nanoseconds(t);
-    sample.coordinates[0] = t;
-    data.add(sample, {}, {});
+    EstimateRow row;
+    row.time_ns = nanoseconds(t);
+    row.measured_position_m = t;
+    data.add(row);
   }
   ASSERT_EQ(data.runs().size(), 3U);
   EXPECT_TRUE(std::isnan(data.runs()[0].differentiated_velocity_m_s.lowest));

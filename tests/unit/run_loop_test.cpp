@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "condyle/estimator/published_cascade.h"
+#include "condyle/estimator/published_sensor.h"
 #include "condyle/hal/clock.h"
 
 namespace condyle::firmware {
@@ -55,12 +55,12 @@ Outcome run_script(std::vector<ScriptedFacebow::Step> steps) {
   hal::ManualClock clock;
   PublishedParameters parameters;
   parameters.sample_time_s = 0.02;
-  PublishedCascade<double> cascade(parameters);
+  PublishedSensor<double> sensor(parameters);
   RunSettings settings;
   settings.nominal_step_ns = nanoseconds(0.02);
   Outcome outcome;
   outcome.status = run(
-      facebow, clock, cascade, settings, outcome.counts,
+      facebow, clock, sensor, settings, outcome.counts,
       [&](const Sample&, const Estimate& estimate) { outcome.estimates.push_back(estimate); },
       [] { return false; });
   for (const TimeNs deadline : facebow.deadlines) EXPECT_EQ(deadline, settings.patience_ns);
@@ -127,11 +127,11 @@ TEST(RunLoop, TakesNoZeroFilledDropoutForAMeasurement) {
 TEST(RunLoop, StopsWhenTold) {
   ScriptedFacebow facebow({{Status::ok, at(0, 0)}, {Status::ok, at(0.02, 0)}});
   hal::ManualClock clock;
-  PublishedCascade<double> cascade(PublishedParameters{});
+  PublishedSensor<double> sensor(PublishedParameters{});
   RunCounts counts;
   int taken = 0;
   EXPECT_EQ(run(
-                facebow, clock, cascade, {}, counts,
+                facebow, clock, sensor, {}, counts,
                 [&](const Sample&, const Estimate&) { ++taken; }, [&] { return taken == 1; }),
             Status::ok);
   EXPECT_EQ(taken, 1);

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "condyle/estimator/published_cascade.h"
-#include "condyle/firmware/run_loop.h"
+#include "condyle/estimator/published_sensor.h"
 #include "evaluation/cramer_rao.h"
 #include "input_error.h"
 
@@ -38,9 +37,8 @@ EvaluationRun evaluate_run(const Scenario& scenario, std::uint64_t seed,
                            const PublishedParameters& parameters,
                            const std::function<bool()>& stop) {
   Simulation simulation(scenario, seed);
-  PublishedCascade<double> cascade(parameters);
+  PublishedSensor<double> sensor(parameters, {1, scenario.axis});
   SampleChecker checker(nanoseconds(parameters.sample_time_s));
-  const FollowedCoordinate followed{1, scenario.axis};
   EvaluationRun run;
   SimulatedData data;
   double friction_sum = 0, mass_sum = 0;
@@ -50,8 +48,7 @@ EvaluationRun evaluate_run(const Scenario& scenario, std::uint64_t seed,
     if (stop && stop()) break;
     truth = data.truths.back();
     for (const Sample& sample : data.samples) {
-      const auto estimate =
-          firmware::process_sample(sample, checker.check(sample), followed, cascade);
+      const auto estimate = sensor.process(sample, checker.check(sample));
       run.verdict = estimate.verdict;
       run.friction.estimate = estimate.friction_Ns_m.value;
       run.mass.estimate = estimate.mass_kg.value;
@@ -75,7 +72,7 @@ EvaluationRun evaluate_run(const Scenario& scenario, std::uint64_t seed,
   if (compared == 0) return run;
   run.friction.truth = friction_sum / static_cast<double>(compared);
   run.mass.truth = mass_sum / static_cast<double>(compared);
-  const auto& filter = cascade.motion_filter();
+  const auto& filter = sensor.cascade().motion_filter();
   const Eigen::Vector3d error =
       filter.x - Eigen::Vector3d(truth.position_m, truth.velocity_m_s,
                                  parameters.assumed_mass_kg * truth.acceleration_m_s2);

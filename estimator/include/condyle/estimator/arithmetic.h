@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cfloat>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #ifdef __FAST_MATH__
@@ -21,5 +22,9 @@ namespace condyle {
 /// Column of three scalars.
 template <class Scalar>
 using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
+
+/// Array of `n`; an int, as its indices are.
+template <class T, int n>
+using Array = T[static_cast<std::size_t>(n)];
 
 }  // namespace condyle

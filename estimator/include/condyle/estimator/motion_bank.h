@@ -56,7 +56,7 @@ class MotionBank {
  public:
   /// Most members.
   static constexpr int kMostMembers = 11;
-  using Position = Scalar[kAxes];
+  using Position = Array<Scalar, kAxes>;
   using Step = FilteredStep<Scalar, kAxes>;
 
   /// `parameters` must be valid. With adaptation off there is a member per axis, for its R and q.
@@ -143,8 +143,8 @@ class MotionBank {
     const Scalar kept = std::max(Scalar(1) - T / memory_s_, kLeastKept);
     n_ = std::max(n_ * kept, kFirstSamples - 1) + Scalar(1);
     const Scalar gain = Scalar(1) / n_;
-    Scalar score[kMostMembers][kAxes];
-    Scalar best_score[kAxes];
+    Array<Array<Scalar, kAxes>, kMostMembers> score;
+    Array<Scalar, kAxes> best_score;
     for (Scalar& best : best_score) best = -std::numeric_limits<Scalar>::infinity();
     for (int i = 0; i < member_count_; ++i) {
       Member& member = members_[i];
@@ -254,7 +254,7 @@ class MotionBank {
 
  private:
   // Members of the adaptive bank: log10 r = 6.5, 7, ..., 11.5.
-  static constexpr double kRatios[kMostMembers] = {
+  static constexpr Array<double, kMostMembers> kRatios = {
       3.1622776601683795e6, 1e7,  3.1622776601683795e7,  1e8,  3.1622776601683795e8, 1e9,
       3.1622776601683795e9, 1e10, 3.1622776601683795e10, 1e11, 3.1622776601683795e11};
   static constexpr Scalar kFirstSamples = 5;         // samples that the first guess counts as
@@ -266,8 +266,8 @@ class MotionBank {
   struct Member {
     Scalar r{};
     Scalar mean_log_S{};
-    Scalar R[kAxes] = {};
-    Scalar weight[kAxes] = {};
+    Array<Scalar, kAxes> R = {};
+    Array<Scalar, kAxes> weight = {};
     Step step;
   };
 
@@ -293,7 +293,7 @@ class MotionBank {
   Scalar largest_share_;
   int member_count_;
   Scalar n_ = kFirstSamples;
-  Member members_[kMostMembers];
+  Array<Member, kMostMembers> members_;
 };
 
 }  // namespace condyle

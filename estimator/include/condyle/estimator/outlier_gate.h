@@ -28,7 +28,7 @@ class OutlierGate {
   explicit OutlierGate(const OutlierParameters& parameters)
       : huber_sd_(static_cast<Scalar>(parameters.huber_sd)),
         gate_sd_(static_cast<Scalar>(parameters.gate_sd)),
-        reset_after_(static_cast<int>(parameters.reset_after)) {}
+        reset_after_(static_cast<Scalar>(parameters.reset_after)) {}
 
   /// Judges a sample of squared deviation `deviation_squared`, no unit. NaN is rejected.
   Acceptance<Scalar> judge(Scalar deviation_squared) {
@@ -42,7 +42,7 @@ class OutlierGate {
     } else {
       ++rejections_;
       acceptance.weight = 0;
-      acceptance.restart = rejections_ >= reset_after_;
+      acceptance.restart = static_cast<Scalar>(rejections_) >= reset_after_;
       acceptance.events.add(Event::outlier_rejected);
     }
     return acceptance;
@@ -55,8 +55,7 @@ class OutlierGate {
   void restart() { rejections_ = 0; }
 
  private:
-  Scalar huber_sd_, gate_sd_;
-  int reset_after_;
+  Scalar huber_sd_, gate_sd_, reset_after_;
   int rejections_ = 0;
 };
 

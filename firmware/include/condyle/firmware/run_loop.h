@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loop from a facebow through an estimator to a sink. Replay, measurement box and bare metal
-// run this one. No heap, no exceptions; the clock is given.
+// The loop from a facebow through a virtual sensor to a sink. Replay, measurement box and bare
+// metal run this one. No heap, no exceptions; the clock is given.
+//
+// A virtual sensor has `Estimate` with `events`; `process(sample, events)`, an estimate per sample;
+// and `drain(estimate)`, after the last sample, which gives those that waited for later ones.
 #pragma once
 
 #include "condyle/estimator/events.h"
@@ -10,9 +13,9 @@
 
 namespace condyle::firmware {
 
-/// What the loop follows and expects.
+/// What the loop expects.
 struct RunSettings {
-  FollowedCoordinate followed;
+  FollowedCoordinate followed;       ///< the point whose zeros are looked for
   TimeNs nominal_step_ns = 0;        ///< for finding gaps; 0 finds none
   bool expects_drive = false;        ///< a sample without drive force is an event
   TimeNs patience_ns = 100'000'000;  ///< longest wait for a sample before looking at `should_stop`
@@ -26,55 +29,41 @@ struct RunCounts {
   EventCounts events;
 };
 
-/// One sample through `estimator`: its estimate with the sample's events added. A sample whose time
-/// runs backwards is kept from the estimator; one without a usable position lets it predict only.
-template <class Estimator>
-typename Estimator::Estimate process_sample(const Sample& sample, EventSet sample_events,
-                                            FollowedCoordinate followed, Estimator& estimator) {
-  using Scalar = decltype(Estimator::Estimate::kNone);
-  typename Estimator::Estimate estimate;
-  if (!sample_events.has(Event::time_reversed)) {
-    const bool usable = sample.position_valid && !sample_events.has(Event::zero_filled) &&
-                        is_available(sample.kind, followed);
-    estimate = usable ? estimator.step(static_cast<Scalar>(followed_position_m(sample, followed)))
-                      : estimator.step_without_measurement();
-    estimate.events.add(Event::position_missing, !is_available(sample.kind, followed));
-  }
-  estimate.events.add(sample_events);
-  return estimate;
-}
-
-/// Reads `facebow` (which is open, on `clock`) and gives each sample with its estimate to
-/// `sink(sample, estimate)`, until the facebow ends or `should_stop()`. Returns why it stopped:
-/// `ok` where it was told to, else the facebow's last status. Timeouts and bad reports are counted.
-template <class Estimator, class Sink, class Predicate>
-hal::Status run(hal::Facebow& facebow, hal::Clock& clock, Estimator& estimator,
+/// Reads `facebow` (which is open, on `clock`) and gives each sample with the estimate it led to,
+/// to `sink(sample, estimate)`, until the facebow ends or `should_stop()`; then, with the last
+/// sample, the estimates that waited. Returns why it stopped: `ok` where it was told to, else the
+/// facebow's last status. Timeouts and bad reports are counted.
+template <class Sensor, class Sink, class Predicate>
+hal::Status run(hal::Facebow& facebow, hal::Clock& clock, Sensor& sensor,
                 const RunSettings& settings, RunCounts& counts, Sink&& sink,
                 Predicate&& should_stop) {
   SampleChecker checker(settings.nominal_step_ns, settings.expects_drive, settings.followed);
+  Sample sample;
+  hal::Status status = hal::Status::ok;
   while (!should_stop()) {
-    Sample sample;
-    const hal::Status status = facebow.read(clock.now_ns() + settings.patience_ns, sample);
-    switch (status) {
-      case hal::Status::ok: {
-        ++counts.samples;
-        const auto estimate =
-            process_sample(sample, checker.check(sample), settings.followed, estimator);
-        counts.events.add(estimate.events);
-        sink(sample, estimate);
-        break;
-      }
-      case hal::Status::timeout:
-        ++counts.timeouts;
-        break;
-      case hal::Status::bad_report:
-        ++counts.bad_reports;
-        break;
-      default:
-        return status;
+    Sample next;
+    status = facebow.read(clock.now_ns() + settings.patience_ns, next);
+    if (status == hal::Status::ok) {
+      sample = next;
+      ++counts.samples;
+      const auto estimate = sensor.process(sample, checker.check(sample));
+      counts.events.add(estimate.events);
+      sink(sample, estimate);
+    } else if (status == hal::Status::timeout) {
+      ++counts.timeouts;
+    } else if (status == hal::Status::bad_report) {
+      ++counts.bad_reports;
+    } else {
+      break;
     }
+    status = hal::Status::ok;
   }
-  return hal::Status::ok;
+  typename Sensor::Estimate waiting;
+  while (sensor.drain(waiting)) {
+    counts.events.add(waiting.events);
+    sink(sample, waiting);
+  }
+  return status;
 }
 
 }  // namespace condyle::firmware

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "estimate_row.h"
+
+#include <algorithm>
+
+namespace condyle::host {
+
+EstimateRow row_of(const Sample& sample, FollowedCoordinate followed,
+                   const PublishedEstimate<double>& estimate) {
+  EstimateRow row;
+  if (sample.time_valid) row.time_ns = sample.time_ns;
+  if (sample.position_valid && is_available(sample.kind, followed)) {
+    row.measured_position_m = followed_position_m(sample, followed);
+  }
+  row.position_m = estimate.position_m;
+  row.velocity_m_s = estimate.velocity_m_s;
+  row.force_N = estimate.force_N;
+  row.friction_Ns_m = estimate.friction_Ns_m;
+  row.mass_kg = estimate.mass_kg;
+  row.innovation_m = estimate.innovation_m;
+  row.motion_nis = estimate.motion_nis;
+  row.friction_nis = estimate.friction_nis;
+  row.mass_nis = estimate.mass_nis;
+  row.events = estimate.events;
+  row.verdict = estimate.verdict;
+  return row;
+}
+
+EstimateRow row_of(const RecommendedEstimate<double>& estimate, Axis followed) {
+  EstimateRow row;
+  if (estimate.time_valid) row.time_ns = estimate.time_ns;
+  row.axis_count = estimate.axis_count;
+  std::copy(std::begin(estimate.axes), std::end(estimate.axes), std::begin(row.axes));
+  const AxisEstimate<double>& axis = row.followed =
+      estimate.axes[estimate.axis_count == 3 ? static_cast<int>(followed) : 0];
+  row.measured_position_m = axis.measured_position_m;
+  row.position_m = axis.position_m;
+  row.velocity_m_s = axis.velocity_m_s;
+  row.force_N = axis.force_N;
+  row.innovation_m = axis.innovation_m;
+  const double standardised = axis.innovation_m / axis.innovation_sd_m;
+  row.motion_nis = standardised * standardised;
+  row.events = estimate.events;
+  return row;
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// One row of estimates, whichever estimator it is from.
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "condyle/estimator/published_cascade.h"
+#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/sample.h"
+
+namespace condyle::host {
+
+/// What one sample led to. NaN and `not_computed` where there is no value.
+struct EstimateRow {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  std::optional<TimeNs> time_ns;
+  double measured_position_m = kNone;  ///< of the followed coordinate
+  Quantity<double> position_m, velocity_m_s, force_N, friction_Ns_m, mass_kg;
+  double innovation_m = kNone;
+  double motion_nis = kNone, friction_nis = kNone, mass_nis = kNone;
+  EventSet events;
+  Verdict verdict = Verdict::not_matched;  ///< published cascade only
+  // Recommended estimator only:
+  int axis_count = 0;             ///< 1 or 3
+  AxisEstimate<double> followed;  ///< the axis whose values lead
+  AxisEstimate<double> axes[3];   ///< all of them, x, y, z
+};
+
+/// The published cascade's row for `sample`.
+EstimateRow row_of(const Sample& sample, FollowedCoordinate followed,
+                   const PublishedEstimate<double>& estimate);
+
+/// The recommended estimator's row, `followed` being the axis whose values lead.
+EstimateRow row_of(const RecommendedEstimate<double>& estimate, Axis followed);
+
+}  // namespace condyle::host
