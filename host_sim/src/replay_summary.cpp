@@ -174,8 +174,13 @@ std::string PublishedSummary::warning() const {
 
 void RecommendedSummary::add(const EstimateRow& row) {
   ReplaySummary::add(row);
-  for (int axis = 0; axis < row.axis_count; ++axis) {
-    monitors_[axis].add(row.axes[axis].innovation_m / row.axes[axis].innovation_sd_m);
+  const double step_s =
+      last_step_ns_ ? seconds(*last_step_ns_) : std::numeric_limits<double>::quiet_NaN();
+  const bool is_rejected = row.events.has(Event::outlier_rejected);
+  for (int i = 0; i < row.axis_count; ++i) {
+    const AxisEstimate<double>& axis = row.axes[i];
+    monitors_[i].add(is_rejected ? EstimateRow::kNone : axis.innovation_m / axis.innovation_sd_m,
+                     axis.measured_position_m, step_s);
   }
 }
 
@@ -215,40 +220,55 @@ std::string RecommendedSummary::text() const {
                            return s.last_.axes[axis].jerk_density_m2_s5;
                          }) + (adaptive ? " m^2/s^5 at the end, estimated" : " m^2/s^5, given"));
   add_line(text, "innovation", fmt::format("{:.4g} mm rms", innovation_rms_m() * 1e3));
-  const auto monitor = [](const RecommendedSummary& s, int axis) { return s.monitors_[axis]; };
-  static_cast<void>(monitor);
   add_line(text, "mean NIS", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {
                                return s.monitors_[axis].mean_nis();
-                             }) + " (1 if the noise is as stated)");
+                             }) + " of the samples not rejected (1 if the noise is as stated)");
   add_line(text, "whiteness",
-           "correlation of neighbouring innovations " +
-               per_axis("{:.2f}", [](const RecommendedSummary& s,
-                                     int axis) { return s.monitors_[axis].correlation(); }) +
-               " (0 if the noise is white)");
+           per_axis("{:.2f}", [](const RecommendedSummary& s, int axis) {
+             return s.monitors_[axis].innovation_correlation();
+           }) + " correlation of neighbouring innovations (0 if the model holds)");
+  add_line(text, "noise floor",
+           per_axis("{:.2f}", [](const RecommendedSummary& s, int axis) {
+             return s.monitors_[axis].noise_correlation();
+           }) + " correlation of neighbouring sixth differences (-0.86 if the noise is white)");
   const InnovationMonitor<double>& followed = monitors_[followed_index()];
   text += distrust_text(followed.mean_nis());
-  text += last_values_text(is_trusted(followed.mean_nis()) && !followed.looks_smoothed());
+  text += last_values_text(is_trusted(followed.mean_nis()) && !followed.is_correlated() &&
+                           !followed.is_smoothed());
   text +=
       "Friction and mass are not computed: position alone does not determine them. What the "
       "published cascade shows for\nthem (--estimator published) is decided by its tuning.\n";
   return text;
 }
 
-std::string RecommendedSummary::warning() const {
+std::string RecommendedSummary::axes_where(bool (InnovationMonitor<double>::*is)() const) const {
   std::string axes;
   for (int axis = 0; axis < axis_count(); ++axis) {
-    if (!monitors_[axis].looks_smoothed()) continue;
-    if (axis_count() == 3)
-      axes += fmt::format(" {}", "xyz"[axis]);
-    else
-      axes += " position";
+    if (!(monitors_[axis].*is)()) continue;
+    if (!axes.empty()) axes += ", ";
+    axes += axis_count() == 3 ? std::string(1, "xyz"[axis]) : "the axis";
   }
-  if (axes.empty()) return {};
-  return fmt::format(
-      "neighbouring innovations are correlated (along{}): the positions were probably smoothed "
-      "before they were recorded, the noise is then not white, and the intervals are not to be "
-      "relied on",
-      axes);
+  return axes;
+}
+
+std::string RecommendedSummary::warning() const {
+  const std::string smoothed = axes_where(&InnovationMonitor<double>::is_smoothed);
+  const std::string correlated = axes_where(&InnovationMonitor<double>::is_correlated);
+  if (smoothed.empty() && correlated.empty()) return {};
+  std::string words;
+  if (!smoothed.empty()) {
+    words += fmt::format(
+        "the positions ({}) have no white noise left: they were smoothed before "
+        "they were recorded",
+        smoothed);
+  }
+  if (!correlated.empty()) {
+    words += fmt::format(
+        "{}neighbouring innovations ({}) are correlated, as smoothed positions "
+        "make them",
+        smoothed.empty() ? "" : "; ", correlated);
+  }
+  return words + "; the filter takes noise for white, so its intervals are not to be relied on";
 }
 
 }  // namespace condyle::host

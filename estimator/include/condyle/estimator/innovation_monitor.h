@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Is the filter consistent? Mean NIS and correlation of its innovations along one axis.
+// Is the filter consistent, and is the noise white? For one axis of a run.
 //
 //   e     innovation / its predicted standard deviation; white with variance 1 if the model holds
 //   NIS   e^2; its mean is 1 if the stated variances are right
-//   rho   correlation of consecutive e, each limited to +-3 so that glitches do not decide it
+//   rho   correlation of consecutive e, each limited to +-3 so that glitches do not decide it;
+//         0 +- 1/sqrt(n) if the model holds
+//   c     correlation of consecutive sixth differences of the measured positions. They cancel a
+//   slow
+//         motion and leave the noise: white noise gives -6/7 whatever its size (differences of
+//         order k: -k/(k+1)); noise that was smoothed before it came gives more.
 //
-// White noise through a filter of the right model gives rho = 0 +- 1/sqrt(n). Where the maker
-// smooths the positions, neighbours share their noise and rho is positive; a white R is then wrong
-// and so are the intervals. Jaw motion is not quite white jerk: on unsmoothed simulated chewing
-// |rho| stays below 0.17 (tests/consistency), on smoothed real recordings it is 0.27 to 0.47.
-// Smoothing over many samples at a low rate looks like a quiet instrument and cannot be told from
-// one.
+// A maker who smooths makes neighbours share their noise: a white R is then wrong, and so are the
+// intervals. An adaptive filter hides part of that from rho, so c is looked at as well.
 #pragma once
 
 #include <algorithm>
@@ -19,53 +20,129 @@
 
 namespace condyle {
 
-/// Watches the innovations of one axis. Constant memory; beyond kMemory samples old ones fade.
+/// Mean of numbers and correlation of neighbours, all limited. Beyond kMemory numbers old ones
+/// fade.
 template <class Scalar>
-class InnovationMonitor {
+class NeighbourCorrelation {
  public:
-  /// Correlation from which on the noise is said not to be white.
-  static constexpr Scalar kSmoothedCorrelation = Scalar(0.25);
-  /// Fewest samples for that; 0.25 is then 3.5 standard deviations of chance.
-  static constexpr Scalar kFewestSamples = 200;
-
-  /// Adds a standardised innovation, no unit; NaN where there was none.
-  void add(Scalar standardised) {
-    if (!std::isfinite(standardised)) {
+  /// Adds the next number; NaN breaks the chain.
+  void add(Scalar value) {
+    if (!std::isfinite(value)) {
       has_previous_ = false;
       return;
     }
-    const Scalar limited = std::clamp(standardised, Scalar(-3), Scalar(3));
     count_ = std::min(count_ + Scalar(1), kMemory);
-    nis_ += (standardised * standardised - nis_) / count_;
-    limited_variance_ += (limited * limited - limited_variance_) / count_;
+    variance_ += (value * value - variance_) / count_;
     if (has_previous_) {
-      pair_count_ = std::min(pair_count_ + Scalar(1), kMemory);
-      covariance_ += (limited * previous_ - covariance_) / pair_count_;
+      pairs_ = std::min(pairs_ + Scalar(1), kMemory);
+      covariance_ += (value * previous_ - covariance_) / pairs_;
     }
-    previous_ = limited;
+    previous_ = value;
     has_previous_ = true;
   }
-
-  /// Number of innovations, at most kMemory.
-  Scalar count() const { return count_; }
-  /// Mean NIS; 0 before the first.
-  Scalar mean_nis() const { return nis_; }
-  /// Lag-1 correlation rho; 0 where nothing varies.
-  Scalar correlation() const {
-    return limited_variance_ > Scalar(0) ? covariance_ / limited_variance_ : Scalar(0);
-  }
-  /// True where the innovations say that the positions were smoothed before they came.
-  bool looks_smoothed() const {
-    return pair_count_ >= kFewestSamples && correlation() > kSmoothedCorrelation;
-  }
+  /// Pairs of neighbours, at most kMemory.
+  Scalar pairs() const { return pairs_; }
+  /// Root mean square of the numbers.
+  Scalar rms() const { return std::sqrt(variance_); }
+  /// Correlation of neighbours, -1 to 1; 0 where nothing varies.
+  Scalar value() const { return variance_ > Scalar(0) ? covariance_ / variance_ : Scalar(0); }
 
  private:
   static constexpr Scalar kMemory = 100'000;
 
-  Scalar count_ = 0, pair_count_ = 0;
-  Scalar nis_ = 0, limited_variance_ = 0, covariance_ = 0;
-  Scalar previous_ = 0;
+  Scalar count_ = 0, pairs_ = 0, variance_ = 0, covariance_ = 0, previous_ = 0;
   bool has_previous_ = false;
+};
+
+/// Correlation of neighbouring sixth differences. The steps between positions must be even to 10 %;
+/// where they are not, it starts a new chain.
+template <class Scalar>
+class NoiseColour {
+ public:
+  /// Adds a position measured `step_s` after the one before; NaN breaks the chain.
+  void add(Scalar position_m, Scalar step_s) {
+    const bool even = step_s > Scalar(0.9) * step_s_ && step_s < Scalar(1.1) * step_s_;
+    step_s_ = step_s;
+    if (!even || !std::isfinite(position_m)) {
+      order_ = 0;
+      correlation_.add(std::numeric_limits<Scalar>::quiet_NaN());
+    }
+    if (!std::isfinite(position_m)) return;
+    // difference[k] of this position from the differences of the one before
+    Scalar difference = position_m;
+    for (int k = 0; k <= order_; ++k) {
+      const Scalar before = differences_[k];
+      differences_[k] = difference;
+      difference -= before;
+    }
+    if (order_ == kOrder) correlation_.add(limited(differences_[kOrder]));
+    order_ = std::min(order_ + 1, kOrder);
+  }
+
+  /// Number of pairs compared.
+  Scalar pairs() const { return correlation_.pairs(); }
+  /// Correlation c.
+  Scalar value() const { return correlation_.value(); }
+
+ private:
+  static constexpr int kOrder = 6;
+
+  // A glitch counts no more than three times what is usual.
+  Scalar limited(Scalar difference) const {
+    const Scalar limit = Scalar(3) * correlation_.rms();
+    return correlation_.pairs() < Scalar(kOrder) ? difference
+                                                 : std::clamp(difference, -limit, limit);
+  }
+
+  Array<Scalar, kOrder + 1> differences_ = {};
+  int order_ = 0;  // highest difference that this position will have, at most kOrder
+  Scalar step_s_ = 0;
+  NeighbourCorrelation<Scalar> correlation_;
+};
+
+/// Watches the innovations and positions of one axis. Constant memory.
+template <class Scalar>
+class InnovationMonitor {
+ public:
+  /// Fewest pairs that anything is said from.
+  static constexpr Scalar kFewestPairs = 200;
+  /// Innovations are said to be correlated from this rho on, if it is also four standard deviations
+  /// of chance. On unsmoothed simulated chewing |rho| stays below 0.07.
+  static constexpr Scalar kCorrelated = Scalar(0.1);
+  /// Positions are said to be smoothed from this c on; -6/7 = -0.857 is white.
+  static constexpr Scalar kSmoothed = Scalar(-0.80);
+
+  /// Adds what one sample said: the standardised innovation, no unit, and the measured position,
+  /// `step_s` after the one before; NaN where there was none.
+  void add(Scalar standardised, Scalar position_m, Scalar step_s) {
+    noise_.add(position_m, step_s);
+    innovation_.add(std::clamp(standardised, Scalar(-3), Scalar(3)));
+    if (!std::isfinite(standardised)) return;
+    count_ = std::min(count_ + Scalar(1), kMemory);
+    nis_ += (standardised * standardised - nis_) / count_;
+  }
+
+  /// Mean NIS; 0 before the first.
+  Scalar mean_nis() const { return nis_; }
+  /// rho.
+  Scalar innovation_correlation() const { return innovation_.value(); }
+  /// c; -6/7 if the noise is white.
+  Scalar noise_correlation() const { return noise_.value(); }
+  /// True where neighbouring innovations are correlated: the stated intervals do not hold.
+  bool is_correlated() const {
+    const Scalar rho = innovation_.value();
+    return innovation_.pairs() >= kFewestPairs && rho > kCorrelated &&
+           rho * rho * innovation_.pairs() > Scalar(16);
+  }
+  /// True where no white noise is left in the positions.
+  bool is_smoothed() const { return noise_.pairs() >= kFewestPairs && noise_.value() > kSmoothed; }
+
+ private:
+  static constexpr Scalar kMemory = 100'000;
+
+  NeighbourCorrelation<Scalar> innovation_;
+  NoiseColour<Scalar> noise_;
+  Scalar count_ = 0, nis_ = 0;
 };
 
 }  // namespace condyle

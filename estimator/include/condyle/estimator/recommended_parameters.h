@@ -15,10 +15,10 @@ enum class Adaptation { off, on };
 /// `rotation_sd_rad` are first guesses and `jerk_density_m2_s5` is not used.
 struct NoiseParameters {
   Adaptation adaptation = Adaptation::on;
-  double position_sd_m = 1e-4;          ///< noise of a measured position (m)
+  double position_sd_m = 5e-5;          ///< noise of a measured position (m)
   double rotation_sd_rad = 2e-3;        ///< noise of the jaw's orientation, from three points (rad)
   double jerk_density_m2_s5 = 10;       ///< spectral density of the jerk (m^2/s^5)
-  double memory_s = 10;                 ///< time over which noise is averaged (s)
+  double memory_s = 5;                  ///< time over which noise is averaged (s)
   double lowest_position_sd_m = 1e-6;   ///< floor of the estimated noise (m)
   double highest_position_sd_m = 5e-3;  ///< ceiling of the estimated noise (m)
 };
