@@ -26,9 +26,9 @@ struct Figure {
 };
 
 constexpr Figure kFigures[] = {
-    {"position", "position (mm)", "estimated position", &FigureRun::position_m,
+    {"position", "position (mm)", "position", &FigureRun::position_m,
      &FigureRun::measured_position_m, "measured position", 1000},
-    {"velocity", "velocity (mm/s)", "estimated velocity", &FigureRun::velocity_m_s,
+    {"velocity", "velocity (mm/s)", "velocity", &FigureRun::velocity_m_s,
      &FigureRun::differentiated_velocity_m_s, "differentiated position", 1000},
     {"force", "net force (N)", "assumed mass x acceleration", &FigureRun::force_N, nullptr, "", 1},
     {"friction", "friction (Ns/m)", "friction", &FigureRun::friction_Ns_m, nullptr, "", 1},
@@ -169,7 +169,8 @@ std::vector<std::unique_ptr<OutputFile>> draw_figures(const std::string& directo
                                                       const FigureData& data) {
   Gnuplot gnuplot(directory);
   gnuplot.send(
-      "set key outside bottom center maxrows 3 Left reverse samplen 3\nset xlabel 'time (s)'\n"
+      "set key outside bottom center maxrows 4 Left reverse samplen 2 font ',9'\nset xlabel 'time "
+      "(s)'\n"
       "set y2range [0:1]\nset ytics nomirror\n" +
       time_range_command(data));
   for (const Figure& figure : kFigures) {

@@ -147,6 +147,15 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
   RecommendedParameters parameters;
   if (!options.parameters.empty()) parameters = load_recommended_parameters(options.parameters);
   settings.nominal_step_ns = facebow.median_step_ns().value_or(0);
+  const double longest_gap_s = parameters.outliers.longest_gap_s;
+  if (seconds(settings.nominal_step_ns) > longest_gap_s) {
+    throw InputError(
+        options.recording,
+        fmt::format("its median step of {:.4g} s is longer than longest_gap_s = {:.4g}, "
+                    "so that no sample would say anything of its neighbours",
+                    seconds(settings.nominal_step_ns), longest_gap_s),
+        "check the unit of time_s, or raise longest_gap_s with --parameters");
+  }
   RecommendedSensor<double, kAxes> sensor(parameters, options.lag, options.followed.point);
   RecommendedSummary summary(parameters, options.lag, options.followed.axis);
   return replay_through(

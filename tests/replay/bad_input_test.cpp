@@ -104,13 +104,14 @@ TEST_F(BadInput, ALineOfAGigabyteInBoundedMemory) {
 }
 
 TEST_F(BadInput, ParametersWithAnUnknownKey) {
-  expect_refused(good(), {"p.toml:1:1: unknown key 'sampletime'", "keys here are sample_time_s"},
-                 {"--parameters", folder_.write("p.toml", "sampletime = 1\n")});
+  expect_refused(
+      good(), {"p.toml:1:1: unknown key 'sampletime'", "keys here are sample_time_s"},
+      {"--estimator", "published", "--parameters", folder_.write("p.toml", "sampletime = 1\n")});
 }
 TEST_F(BadInput, NegativeVariance) {
-  expect_refused(
-      good(), {"p.toml:2:25: measurement_variance = -1e-08 is out of range", "give "},
-      {"--parameters", folder_.write("p.toml", "[motion]\nmeasurement_variance = [-1e-8]\n")});
+  expect_refused(good(), {"p.toml:2:25: measurement_variance = -1e-08 is out of range", "give "},
+                 {"--estimator", "published", "--parameters",
+                  folder_.write("p.toml", "[motion]\nmeasurement_variance = [-1e-8]\n")});
 }
 
 TEST_F(BadInput, UnreadableFiles) {
@@ -170,8 +171,11 @@ TEST_F(BadInput, FiguresWithoutGnuplot) {
 }
 
 TEST_F(BadInput, NoUsableSampleTime) {
-  expect_refused(csv("0,1\n0,1\n"), {"no time passes between its samples", "sample_time_s"});
-  expect_refused(csv("0,1\n100,1\n"), {"median step of 100 s is no usable sample time"});
+  expect_refused(csv("0,1\n0,1\n"), {"no time passes between its samples", "sample_time_s"},
+                 {"--estimator", "published"});
+  expect_refused(csv("0,1\n100,1\n"), {"median step of 100 s is no usable sample time"},
+                 {"--estimator", "published"});
+  expect_refused(csv("0,1\n100,1\n"), {"median step of 100 s is longer than longest_gap_s"});
 }
 
 TEST_F(BadInput, CommandLine) {

@@ -45,8 +45,8 @@ TEST(ShippedRecording, IsWhatItsProgramMakes) {
 TEST(Replay, OfTheShippedRecordingLeavesEverything) {
   const TemporaryFolder folder;
   const std::string out = folder / "estimates.csv", figures = folder / "figures";
-  const CommandResult result =
-      run_condyle({"replay", kShipped, "--out", out, "--figures", figures});
+  const CommandResult result = run_condyle(
+      {"replay", kShipped, "--estimator", "published", "--out", out, "--figures", figures});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.errors, testing::IsEmpty());
   for (const char* words :
@@ -82,8 +82,8 @@ TEST(Replay, OfTheShippedRecordingLeavesEverything) {
 TEST(Replay, TwiceGivesTheSameBytes) {
   const TemporaryFolder folder;
   for (const char* run : {"1", "2"}) {
-    ASSERT_EQ(run_condyle({"replay", kShipped, "--out", folder / (std::string(run) + ".csv"),
-                           "--figures", folder / run})
+    ASSERT_EQ(run_condyle({"replay", kShipped, "--estimator", "published", "--out",
+                           folder / (std::string(run) + ".csv"), "--figures", folder / run})
                   .exit_code,
               0);
   }
@@ -100,8 +100,8 @@ TEST(Replay, CountsFaultsAsEvents) {
                                              "time_s,position_m\r\n0,0.001\r\n0.02,nan\r\n0.04,"
                                              "\r\n0.06,0.001\r\n0.05,0.5\r\n0.08,0.001\r\n"
                                              "0.08,0.001\r\n,0.001\r\n0.5,0.001\r\n");
-  const CommandResult result =
-      run_condyle({"replay", recording, "--faults", "event", "--out", folder / "e.csv"});
+  const CommandResult result = run_condyle({"replay", recording, "--estimator", "published",
+                                            "--faults", "event", "--out", folder / "e.csv"});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output,
               HasSubstr("1 time_missing, 1 time_reversed, 1 time_repeated, 1 time_gap, 2 "
@@ -122,7 +122,7 @@ TEST(Replay, ReportsEqualTimesWithoutBeingAsked) {
   const TemporaryFolder folder;
   const std::string recording =
       folder.write("r.csv", "\xef\xbb\xbftime_s,position_m\n0,1\n0.02,1\n0.02,1\n0.04,1\n");
-  const CommandResult result = run_condyle({"replay", recording});
+  const CommandResult result = run_condyle({"replay", recording, "--estimator", "published"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.output, HasSubstr("events      1 time_repeated"));
   EXPECT_THAT(result.errors, HasSubstr("warning: 1 of 3 steps"));
@@ -130,8 +130,9 @@ TEST(Replay, ReportsEqualTimesWithoutBeingAsked) {
 
 TEST(Replay, WarnsWhereTheParametersSampleTimeIsNotTheRecordings) {
   const TemporaryFolder folder;
-  const CommandResult result = run_condyle(
-      {"replay", kShipped, "--parameters", folder.write("p.toml", "sample_time_s = 0.02\n")});
+  const CommandResult result =
+      run_condyle({"replay", kShipped, "--estimator", "published", "--parameters",
+                   folder.write("p.toml", "sample_time_s = 0.02\n")});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.errors, HasSubstr("warning: 1799 of 1799 steps"));
   EXPECT_THAT(result.output, HasSubstr("sample time 0.02 s"));
@@ -140,7 +141,7 @@ TEST(Replay, WarnsWhereTheParametersSampleTimeIsNotTheRecordings) {
 TEST(Replay, SaysWhereIntervalsCannotBeTrusted) {
   const TemporaryFolder folder;
   const CommandResult result =
-      run_condyle({"replay", kShipped, "--parameters",
+      run_condyle({"replay", kShipped, "--estimator", "published", "--parameters",
                    folder.write("p.toml",
                                 "[motion]\nmeasurement_variance = [1e-10]\n"
                                 "process_variance = [1e-12, 1e-8, 1e-5]\n")});
@@ -150,7 +151,8 @@ TEST(Replay, SaysWhereIntervalsCannotBeTrusted) {
 
 TEST(Replay, AtRealTimeTakesTheRecordingsTime) {
   const TemporaryFolder folder;
-  const std::string recording = folder.write("r.csv", "time_s,position_m\n0,1\n0.3,1\n0.6,1\n");
+  const std::string recording =
+      folder.write("r.csv", "time_s,position_m\n0,1\n0.2,1\n0.4,1\n0.6,1\n");
   const auto start = std::chrono::steady_clock::now();
   const CommandResult paced =
       run_condyle({"replay", recording, "--speed", "1", "--out", folder / "1.csv"});
@@ -163,9 +165,9 @@ TEST(Replay, AtRealTimeTakesTheRecordingsTime) {
 TEST(Replay, InterruptedLeavesNothing) {
   const TemporaryFolder folder, results;
   const std::string recording = folder.write("r.csv", "time_s,position_m\n0,1\n9,1\n18,1\n");
-  const CommandResult result =
-      run_condyle({"replay", recording, "--speed", "0.01", "--out", results / "e.csv"},
-                  {.interrupt_after_s = 0.5});
+  const CommandResult result = run_condyle({"replay", recording, "--estimator", "published",
+                                            "--speed", "0.01", "--out", results / "e.csv"},
+                                           {.interrupt_after_s = 0.5});
   EXPECT_EQ(result.exit_code, 130);
   EXPECT_THAT(result.errors, HasSubstr("stopped after 1 samples; no file was left"));
   EXPECT_EQ(results.count(), 0);
@@ -187,16 +189,16 @@ TEST(Replay, ReversedRowsDoNotDistortTheSummary) {
     rows += std::to_string(i * 0.02) + ",0.001\n";
     if (i == 50) rows += "0.3,0.001\n";
   }
-  const CommandResult result =
-      run_condyle({"replay", folder.write("r.csv", "time_s,position_m\n" + rows + "0.1,0.001\n"),
-                   "--faults", "event"});
+  const CommandResult result = run_condyle(
+      {"replay", "--estimator", "published",
+       folder.write("r.csv", "time_s,position_m\n" + rows + "0.1,0.001\n"), "--faults", "event"});
   EXPECT_THAT(result.output, HasSubstr("duration    1.98 s, 102 samples"));
   EXPECT_THAT(result.output, HasSubstr("rate        50 Hz on average; steps 20 to 20 ms; 0 of 99"));
   EXPECT_THAT(result.output, HasSubstr("events      2 time_reversed\n"));
   EXPECT_THAT(result.errors, testing::IsEmpty());
-  const CommandResult reset =
-      run_condyle({"replay", folder.write("s.csv", "time_s,position_m\n100,0.001\n" + rows),
-                   "--faults", "event"});
+  const CommandResult reset = run_condyle(
+      {"replay", "--estimator", "published",
+       folder.write("s.csv", "time_s,position_m\n100,0.001\n" + rows), "--faults", "event"});
   EXPECT_THAT(reset.output, HasSubstr("3 time_reversed, 1 time_restarted\n"));
   EXPECT_THAT(reset.output, HasSubstr("duration    1.94 s"));
 }
@@ -206,9 +208,9 @@ TEST(Replay, ClaimsNothingWhereNothingIsMeasured) {
   std::string rows;
   for (int i = 0; i < 200; ++i)
     rows += std::to_string(i * 0.02) + (i < 100 ? ",0.001\n" : ",nan\n");
-  const CommandResult result =
-      run_condyle({"replay", folder.write("r.csv", "time_s,position_m\n" + rows), "--faults",
-                   "event", "--out", folder / "e.csv"});
+  const CommandResult result = run_condyle({"replay", "--estimator", "published",
+                                            folder.write("r.csv", "time_s,position_m\n" + rows),
+                                            "--faults", "event", "--out", folder / "e.csv"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.output, testing::Not(HasSubstr(", measured\n")));
   EXPECT_THAT(result.output, testing::Not(HasSubstr("derived")));
@@ -232,8 +234,9 @@ TEST(Replay, WithoutAnyValueDrawsNothing) {
 TEST(Replay, OfOneSampleIsComplete) {
   const TemporaryFolder folder;
   const CommandResult result = run_condyle(
-      {"replay", folder.write("r.csv", "time_s,position_m\n0,0.001\n"), "--parameters",
-       folder.write("p.toml", "sample_time_s = 0.02\n"), "--figures", folder / "figures"});
+      {"replay", "--estimator", "published", folder.write("r.csv", "time_s,position_m\n0,0.001\n"),
+       "--parameters", folder.write("p.toml", "sample_time_s = 0.02\n"), "--figures",
+       folder / "figures"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.errors, testing::IsEmpty());
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "figures"), {}), 10);
@@ -250,8 +253,8 @@ TEST(Replay, WritesThroughALink) {
 
 TEST(Replay, EstimatesMayGoIntoTheFiguresFolder) {
   const TemporaryFolder folder;
-  EXPECT_EQ(run_condyle({"replay", kShipped, "--out", folder / "results/e.csv", "--figures",
-                         folder / "results"})
+  EXPECT_EQ(run_condyle({"replay", kShipped, "--estimator", "published", "--out",
+                         folder / "results/e.csv", "--figures", folder / "results"})
                 .exit_code,
             0);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "results"), {}), 11);
@@ -297,8 +300,9 @@ TEST(Command, TellsItsVersionAndHelp) {
   EXPECT_THAT(run_condyle({"--version"}).output, HasSubstr("condyle 0.1.0"));
   const CommandResult help = run_condyle({"replay", "--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* option : {"--estimator", "--parameters", "--point", "--axis", "--faults",
-                             "--ignore-column", "--speed", "--out", "--figures", "--unit"}) {
+  for (const char* option :
+       {"--estimator", "--parameters", "--point", "--axis", "--faults", "--ignore-column",
+        "--speed", "--lag", "--out", "--figures", "--unit"}) {
     EXPECT_THAT(help.output, HasSubstr(option));
   }
 }

@@ -45,8 +45,8 @@ class Golden : public testing::TestWithParam<const char*> {
 TEST_P(Golden, CommandReproducesEveryValue) {
   const testing_support::TemporaryFolder folder;
   const std::string out = folder / "estimates.csv";
-  const auto result =
-      run_condyle({"replay", positions_, "--parameters", parameters_, "--out", out});
+  const auto result = run_condyle({"replay", positions_, "--estimator", "published", "--parameters",
+                                   parameters_, "--out", out});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   const Table actual = testing_support::read_table(out);
   ASSERT_EQ(actual.rows, expected_.rows);

@@ -43,8 +43,9 @@ class RealRecordings : public testing::Test {
 
 // The paper's figures 5 and 6: friction stands still, the mass climbs to the assumed one.
 TEST_F(RealRecordings, ZebrisGivesThePapersFrictionAndMassAndCallsThemAssumed) {
-  const Table table = replay({reference_data("zebris_jma/JMA_position.txt"), "--parameters",
-                              reference_data("zebris_opening_50hz.toml")});
+  const Table table =
+      replay({reference_data("zebris_jma/JMA_position.txt"), "--estimator", "published",
+              "--parameters", reference_data("zebris_opening_50hz.toml")});
   ASSERT_EQ(table.rows, 634U);
   for (const double friction : table.numbers("friction_Ns_m")) {
     EXPECT_GE(friction, 0.0219);
@@ -61,8 +62,9 @@ TEST_F(RealRecordings, ZebrisGivesThePapersFrictionAndMassAndCallsThemAssumed) {
 
 // Point 1's vertical axis of the export is what the reference vector was made from.
 TEST_F(RealRecordings, ZebrisExportIsReadAsTheVectorSays) {
-  const Table table = replay({reference_data("zebris_jma/JMA_position.txt"), "--parameters",
-                              reference_data("zebris_opening_50hz.toml")});
+  const Table table =
+      replay({reference_data("zebris_jma/JMA_position.txt"), "--estimator", "published",
+              "--parameters", reference_data("zebris_opening_50hz.toml")});
   const Table expected =
       testing_support::read_table(reference_data("zebris_opening_50hz.estimates.csv"));
   for (const char* column : {"position_m", "velocity_m_s", "force_N", "mass_kg"}) {
@@ -77,15 +79,19 @@ TEST_F(RealRecordings, ZebrisExportIsReadAsTheVectorSays) {
 
 TEST_F(RealRecordings, ZebrisPointsAndAxesDiffer) {
   const std::string path = reference_data("zebris_jma/JMA_position.txt");
-  EXPECT_NEAR(replay({path, "--point", "1", "--axis", "x"}).numbers("position_m")[0], 0.40567,
-              1e-9);
-  EXPECT_NEAR(replay({path, "--point", "3", "--axis", "y"}).numbers("position_m")[0], 0.34193,
-              1e-9);
-  EXPECT_NEAR(replay({path, "--point", "2"}).numbers("position_m")[0], 0.010911, 1e-9);
+  EXPECT_NEAR(replay({path, "--estimator", "published", "--point", "1", "--axis", "x"})
+                  .numbers("position_m")[0],
+              0.40567, 1e-9);
+  EXPECT_NEAR(replay({path, "--estimator", "published", "--point", "3", "--axis", "y"})
+                  .numbers("position_m")[0],
+              0.34193, 1e-9);
+  EXPECT_NEAR(replay({path, "--estimator", "published", "--point", "2"}).numbers("position_m")[0],
+              0.010911, 1e-9);
 }
 
 TEST_F(RealRecordings, Jaws3dsUnevenStepsAreWarnedAbout) {
-  const Table table = replay({reference_data("jaws3d/jawPosition.txt"), "--axis", "x"});
+  const Table table =
+      replay({reference_data("jaws3d/jawPosition.txt"), "--estimator", "published", "--axis", "x"});
   EXPECT_EQ(table.rows, 1017U);
   EXPECT_THAT(errors_, HasSubstr("134 of 1016 steps (14 to 15 ms) differ from the sample time"));
   EXPECT_THAT(summary_, HasSubstr("sample time 0.015 s"));
@@ -93,7 +99,7 @@ TEST_F(RealRecordings, Jaws3dsUnevenStepsAreWarnedAbout) {
 }
 
 TEST_F(RealRecordings, SsffsZeroFilledEndIsAnEvent) {
-  const Table table = replay({reference_data("ema_jaw/0020.jaw")});
+  const Table table = replay({reference_data("ema_jaw/0020.jaw"), "--estimator", "published"});
   EXPECT_EQ(table.rows, 800U);
   EXPECT_THAT(summary_, HasSubstr("40 zero_filled"));
   const auto& events = table.columns.at("events");
