@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <random>
 #include <string>
 
 namespace condyle {
@@ -184,6 +185,20 @@ TYPED_TEST(Elementary, Log) {
                            TestFixture::kNaN}) {
     EXPECT_TRUE(std::isnan(elementary::log(bad))) << bad;
   }
+}
+
+TYPED_TEST(Elementary, QuickLog) {
+  using Scalar = TypeParam;
+  std::mt19937_64 generator(7);
+  std::uniform_real_distribution<double> exponent(-37, 37);
+  const double bound = std::is_same_v<Scalar, float> ? 1e-5 : 1e-9;
+  for (int i = 0; i < 100'000; ++i) {
+    const auto x = static_cast<Scalar>(std::pow(10.0, exponent(generator)));
+    ASSERT_NEAR(static_cast<double>(elementary::quick_log(x)), std::log(static_cast<double>(x)),
+                bound)
+        << x;
+  }
+  EXPECT_EQ(elementary::quick_log(Scalar(1)), Scalar(0));
 }
 
 TYPED_TEST(Elementary, SinAndCos) {

@@ -14,6 +14,7 @@
 //   pow        exp(y log x), log and product in two parts (Dekker 1971)       1.1, 0.51
 //   phi1       Taylor for |x| <= 1, else the definition; x >= -1              1.5, 1.5
 //   phi2       the same                                                       2.5, 2.5
+//   quick_log  as log, fewer terms; for comparisons                           (see there)
 //
 // The bounds are those the tests assert against long double; measured, not proved. An ulp of a
 // result below the smallest normal number is the smallest number.
@@ -288,6 +289,28 @@ constexpr Scalar log(Scalar x) {
     const double low = s * (half + R) + k * detail::Format<double>::ln2_low;
     return k * detail::Format<double>::ln2_high - ((half - low) - f);
   }
+}
+
+/// Natural logarithm of a positive normal `x` for comparisons: absolute error below 1e-9 in double,
+/// 1e-5 in float, in a third of the time of `log`. In float it computes in float.
+template <class Scalar>
+constexpr Scalar quick_log(Scalar x) {
+  using F = detail::Format<Scalar>;
+  using Bits = typename F::Bits;
+  constexpr Bits fraction = (Bits{1} << F::fraction_bits) - 1;
+  constexpr Bits one = static_cast<Bits>(F::bias) << F::fraction_bits;
+  const Bits bits = std::bit_cast<Bits>(x);
+  int k = static_cast<int>(bits >> F::fraction_bits) - F::bias;
+  Scalar m = std::bit_cast<Scalar>((bits & fraction) | one);
+  if (m > Scalar(0x1.6a09e667f3bcdp+0)) {
+    m *= Scalar(0.5);
+    ++k;
+  }
+  // 2 atanh(s), |s| <= 0.172; the first term left out is 2 s^11 / 11 < 7e-10
+  const Scalar s = (m - Scalar(1)) / (m + Scalar(1));
+  const Scalar z = s * s;
+  const Scalar series = z * (Scalar(1) / 3 + z * (Scalar(1) / 5 + z * (Scalar(1) / 7 + z / 9)));
+  return Scalar(k) * Scalar(0x1.62e42fefa39efp-1) + (s + s) * (Scalar(1) + series);
 }
 
 /// Sine of `x` radians, |x| <= 2^20; NaN beyond.

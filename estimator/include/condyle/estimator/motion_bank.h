@@ -90,7 +90,7 @@ class MotionBank {
       for (int axis = 0; axis < kAxes; ++axis) {
         const Scalar R = noise_sd_m[axis] * noise_sd_m[axis];
         member.R[axis] = adaptive_ ? std::clamp(R, lowest_R_, highest_R_) : R;
-        member.log_R[axis] = elementary::log(member.R[axis]);
+        member.log_R[axis] = elementary::quick_log(member.R[axis]);
         member.weight[axis] = adaptive_   ? Scalar(1) / Scalar(member_count_)
                               : i == axis ? Scalar(1)
                                           : Scalar(0);
@@ -157,7 +157,7 @@ class MotionBank {
       Member& member = members_[i];
       const Scalar S = member.step.P(kPosition, kPosition) + Scalar(1);
       const Scalar inverse_S = Scalar(1) / S;
-      const Scalar log_S = elementary::log(S);
+      const Scalar log_S = elementary::quick_log(S);
       member.mean_log_S += gain * (log_S - member.mean_log_S);
       for (int axis = 0; axis < kAxes; ++axis) {
         Scalar& R = member.R[axis];
@@ -168,7 +168,7 @@ class MotionBank {
         short_score -= short_score * (Scalar(1) / kShortMemory) +
                        Scalar(0.5) * (log_R + log_S + std::min(share / R, largest_deviation_));
         R = std::clamp(R + gain * (std::min(share, largest_share_ * R) - R), lowest_R_, highest_R_);
-        log_R = elementary::log(R);
+        log_R = elementary::quick_log(R);
         long_score[i][axis] = Scalar(-0.5) * kIndependentShare * n_ * (log_R + member.mean_log_S);
       }
     }
