@@ -32,6 +32,7 @@ struct ReplayOptions {
   std::string unit;
   FollowedCoordinate followed;
   bool axis_given = false;
+  std::vector<double> jaw_point_mm;  // empty: a point of the instrument
   int lag = 0;
   double speed = 0;
   RecordingOptions reading;
@@ -58,10 +59,14 @@ PublishedParameters choose_published_parameters(const ReplayOptions& options,
 
 // Which recording, and what of it is followed.
 std::string recording_text(const ReplayOptions& options, const RecordingInfo& info) {
-  const std::string followed = info.kind == SampleKind::one_axis
-                                   ? "one axis"
-                                   : fmt::format("point {}, axis {}", options.followed.point,
-                                                 "xyz"[static_cast<int>(options.followed.axis)]);
+  const std::string point =
+      options.jaw_point_mm.empty()
+          ? fmt::format("point {}", options.followed.point)
+          : fmt::format("jaw point ({:g}) mm", fmt::join(options.jaw_point_mm, ", "));
+  const std::string followed =
+      info.kind == SampleKind::one_axis
+          ? "one axis"
+          : fmt::format("{}, axis {}", point, "xyz"[static_cast<int>(options.followed.axis)]);
   return fmt::format("{}, {}, {}", options.recording, info.format, followed);
 }
 
@@ -156,7 +161,11 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
                     seconds(settings.nominal_step_ns), longest_gap_s),
         "check the unit of time_s, or raise longest_gap_s with --parameters");
   }
-  RecommendedSensor<double, kAxes> sensor(parameters, options.lag, options.followed.point);
+  FollowedPoint followed{.point = options.followed.point, .body_point_m = {}};
+  if (!options.jaw_point_mm.empty()) {
+    followed.body_point_m = 1e-3 * Eigen::Map<const Eigen::Vector3d>(options.jaw_point_mm.data());
+  }
+  RecommendedSensor<double, kAxes> sensor(parameters, options.lag, followed);
   RecommendedSummary summary(parameters, options.lag, options.followed.axis);
   return replay_through(
       options, facebow, clock, settings, sensor, kAxes,
@@ -182,12 +191,19 @@ int replay(const ReplayOptions& options) {
     throw InputError(options.recording, "has one axis, so there is none to choose",
                      "leave out --axis");
   }
+  const bool has_pose = info.kind == SampleKind::three_points || info.kind == SampleKind::pose;
+  if (!options.jaw_point_mm.empty() && !has_pose) {
+    throw InputError(options.recording, "has no three points, so the jaw's pose is not known",
+                     "leave out --jaw-point-mm");
+  }
   firmware::RunSettings settings;
   settings.followed = options.followed;
   settings.expects_drive = info.has_drive;
   if (options.estimator == "published") {
-    if (options.lag > 0) {
-      throw InputError("--lag", "the published cascade has no lag",
+    for (const auto& [given, option] :
+         {std::pair{options.lag > 0, "--lag"}, {!options.jaw_point_mm.empty(), "--jaw-point-mm"}}) {
+      if (!given) continue;
+      throw InputError(option, "the published cascade has no such thing",
                        "leave it out, or give --estimator recommended");
     }
     return replay_published(options, facebow, clock, settings);
@@ -224,6 +240,13 @@ Command add_replay(CLI::App& app) {
   CLI::Option* const axis_option = command->add_option("--axis", *axis, "Axis to follow")
                                        ->check(CLI::IsMember({"x", "y", "z"}))
                                        ->capture_default_str();
+  command
+      ->add_option("--jaw-point-mm", options->jaw_point_mm,
+                   "X Y Z of a point fixed to the jaw, in the frame of the three points (origin "
+                   "point 1, x from point 3 to 2, z in their plane towards the middle of 2 and 3)")
+      ->expected(3)
+      ->check(number_in({-1000, 1000}))
+      ->excludes("--point");
   auto faults = std::make_shared<std::string>("refuse");
   command->add_option("--faults", *faults, "What to do with missing, non-finite and reversed rows")
       ->check(CLI::IsMember({"refuse", "event"}))

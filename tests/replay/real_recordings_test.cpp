@@ -109,5 +109,41 @@ TEST_F(RealRecordings, SsffsZeroFilledEndIsAnEvent) {
   EXPECT_EQ(table.columns.at("motion_nis").back(), "");
 }
 
+// The glitches of 3 mm near 8.9 s and the zero-filled end make no velocity.
+TEST_F(RealRecordings, GlitchesAndDropoutsMakeNoVelocity) {
+  const auto largest_speed_mm_s = [](const Table& table) {
+    double largest = 0;
+    for (const char* column : {"x_velocity_m_s", "y_velocity_m_s", "z_velocity_m_s"}) {
+      for (const double velocity : table.numbers(column)) {
+        if (std::isfinite(velocity)) largest = std::max(largest, 1e3 * std::abs(velocity));
+      }
+    }
+    return largest;
+  };
+  for (const char* lag : {"0", "3"}) {
+    const Table zebris = replay({reference_data("zebris_jma/JMA_position.txt"), "--lag", lag});
+    EXPECT_LT(largest_speed_mm_s(zebris), 150);
+    EXPECT_THAT(zebris.columns.at("events")[447], HasSubstr("outlier_rejected"));
+    EXPECT_THAT(errors_, HasSubstr("they were smoothed before they were recorded"));
+    const Table speech = replay({reference_data("ema_jaw/0020.jaw"), "--lag", lag});
+    EXPECT_LT(largest_speed_mm_s(speech), 150);
+    EXPECT_THAT(summary_, HasSubstr("40 zero_filled"));
+    EXPECT_THAT(errors_, HasSubstr("neighbouring innovations (x, y, z) are correlated"));
+  }
+}
+
+TEST_F(RealRecordings, FollowsAnyPointOfTheJaw) {
+  const std::string path = reference_data("zebris_jma/JMA_position.txt");
+  const Table point = replay({path}), same = replay({path, "--jaw-point-mm", "0", "0", "0"});
+  const auto a = point.numbers("z_position_m"), b = same.numbers("z_position_m");
+  for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 5e-5) << i;
+  EXPECT_THAT(summary_, testing::Not(HasSubstr("points_not_rigid")));
+  // Point 2 of the bite fork is at (25, 0, 30) mm in the frame of the three.
+  const Table second = replay({path, "--point", "2"}),
+              fitted = replay({path, "--jaw-point-mm", "25", "0", "30"});
+  const auto c = second.numbers("y_position_m"), d = fitted.numbers("y_position_m");
+  for (std::size_t i = 0; i < c.size(); ++i) ASSERT_NEAR(c[i], d[i], 5e-5) << i;
+}
+
 }  // namespace
 }  // namespace condyle

@@ -125,6 +125,97 @@ TEST(Recommended, TakesEachSampleForWhatItIs) {
   EXPECT_EQ(table.rows, 71U);
 }
 
+// A jaw that turns about a hinge: followed at the hinge it stands still, whatever its points do.
+class HingedJaw : public testing::Test {
+ protected:
+  // `change(i, points)` may spoil the nine coordinates (mm) of sample i.
+  template <class Change>
+  std::string write(const Change& change) {
+    std::string rows =
+        "time_s,p1_x_mm,p1_y_mm,p1_z_mm,p2_x_mm,p2_y_mm,p2_z_mm,p3_x_mm,p3_y_mm,p3_z_mm\n";
+    std::mt19937 generator(3);
+    std::normal_distribution<double> noise(0, 0.005);
+    // Points about a hinge at (0, 0, 0) mm, parallel to x; the bite fork's own frame is at point 1.
+    const double shape[3][3] = {{0, -80, -40}, {25, -80, -10}, {-25, -80, -10}};
+    for (int i = 0; i < 600; ++i) {
+      const double angle = 0.15 * (1 - std::cos(2 * M_PI * i / 60.0));
+      double points[9];
+      const double common[3] = {noise(generator), noise(generator), noise(generator)};
+      for (int k = 0; k < 3; ++k) {
+        points[3 * k] = shape[k][0] + common[0];
+        points[3 * k + 1] =
+            shape[k][1] * std::cos(angle) - shape[k][2] * std::sin(angle) + common[1];
+        points[3 * k + 2] =
+            shape[k][1] * std::sin(angle) + shape[k][2] * std::cos(angle) + common[2];
+      }
+      change(i, points);
+      rows += std::to_string(i / 60.0);
+      for (const double value : points) rows += "," + std::to_string(value);
+      rows += "\n";
+    }
+    return folder_.write("points.csv", rows);
+  }
+  Table replay(const std::string& recording, std::vector<std::string> more) {
+    more.insert(more.begin(), {"replay", recording, "--out", folder_ / "e.csv"});
+    const CommandResult result = run_condyle(more);
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    summary_ = result.output;
+    return read_table(folder_ / "e.csv");
+  }
+  static double largest(const Table& table, const char* column) {
+    double largest = 0;
+    for (const double value : table.numbers(column)) largest = std::max(largest, std::abs(value));
+    return largest;
+  }
+
+  TemporaryFolder folder_;
+  std::string summary_;
+};
+
+TEST_F(HingedJaw, StandsStillAtItsHinge) {
+  const std::string recording = write([](int, double*) {});
+  const Table fork = replay(recording, {});
+  EXPECT_GT(largest(fork, "z_velocity_m_s"), 0.07);
+  // In the jaw frame x is left-right, z from point 1 to the middle of 2 and 3, y = z cross x.
+  const Table hinge = replay(recording, {"--jaw-point-mm", "0", "80", "40"});
+  EXPECT_THAT(summary_, HasSubstr("jaw point (0, 80, 40) mm"));
+  for (const char* axis : {"x", "y", "z"}) {
+    const auto position = hinge.numbers(std::string(axis) + "_position_m");
+    const auto velocity = hinge.numbers(std::string(axis) + "_velocity_m_s");
+    for (std::size_t i = 60; i < position.size(); ++i) {
+      ASSERT_LT(std::abs(position[i]), 5e-5) << axis << i;
+      ASSERT_LT(std::abs(velocity[i]), 5e-3) << axis << i;
+    }
+  }
+  const Table same = replay(recording, {"--jaw-point-mm", "0", "0", "0"});
+  for (const char* column : {"x_position_m", "y_velocity_m_s", "z_velocity_m_s"}) {
+    const auto a = fork.numbers(column), b = same.numbers(column);
+    for (std::size_t i = 60; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 5e-4) << column << i;
+  }
+}
+
+TEST_F(HingedJaw, SaysWhereItIsNotRigidOrFrozen) {
+  double frozen[9];
+  const std::string recording = write([&](int i, double* points) {
+    if (i == 200) points[3] += 20;  // point 2 jumps along the line between 2 and 3
+    if (i == 300) std::copy(points, points + 9, frozen);
+    if (i > 300 && i < 360) std::copy(frozen, frozen + 9, points);
+  });
+  const Table table = replay(recording, {"--jaw-point-mm", "0", "80", "40"});
+  EXPECT_THAT(summary_, HasSubstr("1 points_not_rigid"));
+  EXPECT_THAT(table.columns.at("events")[200], HasSubstr("points_not_rigid"));
+  EXPECT_EQ(table.columns.at("position_provenance")[200], "derived");
+  const auto& events = table.columns.at("events");
+  for (std::size_t i = 310; i < 360; ++i) EXPECT_THAT(events[i], HasSubstr("position_frozen")) << i;
+  EXPECT_THAT(events[359], HasSubstr("state_lost"));
+  EXPECT_EQ(table.columns.at("position_m")[359], "") << "after 0.25 s nothing is known";
+  EXPECT_THAT(events[360], HasSubstr("state_restarted"));
+  EXPECT_THAT(events[360], testing::Not(HasSubstr("frozen")));
+  for (const double velocity : table.numbers("velocity_m_s")) {
+    ASSERT_FALSE(std::abs(velocity) > 0.02);
+  }
+}
+
 // Noise that was smoothed before it was recorded is said; white noise is not.
 TEST(Recommended, SaysWhereTheMakerSmoothed) {
   const TemporaryFolder folder;
@@ -164,7 +255,11 @@ TEST(Recommended, RefusesWhatIsNotItsOwn) {
     return std::vector<std::string>{"--parameters", folder.write("p.toml", text)};
   };
   expect_refused({"--lag", "17"}, "--lag");
-  expect_refused({"--lag", "2", "--estimator", "published"}, "the published cascade has no lag");
+  expect_refused({"--jaw-point-mm", "1", "2", "3"}, "has no three points");
+  expect_refused({"--jaw-point-mm", "1", "2"}, "--jaw-point-mm");
+  expect_refused({"--jaw-point-mm", "1", "nan", "3"}, "--jaw-point-mm");
+  expect_refused({"--lag", "2", "--estimator", "published"},
+                 "--lag: the published cascade has no such thing");
   expect_refused(parameters("sample_time_s = 0.02\n"),
                  "p.toml:1:17: belongs to the published estimator's parameters; give --estimator");
   expect_refused(parameters("[motion]\n"), "belongs to the published estimator's parameters");

@@ -2,6 +2,8 @@
 // The recommended estimator as a virtual sensor: fed with a facebow's samples.
 #pragma once
 
+#include "condyle/estimator/frozen_detector.h"
+#include "condyle/estimator/point_follower.h"
 #include "condyle/estimator/recommended_estimator.h"
 #include "condyle/estimator/sample.h"
 
@@ -15,35 +17,29 @@ class RecommendedSensor {
   using Estimator = RecommendedEstimator<Scalar, kAxes, kMostLag>;
   using Estimate = typename Estimator::Estimate;
 
-  /// Parameters and lag as for RecommendedEstimator; `point` of three_points is followed.
-  explicit RecommendedSensor(const RecommendedParameters& parameters, int lag = 0, int point = 1)
-      : point_(point), estimator_(parameters, lag) {}
+  /// Parameters and lag as for RecommendedEstimator; `followed` is not used for one_axis.
+  explicit RecommendedSensor(const RecommendedParameters& parameters, int lag = 0,
+                             const FollowedPoint& followed = {})
+      : noise_(parameters.noise), follower_(followed), estimator_(parameters, lag) {}
 
   /// The estimate that is ready after `sample`, which is that of `lag` samples ago. A sample
   /// without a time, or whose time runs backwards, is passed on without values; so is one that only
-  /// repeats the last.
+  /// repeats the last. Without a usable position the estimator predicts.
   Estimate process(const Sample& sample, EventSet sample_events) {
-    typename Estimator::Measurement measurement;
+    Measurement measurement;
     measurement.time_ns = sample.time_ns;
     measurement.events = sample_events;
     if (!sample.time_valid || sample_events.has(Event::time_reversed)) {
       return estimator_.skip(measurement, sample.time_valid);
     }
     if (sample_events.has(Event::time_restarted)) estimator_.restart_clock();
-    measurement.is_measured = is_available(sample.kind, {point_, Axis::x}) &&
-                              (kAxes == 3) == (sample.kind != SampleKind::one_axis);
-    measurement.events.add(Event::position_missing, !measurement.is_measured);
-    measurement.is_measured =
-        measurement.is_measured && sample.position_valid && !sample_events.has(Event::zero_filled);
-    if (measurement.is_measured) {
-      for (int axis = 0; axis < kAxes; ++axis) {
-        measurement.position_m[axis] =
-            static_cast<Scalar>(followed_position_m(sample, {point_, static_cast<Axis>(axis)}));
-      }
-    }
-    // One measurement told twice is one measurement.
-    if (sample_events.has(Event::time_repeated) && is_last(measurement)) {
-      return estimator_.skip(measurement, true);
+    locate(sample, measurement);
+    if (sample_events.has(Event::time_repeated)) {
+      // One measurement told twice is one measurement.
+      if (is_last(measurement)) return estimator_.skip(measurement, true);
+    } else if (frozen_.add(sample)) {
+      measurement.events.add(Event::position_frozen);
+      measurement.is_measured = false;
     }
     last_ = measurement;
     return estimator_.step(measurement);
@@ -55,15 +51,54 @@ class RecommendedSensor {
   const Estimator& estimator() const { return estimator_; }
 
  private:
-  bool is_last(const typename Estimator::Measurement& measurement) const {
+  using Measurement = typename Estimator::Measurement;
+
+  // Finds the followed position in `sample`, or says why it is not there.
+  void locate(const Sample& sample, Measurement& measurement) {
+    if (!sample.position_valid || measurement.events.has(Event::zero_filled)) return;
+    if constexpr (kAxes == 1) {
+      measurement.is_measured = sample.kind == SampleKind::one_axis;
+      measurement.position_m[0] = static_cast<Scalar>(sample.coordinates[0]);
+    } else {
+      const FollowedPosition found = follower_.follow(sample);
+      measurement.is_measured = found.status == PoseStatus::ok;
+      for (int axis = 0; axis < kAxes; ++axis) {
+        measurement.position_m[axis] = static_cast<Scalar>(found.position_m[axis]);
+      }
+      if (measurement.is_measured && !has_noise_) set_noise(found.lever_m);
+      measurement.events.add(Event::points_not_rigid,
+                             found.status == PoseStatus::degenerate ||
+                                 found.status == PoseStatus::not_rigid ||
+                                 found.status == PoseStatus::not_a_rotation);
+      measurement.events.add(Event::position_missing, found.status == PoseStatus::unavailable ||
+                                                          found.status == PoseStatus::missing);
+    }
+    measurement.events.add(Event::position_missing,
+                           kAxes == 1 && sample.kind != SampleKind::one_axis);
+  }
+
+  // Noise of the point as the jaw is at the first sample; the lever turns with it, by little.
+  void set_noise(const Eigen::Vector3d& lever_m) {
+    const Eigen::Vector3d sd_m =
+        point_noise_sd_m(noise_.position_sd_m, noise_.rotation_sd_rad, lever_m);
+    Array<Scalar, kAxes> noise_sd_m;
+    for (int axis = 0; axis < kAxes; ++axis) noise_sd_m[axis] = static_cast<Scalar>(sd_m[axis]);
+    estimator_.set_noise(noise_sd_m);
+    has_noise_ = true;
+  }
+
+  bool is_last(const Measurement& measurement) const {
     for (int axis = 0; axis < kAxes; ++axis) {
       if (measurement.position_m[axis] != last_.position_m[axis]) return false;
     }
     return measurement.is_measured && last_.is_measured;
   }
 
-  int point_;
-  typename Estimator::Measurement last_;
+  NoiseParameters noise_;
+  PointFollower follower_;
+  FrozenDetector frozen_;
+  bool has_noise_ = false;
+  Measurement last_;
   Estimator estimator_;
 };
 
