@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints a simulated recording and its truth, every digit: the same text on every machine. Built
-// for this machine and for others, and compared.
+// Prints a simulated recording, its truth and its estimates, every digit: the same on every
+// machine. Built for this machine and for others, and compared.
 #include <cstdio>
 
 #include "condyle/estimator/published_cascade.h"
+#include "condyle/estimator/recommended_sensor.h"
 #include "number_text.h"
 #include "simulation/recording_writer.h"
 
@@ -20,6 +21,9 @@ void print_run(const Scenario& scenario) {
   PublishedParameters parameters;
   parameters.sample_time_s = 1 / scenario.facebow.rate_Hz;
   PublishedCascade<double> cascade(parameters);
+  RecommendedSensor<double, 3> recommended(RecommendedParameters{}, 3);
+  RecommendedSensor<float, 3> in_float(RecommendedParameters{});
+  SampleChecker checker(nanoseconds(parameters.sample_time_s));
   SimulatedData data;
   while (simulation.advance(data)) {
     for (const Sample& sample : data.samples) {
@@ -29,6 +33,13 @@ void print_run(const Scenario& scenario) {
       append_number(row, estimate.friction_Ns_m.value);
       row += ' ';
       append_number(row, estimate.mass_kg.value);
+      const EventSet events = checker.check(sample);
+      for (const double value :
+           {recommended.process(sample, events).axes[2].velocity_m_s.value,
+            static_cast<double>(in_float.process(sample, events).axes[1].velocity_m_s.value)}) {
+        row += ' ';
+        append_number(row, value);
+      }
       print(row + '\n');
     }
     for (const SubjectTruth& truth : data.truths) print(writer.truth_row(truth));

@@ -10,5 +10,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!condyle::is_valid(condyle::host::load_parameters(file.path()).values)) std::abort();
   } catch (const condyle::host::InputError&) {
   }
+  try {
+    if (!condyle::is_valid(condyle::host::load_recommended_parameters(file.path()))) std::abort();
+  } catch (const condyle::host::InputError&) {
+  }
   return 0;
 }

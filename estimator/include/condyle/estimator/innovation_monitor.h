@@ -109,8 +109,11 @@ class InnovationMonitor {
   /// Innovations are said to be correlated from this rho on, if it is also four standard deviations
   /// of chance. On unsmoothed simulated chewing |rho| stays below 0.07.
   static constexpr Scalar kCorrelated = Scalar(0.1);
-  /// Positions are said to be smoothed from this c on; -6/7 = -0.857 is white.
-  static constexpr Scalar kSmoothed = Scalar(-0.80);
+  /// Correlation of neighbouring sixth differences of white noise.
+  static constexpr Scalar kWhite = Scalar(-6) / Scalar(7);
+  /// Positions are said to be smoothed where c is above kWhite by this much, if that is also five
+  /// standard deviations of chance, which for n pairs is 0.32/sqrt(n) (measured).
+  static constexpr Scalar kSmoothed = Scalar(0.057);
 
   /// Adds what one sample said: the standardised innovation, no unit, and the measured position,
   /// `step_s` after the one before; NaN where there was none.
@@ -135,7 +138,11 @@ class InnovationMonitor {
            rho * rho * innovation_.pairs() > Scalar(16);
   }
   /// True where no white noise is left in the positions.
-  bool is_smoothed() const { return noise_.pairs() >= kFewestPairs && noise_.value() > kSmoothed; }
+  bool is_smoothed() const {
+    const Scalar above = noise_.value() - kWhite;
+    return noise_.pairs() >= kFewestPairs && above > kSmoothed &&
+           above * above * noise_.pairs() > Scalar(2.56);
+  }
 
  private:
   static constexpr Scalar kMemory = 100'000;
