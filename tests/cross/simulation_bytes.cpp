@@ -21,7 +21,9 @@ void print_run(const Scenario& scenario) {
   PublishedParameters parameters;
   parameters.sample_time_s = 1 / scenario.facebow.rate_Hz;
   PublishedCascade<double> cascade(parameters);
-  RecommendedSensor<double, 3> recommended(RecommendedParameters{}, 3);
+  FollowedPoint condyle_point;
+  if (scenario.facebow.gives_points) condyle_point.body_point_m = Eigen::Vector3d(0.05, 0.03, 0.09);
+  RecommendedSensor<double, 3> recommended(RecommendedParameters{}, 3, condyle_point);
   RecommendedSensor<float, 3> in_float(RecommendedParameters{});
   SampleChecker checker(nanoseconds(parameters.sample_time_s));
   SimulatedData data;
