@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pose of the jaw, from three points or as a device gives it, and any point fixed to the jaw.
+//
+//   b_i   point i in the jaw frame, p_i the same point in the instrument's frame (m)
+//   R, t  the pose: a point b of the jaw is at R b + t
+//   fit   the R, t with det R = +1 that minimise sum |R b_i + t - p_i|^2, by the singular values of
+//         the points' covariance: Arun, Huang, Blostein 1987 (doi 10.1109/TPAMI.1987.4767965); with
+//         the sign that keeps R a rotation, also of coplanar points, as three always are: Umeyama
+//         1991 (doi 10.1109/34.88573), here Eigen::umeyama
+//
+// The jaw frame follows from the three points alone, whatever the pose of the first sample:
+//   origin  point 1
+//   x       along point 3 -> point 2 (left-right)
+//   z       in the points' plane, perpendicular to x, towards the midpoint of points 2 and 3
+//   y       z cross x, so that x cross y = z: right-handed
+// A bite fork with points at (0, 0, 0), (25, 0, 30), (-25, 0, 30) mm has just these coordinates.
+//
+// The three points of a bite fork are virtual points of one rigid body that the device has fitted.
+// Their noise is one noise of six degrees of freedom, not nine: averaging them gains nothing, and
+// the fit returns each point with the error it came with.
+//
+// Three points tell of a broken rigidity only through their three distances. A point that jumps out
+// of the points' plane hardly changes these: the pose follows it unnoticed.
+//
+// All in double, as coordinates arrive; an estimator in float casts the position it follows.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "condyle/estimator/arithmetic.h"
+
+namespace condyle {
+
+/// Smallest height of a triangle of points that makes a body: with less, 0.1 mm of noise turns the
+/// jaw by more than a degree.
+inline constexpr double kSmallestHeight_m = 5e-3;
+/// Root mean square residual of a fit beyond which the points have not kept their distances.
+inline constexpr double kRigidTolerance_m = 2e-3;
+/// A quaternion's norm may differ from 1 by this much: digits lost in printing.
+inline constexpr double kUnitNormTolerance = 1e-3;
+
+/// Why a pose or a position is there or is not.
+enum class PoseStatus : std::uint8_t {
+  ok,
+  unavailable,     ///< samples of this kind do not have it
+  missing,         ///< a coordinate is not there, NaN or infinite
+  degenerate,      ///< the points coincide or lie on a line
+  not_rigid,       ///< the points have not kept their distances: one has jumped
+  not_a_rotation,  ///< the quaternion's norm is not 1
+};
+
+/// Where the jaw is in the instrument's frame.
+struct Pose {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< jaw frame -> instrument's frame
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();   ///< of the jaw frame's origin (m)
+};
+
+/// A pose and how it came about.
+struct PoseFit {
+  Pose pose;                  ///< usable where `status` is ok
+  double residual_rms_m = 0;  ///< over the three points; 0 where no points were fitted
+  PoseStatus status = PoseStatus::ok;
+};
+
+/// Where the point `body_point_m` of the jaw frame is in the instrument's frame, metres.
+inline Eigen::Vector3d point_of(const Pose& pose, const Eigen::Vector3d& body_point_m) {
+  return pose.rotation * body_point_m + pose.translation;
+}
+
+/// The pose at `position_m` with the unit quaternion w, x, y, z, which is normalised. Status:
+/// missing where a number is not finite; not_a_rotation where the norm differs from 1 by more than
+/// kUnitNormTolerance.
+inline PoseFit pose_from_quaternion(const Eigen::Vector3d& position_m,
+                                    const Eigen::Vector4d& quaternion_wxyz) {
+  PoseFit result;
+  if (!position_m.allFinite() || !quaternion_wxyz.allFinite()) {
+    result.status = PoseStatus::missing;
+    return result;
+  }
+  const double norm = quaternion_wxyz.norm();
+  if (!(std::abs(norm - 1) <= kUnitNormTolerance)) {
+    result.status = PoseStatus::not_a_rotation;
+    return result;
+  }
+  const Eigen::Vector4d q = quaternion_wxyz / norm;
+  result.pose = {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix(), position_m};
+  return result;
+}
+
+/// Smallest height of the triangle whose corners are the columns of `points_m`: 0 for points on a
+/// line, NaN where the numbers are not finite or too large to multiply. Metres.
+inline double smallest_height_m(const Eigen::Matrix3d& points_m) {
+  const Eigen::Vector3d a = points_m.col(1) - points_m.col(0);
+  const Eigen::Vector3d b = points_m.col(2) - points_m.col(0);
+  const double longest_m = std::max({a.norm(), b.norm(), (b - a).norm()});
+  if (longest_m == 0) return 0;
+  return a.cross(b).norm() / longest_m;  // twice the area over the longest side
+}
+
+/// Three points that keep their distances.
+class RigidBody {
+ public:
+  /// `shape_m`: its columns are the three points in the jaw frame, or in any other frame fixed to
+  /// the jaw, which then takes its place. Metres. See `status` for a shape that makes no body.
+  explicit RigidBody(const Eigen::Matrix3d& shape_m)
+      : shape_m_(shape_m), status_(judge(shape_m, kSmallestHeight_m)) {}
+
+  /// The body whose points one sample found at the columns of `points_m` (instrument's frame,
+  /// metres), in the jaw frame. See `status` for points that make no body.
+  static RigidBody from_points(const Eigen::Matrix3d& points_m) {
+    const Eigen::Vector3d x = (points_m.col(1) - points_m.col(2)).normalized();
+    const Eigen::Vector3d to_middle = 0.5 * (points_m.col(1) + points_m.col(2)) - points_m.col(0);
+    const Eigen::Vector3d z = (to_middle - x * x.dot(to_middle)).normalized();
+    RigidBody body(points_m);
+    if (body.status_ != PoseStatus::ok) return body;
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d from_first = points_m.col(i) - points_m.col(0);
+      body.shape_m_.col(i) << x.dot(from_first), 0, z.dot(from_first);  // y is 0 in their plane
+    }
+    return body;
+  }
+
+  /// ok; missing where a coordinate of the shape is not finite; degenerate where its smallest
+  /// height is below kSmallestHeight_m.
+  PoseStatus status() const { return status_; }
+
+  /// The three points in the jaw frame, one a column, metres. Usable where `status` is ok.
+  const Eigen::Matrix3d& shape_m() const { return shape_m_; }
+
+  /// The pose that brings the body's points closest to the columns of `points_m` (instrument's
+  /// frame, metres). Status: the body's own where that is not ok; missing where a coordinate is not
+  /// finite; degenerate where the points are nearly on a line; not_rigid where the residual exceeds
+  /// `tolerance_m`.
+  PoseFit fit(const Eigen::Matrix3d& points_m, double tolerance_m = kRigidTolerance_m) const {
+    PoseFit result;
+    result.status = status_;
+    if (result.status != PoseStatus::ok) return result;
+    // Half: noise does not make an accepted shape degenerate.
+    result.status = judge(points_m, kSmallestHeight_m / 2);
+    if (result.status != PoseStatus::ok) return result;
+    const Eigen::Matrix4d moved = Eigen::umeyama(shape_m_, points_m, false);
+    result.pose = {moved.topLeftCorner<3, 3>(), moved.topRightCorner<3, 1>()};
+    double sum_m2 = 0;
+    for (int i = 0; i < 3; ++i) {
+      sum_m2 += (point_of(result.pose, shape_m_.col(i)) - points_m.col(i)).squaredNorm();
+    }
+    result.residual_rms_m = std::sqrt(sum_m2 / 3);
+    if (!(result.residual_rms_m <= tolerance_m)) result.status = PoseStatus::not_rigid;
+    return result;
+  }
+
+ private:
+  static PoseStatus judge(const Eigen::Matrix3d& points_m, double smallest_m) {
+    if (!points_m.allFinite()) return PoseStatus::missing;
+    const double height_m = smallest_height_m(points_m);
+    if (!(height_m >= smallest_m) || !std::isfinite(height_m)) return PoseStatus::degenerate;
+    return PoseStatus::ok;
+  }
+
+  Eigen::Matrix3d shape_m_;
+  PoseStatus status_;
+};
+
+/// Standard deviation, axis by axis (m), of a point that is `lever_m` away from the point that the
+/// instrument measures best; `lever_m` in the instrument's frame, as the jaw is now.
+/// `position_sd_m` is that point's along each axis, `rotation_sd_rad` the orientation's about each
+/// axis, all six independent. To first order a small rotation e moves the point by e x r:
+///   e x r = (e_y r_z - e_z r_y, e_z r_x - e_x r_z, e_x r_y - e_y r_x)
+///   var_i = position_sd^2 + rotation_sd^2 (|r|^2 - r_i^2)
+inline Eigen::Vector3d point_noise_sd_m(double position_sd_m, double rotation_sd_rad,
+                                        const Eigen::Vector3d& lever_m) {
+  Eigen::Vector3d sd_m;
+  for (int i = 0; i < 3; ++i) {
+    const double a_m = lever_m[(i + 1) % 3], b_m = lever_m[(i + 2) % 3];
+    sd_m[i] = std::sqrt(position_sd_m * position_sd_m +
+                        rotation_sd_rad * rotation_sd_rad * (a_m * a_m + b_m * b_m));
+  }
+  return sd_m;
+}
+
+}  // namespace condyle
