@@ -8,7 +8,9 @@
 #include <cstdlib>
 #include <memory>
 
+#include "condyle/estimator/frozen_detector.h"
 #include "condyle/estimator/observability.h"
+#include "condyle/estimator/point_follower.h"
 #include "condyle/estimator/published_sensor.h"
 #include "condyle/firmware/run_loop.h"
 
@@ -121,6 +123,26 @@ TEST_F(Allocation, ObservabilityHasNone) {
       judge_observability(observability_matrix<FullSystem>(OperatingPoint<double>{}));
   EXPECT_EQ(allocation_count(), before);
   EXPECT_EQ(result.rank, 4);
+}
+
+TEST_F(Allocation, FollowingAPointAndNoticingAFreezeHaveNone) {
+  Sample sample;
+  sample.kind = SampleKind::three_points;
+  sample.coordinates[3] = 0.025;
+  sample.coordinates[6] = -0.025;
+  sample.coordinates[5] = sample.coordinates[8] = 0.03;
+  const long before = allocation_count();
+  PointFollower follower(FollowedPoint{1, Eigen::Vector3d(0, 0, 0.1)});
+  FrozenDetector detector;
+  int frozen = 0;
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(follower.follow(sample).status, PoseStatus::ok);
+    frozen += detector.add(sample) ? 1 : 0;
+  }
+  sample.coordinates[5] = 1;
+  EXPECT_EQ(follower.follow(sample).status, PoseStatus::not_rigid);
+  EXPECT_EQ(allocation_count(), before);
+  EXPECT_EQ(frozen, 80);
 }
 
 }  // namespace

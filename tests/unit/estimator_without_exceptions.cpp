@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compiled with -fno-exceptions -fno-rtti: everything a target without an operating system uses.
+#include "condyle/estimator/frozen_detector.h"
 #include "condyle/estimator/observability.h"
+#include "condyle/estimator/point_follower.h"
 #include "condyle/estimator/published_sensor.h"
 #include "condyle/firmware/run_loop.h"
 
@@ -11,6 +13,11 @@ namespace condyle {
 Observability<float> judge(const OperatingPoint<float>& point);
 Observability<float> judge(const OperatingPoint<float>& point) {
   return judge_observability(observability_matrix<FullSystem>(point));
+}
+FollowedPosition follow(PointFollower& follower, FrozenDetector& detector, const Sample& sample);
+FollowedPosition follow(PointFollower& follower, FrozenDetector& detector, const Sample& sample) {
+  if (detector.add(sample)) return {.status = PoseStatus::missing};
+  return follower.follow(sample);
 }
 void run_through(hal::Facebow& facebow, hal::Clock& clock, PublishedSensor<float>& sensor);
 void run_through(hal::Facebow& facebow, hal::Clock& clock, PublishedSensor<float>& sensor) {

@@ -3,25 +3,33 @@
 //
 //   repeat  a sample whose coordinates are the last sample's, bit for bit
 //   r       length of the present run of repeats
-//   f       probability of a repeat while the device lives
+//   f       probability of a repeat after a repeat while the device lives
 //
-// A living device also repeats itself, where it rounds and the jaw rests. Were its repeats
-// independent of each other, a run of r would have the probability f^r; a repeat is frozen once
+// A living device also repeats itself, where it rounds and the jaw rests. A repeat is frozen once
+// its run is too improbable for a living device:
 //   max(f, 0.01)^r < 1e-6,    f as it was when the run began:
-// the fourth repeat of a noisy signal, the twentieth where every second sample is a repeat.
-// f is the mean over the last 500 samples or so (exponential memory); it starts from 1/2 with the
-// weight of four samples. Frozen repeats are not the living device's, so only the first 100 of a
-// run teach f. They must teach: repeats are not independent, a jaw rests after it has moved, and a
-// rest that looks frozen to the f of the motion would look so for ever.
+// the fourth repeat of a noisy signal, the twentieth where every second sample at rest is a repeat.
+//
+//   f = (10 g + a) / (10 + n)
+//   n, a    samples after a repeat, and those of them that were repeats
+//   g       share of repeats among the samples after a change: what f is without evidence
+// f is that of the rest, where repeats are at home; motion, which has none, does not dilute it.
+// All are forgotten exponentially over 500 changes; g starts from 1/2 with the weight of four
+// samples. Of a run, the repeats that are not frozen teach, and the first ten in any case: a rest
+// longer than those before looks frozen, and would for ever if it taught nothing.
 //
 // What follows from that, and its limits:
 // - Rest after motion, with a change every n samples: each run is called frozen from the fourth
-//   repeat or later, until f has grown. The last such run of n = 10, 30, 100, 1000 begins 130, 510,
-//   1000, 16000 samples into the rest.
-// - Coordinates that do not change at all at rest (rounding coarser than the noise) cannot be told
-//   from a frozen device: they are called frozen until they change.
-// - A freeze teaches too: one of 100 repeats or more leaves f at 0.18, and the next is noticed at
-//   the ninth repeat, until that f is forgotten (half of it in 350 samples).
+//   repeat or later, until f has grown. The last such run of n = 10, 30, 100, 1000 begins 0, 30,
+//   300, 7000 samples into the rest.
+// - Chewing and resting in turn, rounded to 10 um, 60 Hz and 200 Hz, share of the rest called
+//   frozen: 0.02 % with noise of 3 um, 0.8 % and 0.2 % with 2 um, 15 % and 10 % with 1 um.
+// - Coordinates that do not change at all at rest cannot be told from a frozen device. They are
+//   called frozen, until such rests have taught an f that hides freezes as long as they are.
+// - What f has learned from rest delays the notice of a freeze: rounded to 10 um with noise of 3 um
+//   to the 8th to 45th repeat.
+// - A freeze teaches too: the next one is noticed at the 18th repeat right after it, at the 7th
+//   after 1000 changes, at the fourth after 2000. Ten of them 300 changes apart take it beyond 100.
 // - In the first seconds, before f has been learned, a freeze is noticed at the twentieth repeat.
 // - A freeze of fewer repeats than these is not noticed.
 #pragma once
@@ -55,12 +63,12 @@ class FrozenDetector {
     if (is_comparable && std::equal(coordinates.begin(), coordinates.end(), last_, same_bits)) {
       return add_repeat();
     }
-    if (is_comparable) learn(0);
+    if (is_comparable) learn_from_run();
     std::copy(coordinates.begin(), coordinates.end(), last_);
     count_ = is_finite ? coordinates.size() : 0;
-    run_ = 0;
+    teaching_ = 0;
     run_probability_ = 1;
-    run_rate_ = std::max(rate_, kSmallestRate);
+    run_rate_ = std::max(repeat_rate(), kSmallestRate);
     return false;
   }
 
@@ -70,14 +78,18 @@ class FrozenDetector {
         std::span(sample.coordinates, sample.position_valid ? coordinate_count(sample.kind) : 0));
   }
 
-  /// f, the share of repeats that has been learned.
-  double repeat_rate() const { return rate_; }
+  /// f, as it has been learned so far; from 0 to 1.
+  double repeat_rate() const {
+    return (kPriorWeight * rate_after_change_ + repeated_after_repeat_) /
+           (kPriorWeight + after_repeat_);
+  }
 
  private:
   static constexpr std::size_t kMost = 9;
-  static constexpr double kMemory_samples = 500;
+  static constexpr double kMemory = 500;
+  static constexpr double kPriorWeight = 10;
   static constexpr double kSmallestRate = 0.01;
-  static constexpr int kTaughtRepeats = 100;
+  static constexpr int kTaughtRepeats = 10;
 
   // Not ==: a change from 0 to -0 is a sign of life.
   static bool same_bits(double a, double b) {
@@ -85,22 +97,32 @@ class FrozenDetector {
   }
 
   bool add_repeat() {
+    if (teaching_ == 0) learn_after_change(1);
     run_probability_ *= run_rate_;
     const bool is_frozen = run_probability_ < kFrozenProbability;
-    run_ = std::min(run_ + 1, kTaughtRepeats + 1);
-    if (!is_frozen || run_ <= kTaughtRepeats) learn(1);
+    if (!is_frozen || teaching_ < kTaughtRepeats) ++teaching_;
     return is_frozen;
   }
 
-  void learn(double repeated) {
-    weight_ = std::min(weight_ + 1, kMemory_samples);
-    rate_ += (repeated - rate_) / weight_;
+  void learn_after_change(double repeated) {
+    weight_ = std::min(weight_ + 1, kMemory);
+    rate_after_change_ += (repeated - rate_after_change_) / weight_;
   }
 
-  double rate_ = 0.5, weight_ = 4;
+  // At the end of a run, which may be empty.
+  void learn_from_run() {
+    if (teaching_ == 0) learn_after_change(0);
+    after_repeat_ += teaching_;
+    repeated_after_repeat_ += std::max(teaching_ - 1, 0);
+    after_repeat_ *= 1 - 1 / kMemory;
+    repeated_after_repeat_ *= 1 - 1 / kMemory;
+  }
+
+  double rate_after_change_ = 0.5, weight_ = 4;          // g
+  double after_repeat_ = 0, repeated_after_repeat_ = 0;  // n, a
   double last_[kMost] = {};
   std::size_t count_ = 0;  // 0: there is nothing to compare with
-  int run_ = 0;            // counted only as far as it matters
+  int teaching_ = 0;       // repeats of the present run that teach
   double run_probability_ = 1, run_rate_ = 0.5;
 };
 
