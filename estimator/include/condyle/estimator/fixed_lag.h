@@ -28,8 +28,8 @@ struct FilteredStep {
   SymmetricMatrix3<Scalar> P;                   ///< covariance, units of R
   Vector3<Scalar> K = Vector3<Scalar>::Zero();  ///< 0 where nothing was measured
   Scalar inverse_S = 0;                         ///< 0 where nothing was measured
-  Vector3<Scalar> x[kAxes];                     ///< m, m/s, m/s^2
-  Scalar innovation_m[kAxes] = {};              ///< nu
+  Vector3<Scalar> x[std::size_t{kAxes}];                     ///< m, m/s, m/s^2
+  Scalar innovation_m[std::size_t{kAxes}] = {};              ///< nu
 
   FilteredStep() {
     for (Vector3<Scalar>& state : x) state.setZero();
@@ -98,7 +98,7 @@ class LaterEvidence {
             A(0, 2) * x[0] + A(1, 2) * x[1] + A(2, 2) * x[2]};
   }
 
-  Vector3<Scalar> l_[kAxes];
+  Vector3<Scalar> l_[std::size_t{kAxes}];
   SymmetricMatrix3<Scalar> L_;
 };
 

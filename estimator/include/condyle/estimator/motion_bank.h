@@ -56,7 +56,7 @@ class MotionBank {
  public:
   /// Most members.
   static constexpr int kMostMembers = 11;
-  using Position = Scalar[kAxes];
+  using Position = Scalar[std::size_t{kAxes}];
   using Step = FilteredStep<Scalar, kAxes>;
 
   /// `parameters` must be valid. With adaptation off there is a member per axis, for its R and q.
@@ -143,8 +143,8 @@ class MotionBank {
     const Scalar kept = std::max(Scalar(1) - T / memory_s_, kLeastKept);
     n_ = std::max(n_ * kept, kFirstSamples - 1) + Scalar(1);
     const Scalar gain = Scalar(1) / n_;
-    Scalar score[kMostMembers][kAxes];
-    Scalar best_score[kAxes];
+    Scalar score[std::size_t{kMostMembers}][std::size_t{kAxes}];
+    Scalar best_score[std::size_t{kAxes}];
     for (Scalar& best : best_score) best = -std::numeric_limits<Scalar>::infinity();
     for (int i = 0; i < member_count_; ++i) {
       Member& member = members_[i];
@@ -266,8 +266,8 @@ class MotionBank {
   struct Member {
     Scalar r{};
     Scalar mean_log_S{};
-    Scalar R[kAxes] = {};
-    Scalar weight[kAxes] = {};
+    Scalar R[std::size_t{kAxes}] = {};
+    Scalar weight[std::size_t{kAxes}] = {};
     Step step;
   };
 

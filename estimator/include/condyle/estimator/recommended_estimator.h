@@ -58,7 +58,7 @@ template <class Scalar, int kAxes>
 struct TimedPosition {
   TimeNs time_ns = 0;
   bool is_measured = false;  ///< false: the position is missing and the filter only predicts
-  Scalar position_m[kAxes] = {};
+  Scalar position_m[std::size_t{kAxes}] = {};
   EventSet events;  ///< what was unusual about the sample; passed on
 };
 
@@ -87,7 +87,7 @@ class RecommendedEstimator {
 
   /// Noise of the instrument along each axis (m): that of the parameters unless set before the
   /// first measurement. With adaptation on it is a first guess.
-  void set_noise(const Scalar (&noise_sd_m)[kAxes]) {
+  void set_noise(const Scalar (&noise_sd_m)[std::size_t{kAxes}]) {
     for (int axis = 0; axis < kAxes; ++axis) noise_sd_m_[axis] = noise_sd_m[axis];
   }
 
@@ -166,9 +166,9 @@ class RecommendedEstimator {
     bool is_restart = false;   // nothing connects it with what was before
     bool has_state = false;
     EventSet events;
-    Scalar position_m[kAxes] = {};
-    Scalar innovation_m[kAxes] = {};
-    Scalar innovation_variance_m2[kAxes] = {};
+    Scalar position_m[std::size_t{kAxes}] = {};
+    Scalar innovation_m[std::size_t{kAxes}] = {};
+    Scalar innovation_variance_m2[std::size_t{kAxes}] = {};
     TransitionJacobian<Scalar> F;  // from the sample before
     typename Bank::Step members[kMostLag > 0 ? Bank::kMostMembers : 1];
   };
@@ -269,7 +269,7 @@ class RecommendedEstimator {
     estimate.events = instant.events;
     if (instant.is_measured) describe_measurement(instant, estimate);
     if (!instant.has_state) return estimate;
-    MotionMoments<Scalar> smoothed[Bank::kMostMembers][kAxes];
+    MotionMoments<Scalar> smoothed[Bank::kMostMembers][std::size_t{kAxes}];
     if (back > 0) smooth(back, smoothed);
     for (int axis = 0; axis < kAxes; ++axis) {
       describe_state(back == 0 ? bank_.moments(axis)
@@ -282,7 +282,7 @@ class RecommendedEstimator {
     return estimate;
   }
 
-  void smooth(int back, MotionMoments<Scalar> (&smoothed)[Bank::kMostMembers][kAxes]) {
+  void smooth(int back, MotionMoments<Scalar> (&smoothed)[Bank::kMostMembers][std::size_t{kAxes}]) {
     for (int i = 0; i < bank_.member_count(); ++i) {
       if (!bank_.is_plausible(i)) continue;
       LaterEvidence<Scalar, kAxes> evidence;
@@ -362,7 +362,7 @@ class RecommendedEstimator {
   bool parameters_valid_;
   Bank bank_;
   OutlierGate<Scalar> gate_;
-  Scalar noise_sd_m_[kAxes];
+  Scalar noise_sd_m_[std::size_t{kAxes}];
   bool has_time_ = false;       // a sample's time is known,
   TimeNs time_ns_ = 0;          // the last one's
   TimeNs taken_ns_ = 0;         // of the last sample that was used
@@ -370,7 +370,7 @@ class RecommendedEstimator {
   bool started_ = false;        // there is a state,
   bool is_lost_ = false;        // or there was one
   int newest_ = 0, waiting_ = 0;
-  Instant instants_[kInstants];
+  Instant instants_[std::size_t{kInstants}];
 };
 
 }  // namespace condyle
