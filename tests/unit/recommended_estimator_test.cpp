@@ -200,6 +200,15 @@ TEST(RecommendedEstimator, ASetClockStartsTheMotionAnewAndKeepsTheNoise) {
   EXPECT_EQ(estimator.bank().noise_variance_m2(0), noise_variance);
 }
 
+// Its times then mean something else, even where they go on as if nothing had happened.
+TEST(RecommendedEstimator, ASetClockStartsTheMotionAnewWhereverItIsSet) {
+  Estimator estimator = after_swing(200);
+  estimator.restart_clock();
+  const auto estimate = estimator.step(at(200 * kStep_ns, swing_m(200 * kStep_ns)));
+  EXPECT_TRUE(estimate.events.has(Event::state_restarted));
+  EXPECT_EQ(estimate.axes[0].velocity_m_s.value, 0);
+}
+
 TEST(RecommendedEstimator, ASkippedSampleLeavesTheState) {
   Estimator estimator = after_swing(50), without = after_swing(50);
   const auto estimate = estimator.skip(at(-1, kNaN), false);
