@@ -285,9 +285,9 @@ void expect_survival(const RecommendedParameters& parameters,
   const int lag = *rc::gen::element(0, 0, 1, 3, 16);
   RecommendedEstimator<Scalar, kAxes> estimator(parameters, lag);
   TimeNs time_ns = *rc::gen::element<TimeNs>(0, INT64_MIN, INT64_MAX - 10'000'000'000);
-  const auto steps = *rc::gen::container<std::vector<TimeNs>>(80, any_step_ns());
-  const auto positions =
-      *rc::gen::container<std::vector<Scalar>>(80 * kAxes, any_position_m<Scalar>());
+  const auto steps = *rc::gen::noShrink(rc::gen::container<std::vector<TimeNs>>(80, any_step_ns()));
+  const auto positions = *rc::gen::noShrink(
+      rc::gen::container<std::vector<Scalar>>(80 * kAxes, any_position_m<Scalar>()));
   std::size_t next = 0;
   for (const TimeNs step_ns : steps) {
     // Wraps around, as a clock does.
