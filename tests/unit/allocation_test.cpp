@@ -12,6 +12,7 @@
 #include "condyle/estimator/observability.h"
 #include "condyle/estimator/point_follower.h"
 #include "condyle/estimator/published_sensor.h"
+#include "condyle/estimator/recommended_estimator.h"
 #include "condyle/firmware/run_loop.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -115,6 +116,40 @@ TEST_F(Allocation, RunOfTheCascadeHasNoneInDouble) {
 }
 TEST_F(Allocation, RunOfTheCascadeHasNoneInFloat) {
   expect_run_without_allocation<float>();
+}
+
+// With gaps, outliers, a displacement and missing samples, so that all paths are walked.
+template <class Scalar, int kAxes>
+void expect_recommended_without_allocation(int lag) {
+  const long before = allocation_count();
+  RecommendedEstimator<Scalar, kAxes> estimator({}, lag);
+  RecommendedEstimate<Scalar> estimate;
+  EventCounts counts;
+  TimeNs time_ns = 0;
+  for (int i = 0; i < 1000; ++i) {
+    time_ns += i % 100 == 99 ? 500'000'000 : 20'000'000;
+    TimedPosition<Scalar, kAxes> measurement{i % 200 == 7 ? 0 : time_ns, i % 50 != 3, {}, {}};
+    for (Scalar& position_m : measurement.position_m) {
+      position_m = Scalar(1e-4) * Scalar(i * 7 % 5) + Scalar(i % 300 > 150 || i % 40 == 9);
+    }
+    estimate = estimator.step(measurement);
+    counts.add(estimate.events);
+  }
+  while (estimator.drain(estimate)) counts.add(estimate.events);
+  EXPECT_EQ(allocation_count(), before);
+  for (const Event event :
+       {Event::outlier_rejected, Event::state_restarted, Event::time_reversed}) {
+    EXPECT_GT(counts[event], 0U) << event_name(event);
+  }
+}
+
+TEST_F(Allocation, RecommendedEstimatorHasNone) {
+  for (const int lag : {0, 16}) {
+    expect_recommended_without_allocation<double, 1>(lag);
+    expect_recommended_without_allocation<float, 1>(lag);
+    expect_recommended_without_allocation<double, 3>(lag);
+    expect_recommended_without_allocation<float, 3>(lag);
+  }
 }
 
 TEST_F(Allocation, ObservabilityHasNone) {

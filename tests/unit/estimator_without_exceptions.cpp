@@ -4,10 +4,16 @@
 #include "condyle/estimator/observability.h"
 #include "condyle/estimator/point_follower.h"
 #include "condyle/estimator/published_sensor.h"
+#include "condyle/estimator/recommended_estimator.h"
 #include "condyle/firmware/run_loop.h"
 
 template class condyle::PublishedCascade<float>;
 template class condyle::PublishedCascade<double>;
+template class condyle::RecommendedEstimator<float, 1>;
+template class condyle::RecommendedEstimator<double, 1>;
+template class condyle::RecommendedEstimator<float, 3>;
+template class condyle::RecommendedEstimator<double, 3>;
+template class condyle::RecommendedEstimator<float, 1, 0>;  // where memory is short
 
 namespace condyle {
 Observability<float> judge(const OperatingPoint<float>& point);

@@ -26,12 +26,13 @@ enum class Event : std::uint8_t {
   points_not_rigid,     ///< the three points have changed their distances; not taken
   outlier_weighted,     ///< far from what was expected: counts less
   outlier_rejected,     ///< too far from what was expected: not taken
+  outlier_revoked,      ///< shows that the sample taken before was an outlier: not taken after all
   state_restarted,      ///< the filter starts anew from this sample
   state_lost,           ///< no measurement for so long that nothing is known
   noise_at_limit,       ///< the estimated noise is at its floor or ceiling
 };
 /// Number of events.
-inline constexpr std::size_t kEventCount = 20;
+inline constexpr std::size_t kEventCount = 21;
 
 /// Name of an event as it stands in files and summaries.
 constexpr const char* event_name(Event event) {
@@ -40,7 +41,8 @@ constexpr const char* event_name(Event event) {
       "time_gap",           "position_missing", "zero_filled",         "drive_missing",
       "not_started",        "update_refused",   "estimate_not_finite", "variance_negative",
       "parameters_invalid", "position_frozen",  "points_not_rigid",    "outlier_weighted",
-      "outlier_rejected",   "state_restarted",  "state_lost",          "noise_at_limit"};
+      "outlier_rejected",   "outlier_revoked",  "state_restarted",     "state_lost",
+      "noise_at_limit"};
   return names[static_cast<std::size_t>(event)];
 }
 

@@ -22,6 +22,13 @@
 
 namespace condyle {
 
+/// State and variances along one axis: position, velocity, acceleration.
+template <class Scalar>
+struct MotionMoments {
+  Vector3<Scalar> mean = Vector3<Scalar>::Zero();      ///< m, m/s, m/s^2
+  Vector3<Scalar> variance = Vector3<Scalar>::Zero();  ///< squares of those, or in units of R
+};
+
 /// One member's filter at one sample, after it: what smoothing needs to know.
 template <class Scalar, int kAxes>
 struct FilteredStep {
@@ -76,19 +83,20 @@ class LaterEvidence {
   /// Forgets: nothing after this instant speaks about what was before it.
   void forget() { *this = LaterEvidence(); }
 
-  /// Smoothed state of `axis` at the instant of `step` (m, m/s, m/s^2).
-  Vector3<Scalar> smoothed_state(const FilteredStep<Scalar, kAxes>& step, int axis) const {
-    return step.x[axis] + times(step.P, l_[axis]);
-  }
-
-  /// Smoothed variances at the instant of `step`, in units of R.
-  Vector3<Scalar> smoothed_variance(const FilteredStep<Scalar, kAxes>& step) const {
-    Vector3<Scalar> variance;
+  /// Smoothed motion of `axis` at the instant of `step`, its variances in units of R. Where a wide
+  /// P shrinks so far that the digits of P - P L P are lost (after a start, in float), the filtered
+  /// motion: true, but with its wider variances.
+  MotionMoments<Scalar> smoothed(const FilteredStep<Scalar, kAxes>& step, int axis) const {
+    constexpr Scalar kFewestDigits = 8192 * std::numeric_limits<Scalar>::epsilon();
+    const MotionMoments<Scalar> filtered = {step.x[axis],
+                                            {step.P(0, 0), step.P(1, 1), step.P(2, 2)}};
+    MotionMoments<Scalar> result = {step.x[axis] + times(step.P, l_[axis]), filtered.variance};
     for (int i = 0; i < 3; ++i) {
       const Vector3<Scalar> row = {step.P(i, 0), step.P(i, 1), step.P(i, 2)};
-      variance[i] = step.P(i, i) - row.dot(times(L_, row));
+      result.variance[i] -= row.dot(times(L_, row));
+      if (!(result.variance[i] > kFewestDigits * filtered.variance[i])) return filtered;
     }
-    return variance;
+    return result;
   }
 
  private:

@@ -21,8 +21,8 @@
 //                      kIndependentShare n
 //            short_i   log likelihood of about the last kShortMemory samples, -1/2 sum(log R_i S +
 //                      nu^2 / (R_i S)), nu^2 / (R_i S) at most gate^2
-//            What served best so far leads, but by no more than e^kLead: when the jaw starts or
-//            stops, a few samples put another member in charge.
+//            What served best so far leads, its R and q are those reported, but by no more than
+//            e^kLead: when the jaw starts or stops, a few samples put another member in charge.
 // Estimate.  Mean of the mixture: sum w_i x_i; variance sum w_i (R_i P_i + (x_i - mean)^2), times
 //            n/(n-2) because R was estimated from n samples (Student's t).
 //
@@ -42,19 +42,12 @@
 
 namespace condyle {
 
-/// State and variances along one axis: position, velocity, acceleration.
-template <class Scalar>
-struct MotionMoments {
-  Vector3<Scalar> mean = Vector3<Scalar>::Zero();      ///< m, m/s, m/s^2
-  Vector3<Scalar> variance = Vector3<Scalar>::Zero();  ///< squares of those
-};
-
 /// What the bank expects of the next measurement along one axis.
 template <class Scalar>
 struct Expectation {
   Scalar position_m{};         ///< mean of the mixture
   Scalar variance_m2{};        ///< of the innovation
-  Scalar deviation_squared{};  ///< innovation^2 / variance of the plausible member it fits best
+  Scalar deviation_squared{};  ///< innovation^2 / variance of the likely member it fits best
 };
 
 /// The bank. `kAxes`: 1 or 3.
@@ -83,6 +76,7 @@ class MotionBank {
   void start_noise(const Position& noise_sd_m) {
     n_ = kFirstSamples;
     mean_step_s_ = 0;
+    for (int axis = 0; axis < kAxes; ++axis) leader_[axis] = adaptive_ ? kMostMembers / 2 : axis;
     for (int i = 0; i < member_count_; ++i) {
       Member& member = members_[i];
       member.mean_log_S = 0;
@@ -140,8 +134,10 @@ class MotionBank {
       weight_sum += weight;
       expected.position_m += weight * member.step.x[axis][kPosition];
       expected.variance_m2 += weight * variance_m2;
-      expected.deviation_squared =
-          std::min(expected.deviation_squared, innovation_m * innovation_m / variance_m2);
+      if (weight > kExcuses) {
+        expected.deviation_squared =
+            std::min(expected.deviation_squared, innovation_m * innovation_m / variance_m2);
+      }
     }
     expected.position_m /= weight_sum;
     expected.variance_m2 /= weight_sum;
@@ -235,14 +231,10 @@ class MotionBank {
     return false;
   }
 
-  /// Variance of the noise along `axis` (m^2), as estimated or given.
-  Scalar noise_variance_m2(int axis) const {
-    return weighted(axis, [axis](const Member& member) { return member.R[axis]; });
-  }
-  /// Density of the jerk along `axis` (m^2/s^5), as estimated or given.
-  Scalar jerk_density_m2_s5(int axis) const {
-    return weighted(axis, [axis](const Member& member) { return member.r * member.R[axis]; });
-  }
+  /// Variance of the noise along `axis` (m^2), as given or as the member that leads estimates it.
+  Scalar noise_variance_m2(int axis) const { return leader(axis).R[axis]; }
+  /// Density of the jerk along `axis` (m^2/s^5), as given or estimated likewise.
+  Scalar jerk_density_m2_s5(int axis) const { return leader(axis).r * leader(axis).R[axis]; }
   /// True where the estimated noise along `axis` is held at its floor or ceiling.
   bool noise_is_at_limit(int axis) const {
     const Scalar R = noise_variance_m2(axis);
@@ -266,6 +258,7 @@ class MotionBank {
   static constexpr Scalar kLead = 8;
   static constexpr Scalar kShortMemory = 8;           // samples
   static constexpr Scalar kPlausible = Scalar(1e-3);  // least weight that has a say
+  static constexpr Scalar kExcuses = Scalar(0.01);    // and that can excuse an unexpected sample
   static constexpr Scalar kHopeless = -20;            // log weight behind the best
 
   struct Member {
@@ -290,8 +283,11 @@ class MotionBank {
   }
 
   void weigh(int axis, const Array<Array<Scalar, kAxes>, kMostMembers>& long_score) {
-    Scalar best_long = long_score[0][axis];
-    for (int i = 1; i < member_count_; ++i) best_long = std::max(best_long, long_score[i][axis]);
+    leader_[axis] = 0;
+    for (int i = 1; i < member_count_; ++i) {
+      if (long_score[i][axis] > long_score[leader_[axis]][axis]) leader_[axis] = i;
+    }
+    const Scalar best_long = long_score[leader_[axis]][axis];
     Array<Scalar, kMostMembers> score;
     Scalar best = -std::numeric_limits<Scalar>::infinity();
     for (int i = 0; i < member_count_; ++i) {
@@ -315,12 +311,8 @@ class MotionBank {
 
   Scalar uncertainty_of_noise() const { return adaptive_ ? n_ / (n_ - Scalar(2)) : Scalar(1); }
 
-  template <class ValueOf>
-  Scalar weighted(int axis, const ValueOf& value_of) const {
-    Scalar sum = 0;
-    for (int i = 0; i < member_count_; ++i) sum += members_[i].weight[axis] * value_of(members_[i]);
-    return sum;
-  }
+  // The member that served best over the memory.
+  const Member& leader(int axis) const { return members_[leader_[axis]]; }
 
   bool adaptive_;
   Scalar memory_s_, jerk_density_m2_s5_, lowest_R_, highest_R_;
@@ -329,6 +321,7 @@ class MotionBank {
   int member_count_;
   Scalar n_ = kFirstSamples;
   Scalar mean_step_s_ = 0;
+  Array<int, kAxes> leader_ = {};
   Array<Member, kMostMembers> members_;
 };
 

@@ -33,9 +33,9 @@ class OutlierGate {
   /// Judges a sample of squared deviation `deviation_squared`, no unit. NaN is rejected.
   Acceptance<Scalar> judge(Scalar deviation_squared) {
     Acceptance<Scalar> acceptance;
-    if (deviation_squared <= huber_sd_ * huber_sd_) {
+    if (!is_doubtful(deviation_squared)) {
       rejections_ = 0;
-    } else if (deviation_squared <= gate_sd_ * gate_sd_) {
+    } else if (!is_outlier(deviation_squared)) {
       rejections_ = 0;
       acceptance.weight = huber_sd_ / std::sqrt(deviation_squared);
       acceptance.events.add(Event::outlier_weighted);
@@ -46,6 +46,15 @@ class OutlierGate {
       acceptance.events.add(Event::outlier_rejected);
     }
     return acceptance;
+  }
+
+  /// True where a sample of squared deviation `deviation_squared` would be rejected.
+  bool is_outlier(Scalar deviation_squared) const {
+    return !(deviation_squared <= gate_sd_ * gate_sd_);
+  }
+  /// True where it would not count in full.
+  bool is_doubtful(Scalar deviation_squared) const {
+    return !(deviation_squared <= huber_sd_ * huber_sd_);
   }
 
   /// Samples rejected in a row, the last included.

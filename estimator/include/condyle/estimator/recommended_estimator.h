@@ -81,14 +81,20 @@ class RecommendedEstimator {
         lag_(lag),
         parameters_valid_(is_valid(parameters) && lag >= 0 && lag <= kMostLag),
         bank_(parameters),
-        gate_(parameters.outliers) {
+        gate_(parameters.outliers),
+        without_suspect_(parameters) {
     for (Scalar& sd_m : noise_sd_m_) sd_m = static_cast<Scalar>(parameters.noise.position_sd_m);
   }
 
   /// Noise of the instrument along each axis (m): that of the parameters unless set before the
   /// first measurement. With adaptation on it is a first guess.
   void set_noise(const Array<Scalar, kAxes>& noise_sd_m) {
-    for (int axis = 0; axis < kAxes; ++axis) noise_sd_m_[axis] = noise_sd_m[axis];
+    for (int axis = 0; axis < kAxes; ++axis) {
+      noise_sd_m_[axis] = noise_sd_m[axis];
+      const Scalar R = noise_sd_m[axis] * noise_sd_m[axis];
+      parameters_valid_ =
+          parameters_valid_ && noise_sd_m[axis] > Scalar(0) && R > Scalar(0) && std::isfinite(R);
+    }
   }
 
   /// The next sample, whose time is known. A time before the last one is not taken
@@ -120,9 +126,7 @@ class RecommendedEstimator {
       instant.events.add(Event::state_lost, is_lost_);
     }
     instant.has_state = started_;
-    if constexpr (kMostLag > 0) {
-      for (int i = 0; lag_ > 0 && i < bank_.member_count(); ++i) instant.members[i] = bank_.step(i);
-    }
+    remember(bank_, instant);
     return newest_ready();
   }
 
@@ -194,6 +198,7 @@ class RecommendedEstimator {
 
   Instant& next_instant(const Measurement& measurement) {
     newest_ = (newest_ + 1) % kInstants;
+    if (suspect_back_ >= 0) ++suspect_back_;
     waiting_ = std::min(waiting_ + 1, lag_ + 1);
     Instant& instant = at(0);
     instant.time_ns = measurement.time_ns;
@@ -207,6 +212,7 @@ class RecommendedEstimator {
   }
 
   void lose_motion() {
+    suspect_back_ = -1;
     started_ = false;
     is_lost_ = true;
   }
@@ -217,16 +223,18 @@ class RecommendedEstimator {
       start(instant);
       return;
     }
-    Scalar worst = 0;
-    for (int axis = 0; axis < kAxes; ++axis) {
-      const auto expected = bank_.expectation(axis, instant.position_m[axis]);
-      instant.innovation_m[axis] = instant.position_m[axis] - expected.position_m;
-      instant.innovation_variance_m2[axis] = expected.variance_m2;
-      // So that NaN is the worst.
-      if (!(expected.deviation_squared <= worst)) worst = expected.deviation_squared;
+    Deviation deviation = compare(bank_, instant);
+    if (gate_.is_outlier(deviation.of_likely) && suspect_back_ > 0) {
+      if (revoke_suspect(instant)) instant.events.add(Event::outlier_revoked);
+      deviation = compare(bank_, instant);
     }
-    const Acceptance<Scalar> acceptance = gate_.judge(worst);
+    const Acceptance<Scalar> acceptance = gate_.judge(deviation.of_likely);
     instant.events.add(acceptance.events);
+    suspect_back_ = -1;
+    if (acceptance.weight > Scalar(0) && gate_.is_doubtful(deviation.of_mixture)) {
+      suspect_back_ = 0;
+      without_suspect_ = bank_;
+    }
     // One rejected sample is a glitch and says nothing of the noise; two in a row may be a noise,
     // or a motion, larger than was thought.
     if (gate_.rejections() != 1) bank_.learn(instant.position_m, T);
@@ -240,11 +248,64 @@ class RecommendedEstimator {
     }
   }
 
+  // Squared deviations from what was expected, the largest of all axes.
+  struct Deviation {
+    Scalar of_likely = 0;   // from the likely member that it fits best
+    Scalar of_mixture = 0;  // from the mixture
+  };
+
+  // Compares `instant` with what `bank` expected of it, and notes that in `instant`.
+  static Deviation compare(const Bank& bank, Instant& instant) {
+    Deviation deviation;
+    // So that NaN is the largest.
+    const auto enlarge = [](Scalar& largest, Scalar value) {
+      if (!(value <= largest)) largest = value;
+    };
+    for (int axis = 0; axis < kAxes; ++axis) {
+      const auto expected = bank.expectation(axis, instant.position_m[axis]);
+      const Scalar innovation_m = instant.position_m[axis] - expected.position_m;
+      instant.innovation_m[axis] = innovation_m;
+      instant.innovation_variance_m2[axis] = expected.variance_m2;
+      enlarge(deviation.of_likely, expected.deviation_squared);
+      enlarge(deviation.of_mixture, innovation_m * innovation_m / expected.variance_m2);
+    }
+    return deviation;
+  }
+
+  // The sample taken last was doubtful, and now `instant` is an outlier: if it is none without that
+  // sample, that sample was one. Then the filter goes on as if it had not been taken.
+  bool revoke_suspect(Instant& instant) {
+    Bank without = without_suspect_;
+    const Scalar T = difference_s(instant.time_ns, taken_ns_);
+    without.predict(white_jerk_jacobian(T), white_jerk_covariance(T));
+    if (gate_.is_doubtful(compare(without, instant).of_mixture)) return false;
+    bank_ = without;
+    if (suspect_back_ >= kInstants) return true;
+    Instant& suspect = at(suspect_back_);
+    suspect.is_taken = false;
+    suspect.events.add(Event::outlier_rejected);
+    for (int back = suspect_back_; back > 0; --back) {
+      Instant& past = at(back);
+      if (back < suspect_back_) {
+        without_suspect_.predict(past.F, white_jerk_covariance(past.F.vx));
+      }
+      remember(without_suspect_, past);
+    }
+    return true;
+  }
+
+  void remember(const Bank& bank, Instant& instant) const {
+    if constexpr (kMostLag > 0) {
+      for (int i = 0; lag_ > 0 && i < bank.member_count(); ++i) instant.members[i] = bank.step(i);
+    }
+  }
+
   void start(Instant& instant) {
     if (!noise_started_) bank_.start_noise(noise_sd_m_);
     instant.events.add(Event::state_restarted, noise_started_);
     bank_.start_motion(instant.position_m);
     gate_.restart();
+    suspect_back_ = -1;
     noise_started_ = started_ = true;
     is_lost_ = false;
     instant.is_taken = instant.is_restart = true;
@@ -297,23 +358,25 @@ class RecommendedEstimator {
       }
       const auto& step = at(back).members[i];
       for (int axis = 0; axis < kAxes; ++axis) {
-        smoothed[i][axis] = {evidence.smoothed_state(step, axis), evidence.smoothed_variance(step)};
+        smoothed[i][axis] = evidence.smoothed(step, axis);
       }
     }
   }
 
   static void describe_measurement(const Instant& instant, Estimate& estimate) {
     Scalar nis = 0;
+    bool has_nis = !instant.is_restart;
     for (int axis = 0; axis < kAxes; ++axis) {
       AxisEstimate<Scalar>& described = estimate.axes[axis];
       described.measured_position_m = instant.position_m[axis];
-      if (instant.is_restart) continue;
+      const Scalar variance_m2 = instant.innovation_variance_m2[axis];
+      has_nis = has_nis && variance_m2 > Scalar(0) && std::isfinite(variance_m2);
+      if (!has_nis) continue;
       described.innovation_m = instant.innovation_m[axis];
-      described.innovation_sd_m = std::sqrt(instant.innovation_variance_m2[axis]);
-      nis += instant.innovation_m[axis] * instant.innovation_m[axis] /
-             instant.innovation_variance_m2[axis];
+      described.innovation_sd_m = std::sqrt(variance_m2);
+      nis += instant.innovation_m[axis] * instant.innovation_m[axis] / variance_m2;
     }
-    if (!instant.is_restart) estimate.nis = nis;
+    if (has_nis) estimate.nis = nis;
   }
 
   void describe_state(const MotionMoments<Scalar>& moments, bool is_taken,
@@ -370,6 +433,8 @@ class RecommendedEstimator {
   bool started_ = false;        // there is a state,
   bool is_lost_ = false;        // or there was one
   int newest_ = 0, waiting_ = 0;
+  int suspect_back_ = -1;  // samples since one that was taken though doubtful; -1: none
+  Bank without_suspect_;   // as it would be had that one not been taken
   Array<Instant, kInstants> instants_;
 };
 

@@ -18,7 +18,7 @@ struct NoiseParameters {
   double position_sd_m = 5e-5;          ///< noise of a measured position (m)
   double rotation_sd_rad = 2e-3;        ///< noise of the jaw's orientation, from three points (rad)
   double jerk_density_m2_s5 = 10;       ///< spectral density of the jerk (m^2/s^5)
-  double memory_s = 5;                  ///< time over which noise is averaged (s)
+  double memory_s = 8;                  ///< time over which noise is averaged (s)
   double lowest_position_sd_m = 1e-6;   ///< floor of the estimated noise (m)
   double highest_position_sd_m = 5e-3;  ///< ceiling of the estimated noise (m)
 };
@@ -50,7 +50,7 @@ struct RecommendedParameters {
 /// RecommendedParameters, const or not.
 template <class Parameters, class Visitor>
 constexpr void visit_recommended_fields(Parameters& parameters, Visitor&& visit) {
-  constexpr Range noise_range{1e-8, 0.1};
+  constexpr Range noise_range{1e-7, 0.1};
   const auto one = [&visit](const char* section, const char* key, auto& value, const char* unit,
                             Range range) {
     visit(section, key, &value, std::size_t{1}, unit, range);
@@ -59,13 +59,13 @@ constexpr void visit_recommended_fields(Parameters& parameters, Visitor&& visit)
   auto& noise = parameters.noise;
   one("noise", "position_sd_m", noise.position_sd_m, "m", noise_range);
   one("noise", "rotation_sd_rad", noise.rotation_sd_rad, "rad", Range{0, 1});
-  one("noise", "jerk_density_m2_s5", noise.jerk_density_m2_s5, "m^2/s^5", Range{1e-6, 1e9});
+  one("noise", "jerk_density_m2_s5", noise.jerk_density_m2_s5, "m^2/s^5", Range{1e-6, 1e6});
   one("noise", "memory_s", noise.memory_s, "s", Range{0.5, 3600});
   one("noise", "lowest_position_sd_m", noise.lowest_position_sd_m, "m", noise_range);
   one("noise", "highest_position_sd_m", noise.highest_position_sd_m, "m", noise_range);
   auto& prior = parameters.prior;
-  one("prior", "velocity_sd_m_s", prior.velocity_sd_m_s, "m/s", Range{1e-3, 100});
-  one("prior", "acceleration_sd_m_s2", prior.acceleration_sd_m_s2, "m/s^2", Range{1e-2, 1e4});
+  one("prior", "velocity_sd_m_s", prior.velocity_sd_m_s, "m/s", Range{1e-3, 1});
+  one("prior", "acceleration_sd_m_s2", prior.acceleration_sd_m_s2, "m/s^2", Range{1e-2, 100});
   auto& outliers = parameters.outliers;
   one("outliers", "huber_sd", outliers.huber_sd, "standard deviations", Range{1, 100});
   one("outliers", "gate_sd", outliers.gate_sd, "standard deviations", Range{1, 1000});

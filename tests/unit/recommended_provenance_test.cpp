@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the recommended estimator says its values come from.
+#include <gtest/gtest.h>
+
+#include "condyle/estimator/recommended_estimator.h"
+
+namespace condyle {
+namespace {
+
+using Estimator = RecommendedEstimator<double, 1>;
+
+RecommendedEstimate<double> step(Estimator& estimator, TimeNs i, double position_m,
+                                 bool is_measured = true) {
+  return estimator.step({i * 10'000'000, is_measured, {position_m}, {}});
+}
+
+double swing_m(TimeNs i) {
+  return 0.005 * std::sin(0.08 * static_cast<double>(i));
+}
+
+void expect(const RecommendedEstimate<double>& estimate, Provenance position, Provenance velocity,
+            Provenance acceleration, Provenance force) {
+  EXPECT_EQ(estimate.axes[0].position_m.provenance, position);
+  EXPECT_EQ(estimate.axes[0].velocity_m_s.provenance, velocity);
+  EXPECT_EQ(estimate.axes[0].acceleration_m_s2.provenance, acceleration);
+  EXPECT_EQ(estimate.axes[0].force_N.provenance, force);
+}
+
+constexpr auto kMeasured = Provenance::measured, kDerived = Provenance::derived,
+               kAssumed = Provenance::assumed;
+
+TEST(RecommendedProvenance, OnePositionMeasuresAPositionAlone) {
+  for (const Adaptation adaptation : {Adaptation::on, Adaptation::off}) {
+    RecommendedParameters parameters;
+    parameters.noise.adaptation = adaptation;
+    Estimator estimator(parameters);
+    expect(step(estimator, 0, 0.001), kMeasured, kAssumed, kAssumed, kAssumed);
+  }
+}
+
+TEST(RecommendedProvenance, SomeMorePositionsMeasureTheMotion) {
+  Estimator estimator({});
+  RecommendedEstimate<double> estimate;
+  for (TimeNs i = 0; i < 30; ++i) estimate = step(estimator, i, swing_m(i));
+  expect(estimate, kMeasured, kMeasured, kMeasured, kDerived);
+}
+
+// The threshold is the one that provenance.h documents, on the values that are reported.
+TEST(RecommendedProvenance, MeasuredIsHalfOfThePriorsVariance) {
+  const RecommendedParameters parameters;
+  Estimator estimator(parameters);
+  bool was_assumed = false, was_measured = false;
+  for (TimeNs i = 0; i < 30; ++i) {
+    const auto axis = step(estimator, i, swing_m(i)).axes[0];
+    const auto half = [](double sd, double prior_sd) {
+      return sd * sd <= 0.5 * prior_sd * prior_sd;
+    };
+    EXPECT_EQ(axis.velocity_m_s.provenance == kMeasured,
+              half(axis.velocity_m_s.standard_deviation, parameters.prior.velocity_sd_m_s));
+    const bool is_measured =
+        half(axis.acceleration_m_s2.standard_deviation, parameters.prior.acceleration_sd_m_s2);
+    EXPECT_EQ(axis.acceleration_m_s2.provenance == kMeasured, is_measured);
+    (is_measured ? was_measured : was_assumed) = true;
+  }
+  EXPECT_TRUE(was_assumed && was_measured);
+}
+
+TEST(RecommendedProvenance, WhatWasNotTakenIsDerived) {
+  Estimator estimator({});
+  for (TimeNs i = 0; i < 50; ++i) step(estimator, i, swing_m(i));
+  expect(step(estimator, 50, 0, false), kDerived, kDerived, kDerived, kDerived);
+  expect(step(estimator, 51, swing_m(51)), kMeasured, kMeasured, kMeasured, kDerived);
+  const auto rejected = step(estimator, 52, 0.5);
+  EXPECT_TRUE(rejected.events.has(Event::outlier_rejected));
+  expect(rejected, kDerived, kDerived, kDerived, kDerived);
+}
+
+// The longer nothing is measured, the less is known, until only the prior is left.
+TEST(RecommendedProvenance, WithoutMeasurementsItBecomesAssumed) {
+  RecommendedParameters parameters;
+  parameters.outliers.longest_gap_s = 10;
+  parameters.noise.adaptation = Adaptation::off;
+  Estimator estimator(parameters);
+  for (TimeNs i = 0; i < 50; ++i) step(estimator, i, swing_m(i));
+  const auto estimate = step(estimator, 50 + 300, 0, false);
+  expect(estimate, kDerived, kAssumed, kAssumed, kAssumed);
+}
+
+TEST(RecommendedProvenance, ALaterLookMeasuresWhatTheInstantDidNot) {
+  Estimator estimator({}, 10);
+  RecommendedEstimate<double> first;
+  for (TimeNs i = 0; i <= 10; ++i) first = step(estimator, i, swing_m(i), i != 1);
+  EXPECT_EQ(first.time_ns, 0);
+  EXPECT_EQ(first.axes[0].velocity_m_s.provenance, kMeasured);
+  const auto second = step(estimator, 11, swing_m(11));  // of the missing sample
+  expect(second, kDerived, kDerived, kDerived, kDerived);
+}
+
+TEST(RecommendedProvenance, ForceIsTheAssumedMassTimesTheAcceleration) {
+  RecommendedParameters parameters;
+  parameters.assumed_mass_kg = 0.4;
+  Estimator estimator(parameters);
+  for (TimeNs i = 0; i < 50; ++i) {
+    const auto axis = step(estimator, i, swing_m(i), i % 9 != 4).axes[0];
+    EXPECT_EQ(axis.force_N.value, 0.4 * axis.acceleration_m_s2.value);
+    EXPECT_EQ(axis.force_N.standard_deviation, 0.4 * axis.acceleration_m_s2.standard_deviation);
+    EXPECT_LE(axis.force_N.provenance, kDerived);
+  }
+}
+
+}  // namespace
+}  // namespace condyle
