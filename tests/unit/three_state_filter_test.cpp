@@ -42,6 +42,23 @@ RC_GTEST_PROP(ThreeStateFilter, PredictionIsJPJtPlusQ, ()) {
   RC_ASSERT((actual - expected).norm() <= 1e-13 * expected.norm());
 }
 
+RC_GTEST_PROP(ThreeStateFilter, StepsOfVelocityAndPositionAreTheirJacobians, ()) {
+  const Matrix3 P = random_covariance();
+  const double T = *number_between(-1, 1), vv = *number_between(-1, 1), vx = *number_between(-1, 1);
+  Matrix3 velocity, position;
+  velocity << 1, 0, 0, 0, vv, vx, 0, 0, 1;
+  position << 1, T, 0, 0, 1, 0, 0, 0, 1;
+  for (const bool velocity_first : {true, false}) {
+    SymmetricMatrix3<double> actual = packed(P);
+    if (velocity_first) step_velocity(actual, vv, vx);
+    step_position(actual, T);
+    if (!velocity_first) step_velocity(actual, vv, vx);
+    const Matrix3 J = velocity_first ? Matrix3(position * velocity) : Matrix3(velocity * position);
+    const Matrix3 expected = J * P * J.transpose();
+    RC_ASSERT((actual.dense() - expected).norm() <= 1e-13 * P.norm());
+  }
+}
+
 RC_GTEST_PROP(ThreeStateFilter, TwoScalarUpdatesAreTheJointUpdate, ()) {
   const Matrix3 P = random_covariance();
   const Vector3<double> x = random_vector();

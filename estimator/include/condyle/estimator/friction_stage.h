@@ -26,13 +26,15 @@ namespace condyle {
 /// Transition of (position m, velocity m/s, friction Ns/m) under the input `force_N`, eqs
 /// (44)-(46).
 template <class Scalar>
-Transition<Scalar> friction_transition(const Vector3<Scalar>& x, Scalar force_N,
-                                       Scalar sample_time_s, Scalar assumed_mass_kg) {
+[[gnu::always_inline]] inline Transition<Scalar> friction_transition(const Vector3<Scalar>& x,
+                                                                     Scalar force_N,
+                                                                     Scalar sample_time_s,
+                                                                     Scalar assumed_mass_kg) {
   const Scalar T = sample_time_s;
   const Scalar T_over_m0 = T / assumed_mass_kg;
   const Scalar inverse_d = Scalar(1) / (Scalar(1) + T_over_m0 * x[kThird]);
   const Scalar v_next = (x[kVelocity] + T_over_m0 * force_N) * inverse_d;
-  const Scalar dv_dkv = -v_next * T_over_m0 * inverse_d;
+  const Scalar dv_dkv = -(T_over_m0 * inverse_d) * v_next;
   return {.state = {x[kPosition] + T * v_next, v_next, x[kThird]},
           .jacobian = {.pv = T * inverse_d, .px = T * dv_dkv, .vv = inverse_d, .vx = dv_dkv}};
 }

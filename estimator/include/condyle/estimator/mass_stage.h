@@ -9,6 +9,7 @@
 // Model, eq (15):        p' = v,  v' = (u - kv v) / m,  m' = 0
 // Backward Euler, eqs (47)-(49):
 //                        v <- (m v + T u) / (m + T kv),  p <- p + T v_new,  m <- m
+//                        and the same with one product less: v <- v - T (kv v - u) / (m + T kv)
 // Jacobian (48 is garbled in print; this is the derivative of the line above):
 //                        dv/dv = m / (m + T kv)
 //                        dv/dm = T (kv v - u) / (m + T kv)^2
@@ -26,14 +27,17 @@ namespace condyle {
 /// Transition of (position m, velocity m/s, mass kg) under the inputs `force_N` and
 /// `friction_Ns_m`, eqs (47)-(49).
 template <class Scalar>
-Transition<Scalar> mass_transition(const Vector3<Scalar>& x, Scalar force_N, Scalar friction_Ns_m,
-                                   Scalar sample_time_s) {
+[[gnu::always_inline]] inline Transition<Scalar> mass_transition(const Vector3<Scalar>& x,
+                                                                 Scalar force_N,
+                                                                 Scalar friction_Ns_m,
+                                                                 Scalar sample_time_s) {
   const Scalar T = sample_time_s;
   const Scalar m = x[kThird], v = x[kVelocity], u = force_N, kv = friction_Ns_m;
   const Scalar inverse_denominator = Scalar(1) / (m + T * kv);
   const Scalar dv_dv = m * inverse_denominator;
-  const Scalar v_next = (m * v + T * u) * inverse_denominator;
-  const Scalar dv_dm = T * (kv * v - u) * inverse_denominator * inverse_denominator;
+  const Scalar loss = T * inverse_denominator * (kv * v - u);
+  const Scalar v_next = v - loss;
+  const Scalar dv_dm = loss * inverse_denominator;
   return {.state = {x[kPosition] + T * v_next, v_next, m},
           .jacobian = {.pv = T * dv_dv, .px = T * dv_dm, .vv = dv_dv, .vx = dv_dm}};
 }

@@ -23,8 +23,10 @@ namespace condyle {
 
 /// Transition of (position m, velocity m/s, net force N) over `sample_time_s`, eq (30).
 template <class Scalar>
-Transition<Scalar> motion_transition(const Vector3<Scalar>& x, Scalar sample_time_s,
-                                     Scalar assumed_mass_kg, Discretisation discretisation) {
+[[gnu::always_inline]] inline Transition<Scalar> motion_transition(const Vector3<Scalar>& x,
+                                                                   Scalar sample_time_s,
+                                                                   Scalar assumed_mass_kg,
+                                                                   Discretisation discretisation) {
   const Scalar T = sample_time_s;
   const Scalar T_over_m0 = T / assumed_mass_kg;
   const Scalar v_next = x[kVelocity] + T_over_m0 * x[kThird];
@@ -33,6 +35,23 @@ Transition<Scalar> motion_transition(const Vector3<Scalar>& x, Scalar sample_tim
   return {
       .state = {p_next, v_next, x[kThird]},
       .jacobian = {.pv = T, .px = backward ? T * T_over_m0 : Scalar(0), .vv = 1, .vx = T_over_m0}};
+}
+
+/// Covariance of the same step, with the process variances of one step (units of x squared).
+template <class Scalar>
+[[gnu::always_inline]] inline void propagate_motion_covariance(
+    SymmetricMatrix3<Scalar>& P, Scalar sample_time_s, Scalar assumed_mass_kg,
+    Discretisation discretisation, const Vector3<Scalar>& process_variance) {
+  const Scalar T = sample_time_s;
+  const Scalar T_over_m0 = T / assumed_mass_kg;
+  if (discretisation == Discretisation::backward) {
+    step_velocity(P, Scalar(1), T_over_m0);
+    step_position(P, T);
+  } else {
+    step_position(P, T);
+    step_velocity(P, Scalar(1), T_over_m0);
+  }
+  add_process_noise(P, process_variance);
 }
 
 }  // namespace condyle

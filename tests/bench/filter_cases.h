@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// The filters whose speed is measured. One more: a class like those below, and a line in
+// `for_each_case`.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "condyle/estimator/cascade_core.h"
+#include "condyle/estimator/recommended_estimator.h"
+#include "unit/dense_cascade.h"
+
+// Compiled as a function of its own, with all it calls in it, whoever calls it.
+#if defined(__GNUC__) && !defined(__clang__)
+#define CONDYLE_ONE_FUNCTION [[gnu::noipa, gnu::flatten]]
+#else
+#define CONDYLE_ONE_FUNCTION [[gnu::noinline, gnu::flatten]]
+#endif
+
+namespace condyle::bench {
+
+/// Chi-square with 1 degree of freedom: 1 % of good measurements lie above.
+inline constexpr double kGate = 6.63;
+
+/// Positions (m) of a chewing jaw with 0.1 mm of noise, and the time from the sample before (s).
+template <class Scalar>
+struct Recording {
+  explicit Recording(std::size_t samples) {
+    std::uint32_t random = 1;  // Numerical Recipes' generator
+    const auto noise = [&random] {
+      random = random * 1664525U + 1013904223U;
+      return static_cast<double>(random >> 8U) * 0x1p-24 - 0.5;
+    };
+    double time_s = 0;
+    for (std::size_t i = 0; i < samples; ++i) {
+      const double step_s = (1 + 0.1 * noise()) / 60;
+      time_s += step_s;
+      const double opening_m = 0.0075 * (1 - std::cos(2 * std::numbers::pi * 1.3 * time_s));
+      steps_s.push_back(static_cast<Scalar>(step_s));
+      positions_m.push_back(static_cast<Scalar>(-opening_m + 3.5e-4 * noise()));
+    }
+  }
+  std::vector<Scalar> positions_m, steps_s;
+};
+
+/// The published cascade alone: no standard deviations, NIS, gate, provenance.
+template <class T>
+struct PublishedBare {
+  using Scalar = T;
+  static constexpr const char* kName = "published_bare";
+  CascadeCore<Scalar> core{PublishedParameters{}};
+  bool all_taken = true;
+  void step(Scalar z, Scalar) { all_taken = core.step(z, Scalar(1.0 / 60)); }
+};
+
+/// The same with gate, NIS of each stage and variable time step.
+template <class T>
+struct PublishedChecked {
+  using Scalar = T;
+  static constexpr const char* kName = "published_checked";
+  CascadeCore<Scalar> core{PublishedParameters{}, Scalar(kGate)};
+  CoreStep<Scalar> last;
+  void step(Scalar z, Scalar step_s) {
+    last = core.template step<CoreChecks::nis_and_gate>(z, step_s);
+  }
+};
+
+/// The textbook's twin of PublishedBare.
+template <class T>
+struct DenseBare {
+  using Scalar = T;
+  static constexpr const char* kName = "dense_bare";
+  testing_support::DenseCascade<Scalar> cascade{PublishedParameters{}};
+  void step(Scalar z, Scalar) { cascade.template step<false>(z, Scalar(1.0 / 60)); }
+};
+
+/// The textbook's twin of PublishedChecked.
+template <class T>
+struct DenseChecked {
+  using Scalar = T;
+  static constexpr const char* kName = "dense_checked";
+  testing_support::DenseCascade<Scalar> cascade{PublishedParameters{}, Scalar(kGate)};
+  typename testing_support::DenseCascade<Scalar>::Nis last;
+  void step(Scalar z, Scalar step_s) { last = cascade.template step<true>(z, step_s); }
+};
+
+/// The recommended estimator, all of it, along `kAxes` axes and `kLag` samples late.
+template <class T, int kAxes, int kLag>
+struct RecommendedCase {
+  using Scalar = T;
+  RecommendedEstimator<Scalar, kAxes> estimator{RecommendedParameters{}, kLag};
+  RecommendedEstimate<Scalar> last;
+  TimeNs time_ns = 0;
+  void step(Scalar z, Scalar step_s) {
+    time_ns += static_cast<TimeNs>(static_cast<double>(step_s) * 1e9);
+    TimedPosition<Scalar, kAxes> measurement;
+    measurement.time_ns = time_ns;
+    measurement.is_measured = true;
+    for (Scalar& position_m : measurement.position_m) position_m = z;
+    last = estimator.step(measurement);
+  }
+};
+template <class T>
+struct RecommendedOneAxis : RecommendedCase<T, 1, 0> {
+  static constexpr const char* kName = "recommended_one_axis";
+};
+template <class T>
+struct RecommendedThreeAxes : RecommendedCase<T, 3, 0> {
+  static constexpr const char* kName = "recommended_three_axes";
+};
+template <class T>
+struct RecommendedLate : RecommendedCase<T, 3, 10> {
+  static constexpr const char* kName = "recommended_three_axes_lag_10";
+};
+
+/// One sample, as a program calls a filter: position (m), time since the sample before (s).
+template <class Case>
+CONDYLE_ONE_FUNCTION void one_step(Case& filter, typename Case::Scalar z,
+                                   typename Case::Scalar step_s) {
+  filter.step(z, step_s);
+}
+
+/// Calls `visit.operator()<Case>(name)` for each case, `name` with its scalar type.
+template <class Visitor>
+void for_each_case(Visitor&& visit) {
+  const auto in_both = [&visit]<template <class> class Case>() {
+    visit.template operator()<Case<double>>(std::string(Case<double>::kName) + "_double");
+    visit.template operator()<Case<float>>(std::string(Case<float>::kName) + "_float");
+  };
+  in_both.template operator()<PublishedBare>();
+  in_both.template operator()<PublishedChecked>();
+  in_both.template operator()<DenseBare>();
+  in_both.template operator()<DenseChecked>();
+  in_both.template operator()<RecommendedOneAxis>();
+  in_both.template operator()<RecommendedThreeAxes>();
+  in_both.template operator()<RecommendedLate>();
+}
+
+}  // namespace condyle::bench
