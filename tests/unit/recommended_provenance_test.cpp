@@ -45,9 +45,19 @@ TEST(RecommendedProvenance, SomeMorePositionsMeasureTheMotion) {
   expect(estimate, kMeasured, kMeasured, kMeasured, kDerived);
 }
 
+// The intervals of the first samples rest on a guess of the noise.
+TEST(RecommendedProvenance, WhileTheNoiseIsGuessedMotionIsAssumed) {
+  Estimator estimator({});
+  for (TimeNs i = 0; i < 30; ++i) {
+    const Provenance motion = i < 15 ? kAssumed : kMeasured;
+    expect(step(estimator, i, swing_m(i)), kMeasured, motion, motion, i < 15 ? kAssumed : kDerived);
+  }
+}
+
 // The threshold is the one that provenance.h documents, on the values that are reported.
 TEST(RecommendedProvenance, MeasuredIsHalfOfThePriorsVariance) {
-  const RecommendedParameters parameters;
+  RecommendedParameters parameters;
+  parameters.noise.adaptation = Adaptation::off;
   Estimator estimator(parameters);
   bool was_assumed = false, was_measured = false;
   for (TimeNs i = 0; i < 30; ++i) {
@@ -87,12 +97,12 @@ TEST(RecommendedProvenance, WithoutMeasurementsItBecomesAssumed) {
 }
 
 TEST(RecommendedProvenance, ALaterLookMeasuresWhatTheInstantDidNot) {
-  Estimator estimator({}, 10);
+  Estimator estimator({}, 16);
   RecommendedEstimate<double> first;
-  for (TimeNs i = 0; i <= 10; ++i) first = step(estimator, i, swing_m(i), i != 1);
+  for (TimeNs i = 0; i <= 16; ++i) first = step(estimator, i, swing_m(i), i != 1);
   EXPECT_EQ(first.time_ns, 0);
   EXPECT_EQ(first.axes[0].velocity_m_s.provenance, kMeasured);
-  const auto second = step(estimator, 11, swing_m(11));  // of the missing sample
+  const auto second = step(estimator, 17, swing_m(17));  // of the missing sample
   expect(second, kDerived, kDerived, kDerived, kDerived);
 }
 

@@ -76,6 +76,7 @@ class MotionBank {
   void start_noise(const Position& noise_sd_m) {
     n_ = kFirstSamples;
     mean_step_s_ = 0;
+    learned_ = 0;
     for (int axis = 0; axis < kAxes; ++axis) leader_[axis] = adaptive_ ? kMostMembers / 2 : axis;
     for (int i = 0; i < member_count_; ++i) {
       Member& member = members_[i];
@@ -235,6 +236,9 @@ class MotionBank {
   Scalar noise_variance_m2(int axis) const { return leader(axis).R[axis]; }
   /// Density of the jerk along `axis` (m^2/s^5), as given or estimated likewise.
   Scalar jerk_density_m2_s5(int axis) const { return leader(axis).r * leader(axis).R[axis]; }
+  /// False while the noise is still the first guess more than what the samples say: intervals then
+  /// rest on the guess.
+  bool noise_is_known() const { return !adaptive_ || learned_ >= kFewestLearned; }
   /// True where the estimated noise along `axis` is held at its floor or ceiling.
   bool noise_is_at_limit(int axis) const {
     const Scalar R = noise_variance_m2(axis);
@@ -253,6 +257,7 @@ class MotionBank {
       3.1622776601683795e9,  1e10, 3.1622776601683795e10, 1e11, 3.1622776601683795e11, 1e12,
       3.1622776601683795e12, 1e13};
   static constexpr Scalar kFirstSamples = 5;  // samples that the first guess of R counts as
+  static constexpr int kFewestLearned = 15;   // then a guess six times too low is forgotten
   static constexpr Scalar kGrowth = Scalar(1) / Scalar(3);
   static constexpr Scalar kIndependentShare = Scalar(0.3);
   static constexpr Scalar kLead = 8;
@@ -275,6 +280,7 @@ class MotionBank {
 
   // Counts one more sample, `T` s after the last; its share in the means.
   Scalar grow_memory(Scalar T) {
+    learned_ = std::min(learned_ + 1, kFewestLearned);
     n_ += kGrowth;
     mean_step_s_ += (T - mean_step_s_) / n_;
     // Compared without a division: steps may be 0.
@@ -321,6 +327,7 @@ class MotionBank {
   int member_count_;
   Scalar n_ = kFirstSamples;
   Scalar mean_step_s_ = 0;
+  int learned_ = 0;  // samples, as far as it matters
   Array<int, kAxes> leader_ = {};
   Array<Member, kMostMembers> members_;
 };

@@ -15,7 +15,8 @@
 // acceleration, without growth: a value whose variance has come down to half of the prior's is
 // measured. Where the sample of that instant was not taken, it is the motion model that carries the
 // neighbours' measurements over: derived, the named assumption being white jerk. Force is derived
-// from a measured or derived acceleration. All else is assumed.
+// from a measured or derived acceleration. All else is assumed; so is the motion while the noise,
+// on which its standard deviations rest, is still guessed: for the first 15 samples.
 #pragma once
 
 #include "condyle/estimator/events.h"
@@ -387,6 +388,7 @@ class RecommendedEstimator {
       events.add(Event::variance_negative, moments.variance[i] < Scalar(0));
     }
     const auto provenance = [&](StateIndex i, Scalar prior_variance) {
+      if (!bank_.noise_is_known()) return Provenance::assumed;
       return carried(provenance_of_share(information_share(moments.variance[i], prior_variance)),
                      is_taken);
     };
