@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is known of a facebow: which device it is and what the bits of its reports mean.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "condyle/estimator/sample.h"
+
+namespace condyle::hal {
+
+/// Order of the bytes of a field.
+enum class ByteOrder : std::uint8_t { little, big };
+
+/// How the bits of a field are to be read.
+enum class FieldType : std::uint8_t { unsigned_integer, signed_integer, floating_point };
+
+/// A number inside a report. Bits are counted from the report's first byte (the report id, where
+/// reports are numbered), within a byte from its least significant bit, as HID 1.11 does.
+struct ReportField {
+  std::uint32_t offset_bits = 0;
+  std::uint32_t width_bits = 0;  ///< 1 to 64; 32 or 64 for floating_point
+  FieldType type = FieldType::signed_integer;
+  ByteOrder byte_order = ByteOrder::little;  ///< big: whole bytes only
+  double scale = 1;                          ///< value in SI = raw * scale + offset
+  double offset = 0;
+  std::optional<std::int64_t> missing;  ///< raw value that says "not measured"
+};
+
+/// A coordinate: a field, and where it goes.
+struct CoordinateField {
+  ReportField field;      ///< to metres, or for a quaternion to 1
+  std::size_t index = 0;  ///< in Sample::coordinates
+};
+
+/// A count or clock that starts again at 2^width_bits, or at `wraps_at` raw units.
+struct CountingField {
+  ReportField field;
+  std::uint64_t wraps_at = 0;  ///< 0: 2^width_bits
+};
+
+/// A cyclic redundancy check in the Rocksoft model (R. Williams, "A painless guide to CRC error
+/// detection algorithms", 1993), over bytes [first_byte, end_byte) of the report.
+struct Checksum {
+  ReportField field;
+  unsigned width_bits = 16;  ///< 8 or 16
+  std::uint32_t polynomial = 0;
+  std::uint32_t initial = 0;
+  bool reflects_input = false;
+  bool reflects_output = false;
+  std::uint32_t final_xor = 0;
+  std::size_t first_byte = 0;
+  std::size_t end_byte = 0;
+};
+
+/// A further measured value of a report.
+struct AuxiliaryField {
+  std::string name;  ///< "emg_masseter_left"
+  std::string unit;  ///< of the value after scaling: "V"
+  ReportField field;
+};
+
+/// What a profile file says. Offsets are checked against `minimum_size_bytes` when it is loaded.
+struct DeviceProfile {
+  std::string name;
+  std::uint16_t vendor_id = 0;
+  std::uint16_t product_id = 0;
+  int interface_number = -1;              ///< -1: the first HID interface
+  double rate_Hz = 0;                     ///< nominal; 0: not known
+  std::optional<std::uint8_t> report_id;  ///< absent: reports are not numbered
+  std::size_t minimum_size_bytes = 0;     ///< of a report, report id included
+  SampleKind kind = SampleKind::one_point;
+  std::vector<CoordinateField> coordinates;
+  std::optional<CountingField> device_time;  ///< field.scale: seconds a unit
+  std::optional<CountingField> sequence;     ///< one more a report
+  std::optional<Checksum> checksum;
+  std::optional<ReportField> drive_N;
+  std::vector<AuxiliaryField> auxiliary;
+  bool restarts_on_reconnect = false;  ///< its counter and clock start anew when plugged in
+};
+
+}  // namespace condyle::hal
