@@ -13,6 +13,8 @@ namespace condyle::host {
 inline constexpr int kExitOk = 0;
 /// The command line or an input cannot be used.
 inline constexpr int kExitBadInput = 2;
+/// What was given to be judged is refused; the message says where and why.
+inline constexpr int kExitRefused = 3;
 /// Stopped by the user.
 inline constexpr int kExitInterrupted = 130;
 /// A defect of condyle's own.
@@ -30,6 +32,8 @@ Command add_evaluate(CLI::App& app);
 Command add_friction(CLI::App& app);
 /// `condyle observability`
 Command add_observability(CLI::App& app);
+/// `condyle inspect`
+Command add_inspect(CLI::App& app);
 
 /// Writes `text` to the standard output; an InputError where that is closed or full.
 void print_output(const std::string& text);

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace condyle::host {
+
+/// Bytes of the report descriptor in `path`: binary, or hexadecimal text ("05 01", "0x05, 0x01",
+/// "0501"; the file then holds nothing else). An InputError where the file cannot be read or its
+/// text is no sequence of bytes.
+std::vector<std::uint8_t> read_descriptor_file(const std::string& path);
+
+}  // namespace condyle::host

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// A decoded report descriptor for people and for programs.
+#pragma once
+
+#include <string>
+
+#include "condyle/hal/report_descriptor.h"
+
+namespace condyle::host {
+
+/// In words, a line for each field; ends with a line feed.
+std::string descriptor_words(const hal::ReportDescriptor& descriptor);
+
+/// As a JSON object; the README describes it. Ends with a line feed.
+std::string descriptor_json(const hal::ReportDescriptor& descriptor);
+
+}  // namespace condyle::host

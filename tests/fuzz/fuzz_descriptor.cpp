@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any bytes as a report descriptor: its fields fill its reports, or it is refused with a reason.
+#include <cstdlib>
+
+#include "condyle/hal/report_descriptor.h"
+#include "descriptor_text.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto result = condyle::hal::parse_report_descriptor({data, size});
+  if (!result.descriptor) {
+    if (result.error.reason.empty() || result.error.byte_offset > size) std::abort();
+    return 0;
+  }
+  for (const auto& report : result.descriptor->reports) {
+    std::uint32_t next = report.id ? 8 : 0;
+    for (const auto& field : report.fields) {
+      if (field.offset_bits != next) std::abort();
+      next += field.width_bits * field.count;
+      if (field.count > 0 && !field.usages.empty() && field.usage_of(field.count - 1) == 0 &&
+          field.usages.back().last != 0) {
+        std::abort();
+      }
+    }
+    if (report.size_bits != next) std::abort();
+  }
+  condyle::host::descriptor_words(*result.descriptor);
+  condyle::host::descriptor_json(*result.descriptor);
+  return 0;
+}
