@@ -22,7 +22,10 @@ class ScriptedFacebow final : public hal::Facebow {
     Sample sample;
   };
   explicit ScriptedFacebow(std::vector<Step> steps) : steps_(std::move(steps)) {}
-  Status open() override { return Status::ok; }
+  Status open() override {
+    ++openings;
+    return openings % 3 == 0 ? Status::ok : Status::not_found;  // takes a while to come back
+  }
   Status read(TimeNs deadline_ns, Sample& sample) override {
     deadlines.push_back(deadline_ns);
     if (next_ == steps_.size()) return Status::end;
@@ -31,6 +34,7 @@ class ScriptedFacebow final : public hal::Facebow {
   }
   void close() override {}
   std::vector<TimeNs> deadlines;
+  int openings = 0;
 
  private:
   std::vector<Step> steps_;
@@ -79,6 +83,48 @@ TEST(RunLoop, CountsWhatIsNotASampleAndGoesOn) {
   EXPECT_EQ(outcome.counts.timeouts, 1U);
   EXPECT_EQ(outcome.counts.bad_reports, 1U);
   EXPECT_EQ(outcome.estimates.size(), 2U);
+}
+
+TEST(RunLoop, OpensAgainWhatWentAwayAndGoesOnWithTheSameSensor) {
+  ScriptedFacebow facebow({{Status::ok, at(0, 0)},
+                           {Status::ok, at(0.02, 0.001)},
+                           {Status::disconnected, {}},
+                           {Status::ok, at(5, 0.002)},
+                           {Status::disconnected, {}},
+                           {Status::ok, at(9, 0.002)}});
+  hal::ManualClock clock;
+  PublishedParameters parameters;
+  parameters.sample_time_s = 0.02;
+  PublishedSensor<double> sensor(parameters);
+  RunSettings settings;
+  settings.nominal_step_ns = nanoseconds(0.02);
+  settings.reopen_pause_ns = 1'000'000;
+  RunCounts counts;
+  EventSet last;
+  EXPECT_EQ(run(
+                facebow, clock, sensor, settings, counts,
+                [&](const Sample&, const Estimate& estimate) { last = estimate.events; },
+                [] { return false; }),
+            Status::end);
+  EXPECT_EQ(counts.samples, 4U);
+  EXPECT_EQ(counts.disconnections, 2U);
+  EXPECT_EQ(facebow.openings, 6);
+  EXPECT_EQ(clock.now_ns(), 4 * settings.reopen_pause_ns);
+  EXPECT_TRUE(last.has(Event::time_gap)) << "the sensor remembers what was before";
+}
+
+TEST(RunLoop, StopsWhileWaitingForWhatWentAway) {
+  ScriptedFacebow facebow({{Status::disconnected, {}}});
+  hal::ManualClock clock;
+  PublishedSensor<double> sensor(PublishedParameters{});
+  RunSettings settings;
+  settings.reopen_pause_ns = 1'000'000;
+  RunCounts counts;
+  EXPECT_EQ(run(
+                facebow, clock, sensor, settings, counts, [](const Sample&, const Estimate&) {},
+                [&] { return facebow.openings == 2; }),
+            Status::ok);
+  EXPECT_EQ(counts.disconnections, 1U);
 }
 
 TEST(RunLoop, KeepsAReversedSampleFromTheEstimator) {

@@ -19,6 +19,7 @@ struct RunSettings {
   TimeNs nominal_step_ns = 0;        ///< for finding gaps; 0 finds none
   bool expects_drive = false;        ///< a sample without drive force is an event
   TimeNs patience_ns = 100'000'000;  ///< longest wait for a sample before looking at `should_stop`
+  TimeNs reopen_pause_ns = 0;  ///< between attempts to open a facebow that went away; 0: makes none
 };
 
 /// What happened in a run.
@@ -26,13 +27,15 @@ struct RunCounts {
   std::uint64_t samples = 0;  ///< read from the facebow
   std::uint64_t timeouts = 0;
   std::uint64_t bad_reports = 0;
+  std::uint64_t disconnections = 0;
   EventCounts events;
 };
 
 /// Reads `facebow` (which is open, on `clock`) and gives each sample with the estimate it led to,
 /// to `sink(sample, estimate)`, until the facebow ends or `should_stop()`; then, with the last
 /// sample, the estimates that waited. Returns why it stopped: `ok` where it was told to, else the
-/// facebow's last status. Timeouts and bad reports are counted.
+/// facebow's last status. Timeouts, bad reports and disconnections are counted; after the last,
+/// where `settings` ask for it, the facebow is opened again until it is back.
 template <class Sensor, class Sink, class Predicate>
 hal::Status run(hal::Facebow& facebow, hal::Clock& clock, Sensor& sensor,
                 const RunSettings& settings, RunCounts& counts, Sink&& sink,
@@ -53,6 +56,12 @@ hal::Status run(hal::Facebow& facebow, hal::Clock& clock, Sensor& sensor,
       ++counts.timeouts;
     } else if (status == hal::Status::bad_report) {
       ++counts.bad_reports;
+    } else if (status == hal::Status::disconnected) {
+      ++counts.disconnections;
+      if (settings.reopen_pause_ns == 0) break;
+      while (!should_stop() && facebow.open() != hal::Status::ok) {
+        clock.sleep_until(clock.now_ns() + settings.reopen_pause_ns);
+      }
     } else {
       break;
     }
