@@ -176,11 +176,13 @@ void RecommendedSummary::add(const EstimateRow& row) {
   ReplaySummary::add(row);
   const double step_s =
       last_step_ns_ ? seconds(*last_step_ns_) : std::numeric_limits<double>::quiet_NaN();
+  // A measurement told twice is one measurement; a rejected one says nothing of the noise.
+  if (row.events.has(Event::time_repeated) && !std::isfinite(row.measured_position_m)) return;
   const bool is_rejected = row.events.has(Event::outlier_rejected);
   for (int i = 0; i < row.axis_count; ++i) {
     const AxisEstimate<double>& axis = row.axes[i];
     monitors_[i].add(is_rejected ? EstimateRow::kNone : axis.innovation_m / axis.innovation_sd_m,
-                     axis.measured_position_m, step_s);
+                     is_rejected ? EstimateRow::kNone : axis.measured_position_m, step_s);
   }
 }
 
@@ -228,13 +230,14 @@ std::string RecommendedSummary::text() const {
              return s.monitors_[axis].innovation_correlation();
            }) + " correlation of neighbouring innovations (0 if the model holds)");
   add_line(text, "noise floor",
-           per_axis("{:.2f}", [](const RecommendedSummary& s, int axis) {
-             return s.monitors_[axis].noise_correlation();
-           }) + " correlation of neighbouring sixth differences (-0.86 if the noise is white)");
+           per_axis("{:.2f}", [](const RecommendedSummary& s,
+                                 int axis) { return s.monitors_[axis].noise_correlation(); }) +
+               " correlation of neighbouring sixth differences (-0.86 if the noise is white)" +
+               filtered_text());
   const InnovationMonitor<double>& followed = monitors_[followed_index()];
   text += distrust_text(followed.mean_nis());
   text += last_values_text(is_trusted(followed.mean_nis()) && !followed.is_correlated() &&
-                           !followed.is_smoothed());
+                           !followed.is_filtered());
   text +=
       "Friction and mass are not computed: position alone does not determine them. What the "
       "published cascade shows for\nthem (--estimator published) is decided by its tuning.\n";
@@ -251,22 +254,36 @@ std::string RecommendedSummary::axes_where(bool (InnovationMonitor<double>::*is)
   return axes;
 }
 
+// Where the noise shows most that it is not white, unless it is between neighbours.
+std::string RecommendedSummary::filtered_text() const {
+  std::string text;
+  for (int axis = 0; axis < axis_count(); ++axis) {
+    const int lag = monitors_[axis].filtered_lag();
+    if (lag <= 1) continue;
+    text +=
+        fmt::format("; {}{:.2f} {} samples apart ({:.2f})",
+                    axis_count() == 3 ? fmt::format("{} ", "xyz"[axis]) : "",
+                    monitors_[axis].noise_correlation(lag), lag, NoiseColour<double>::white(lag));
+  }
+  return text;
+}
+
 std::string RecommendedSummary::warning() const {
-  const std::string smoothed = axes_where(&InnovationMonitor<double>::is_smoothed);
+  const std::string filtered = axes_where(&InnovationMonitor<double>::is_filtered);
   const std::string correlated = axes_where(&InnovationMonitor<double>::is_correlated);
-  if (smoothed.empty() && correlated.empty()) return {};
+  if (filtered.empty() && correlated.empty()) return {};
   std::string words;
-  if (!smoothed.empty()) {
+  if (!filtered.empty()) {
     words += fmt::format(
-        "the positions ({}) have no white noise left: they were smoothed before "
-        "they were recorded",
-        smoothed);
+        "the noise of the positions ({}) is not white: they were smoothed or otherwise filtered "
+        "before they were recorded",
+        filtered);
   }
   if (!correlated.empty()) {
     words += fmt::format(
         "{}neighbouring innovations ({}) are correlated, as smoothed positions "
         "make them",
-        smoothed.empty() ? "" : "; ", correlated);
+        filtered.empty() ? "" : "; ", correlated);
   }
   return words + "; the filter takes noise for white, so its intervals are not to be relied on";
 }

@@ -87,6 +87,7 @@ class RecommendedSummary final : public ReplaySummary {
 
  private:
   std::string per_axis(const char* format, double (*value)(const RecommendedSummary&, int)) const;
+  std::string filtered_text() const;
   // Names of the axes whose monitor says so.
   std::string axes_where(bool (InnovationMonitor<double>::*is)() const) const;
   int axis_count() const { return last_.axis_count; }

@@ -222,6 +222,30 @@ TEST(FrozenDetector, NeedsTwentyRepeatsAtTheStart) {
   EXPECT_EQ(frozen_among(detector, 100, value), 81);
 }
 
+TEST(FrozenDetector, DoubtsTheFirstRepeatOfANoisySignal) {
+  FrozenDetector detector;
+  double value = 0;
+  for (; value < 300; ++value) {
+    ASSERT_FALSE(detector.add(Point{0, 0, value}));
+    ASSERT_EQ(detector.repeats(), 0);
+    ASSERT_FALSE(detector.is_doubtful());
+  }
+  ASSERT_FALSE(detector.add(Point{0, 0, value}));
+  EXPECT_FALSE(detector.add(Point{0, 0, value}));
+  EXPECT_EQ(detector.repeats(), 1);
+  EXPECT_TRUE(detector.is_doubtful());
+}
+
+TEST(FrozenDetector, DoubtsNoRepeatOfADeviceThatRepeatsItself) {
+  FrozenDetector detector;
+  double value = 0;
+  for (int i = 0; i < 300; ++i) {
+    ASSERT_FALSE(detector.add(Point{0, 0, value}));
+    ASSERT_FALSE(detector.is_doubtful());
+    if (i % 3 == 0) ++value;
+  }
+}
+
 RC_GTEST_PROP(FrozenDetector, NeverCallsAChangeOrAThirdRepeatFrozen, ()) {
   FrozenDetector detector;
   int last = -1, repeats = 0;

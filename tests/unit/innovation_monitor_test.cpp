@@ -39,14 +39,14 @@ class Monitor : public testing::Test {
 using Scalars = testing::Types<float, double>;
 TYPED_TEST_SUITE(Monitor, Scalars);
 
-// 500 runs of 300 samples: none may be called smoothed. The correlation scatters by 0.012 around
-// -6/7, so the bound at -0.80 lies 4.7 standard deviations away: false alarm of the whole test
-// 7e-4.
+// 500 runs of 300 samples: none may be called filtered. Five standard deviations of chance at each
+// of 32 distances: false alarm of the whole test 500 * 32 * 5.7e-7 = 0.01 at most, as the margins
+// add to them.
 TYPED_TEST(Monitor, KnowsWhiteNoise) {
   double sum = 0, square_sum = 0;
   for (unsigned seed = 0; seed < 500; ++seed) {
     const auto monitor = this->watch(this->positions(1, 300, seed));
-    EXPECT_FALSE(monitor.is_smoothed()) << seed;
+    EXPECT_FALSE(monitor.is_filtered()) << seed;
     const auto value = static_cast<double>(monitor.noise_correlation());
     sum += value;
     square_sum += value * value;
@@ -56,12 +56,31 @@ TYPED_TEST(Monitor, KnowsWhiteNoise) {
 }
 
 TYPED_TEST(Monitor, SaysNothingFromFewSamples) {
-  EXPECT_FALSE(this->watch(this->positions(20, 200, 1)).is_smoothed());
+  EXPECT_FALSE(this->watch(this->positions(20, 200, 1)).is_filtered());
   EXPECT_FALSE(InnovationMonitor<TypeParam>().is_correlated());
 }
 
-// A mean over neighbours has zeros in its spectrum, which six differences do not lift; a drift of
-// the noise from sample to sample has not.
+// The commonest filter of all. It leaves zeros in the spectrum, which no difference lifts.
+TYPED_TEST(Monitor, KnowsAMeanOverNeighbours) {
+  for (int n = 2; n <= NoiseColour<TypeParam>::kMostLags; ++n) {
+    const auto monitor = this->watch(this->positions(n, 2000, static_cast<unsigned>(n)));
+    EXPECT_TRUE(monitor.is_filtered()) << n;
+    if (n <= 6) continue;
+    EXPECT_EQ(monitor.filtered_lag(), n);
+    EXPECT_NEAR(static_cast<double>(monitor.noise_correlation(n)), -0.5, 0.2) << n;
+  }
+}
+
+TYPED_TEST(Monitor, IsNotMisledByGlitchesAtTheStart) {
+  for (const double glitch_m : {0.02, 1.0, 1e3, 1e30}) {
+    for (const std::size_t at : {0U, 3U, 9U}) {
+      std::vector<double> positions = this->positions(1, 2000, 3);
+      positions[at] += glitch_m;
+      EXPECT_FALSE(this->watch(positions).is_filtered()) << glitch_m << " at " << at;
+    }
+  }
+}
+
 TYPED_TEST(Monitor, KnowsNoiseThatDrifts) {
   std::mt19937 generator(1);
   std::normal_distribution<double> noise(0, 1e-5);
@@ -73,19 +92,20 @@ TYPED_TEST(Monitor, KnowsNoiseThatDrifts) {
     positions.push_back(slower);
   }
   const auto monitor = this->watch(positions);
-  EXPECT_TRUE(monitor.is_smoothed()) << monitor.noise_correlation();
+  EXPECT_TRUE(monitor.is_filtered()) << monitor.noise_correlation();
 }
 
 TYPED_TEST(Monitor, IsNotMisledByGlitchesGapsAndMissingPositions) {
   std::vector<double> positions = this->positions(1, 4000, 2);
   InnovationMonitor<TypeParam> monitor;
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (i % 97 == 5) positions[i] += 0.005;
+    // Of the glitches most are rejected, and so not shown to it.
+    if (i % 97 == 5) positions[i] += i % 5 == 0 ? 0.005 : std::numeric_limits<double>::quiet_NaN();
     if (i % 61 == 7) positions[i] = std::numeric_limits<double>::quiet_NaN();
     monitor.add(TypeParam(0.1), static_cast<TypeParam>(positions[i]),
                 static_cast<TypeParam>(i % 41 == 3 ? 0.02 : 0.005));
   }
-  EXPECT_FALSE(monitor.is_smoothed()) << monitor.noise_correlation();
+  EXPECT_FALSE(monitor.is_filtered()) << monitor.noise_correlation();
 }
 
 // rho of n white innovations scatters by 1/sqrt(n): 400 runs of 1000, the largest of which stays

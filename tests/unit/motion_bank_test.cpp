@@ -218,7 +218,8 @@ class NoiseByDefinition {
         if (pass == 0) mixed.mean += weight_[i] / sum * x;
         if (pass == 1) {
           mixed.variance +=
-              weight_[i] / sum * n_ / (n_ - 2) * (R_[i] * variance + (x - mixed.mean).cwiseAbs2());
+              weight_[i] / sum * n_ / (n_ - 2) *
+              (std::max(R_[i], R_[leader_]) * variance + (x - mixed.mean).cwiseAbs2());
         }
       }
     }

@@ -34,7 +34,8 @@ TEST(RecommendedProvenance, OnePositionMeasuresAPositionAlone) {
     RecommendedParameters parameters;
     parameters.noise.adaptation = adaptation;
     Estimator estimator(parameters);
-    expect(step(estimator, 0, 0.001), kMeasured, kAssumed, kAssumed, kAssumed);
+    const Provenance position = adaptation == Adaptation::on ? kAssumed : kMeasured;
+    expect(step(estimator, 0, 0.001), position, kAssumed, kAssumed, kAssumed);
   }
 }
 
@@ -46,12 +47,24 @@ TEST(RecommendedProvenance, SomeMorePositionsMeasureTheMotion) {
 }
 
 // The intervals of the first samples rest on a guess of the noise.
-TEST(RecommendedProvenance, WhileTheNoiseIsGuessedMotionIsAssumed) {
+TEST(RecommendedProvenance, WhileTheNoiseIsGuessedAllIsAssumed) {
   Estimator estimator({});
   for (TimeNs i = 0; i < 30; ++i) {
-    const Provenance motion = i < 15 ? kAssumed : kMeasured;
-    expect(step(estimator, i, swing_m(i)), kMeasured, motion, motion, i < 15 ? kAssumed : kDerived);
+    const Provenance known = i < 15 ? kAssumed : kMeasured;
+    expect(step(estimator, i, swing_m(i)), known, known, known, i < 15 ? kAssumed : kDerived);
   }
+}
+
+// As long as most samples are farther off than the noise allows, it is not the noise.
+TEST(RecommendedProvenance, AGuessThatIsFarTooLowIsDoubtedLonger) {
+  Estimator estimator({});
+  int assumed = 0;
+  for (TimeNs i = 0; i < 200; ++i) {
+    const auto estimate = step(estimator, i, i * i % 7 % 2 == 0 ? 0.01 : -0.01);
+    assumed += estimate.axes[0].position_m.provenance == kAssumed ? 1 : 0;
+  }
+  EXPECT_GT(assumed, 20);
+  EXPECT_LT(assumed, 100);
 }
 
 // The threshold is the one that provenance.h documents, on the values that are reported.

@@ -22,6 +22,7 @@ enum class Event : std::uint8_t {
   estimate_not_finite,  ///< a state has left the range of numbers
   variance_negative,    ///< a variance has become negative
   parameters_invalid,   ///< a parameter is out of its range; nothing is computed
+  position_repeated,    ///< a position repeated as living devices seldom do; only predicted
   position_frozen,      ///< the device repeats a position; the estimator only predicts
   points_not_rigid,     ///< the three points have changed their distances; not taken
   outlier_weighted,     ///< far from what was expected: counts less
@@ -32,17 +33,17 @@ enum class Event : std::uint8_t {
   noise_at_limit,       ///< the estimated noise is at its floor or ceiling
 };
 /// Number of events.
-inline constexpr std::size_t kEventCount = 21;
+inline constexpr std::size_t kEventCount = 22;
 
 /// Name of an event as it stands in files and summaries.
 constexpr const char* event_name(Event event) {
   constexpr const char* names[kEventCount] = {
-      "time_missing",       "time_reversed",    "time_restarted",      "time_repeated",
-      "time_gap",           "position_missing", "zero_filled",         "drive_missing",
-      "not_started",        "update_refused",   "estimate_not_finite", "variance_negative",
-      "parameters_invalid", "position_frozen",  "points_not_rigid",    "outlier_weighted",
-      "outlier_rejected",   "outlier_revoked",  "state_restarted",     "state_lost",
-      "noise_at_limit"};
+      "time_missing",       "time_reversed",     "time_restarted",      "time_repeated",
+      "time_gap",           "position_missing",  "zero_filled",         "drive_missing",
+      "not_started",        "update_refused",    "estimate_not_finite", "variance_negative",
+      "parameters_invalid", "position_repeated", "position_frozen",     "points_not_rigid",
+      "outlier_weighted",   "outlier_rejected",  "outlier_revoked",     "state_restarted",
+      "state_lost",         "noise_at_limit"};
   return names[static_cast<std::size_t>(event)];
 }
 

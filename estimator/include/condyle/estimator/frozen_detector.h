@@ -9,6 +9,8 @@
 // its run is too improbable for a living device:
 //   max(f, 0.01)^r < 1e-6,    f as it was when the run began:
 // the fourth repeat of a noisy signal, the twentieth where every second sample at rest is a repeat.
+// It is doubtful, and better not used, from 0.02 on: the first repeat of a noisy signal, the sixth
+// where every second sample is one.
 //
 //   f = (10 g + a) / (10 + n)
 //   n, a    samples after a repeat, and those of them that were repeats
@@ -47,6 +49,8 @@ namespace condyle {
 
 /// A run of repeats that is less probable than this for a living device is frozen.
 inline constexpr double kFrozenProbability = 1e-6;
+/// And one that is less probable than this is doubtful.
+inline constexpr double kDoubtfulProbability = 0.02;
 
 /// See the model above. No allocation, constant time.
 class FrozenDetector {
@@ -66,7 +70,7 @@ class FrozenDetector {
     if (is_comparable) learn_from_run();
     std::copy(coordinates.begin(), coordinates.end(), last_);
     count_ = is_finite ? coordinates.size() : 0;
-    teaching_ = 0;
+    teaching_ = repeats_ = 0;
     run_probability_ = 1;
     run_rate_ = std::max(repeat_rate(), kSmallestRate);
     return false;
@@ -77,6 +81,11 @@ class FrozenDetector {
     return add(
         std::span(sample.coordinates, sample.position_valid ? coordinate_count(sample.kind) : 0));
   }
+
+  /// Repeats up to the last sample, that one included; 0 where it differed from the one before.
+  int repeats() const { return repeats_; }
+  /// True where the last sample was a repeat that a living device seldom makes.
+  bool is_doubtful() const { return run_probability_ < kDoubtfulProbability; }
 
   /// f, as it has been learned so far; from 0 to 1.
   double repeat_rate() const {
@@ -90,6 +99,7 @@ class FrozenDetector {
   static constexpr double kPriorWeight = 10;
   static constexpr double kSmallestRate = 0.01;
   static constexpr int kTaughtRepeats = 10;
+  static constexpr int kMostRepeats = 1'000'000'000;
 
   // Not ==: a change from 0 to -0 is a sign of life.
   static bool same_bits(double a, double b) {
@@ -98,6 +108,7 @@ class FrozenDetector {
 
   bool add_repeat() {
     if (teaching_ == 0) learn_after_change(1);
+    repeats_ = std::min(repeats_ + 1, kMostRepeats);
     run_probability_ *= run_rate_;
     const bool is_frozen = run_probability_ < kFrozenProbability;
     if (!is_frozen || teaching_ < kTaughtRepeats) ++teaching_;
@@ -122,7 +133,8 @@ class FrozenDetector {
   double after_repeat_ = 0, repeated_after_repeat_ = 0;  // n, a
   double last_[kMost] = {};
   std::size_t count_ = 0;  // 0: there is nothing to compare with
-  int teaching_ = 0;       // repeats of the present run that teach
+  int repeats_ = 0;        // of the present run,
+  int teaching_ = 0;       // and those that teach
   double run_probability_ = 1, run_rate_ = 0.5;
 };
 

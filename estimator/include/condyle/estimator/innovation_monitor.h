@@ -5,67 +5,79 @@
 //   NIS   e^2; its mean is 1 if the stated variances are right
 //   rho   correlation of consecutive e, each limited to +-3 so that glitches do not decide it;
 //         0 +- 1/sqrt(n) if the model holds
-//   c     correlation of consecutive sixth differences of the measured positions. They cancel a
-//   slow
-//         motion and leave the noise: white noise gives -6/7 whatever its size (differences of
-//         order k: -k/(k+1)); noise that was smoothed before it came gives more.
+//   c_k   correlation of sixth differences of the measured positions, k samples apart. Differences
+//         cancel a slow motion and leave the noise. White noise, whatever its size, gives
+//         (-1)^k C(12, 6+k) / C(12, 6): -6/7, 15/28, ... and 0 from k = 7 on
 //
 // A maker who smooths makes neighbours share their noise: a white R is then wrong, and so are the
-// intervals. An adaptive filter hides part of that from rho, so c is looked at as well.
+// intervals. An adaptive filter hides part of that from rho, so c is looked at as well: c_1 is
+// above -6/7 where a low pass left little noise, and a mean over n samples gives c_n near -1/2. A
+// mean over more than kMostLags samples is not noticed by it.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "condyle/estimator/arithmetic.h"
 
 namespace condyle {
 
-/// Mean of numbers and correlation of neighbours, all limited. Beyond kMemory numbers old ones
-/// fade.
-template <class Scalar>
-class NeighbourCorrelation {
+/// Mean square of numbers and their correlation up to `kLags` numbers apart. Beyond kMemory numbers
+/// old ones fade.
+template <class Scalar, int kLags>
+class Autocorrelation {
  public:
   /// Adds the next number; NaN breaks the chain.
   void add(Scalar value) {
     if (!std::isfinite(value)) {
-      has_previous_ = false;
+      chained_ = 0;
       return;
     }
     count_ = std::min(count_ + Scalar(1), kMemory);
     variance_ += (value * value - variance_) / count_;
-    if (has_previous_) {
-      pairs_ = std::min(pairs_ + Scalar(1), kMemory);
-      covariance_ += (value * previous_ - covariance_) / pairs_;
+    for (int lag = 1; lag <= chained_; ++lag) {
+      Scalar& pairs = pairs_[lag - 1];
+      pairs = std::min(pairs + Scalar(1), kMemory);
+      covariance_[lag - 1] += (value * past_[lag - 1] - covariance_[lag - 1]) / pairs;
     }
-    previous_ = value;
-    has_previous_ = true;
+    for (int i = kLags - 1; i > 0; --i) past_[i] = past_[i - 1];
+    past_[0] = value;
+    chained_ = std::min(chained_ + 1, kLags);
   }
-  /// Pairs of neighbours, at most kMemory.
-  Scalar pairs() const { return pairs_; }
+  /// Pairs `lag` numbers apart, at most kMemory.
+  Scalar pairs(int lag = 1) const { return pairs_[lag - 1]; }
   /// Root mean square of the numbers.
   Scalar rms() const { return std::sqrt(variance_); }
-  /// Correlation of neighbours, -1 to 1; 0 where nothing varies.
-  Scalar value() const { return variance_ > Scalar(0) ? covariance_ / variance_ : Scalar(0); }
+  /// Correlation `lag` apart, -1 to 1; 0 where nothing varies.
+  Scalar value(int lag = 1) const {
+    return variance_ > Scalar(0) ? covariance_[lag - 1] / variance_ : Scalar(0);
+  }
 
  private:
   static constexpr Scalar kMemory = 100'000;
 
-  Scalar count_ = 0, pairs_ = 0, variance_ = 0, covariance_ = 0, previous_ = 0;
-  bool has_previous_ = false;
+  Scalar count_ = 0, variance_ = 0;
+  Array<Scalar, kLags> pairs_ = {}, covariance_ = {};
+  Array<Scalar, kLags> past_ = {};  // the last number first
+  int chained_ = 0;                 // of `past_`
 };
 
-/// Correlation of neighbouring sixth differences. The steps between positions must be even to 10 %;
-/// where they are not, it starts a new chain.
+/// Correlation of sixth differences, up to kMostLags samples apart. The steps between positions
+/// must be even to 10 %; where they are not, it starts a new chain.
 template <class Scalar>
 class NoiseColour {
  public:
+  /// Farthest apart that is looked at.
+  static constexpr int kMostLags = 32;
+
   /// Adds a position measured `step_s` after the one before; NaN breaks the chain.
   void add(Scalar position_m, Scalar step_s) {
     const bool even = step_s > Scalar(0.9) * step_s_ && step_s < Scalar(1.1) * step_s_;
     step_s_ = step_s;
     if (!even || !std::isfinite(position_m)) {
       order_ = 0;
-      correlation_.add(std::numeric_limits<Scalar>::quiet_NaN());
+      add_difference(std::numeric_limits<Scalar>::quiet_NaN());
     }
     if (!std::isfinite(position_m)) return;
     // difference[k] of this position from the differences of the one before
@@ -75,29 +87,61 @@ class NoiseColour {
       differences_[k] = difference;
       difference -= before;
     }
-    if (order_ == kOrder) correlation_.add(limited(differences_[kOrder]));
+    if (order_ == kOrder) add_difference(differences_[kOrder]);
     order_ = std::min(order_ + 1, kOrder);
   }
 
-  /// Number of pairs compared.
-  Scalar pairs() const { return correlation_.pairs(); }
-  /// Correlation c.
-  Scalar value() const { return correlation_.value(); }
+  /// Number of pairs compared, `lag` samples apart.
+  Scalar pairs(int lag = 1) const { return correlation_.pairs(lag); }
+  /// Correlation c_lag.
+  Scalar value(int lag = 1) const { return correlation_.value(lag); }
+  /// What c_lag is if the noise is white.
+  static constexpr Scalar white(int lag) {
+    constexpr Array<double, kOrder + 1> kBinomial = {924, -792, 495, -220, 66, -12, 1};
+    const int distance = lag < 0 ? -lag : lag;
+    return distance > kOrder ? Scalar(0) : static_cast<Scalar>(kBinomial[distance] / kBinomial[0]);
+  }
+  /// Standard deviation of c_lag from the pairs compared, if the noise is white (M. S. Bartlett,
+  /// J. R. Stat. Soc. Suppl. 8 (1946) 27-41).
+  Scalar white_sd(int lag) const {
+    Scalar sum = 0;
+    for (int j = 1; j <= lag + kOrder; ++j) {
+      const Scalar term = white(j + lag) + white(j - lag) - Scalar(2) * white(j) * white(lag);
+      sum += term * term;
+    }
+    return std::sqrt(sum / std::max(pairs(lag), Scalar(1)));
+  }
 
  private:
   static constexpr int kOrder = 6;
+  static constexpr int kFirst = 48;  // differences that the first scale is taken from
 
-  // A glitch counts no more than three times what is usual.
-  Scalar limited(Scalar difference) const {
-    const Scalar limit = Scalar(3) * correlation_.rms();
-    return correlation_.pairs() < Scalar(kOrder) ? difference
-                                                 : std::clamp(difference, -limit, limit);
+  // A glitch counts no more than three times what is usual, the first ones included: they wait
+  // until their median says what is usual.
+  void add_difference(Scalar difference) {
+    if (waiting_count_ == kFirst) return add_limited(difference, Scalar(3) * correlation_.rms());
+    waiting_[waiting_count_++] = difference;
+    if (waiting_count_ < kFirst) return;
+    Array<Scalar, kFirst> sizes = {};
+    int count = 0;
+    for (const Scalar value : waiting_) {
+      if (std::isfinite(value)) sizes[count++] = std::abs(value);
+    }
+    std::nth_element(&sizes[0], &sizes[0] + count / 2, &sizes[0] + count);
+    const Scalar usual = Scalar(1.4826) * sizes[count / 2];  // median to standard deviation
+    for (const Scalar value : waiting_) add_limited(value, Scalar(3) * usual);
+  }
+
+  void add_limited(Scalar difference, Scalar limit) {
+    correlation_.add(limit > Scalar(0) ? std::clamp(difference, -limit, limit) : difference);
   }
 
   Array<Scalar, kOrder + 1> differences_ = {};
   int order_ = 0;  // highest difference that this position will have, at most kOrder
   Scalar step_s_ = 0;
-  NeighbourCorrelation<Scalar> correlation_;
+  Array<Scalar, kFirst> waiting_ = {};
+  int waiting_count_ = 0;
+  Autocorrelation<Scalar, kMostLags> correlation_;
 };
 
 /// Watches the innovations and positions of one axis. Constant memory.
@@ -109,11 +153,9 @@ class InnovationMonitor {
   /// Innovations are said to be correlated from this rho on, if it is also four standard deviations
   /// of chance. On unsmoothed simulated chewing |rho| stays below 0.07.
   static constexpr Scalar kCorrelated = Scalar(0.1);
-  /// Correlation of neighbouring sixth differences of white noise.
-  static constexpr Scalar kWhite = Scalar(-6) / Scalar(7);
-  /// Positions are said to be smoothed where c is above kWhite by this much, if that is also five
-  /// standard deviations of chance, which for n pairs is 0.32/sqrt(n) (measured).
-  static constexpr Scalar kSmoothed = Scalar(0.057);
+  /// Positions are said to be filtered where some c_k differs from white noise's by this much, if
+  /// that is also five standard deviations of chance.
+  static constexpr Scalar kFilteredNeighbours = Scalar(0.057), kFilteredFarther = Scalar(0.2);
 
   /// Adds what one sample said: the standardised innovation, no unit, and the measured position,
   /// `step_s` after the one before; NaN where there was none.
@@ -129,25 +171,37 @@ class InnovationMonitor {
   Scalar mean_nis() const { return nis_; }
   /// rho.
   Scalar innovation_correlation() const { return innovation_.value(); }
-  /// c; -6/7 if the noise is white.
-  Scalar noise_correlation() const { return noise_.value(); }
+  /// c_lag.
+  Scalar noise_correlation(int lag = 1) const { return noise_.value(lag); }
   /// True where neighbouring innovations are correlated: the stated intervals do not hold.
   bool is_correlated() const {
     const Scalar rho = innovation_.value();
     return innovation_.pairs() >= kFewestPairs && rho > kCorrelated &&
            rho * rho * innovation_.pairs() > Scalar(16);
   }
-  /// True where no white noise is left in the positions.
-  bool is_smoothed() const {
-    const Scalar above = noise_.value() - kWhite;
-    return noise_.pairs() >= kFewestPairs && above > kSmoothed &&
-           above * above * noise_.pairs() > Scalar(2.56);
+  /// The samples apart at which c_k differs most from white noise's, in standard deviations of
+  /// chance, so that the noise is not white; 0 where there is none.
+  int filtered_lag() const {
+    int found = 0;
+    Scalar largest = 5;
+    for (int lag = 1; lag <= NoiseColour<Scalar>::kMostLags; ++lag) {
+      if (noise_.pairs(lag) < kFewestPairs) continue;
+      const Scalar difference = std::abs(noise_.value(lag) - NoiseColour<Scalar>::white(lag));
+      const Scalar ratio = difference / noise_.white_sd(lag);
+      if (difference > (lag == 1 ? kFilteredNeighbours : kFilteredFarther) && ratio > largest) {
+        found = lag;
+        largest = ratio;
+      }
+    }
+    return found;
   }
+  /// True where the noise of the positions is not white: they were filtered before they came.
+  bool is_filtered() const { return filtered_lag() > 0; }
 
  private:
   static constexpr Scalar kMemory = 100'000;
 
-  NeighbourCorrelation<Scalar> innovation_;
+  Autocorrelation<Scalar, 1> innovation_;
   NoiseColour<Scalar> noise_;
   Scalar count_ = 0, nis_ = 0;
 };

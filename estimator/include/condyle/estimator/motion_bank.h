@@ -11,10 +11,10 @@
 //   <>      mean over the last n samples, older ones forgotten exponentially; n grows to `memory_s`
 //
 // Noise.     For a given r the likelihood is largest at R_i = <nu^2 / S>: a mean of positive
-// numbers,
-//            held between floor and ceiling. Then q_i = r_i R_i. Each nu^2 / S counts at most
-//            huber^2 R_i, so that glitches do not become noise. n grows by kGrowth a sample, so
-//            that the first guess is forgotten as n^-3, not as 1/n.
+//            numbers, held between floor and ceiling. Then q_i = r_i R_i. Each nu^2 / S counts at
+//            most huber^2 R_i, so that glitches do not become noise. n grows by kGrowth a sample,
+//            so that the first guess is forgotten as n^-3, not as 1/n. The noise is known once
+//            kFewestLearned samples more were within huber than beyond it.
 // Weights.   log w_i = max(long_i - max long, -kLead) + short_i, up to a constant:
 //            long_i    log likelihood over the memory, -n/2 (log R_i + <log S_i>), tempered: jaw
 //                      motion is no white jerk, innovations are correlated, and n of them count as
@@ -23,8 +23,10 @@
 //                      nu^2 / (R_i S)), nu^2 / (R_i S) at most gate^2
 //            What served best so far leads, its R and q are those reported, but by no more than
 //            e^kLead: when the jaw starts or stops, a few samples put another member in charge.
-// Estimate.  Mean of the mixture: sum w_i x_i; variance sum w_i (R_i P_i + (x_i - mean)^2), times
-//            n/(n-2) because R was estimated from n samples (Student's t).
+// Estimate.  Mean of the mixture: sum w_i x_i; variance sum w_i (R'_i P_i + (x_i - mean)^2), times
+//            n/(n-2) because R was estimated from n samples (Student's t). R'_i is R_i, but no less
+//            than the R of the member that leads: a member of larger r explains noise as motion,
+//            and when a start or a stop puts it in charge, the instrument is no better than it was.
 //
 // D. T. Magill, Optimal adaptive estimation of sampled stochastic processes, IEEE Trans. Autom.
 // Control 10 (1965) 434-439 (the bank); P. R. Kalata, The tracking index, IEEE Trans. Aerosp.
@@ -45,9 +47,11 @@ namespace condyle {
 /// What the bank expects of the next measurement along one axis.
 template <class Scalar>
 struct Expectation {
-  Scalar position_m{};         ///< mean of the mixture
-  Scalar variance_m2{};        ///< of the innovation
-  Scalar deviation_squared{};  ///< innovation^2 / variance of the likely member it fits best
+  Scalar position_m{};   ///< mean of the mixture
+  Scalar variance_m2{};  ///< of the innovation, as stated
+  // innovation^2 / variance, with the noise that each member has made out itself:
+  Scalar of_likely_squared{};   ///< of the likely member it fits best
+  Scalar of_mixture_squared{};  ///< of the mixture
 };
 
 /// The bank. `kAxes`: 1 or 3.
@@ -125,23 +129,27 @@ class MotionBank {
   Expectation<Scalar> expectation(int axis, Scalar z_m) const {
     Expectation<Scalar> expected;
     Scalar weight_sum = 0;
-    expected.deviation_squared = std::numeric_limits<Scalar>::infinity();
+    expected.of_likely_squared = std::numeric_limits<Scalar>::infinity();
+    Scalar own_variance_m2 = 0;
     for (int i = 0; i < member_count_; ++i) {
       const Member& member = members_[i];
       const Scalar weight = member.weight[axis];
       if (!(weight > kPlausible)) continue;
       const Scalar innovation_m = z_m - member.step.x[axis][kPosition];
-      const Scalar variance_m2 = member.R[axis] * (member.step.P(kPosition, kPosition) + Scalar(1));
+      const Scalar S = member.step.P(kPosition, kPosition) + Scalar(1);
       weight_sum += weight;
       expected.position_m += weight * member.step.x[axis][kPosition];
-      expected.variance_m2 += weight * variance_m2;
+      expected.variance_m2 += weight * stated_R(member, axis) * S;
+      own_variance_m2 += weight * member.R[axis] * S;
       if (weight > kExcuses) {
-        expected.deviation_squared =
-            std::min(expected.deviation_squared, innovation_m * innovation_m / variance_m2);
+        expected.of_likely_squared = std::min(expected.of_likely_squared,
+                                              innovation_m * innovation_m / (member.R[axis] * S));
       }
     }
     expected.position_m /= weight_sum;
     expected.variance_m2 /= weight_sum;
+    const Scalar innovation_m = z_m - expected.position_m;
+    expected.of_mixture_squared = innovation_m * innovation_m * weight_sum / own_variance_m2;
     return expected;
   }
 
@@ -170,6 +178,7 @@ class MotionBank {
       }
     }
     for (int axis = 0; axis < kAxes; ++axis) weigh(axis, long_score);
+    if (!noise_is_known()) judge_guess(z_m);
   }
 
   /// Takes the measurement `z_m` with `weight` (1: in full), after `predict`. False where an
@@ -208,7 +217,7 @@ class MotionBank {
       const Vector3<Scalar> deviation = moments.mean - reference;
       weight_sum += weight;
       mixed.mean += weight * deviation;
-      mixed.variance += weight * members_[i].R[axis] * moments.variance;
+      mixed.variance += weight * stated_R(members_[i], axis) * moments.variance;
       square_sum += weight * deviation.cwiseProduct(deviation);
     }
     const Scalar scale = Scalar(1) / weight_sum;
@@ -257,7 +266,7 @@ class MotionBank {
       3.1622776601683795e9,  1e10, 3.1622776601683795e10, 1e11, 3.1622776601683795e11, 1e12,
       3.1622776601683795e12, 1e13};
   static constexpr Scalar kFirstSamples = 5;  // samples that the first guess of R counts as
-  static constexpr int kFewestLearned = 15;   // then a guess six times too low is forgotten
+  static constexpr int kFewestLearned = 15;   // then a first guess is forgotten
   static constexpr Scalar kGrowth = Scalar(1) / Scalar(3);
   static constexpr Scalar kIndependentShare = Scalar(0.3);
   static constexpr Scalar kLead = 8;
@@ -280,12 +289,23 @@ class MotionBank {
 
   // Counts one more sample, `T` s after the last; its share in the means.
   Scalar grow_memory(Scalar T) {
-    learned_ = std::min(learned_ + 1, kFewestLearned);
     n_ += kGrowth;
     mean_step_s_ += (T - mean_step_s_) / n_;
     // Compared without a division: steps may be 0.
     if (n_ * mean_step_s_ > memory_s_) n_ = std::max(memory_s_ / mean_step_s_, kFirstSamples);
     return Scalar(1) / n_;
+  }
+
+  // A noise that samples keep exceeding is still on its way up from the guess.
+  void judge_guess(const Position& z_m) {
+    bool is_within = true;
+    for (int axis = 0; axis < kAxes; ++axis) {
+      const Member& member = leader(axis);
+      const Scalar innovation_m = z_m[axis] - member.step.x[axis][kPosition];
+      const Scalar S = member.step.P(kPosition, kPosition) + Scalar(1);
+      is_within = is_within && innovation_m * innovation_m <= largest_share_ * member.R[axis] * S;
+    }
+    learned_ = is_within ? learned_ + 1 : std::max(learned_ - 1, 0);
   }
 
   void weigh(int axis, const Array<Array<Scalar, kAxes>, kMostMembers>& long_score) {
@@ -317,6 +337,11 @@ class MotionBank {
 
   Scalar uncertainty_of_noise() const { return adaptive_ ? n_ / (n_ - Scalar(2)) : Scalar(1); }
 
+  // R' of a member, see above.
+  Scalar stated_R(const Member& member, int axis) const {
+    return adaptive_ ? std::max(member.R[axis], leader(axis).R[axis]) : member.R[axis];
+  }
+
   // The member that served best over the memory.
   const Member& leader(int axis) const { return members_[leader_[axis]]; }
 
@@ -327,7 +352,7 @@ class MotionBank {
   int member_count_;
   Scalar n_ = kFirstSamples;
   Scalar mean_step_s_ = 0;
-  int learned_ = 0;  // samples, as far as it matters
+  int learned_ = 0;  // samples within huber, less those beyond
   Array<int, kAxes> leader_ = {};
   Array<Member, kMostMembers> members_;
 };

@@ -2,10 +2,10 @@
 // The recommended estimator: position, velocity and acceleration along up to three axes from
 // measured positions and their times, and the net force that an assumed mass makes of them.
 //
-//   motion      exact white-jerk filters, noise and liveliness learned from the data  motion_bank.h
-//   outliers    full weight, less, none, then a new start outlier_gate.h lag         each estimate
-//   may wait for up to kMostLag later samples               fixed_lag.h force       assumed mass
-//   times acceleration
+//   motion_bank.h    motion: exact white-jerk filters; noise and liveliness learned from the data
+//   outlier_gate.h   outliers: full weight, less, none, then a new start
+//   fixed_lag.h      each estimate may wait for up to kMostLag later samples
+//   force            assumed mass times acceleration
 //
 // One decision for all axes of a sample: a glitch rarely keeps to one. Time is taken from the
 // samples, differences as integers. Where nothing was measured the filter predicts, and after
@@ -15,8 +15,9 @@
 // acceleration, without growth: a value whose variance has come down to half of the prior's is
 // measured. Where the sample of that instant was not taken, it is the motion model that carries the
 // neighbours' measurements over: derived, the named assumption being white jerk. Force is derived
-// from a measured or derived acceleration. All else is assumed; so is the motion while the noise,
-// on which its standard deviations rest, is still guessed: for the first 15 samples.
+// from a measured or derived acceleration. All else is assumed; so is everything while the noise,
+// on which all standard deviations rest, is still guessed: for the first 15 samples and longer
+// where the guess is far too low.
 #pragma once
 
 #include "condyle/estimator/events.h"
@@ -146,6 +147,19 @@ class RecommendedEstimator {
     if (started_) lose_motion();
   }
 
+  /// The last `samples` samples turn out to come from a frozen device, though some were taken: the
+  /// motion is lost, and nothing is said of those that still wait.
+  void forget_frozen(int samples) {
+    for (int back = 0; back < std::min(samples, kInstants); ++back) {
+      Instant& instant = at(back);
+      instant.events.add(Event::position_frozen);
+      instant.events.add(Event::state_lost);
+      instant.is_taken = instant.has_state = false;
+      instant.is_restart = true;  // nothing connects what is before with what is after
+    }
+    if (started_) lose_motion();
+  }
+
   /// After the last sample: the next of the estimates that still waited for later samples. False
   /// where there is none left.
   [[nodiscard]] bool drain(Estimate& estimate) {
@@ -235,6 +249,7 @@ class RecommendedEstimator {
     if (acceptance.weight > Scalar(0) && gate_.is_doubtful(deviation.of_mixture)) {
       suspect_back_ = 0;
       without_suspect_ = bank_;
+      taken_before_suspect_ns_ = taken_ns_;
     }
     // One rejected sample is a glitch and says nothing of the noise; two in a row may be a noise,
     // or a motion, larger than was thought.
@@ -267,8 +282,8 @@ class RecommendedEstimator {
       const Scalar innovation_m = instant.position_m[axis] - expected.position_m;
       instant.innovation_m[axis] = innovation_m;
       instant.innovation_variance_m2[axis] = expected.variance_m2;
-      enlarge(deviation.of_likely, expected.deviation_squared);
-      enlarge(deviation.of_mixture, innovation_m * innovation_m / expected.variance_m2);
+      enlarge(deviation.of_likely, expected.of_likely_squared);
+      enlarge(deviation.of_mixture, expected.of_mixture_squared);
     }
     return deviation;
   }
@@ -281,6 +296,7 @@ class RecommendedEstimator {
     without.predict(white_jerk_jacobian(T), white_jerk_covariance(T));
     if (gate_.is_doubtful(compare(without, instant).of_mixture)) return false;
     bank_ = without;
+    taken_ns_ = taken_before_suspect_ns_;
     if (suspect_back_ >= kInstants) return true;
     Instant& suspect = at(suspect_back_);
     suspect.is_taken = false;
@@ -387,12 +403,14 @@ class RecommendedEstimator {
                  !std::isfinite(moments.mean[i]) || !std::isfinite(moments.variance[i]));
       events.add(Event::variance_negative, moments.variance[i] < Scalar(0));
     }
-    const auto provenance = [&](StateIndex i, Scalar prior_variance) {
-      if (!bank_.noise_is_known()) return Provenance::assumed;
-      return carried(provenance_of_share(information_share(moments.variance[i], prior_variance)),
-                     is_taken);
+    const auto unless_guessed = [&](Provenance provenance) {
+      return bank_.noise_is_known() ? carried(provenance, is_taken) : Provenance::assumed;
     };
-    described.position_m = quantity(moments, kPosition, carried(Provenance::measured, is_taken));
+    const auto provenance = [&](StateIndex i, Scalar prior_variance) {
+      return unless_guessed(
+          provenance_of_share(information_share(moments.variance[i], prior_variance)));
+    };
+    described.position_m = quantity(moments, kPosition, unless_guessed(Provenance::measured));
     described.velocity_m_s =
         quantity(moments, kVelocity, provenance(kVelocity, prior_velocity_variance_));
     described.acceleration_m_s2 =
@@ -437,6 +455,7 @@ class RecommendedEstimator {
   int newest_ = 0, waiting_ = 0;
   int suspect_back_ = -1;  // samples since one that was taken though doubtful; -1: none
   Bank without_suspect_;   // as it would be had that one not been taken
+  TimeNs taken_before_suspect_ns_ = 0;
   Array<Instant, kInstants> instants_;
 };
 

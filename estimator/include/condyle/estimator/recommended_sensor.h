@@ -26,6 +26,7 @@ class RecommendedSensor {
   /// without a time, or whose time runs backwards, is passed on without values; so is one that only
   /// repeats the last. Without a usable position the estimator predicts.
   Estimate process(const Sample& sample, EventSet sample_events) {
+    if (run_samples_ > 0) ++run_samples_;
     Measurement measurement;
     measurement.time_ns = sample.time_ns;
     measurement.events = sample_events;
@@ -37,11 +38,9 @@ class RecommendedSensor {
     if (sample_events.has(Event::time_repeated)) {
       // One measurement told twice is one measurement.
       if (is_last(measurement)) return estimator_.skip(measurement, true);
-    } else if (frozen_.add(sample)) {
-      measurement.events.add(Event::position_frozen);
-      measurement.is_measured = false;
     }
     last_ = measurement;
+    if (!sample_events.has(Event::time_repeated)) look_for_freeze(sample, measurement);
     return estimator_.step(measurement);
   }
 
@@ -52,6 +51,26 @@ class RecommendedSensor {
 
  private:
   using Measurement = typename Estimator::Measurement;
+
+  // A position that is repeated too often is no measurement. Those that were taken before this
+  // showed were none either: what they led to is forgotten.
+  void look_for_freeze(const Sample& sample, Measurement& measurement) {
+    const bool is_frozen = frozen_.add(sample);
+    if (frozen_.repeats() == 0) {
+      run_samples_ = 0;
+      return;
+    }
+    if (is_frozen && run_samples_ > 0) {
+      estimator_.forget_frozen(run_samples_ - 1);
+      run_samples_ = 0;
+    }
+    if (is_frozen || frozen_.is_doubtful()) {
+      measurement.events.add(is_frozen ? Event::position_frozen : Event::position_repeated);
+      measurement.is_measured = false;
+    } else if (run_samples_ == 0) {
+      run_samples_ = 1;
+    }
+  }
 
   // Finds the followed position in `sample`, or says why it is not there.
   void locate(const Sample& sample, Measurement& measurement) {
@@ -98,7 +117,8 @@ class RecommendedSensor {
   PointFollower follower_;
   FrozenDetector frozen_;
   bool has_noise_ = false;
-  Measurement last_;
+  Measurement last_;     // before it was looked at for a freeze
+  int run_samples_ = 0;  // since the first repeat of the present run that was taken, that included
   Estimator estimator_;
 };
 
