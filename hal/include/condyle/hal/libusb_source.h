@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reports by asynchronous interrupt transfers (libusb). One interface is taken from the kernel's
+// driver and given back on close. Several transfers are in flight, so that no report is missed
+// while one is being handled; short reports come as they are; a halted endpoint is cleared.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "condyle/hal/clock.h"
+#include "condyle/hal/device_address.h"
+#include "condyle/hal/raw_report.h"
+
+struct libusb_context;
+struct libusb_device_handle;
+struct libusb_transfer;
+
+namespace condyle::hal {
+
+/// See ReportSource. Uses the first device that `address` fits. Setting up allocates; reading does
+/// not. A device is looked for by open(), not by hotplug events: those may come twice for one
+/// device, and before its interfaces can be claimed.
+class LibusbSource final : public ReportSource {
+ public:
+  LibusbSource(DeviceAddress address, Clock& clock);
+  ~LibusbSource();
+  LibusbSource(const LibusbSource&) = delete;
+  LibusbSource& operator=(const LibusbSource&) = delete;
+
+  /// ok, not_found (also while its interfaces are still being made), not_permitted, or bad_report
+  /// where the interface has no interrupt input.
+  Status open() override;
+  /// Reports that arrived before a disconnection are given before it is told.
+  Status read(TimeNs deadline_ns, RawReport& report) override;
+  void close() override;
+  TransportCounts counts() const override { return counts_; }
+
+  /// The open device's report descriptor; empty where it does not tell.
+  const std::vector<std::uint8_t>& report_descriptor() const { return report_descriptor_; }
+
+ private:
+  static constexpr std::size_t kTransfers = 8;
+  static constexpr std::size_t kQueue = 256;  // reports: half a second at 500 Hz
+  static constexpr int kMostErrors = 16;      // in a row, then the device counts as gone
+
+  static void completed(libusb_transfer* transfer);
+  void complete(libusb_transfer& transfer);
+  void store(const libusb_transfer& transfer);
+  Status choose_interface();
+  void read_descriptor();
+  bool start_transfers(std::size_t length);
+  void submit(libusb_transfer& transfer);
+  bool stop_transfers();
+  void clear_halt();
+  bool wait(TimeNs longest_ns);
+  bool pop(RawReport& report);
+
+  DeviceAddress address_;
+  Clock& clock_;
+  libusb_context* context_ = nullptr;
+  libusb_device_handle* handle_ = nullptr;
+  int interface_ = -1;
+  unsigned char endpoint_ = 0;
+  std::size_t packet_size_ = 0;
+  std::vector<std::uint8_t> report_descriptor_;
+  std::array<libusb_transfer*, kTransfers> transfers_{};
+  std::array<std::vector<std::uint8_t>, kTransfers> buffers_;
+  int in_flight_ = 0, errors_in_a_row_ = 0;
+  bool is_gone_ = false, is_halted_ = false, is_stopping_ = false;
+  std::unique_ptr<std::array<RawReport, kQueue>> queue_;
+  std::size_t queue_begin_ = 0, queue_count_ = 0;
+  TransportCounts counts_;
+};
+
+}  // namespace condyle::hal
