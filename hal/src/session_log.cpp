@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "condyle/hal/session_log.h"
+
+#include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <filesystem>
+#include <limits>
+#include <system_error>
+
+#include "condyle/hal/clock.h"
+#include "report_ring.h"
+#include "session_format.h"
+
+namespace condyle::hal {
+namespace {
+
+constexpr std::size_t kEventPlaces = 64;
+// A report waits for a wake-up and then for its chunk's end: together below 250 ms.
+constexpr std::chrono::milliseconds kWakeUp{20};
+
+SessionLogFailure failure_of(int error) {
+  switch (error) {
+    case EEXIST:
+      return SessionLogFailure::already_exists;
+    case ENOENT:
+    case ENOTDIR:
+      return SessionLogFailure::not_found;
+    case EACCES:
+    case EPERM:
+    case EROFS:
+      return SessionLogFailure::not_permitted;
+    case ENOSPC:
+    case EDQUOT:
+    case EFBIG:
+      return SessionLogFailure::disk_full;
+    default:
+      return SessionLogFailure::io_error;
+  }
+}
+
+// The new file's entry in its folder is on the disk, too.
+void synchronise_folder(const std::string& path) {
+  std::string folder = std::filesystem::path(path).parent_path().string();
+  const int descriptor =
+      ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;  // a folder that may be written but not read: nothing to be done
+  static_cast<void>(fsync(descriptor));
+  ::close(descriptor);
+}
+
+}  // namespace
+
+struct SessionLogWriter::Source {
+  explicit Source(std::size_t report_places) : ring(report_places, kEventPlaces) {}
+  ReportRing ring;
+  // The writing thread's own.
+  std::uint64_t announced_lost = 0;
+  TimeNs last_time_ns = 0;
+};
+
+const char* session_log_failure_name(SessionLogFailure failure) {
+  constexpr const char* names[] = {
+      "none",          "bad header",   "already exists",    "not found",
+      "not permitted", "disk is full", "input/output error"};
+  return names[static_cast<int>(failure)];
+}
+
+SessionLogWriter::SessionLogWriter(const SessionLogOptions& options) : options_(options) {
+  options_.ring_reports = std::max<std::size_t>(options_.ring_reports, 1);
+}
+
+SessionLogWriter::~SessionLogWriter() {
+  static_cast<void>(close());
+}
+
+SessionLogFailure SessionLogWriter::create(const std::string& path) {
+  descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  if (descriptor_ < 0) {
+    const int error = errno;
+    fail(failure_of(error), error);
+    return failure_;
+  }
+  if (write_pending()) {
+    synchronise_folder(path);
+    return SessionLogFailure::none;
+  }
+  ::close(descriptor_);
+  descriptor_ = -1;
+  static_cast<void>(unlink(path.c_str()));
+  return failure_;
+}
+
+SessionLogFailure SessionLogWriter::open(const std::string& path, const SessionHeader& header) {
+  if (mcap_ != nullptr) return SessionLogFailure::already_exists;
+  if (!header_problem(header).empty()) {
+    fail(SessionLogFailure::bad_header, 0);
+    return failure_;
+  }
+  start_wall_ns_ = header.start_wall_ns;
+  start_monotonic_ns_ = header.start_monotonic_ns;
+  add_header(header);
+  for (std::size_t i = 0; i < header.sources.size(); ++i) {
+    sources_.push_back(std::make_unique<Source>(options_.ring_reports));
+    sources_.back()->last_time_ns = header.start_monotonic_ns;
+  }
+  if (create(path) != SessionLogFailure::none) return failure_;
+
+  // Signals are for the program's own threads; blocked here, the one for a file grown too large
+  // (SIGXFSZ) leaves it to write() to say so.
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  try {
+    thread_ = std::thread(&SessionLogWriter::run, this);
+    is_open_ = true;
+  } catch (const std::system_error& error) {
+    fail(SessionLogFailure::io_error, error.code().value());
+    ::close(descriptor_);
+    descriptor_ = -1;
+    static_cast<void>(unlink(path.c_str()));
+  }
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return failure_;
+}
+
+void SessionLogWriter::add_header(const SessionHeader& header) {
+  mcap_ = std::make_unique<McapWriter>(
+      McapHeader{.profile = "", .library = "condyle " + header.software_version});
+  mcap_->add_metadata({.name = kSessionMetadata, .pairs = session_pairs(header)});
+  const auto attach = [&](std::string_view name, std::string_view media_type, ByteSpan data) {
+    mcap_->add_attachment({.log_time_ns = static_cast<std::uint64_t>(header.start_wall_ns),
+                           .name = name,
+                           .media_type = media_type,
+                           .data = data});
+  };
+  attach(kParametersName, "application/toml", bytes_of(header.parameters_toml));
+  for (std::size_t i = 0; i < header.sources.size(); ++i) {
+    const SessionSource& source = header.sources[i];
+    attach(profile_name(i), "application/toml", bytes_of(source.profile_toml));
+    attach(descriptor_name(i), "application/octet-stream", source.report_descriptor);
+  }
+  const auto add_schema = [&](std::string_view name, std::string_view text) {
+    return mcap_->add_schema({.name = name, .encoding = "ros2msg", .data = bytes_of(text)});
+  };
+  const std::uint16_t report_schema = add_schema(kReportSchemaName, kReportSchema);
+  const std::uint16_t event_schema = add_schema(kEventSchemaName, kEventSchema);
+  for (std::size_t i = 0; i < header.sources.size(); ++i) {
+    const McapPairs name = {{"source", header.sources[i].name}};
+    const std::string report = report_topic(i), event = event_topic(i);
+    mcap_->add_channel(
+        {.schema_id = report_schema, .topic = report, .message_encoding = "cdr", .metadata = name});
+    mcap_->add_channel(
+        {.schema_id = event_schema, .topic = event, .message_encoding = "cdr", .metadata = name});
+  }
+}
+
+bool SessionLogWriter::write(std::size_t source_index, const RawReport& report) {
+  RingSlot* slot = nullptr;
+  if (!is_open_.load(std::memory_order_acquire) || source_index >= sources_.size() ||
+      report.size > kMaxReportSize) {
+    ++reports_unwritten_;
+    return false;
+  }
+  ReportRing& ring = sources_[source_index]->ring;
+  slot = ring.reserve(false);
+  if (slot == nullptr) return false;
+  slot->event = 0;
+  slot->report.host_time_ns = report.host_time_ns;
+  slot->report.size = report.size;
+  std::copy_n(report.bytes.begin(), report.size, slot->report.bytes.begin());
+  ring.publish();
+  return true;
+}
+
+bool SessionLogWriter::write_event(std::size_t source_index, TimeNs time_ns, SessionEvent kind,
+                                   std::string_view text) {
+  if (!is_open_.load(std::memory_order_acquire) || source_index >= sources_.size()) {
+    ++events_unwritten_;
+    return false;
+  }
+  ReportRing& ring = sources_[source_index]->ring;
+  RingSlot* const slot = ring.reserve(true);
+  if (slot == nullptr) return false;
+  const bool is_cut = text.size() > kMaxEventText;
+  const std::size_t size = is_cut ? kMaxEventText - 3 : text.size();
+  slot->event = static_cast<std::uint8_t>(kind);
+  slot->report.host_time_ns = time_ns;
+  const auto end = std::copy_n(text.begin(), size, slot->report.bytes.begin());
+  if (is_cut) std::fill_n(end, 3, '.');
+  slot->report.size = static_cast<std::uint16_t>(is_cut ? kMaxEventText : size);
+  ring.publish();
+  return true;
+}
+
+SessionLogStatus SessionLogWriter::status() const {
+  SessionLogStatus status;
+  status.failure = failure_;
+  status.system_error = system_error_;
+  status.reports_written = reports_written_;
+  status.events_written = events_written_;
+  status.bytes_written = bytes_written_;
+  status.chunks_written = chunks_written_;
+  status.reports_lost = reports_unwritten_;
+  status.events_lost = events_unwritten_;
+  for (const auto& source : sources_) {
+    status.reports_lost += source->ring.lost_reports();
+    status.events_lost += source->ring.lost_events();
+  }
+  return status;
+}
+
+SessionLogFailure SessionLogWriter::close() {
+  is_open_.store(false, std::memory_order_release);
+  if (thread_.joinable()) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      stops_ = true;
+    }
+    wake_.notify_one();
+    thread_.join();
+  }
+  if (descriptor_ >= 0) {
+    if (::close(descriptor_) != 0) fail(SessionLogFailure::io_error, errno);
+    descriptor_ = -1;
+  }
+  return failure_;
+}
+
+// The writing thread.
+
+void SessionLogWriter::run() {
+  SteadyClock clock;
+  bool stops = false;
+  while (!stops) {
+    {
+      std::unique_lock<std::mutex> lock(mutex_);
+      stops = wake_.wait_for(lock, kWakeUp, [this] { return stops_; });
+    }
+    drain();
+    const bool has_entries = chunk_reports_ + chunk_events_ > 0;
+    if (has_entries && clock.now_ns() - chunk_begin_ns_ >= options_.chunk_time_ns) flush();
+  }
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    announce_lost(i, sources_[i]->ring.lost_count(), sources_[i]->last_time_ns);
+  }
+  flush();
+  if (failure_ != SessionLogFailure::none) return;
+  if (!mcap_->finish()) return fail(SessionLogFailure::io_error, ENOMEM);
+  static_cast<void>(write_pending());
+}
+
+void SessionLogWriter::drain() {
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    ReportRing& ring = sources_[i]->ring;
+    while (const RingSlot* slot = ring.front()) {
+      add(i, *slot);
+      ring.pop();
+      if (mcap_->chunk_size() >= kFullChunkBytes) flush();
+    }
+  }
+}
+
+void SessionLogWriter::add(std::size_t source_index, const RingSlot& slot) {
+  if (failure_ != SessionLogFailure::none) {
+    ++(slot.event == 0 ? reports_unwritten_ : events_unwritten_);
+    return;
+  }
+  if (chunk_reports_ + chunk_events_ == 0) chunk_begin_ns_ = SteadyClock().now_ns();
+  const RawReport& report = slot.report;
+  announce_lost(source_index, slot.lost_count, report.host_time_ns);
+  sources_[source_index]->last_time_ns = report.host_time_ns;
+  if (slot.event == 0) {
+    encode_report(report, message_);
+    mcap_->add_message(report_channel(source_index), log_time_ns(report.host_time_ns), message_);
+    ++chunk_reports_;
+  } else {
+    add_event(source_index, report.host_time_ns, static_cast<SessionEvent>(slot.event), 1,
+              text_of(report.data()));
+    ++chunk_events_;
+  }
+}
+
+void SessionLogWriter::add_event(std::size_t source_index, TimeNs time_ns, SessionEvent kind,
+                                 std::uint64_t count, std::string_view text) {
+  encode_event(time_ns, kind, count, text, message_);
+  mcap_->add_message(event_channel(source_index), log_time_ns(time_ns), message_);
+}
+
+void SessionLogWriter::announce_lost(std::size_t source_index, std::uint64_t lost_count,
+                                     TimeNs time_ns) {
+  Source& source = *sources_[source_index];
+  if (lost_count == source.announced_lost || failure_ != SessionLogFailure::none) return;
+  add_event(source_index, time_ns, SessionEvent::not_recorded, lost_count - source.announced_lost,
+            "the recorder's ring was full");
+  source.announced_lost = lost_count;
+}
+
+// MCAP wants one clock for all; the wall clock shows the date. The reports keep their own times.
+std::uint64_t SessionLogWriter::log_time_ns(TimeNs time_ns) const {
+  TimeNs since_start_ns = 0, wall_ns = 0;
+  if (__builtin_sub_overflow(time_ns, start_monotonic_ns_, &since_start_ns) ||
+      __builtin_add_overflow(start_wall_ns_, since_start_ns, &wall_ns)) {
+    wall_ns = time_ns < start_monotonic_ns_ ? 0 : std::numeric_limits<TimeNs>::max();
+  }
+  return static_cast<std::uint64_t>(std::max<TimeNs>(wall_ns, 0));
+}
+
+void SessionLogWriter::flush() {
+  if (failure_ == SessionLogFailure::none && mcap_->chunk_size() > 0) {
+    if (!mcap_->finish_chunk()) fail(SessionLogFailure::io_error, ENOMEM);
+    if (failure_ == SessionLogFailure::none && write_pending()) {
+      ++chunks_written_;
+      reports_written_ += std::exchange(chunk_reports_, 0);
+      events_written_ += std::exchange(chunk_events_, 0);
+    }
+  }
+  // Nothing, where the chunk was written.
+  reports_unwritten_ += std::exchange(chunk_reports_, 0);
+  events_unwritten_ += std::exchange(chunk_events_, 0);
+}
+
+bool SessionLogWriter::write_pending() {
+  ByteSpan rest = mcap_->pending();
+  int error = 0;
+  while (!rest.empty() && error == 0) {
+    const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
+    if (written > 0) {
+      rest = rest.subspan(static_cast<std::size_t>(written));
+    } else if (written < 0 && errno != EINTR) {
+      error = errno;
+    }
+  }
+  if (error == 0 && fdatasync(descriptor_) != 0) error = errno;
+  if (error != 0) {
+    fail(failure_of(error), error);
+    // Back to the last whole piece; where that fails, readers take the rest as cut off.
+    static_cast<void>(::ftruncate(descriptor_, static_cast<off_t>(bytes_written_.load())));
+    return false;
+  }
+  bytes_written_ += mcap_->pending().size();
+  mcap_->discard_pending();
+  return true;
+}
+
+void SessionLogWriter::fail(SessionLogFailure failure, int system_error) {
+  if (failure_ != SessionLogFailure::none) return;
+  system_error_ = system_error;
+  failure_.store(failure);
+}
+
+}  // namespace condyle::hal
