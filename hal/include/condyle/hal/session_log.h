@@ -92,7 +92,7 @@ struct SessionLogStatus {
 
 /// How much is held back.
 struct SessionLogOptions {
-  std::size_t ring_reports = 4096;       ///< that each source's ring holds: 8 s at 500 Hz, 4 MiB
+  std::size_t ring_reports = 4096;     ///< that each source's ring holds: 8 s at 500 Hz, 4 MiB
   TimeNs chunk_time_ns = 200'000'000;  ///< from a chunk's first report to its writing
 };
 
