@@ -131,9 +131,9 @@ class SmallLog : public testing::Test {
 };
 
 TEST_F(SmallLog, CutWithinItsHeaderIsRefusedClearly) {
-  for (std::uint64_t cut = 0; cut < content_.size(); ++cut) {
-    ASSERT_EQ(truncate(path_.c_str(), 0), 0);
-    const Prefix prefix = read_changed(content_.substr(0, cut));
+  for (std::uint64_t cut = content_.size(); cut-- > 0;) {
+    ASSERT_EQ(truncate(path_.c_str(), static_cast<off_t>(cut)), 0);
+    const Prefix prefix = read_prefix(path_, reports_);
     ASSERT_TRUE(prefix.is_right);
     ASSERT_EQ(prefix.opened, cut < header_bytes_ ? hal::Status::bad_report : hal::Status::ok);
     ASSERT_NE(prefix.condition.outcome, McapRead::end);
