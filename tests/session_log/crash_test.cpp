@@ -9,9 +9,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <random>
 #include <thread>
 
+#include "session_log/read_log.h"
 #include "session_log/session.h"
 #include "unit/temporary_folder.h"
 

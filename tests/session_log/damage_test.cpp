@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "condyle/hal/session_log_reader.h"
 #include "session_log/session.h"
 #include "unit/temporary_folder.h"
 
@@ -79,7 +80,7 @@ TEST(CutLog, GivesAllChunksBeforeTheCut) {
         reports.push_back(make_report(number, static_cast<std::uint16_t>(29 + 66 * i), number));
         ASSERT_TRUE(log.write(0, reports.back()));
       }
-      testing_support::wait_until_written(log, reports.size());
+      ASSERT_TRUE(testing_support::wait_until_written(log, reports.size()));
       milestones.push_back({log.status().bytes_written, reports.size()});
     }
     ASSERT_EQ(log.close(), hal::SessionLogFailure::none);
@@ -113,7 +114,7 @@ class SmallLog : public testing::Test {
     for (std::uint32_t i = 0; i < 4; ++i) {
       reports_.push_back(make_report(i, 29, 1000 + i));
       ASSERT_TRUE(log.write(0, reports_.back()));
-      if (i % 2 == 1) testing_support::wait_until_written(log, i + 1);
+      if (i % 2 == 1) ASSERT_TRUE(testing_support::wait_until_written(log, i + 1));
     }
     ASSERT_EQ(log.close(), hal::SessionLogFailure::none);
     content_ = testing_support::read_file(path_);

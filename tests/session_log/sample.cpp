@@ -66,7 +66,8 @@ int main(int argc, char** argv) {
       add(topic + "/event", time + "\"kind\": " + std::to_string(kind) +
                                 ", \"count\": \"1\", \"text\": " + in_quotes(text));
     }
-    if (++written % 100 == 0) condyle::testing_support::wait_until_written(log, written);
+    if (++written % 100 == 0 && !condyle::testing_support::wait_until_written(log, written))
+      return 1;
   }
   if (log.close() != condyle::hal::SessionLogFailure::none) return 1;
   for (auto& [topic, list] : messages) list += "]";

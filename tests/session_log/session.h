@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sessions for tests: headers, reports, and logs written and read back.
+// Sessions for tests: headers and reports.
 #pragma once
 
-#include <gtest/gtest.h>
-
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <random>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "condyle/hal/session_log.h"
-#include "condyle/hal/session_log_reader.h"
 
 namespace condyle::testing_support {
 
@@ -56,64 +53,12 @@ inline bool is_same(const hal::RawReport& left, const hal::RawReport& right) {
          std::equal(left.data().begin(), left.data().end(), right.data().begin());
 }
 
-/// Waits until the writer has synchronised all it was given.
-inline void wait_until_written(const hal::SessionLogWriter& log, std::uint64_t reports) {
+/// Waits until the writer has synchronised all `reports` it was given; false after twenty seconds.
+inline bool wait_until_written(const hal::SessionLogWriter& log, std::uint64_t reports) {
   for (int i = 0; i < 20'000 && log.status().reports_written < reports; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  ASSERT_EQ(log.status().reports_written, reports);
-}
-
-/// What a log gives.
-struct ReadLog {
-  hal::Status opened = hal::Status::not_open;
-  hal::SessionHeader header;
-  std::vector<std::vector<hal::RawReport>> reports;  // by source
-  struct Event {
-    std::size_t source_index, reports_before;
-    hal::SessionEventRecord event;
-    std::string text;
-  };
-  std::vector<Event> events;
-  hal::SessionLogCondition condition;
-};
-
-inline ReadLog read_log(const std::string& path) {
-  ReadLog log;
-  hal::SessionLogReader reader;
-  log.opened = reader.open(path);
-  if (log.opened == hal::Status::ok) {
-    log.header = reader.header();
-    log.reports.resize(log.header.sources.size());
-    hal::SessionEntry entry;
-    while (reader.next(entry) == hal::McapRead::record) {
-      auto& reports = log.reports.at(entry.source_index);
-      if (entry.is_event) {
-        log.events.push_back(
-            {entry.source_index, reports.size(), entry.event, std::string(entry.event.text)});
-      } else {
-        reports.push_back(entry.report);
-      }
-    }
-  }
-  log.condition = reader.condition();
-  return log;
-}
-
-inline void expect_same(const hal::SessionHeader& left, const hal::SessionHeader& right) {
-  EXPECT_EQ(left.software_version, right.software_version);
-  EXPECT_EQ(left.subject_code, right.subject_code);
-  EXPECT_EQ(left.parameters_toml, right.parameters_toml);
-  EXPECT_EQ(left.start_wall_ns, right.start_wall_ns);
-  EXPECT_EQ(left.start_monotonic_ns, right.start_monotonic_ns);
-  ASSERT_EQ(left.sources.size(), right.sources.size());
-  for (std::size_t i = 0; i < left.sources.size(); ++i) {
-    EXPECT_EQ(left.sources[i].name, right.sources[i].name);
-    EXPECT_EQ(left.sources[i].vendor_id, right.sources[i].vendor_id);
-    EXPECT_EQ(left.sources[i].product_id, right.sources[i].product_id);
-    EXPECT_EQ(left.sources[i].profile_toml, right.sources[i].profile_toml);
-    EXPECT_EQ(left.sources[i].report_descriptor, right.sources[i].report_descriptor);
-  }
+  return log.status().reports_written == reports;
 }
 
 }  // namespace condyle::testing_support

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <limits>
 
+#include "session_log/read_log.h"
 #include "session_log/session.h"
 #include "unit/rapidcheck_gtest.h"
 #include "unit/temporary_folder.h"
@@ -337,7 +338,9 @@ TEST(SessionLog, TakesFewBytesAReport) {
     }
     put(27, random(), 2);
     ASSERT_TRUE(log.write(0, report));
-    if (i % kInAChunk == kInAChunk - 1) testing_support::wait_until_written(log, i + 1);
+    if (i % kInAChunk == kInAChunk - 1) {
+      ASSERT_TRUE(testing_support::wait_until_written(log, i + 1));
+    }
   }
   EXPECT_EQ(log.close(), SessionLogFailure::none);
   const auto status = log.status();

@@ -4,6 +4,7 @@
 
 #include "condyle/hal/facebow.h"
 #include "condyle/hal/session_log_source.h"
+#include "session_log/read_log.h"
 #include "session_log/session.h"
 #include "unit/temporary_folder.h"
 

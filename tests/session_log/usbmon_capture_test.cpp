@@ -2,6 +2,7 @@
 // Reports out of captures of USB traffic: the right device's, whole, in order, with all trouble
 // said.
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include "condyle/hal/facebow.h"
 #include "condyle/hal/usbmon_capture.h"
@@ -250,8 +251,10 @@ TEST_F(Capture, CutAnywhereItGivesTheReportsBeforeAndSaysSo) {
       file.add(report_packet(i));
       ends.push_back(file.content().size());
     }
-    for (std::size_t cut = ends[1]; cut < file.content().size(); ++cut) {
-      hal::UsbmonCapture capture(folder_.write("cut.pcap", file.content().substr(0, cut)), {});
+    const std::string path = folder_.write("cut.pcap", file.content());
+    for (std::size_t cut = file.content().size() - 1; cut >= ends[1]; --cut) {
+      ASSERT_EQ(truncate(path.c_str(), static_cast<off_t>(cut)), 0);
+      hal::UsbmonCapture capture(path, {});
       ASSERT_EQ(capture.open(), Status::ok) << capture.problem();
       std::uint32_t whole = 0;
       while (ends[whole + 1] <= cut) expect_report(capture, whole++);
