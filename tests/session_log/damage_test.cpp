@@ -114,7 +114,9 @@ class SmallLog : public testing::Test {
     for (std::uint32_t i = 0; i < 4; ++i) {
       reports_.push_back(make_report(i, 29, 1000 + i));
       ASSERT_TRUE(log.write(0, reports_.back()));
-      if (i % 2 == 1) ASSERT_TRUE(testing_support::wait_until_written(log, i + 1));
+      if (i % 2 == 1) {
+        ASSERT_TRUE(testing_support::wait_until_written(log, i + 1));
+      }
     }
     ASSERT_EQ(log.close(), hal::SessionLogFailure::none);
     content_ = testing_support::read_file(path_);
