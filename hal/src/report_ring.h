@@ -15,6 +15,7 @@ namespace condyle::hal {
 struct RingSlot {
   RawReport report;              ///< of an event: its time and text
   std::uint8_t event = 0;        ///< SessionEvent; 0: a report
+  std::uint64_t count = 1;       ///< how often it happened
   std::uint64_t lost_count = 0;  ///< reports and events lost before this one, since the start
 };
 
@@ -47,6 +48,10 @@ class ReportRing {
     const std::uint64_t taken = taken_.load(std::memory_order_relaxed);
     if (taken == put_.load(std::memory_order_acquire)) return nullptr;
     return &slots_[to_size(taken % slots_.size())];
+  }
+  /// The taking thread: entries that are there.
+  std::uint64_t size() const {
+    return put_.load(std::memory_order_acquire) - taken_.load(std::memory_order_relaxed);
   }
   void pop() {
     taken_.store(taken_.load(std::memory_order_relaxed) + 1, std::memory_order_release);

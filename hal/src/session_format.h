@@ -35,11 +35,11 @@ inline constexpr std::string_view kEventSchema =
     "uint8 STALL=3\n"
     "uint8 TRANSFER_ERROR=4\n"
     "uint8 OVERSIZED=5\n"
-    "uint8 NOT_RECORDED=6  # count reports and events are missing here\n"
+    "uint8 NOT_RECORDED=6\n"
     "uint8 NOTE=7\n"
     "int64 host_time_ns    # on the host's monotonic clock\n"
     "uint8 kind\n"
-    "uint64 count\n"
+    "uint64 count          # how often; of NOT_RECORDED: reports and events missing here\n"
     "string text\n";
 
 /// An event as it was recorded.

@@ -180,8 +180,9 @@ bool SessionLogWriter::write(std::size_t source_index, const RawReport& report) 
 }
 
 bool SessionLogWriter::write_event(std::size_t source_index, TimeNs time_ns, SessionEvent kind,
-                                   std::string_view text) {
-  if (!is_open_.load(std::memory_order_acquire) || source_index >= sources_.size()) {
+                                   std::string_view text, std::uint64_t count) {
+  const bool is_known = kind >= SessionEvent::connected && kind <= SessionEvent::note;
+  if (!is_open_.load(std::memory_order_acquire) || source_index >= sources_.size() || !is_known) {
     ++events_unwritten_;
     return false;
   }
@@ -191,6 +192,7 @@ bool SessionLogWriter::write_event(std::size_t source_index, TimeNs time_ns, Ses
   const bool is_cut = text.size() > kMaxEventText;
   const std::size_t size = is_cut ? kMaxEventText - 3 : text.size();
   slot->event = static_cast<std::uint8_t>(kind);
+  slot->count = count;
   slot->report.host_time_ns = time_ns;
   const auto end = std::copy_n(text.begin(), size, slot->report.bytes.begin());
   if (is_cut) std::fill_n(end, 3, '.');
@@ -259,8 +261,9 @@ void SessionLogWriter::run() {
 void SessionLogWriter::drain() {
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     ReportRing& ring = sources_[i]->ring;
-    while (const RingSlot* slot = ring.front()) {
-      add(i, *slot);
+    // No more than is there now: a fast source must not keep the thread from its other work.
+    for (std::uint64_t left = ring.size(); left > 0; --left) {
+      add(i, *ring.front());
       ring.pop();
       if (mcap_->chunk_size() >= kFullChunkBytes) flush();
     }
@@ -281,7 +284,7 @@ void SessionLogWriter::add(std::size_t source_index, const RingSlot& slot) {
     mcap_->add_message(report_channel(source_index), log_time_ns(report.host_time_ns), message_);
     ++chunk_reports_;
   } else {
-    add_event(source_index, report.host_time_ns, static_cast<SessionEvent>(slot.event), 1,
+    add_event(source_index, report.host_time_ns, static_cast<SessionEvent>(slot.event), slot.count,
               text_of(report.data()));
     ++chunk_events_;
   }

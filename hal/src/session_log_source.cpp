@@ -56,13 +56,13 @@ bool SessionLogSource::take_event(const SessionEventRecord& event) {
       ++counts_.disconnections;
       return false;
     case SessionEvent::stall:
-      ++counts_.stalls;
+      counts_.stalls += event.count;
       break;
     case SessionEvent::transfer_error:
-      ++counts_.transfer_errors;
+      counts_.transfer_errors += event.count;
       break;
     case SessionEvent::oversized:
-      ++counts_.oversized;
+      counts_.oversized += event.count;
       break;
     case SessionEvent::not_recorded:
       not_recorded_ += event.count;

@@ -114,10 +114,10 @@ class SessionLogWriter {
 
   /// Records `report`. False: it is lost, and counted. Never blocks or allocates.
   bool write(std::size_t source_index, const RawReport& report);
-  /// Records an event at `time_ns` of the reports' clock. As write; places of the ring are kept
-  /// free for events.
+  /// Records what happened `count` times by `time_ns` of the reports' clock. As write; places of
+  /// the ring are kept free for events.
   bool write_event(std::size_t source_index, TimeNs time_ns, SessionEvent kind,
-                   std::string_view text);
+                   std::string_view text, std::uint64_t count = 1);
 
   /// How it goes; any thread may ask.
   SessionLogStatus status() const;

@@ -17,7 +17,7 @@ namespace condyle::hal {
 struct SessionEventRecord {
   TimeNs time_ns = 0;
   SessionEvent kind = SessionEvent::note;
-  std::uint64_t count = 1;  ///< of not_recorded: what is missing
+  std::uint64_t count = 1;  ///< how often it happened; of not_recorded: how much is missing
   std::string_view text;    ///< lives until the next entry is read
 };
 
