@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// No step allocates. This program's malloc and its kin count their calls; operator new ends in
-// them.
+// No step allocates.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cerrno>
-#include <cstdlib>
 #include <memory>
 
 #include "condyle/estimator/frozen_detector.h"
@@ -14,51 +10,12 @@
 #include "condyle/estimator/published_sensor.h"
 #include "condyle/estimator/recommended_estimator.h"
 #include "condyle/firmware/run_loop.h"
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define MALLOC_IS_TAKEN 1
-#else
-#define MALLOC_IS_TAKEN 0
-namespace {
-std::atomic<long> allocations{0};
-}
-extern "C" void* __libc_malloc(std::size_t size);
-extern "C" void* __libc_calloc(std::size_t count, std::size_t size);
-extern "C" void* __libc_realloc(void* block, std::size_t size);
-extern "C" void* __libc_memalign(std::size_t alignment, std::size_t size);
-extern "C" void* malloc(std::size_t size) {
-  ++allocations;
-  return __libc_malloc(size);
-}
-extern "C" void* calloc(std::size_t count, std::size_t size) {
-  ++allocations;
-  return __libc_calloc(count, size);
-}
-extern "C" void* realloc(void* block, std::size_t size) {
-  ++allocations;
-  return __libc_realloc(block, size);
-}
-extern "C" void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  ++allocations;
-  return __libc_memalign(alignment, size);
-}
-extern "C" int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
-  ++allocations;
-  *block = __libc_memalign(alignment, size);
-  return *block == nullptr ? ENOMEM : 0;
-}
-#endif
+#include "unit/allocation_counter.h"
 
 namespace condyle {
 namespace {
 
-long allocation_count() {
-#if MALLOC_IS_TAKEN
-  return 0;
-#else
-  return allocations;
-#endif
-}
+using testing_support::allocation_count;
 
 class Allocation : public testing::Test {
   void SetUp() override {

@@ -43,7 +43,8 @@ class ReportSource {
   virtual Status open() = 0;
 
   /// Next report, waited for until `deadline_ns` of the clock the source was built with. ok,
-  /// timeout, end, not_open or disconnected; `report` is written only with ok.
+  /// timeout, end, not_open or disconnected; `report` is written only with ok. A recording that is
+  /// damaged gives bad_report once, then end.
   virtual Status read(TimeNs deadline_ns, RawReport& report) = 0;
 
   /// Gives the source back; may be called at any time, also twice.

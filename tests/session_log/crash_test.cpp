@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+// A recorder killed at any moment leaves a log that opens and lacks at most the last 300 ms.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <random>
+#include <thread>
+
+#include "session_log/read_log.h"
+#include "session_log/session.h"
+#include "unit/temporary_folder.h"
+
+extern char** environ;
+
+namespace condyle {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A running recorder and what it announces.
+class Recorder {
+ public:
+  explicit Recorder(std::string log_path) : log_path_(std::move(log_path)) {
+    int ends[2] = {};
+    EXPECT_EQ(pipe2(ends, O_CLOEXEC), 0);
+    output_ = ends[0];
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    std::string program = CONDYLE_SESSION_RECORDER;
+    char* const arguments[] = {program.data(), log_path_.data(), nullptr};
+    EXPECT_EQ(posix_spawn(&process_, program.c_str(), &actions, nullptr, arguments, environ), 0);
+    posix_spawn_file_actions_destroy(&actions);
+    ::close(ends[1]);
+  }
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+  ~Recorder() { ::close(output_); }
+
+  bool wait_for_first() { return take_number(); }
+  // Kills it and gives the count of reports it had announced.
+  std::uint32_t kill_it() {
+    kill(process_, SIGKILL);
+    int state = 0;
+    waitpid(process_, &state, 0);
+    EXPECT_TRUE(WIFSIGNALED(state));
+    while (take_number()) {
+    }
+    return announced_;
+  }
+  const std::string& log_path() const { return log_path_; }
+
+ private:
+  bool take_number() {
+    std::uint32_t number = 0;
+    if (read(output_, &number, sizeof(number)) != sizeof(number)) return false;
+    EXPECT_EQ(number, announced_++);
+    return true;
+  }
+
+  std::string log_path_;
+  int output_ = -1;
+  pid_t process_ = -1;
+  std::uint32_t announced_ = 0;
+};
+
+// Five recorders at once, ten times. Judged by the count of reports, which come no faster than
+// every 2 ms, so that a machine that is busy elsewhere does not decide.
+TEST(KilledRecorder, LosesAtMostTheLast300ms) {
+  constexpr std::uint32_t kReportsIn300ms = 150;
+  const testing_support::TemporaryFolder folder;
+  std::uint32_t most_missing = 0;
+  for (std::uint32_t round = 0; round < 10; ++round) {
+    std::minstd_rand random(round + 1);
+    std::vector<std::unique_ptr<Recorder>> recorders;
+    std::vector<std::chrono::milliseconds> moments;
+    for (int i = 0; i < 5; ++i) {
+      const std::string name = std::to_string(round) + "_" + std::to_string(i) + ".mcap";
+      recorders.push_back(std::make_unique<Recorder>(folder / name));
+      moments.emplace_back(random() % 1'300);
+    }
+    for (const auto& recorder : recorders) ASSERT_TRUE(recorder->wait_for_first());
+    std::sort(moments.begin(), moments.end());
+    const Clock::time_point start = Clock::now();
+    for (std::size_t i = 0; i < recorders.size(); ++i) {
+      std::this_thread::sleep_until(start + moments[i]);
+      const std::uint32_t announced = recorders[i]->kill_it();
+      const auto log = testing_support::read_log(recorders[i]->log_path());
+      ASSERT_EQ(log.opened, hal::Status::ok);
+      ASSERT_EQ(log.condition.outcome, hal::McapRead::truncated);
+      const auto& reports = log.reports[0];
+      for (std::uint32_t number = 0; number < reports.size(); ++number) {
+        const hal::RawReport& report = reports[number];
+        ASSERT_TRUE(testing_support::is_same(
+            report, testing_support::make_report(number, 29, report.host_time_ns)));
+      }
+      // One may have been given without having been announced.
+      ASSERT_LE(reports.size(), announced + 1);
+      ASSERT_LE(announced, reports.size() + kReportsIn300ms);
+      if (announced > reports.size()) {
+        most_missing =
+            std::max(most_missing, announced - static_cast<std::uint32_t>(reports.size()));
+      }
+    }
+  }
+  std::printf("50 logs opened; at most %u reports (at most one every 2 ms) missing\n",
+              most_missing);
+}
+
+}  // namespace
+}  // namespace condyle

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Replaces malloc and its kin in the program whose one source includes this: they count the calls
+// of each thread. operator new ends in them.
+#pragma once
+
+#include <cerrno>
+#include <cstddef>
+#include <cstdlib>
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define MALLOC_IS_TAKEN 1
+#else
+#define MALLOC_IS_TAKEN 0
+namespace {
+thread_local long allocations = 0;
+}
+extern "C" void* __libc_malloc(std::size_t size);
+extern "C" void* __libc_calloc(std::size_t count, std::size_t size);
+extern "C" void* __libc_realloc(void* block, std::size_t size);
+extern "C" void* __libc_memalign(std::size_t alignment, std::size_t size);
+extern "C" void* malloc(std::size_t size) {
+  ++allocations;
+  return __libc_malloc(size);
+}
+extern "C" void* calloc(std::size_t count, std::size_t size) {
+  ++allocations;
+  return __libc_calloc(count, size);
+}
+extern "C" void* realloc(void* block, std::size_t size) {
+  ++allocations;
+  return __libc_realloc(block, size);
+}
+extern "C" void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  ++allocations;
+  return __libc_memalign(alignment, size);
+}
+extern "C" int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
+  ++allocations;
+  *block = __libc_memalign(alignment, size);
+  return *block == nullptr ? ENOMEM : 0;
+}
+#endif
+
+namespace condyle::testing_support {
+
+/// Calls of malloc and its kin by this thread so far; always 0 where MALLOC_IS_TAKEN.
+inline long allocation_count() {
+#if MALLOC_IS_TAKEN
+  return 0;
+#else
+  return allocations;
+#endif
+}
+
+}  // namespace condyle::testing_support
