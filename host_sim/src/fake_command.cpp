@@ -36,17 +36,16 @@ int run_fake(const Options& options) {
   hal::SteadyClock clock;
   fake::FakeRun run(setup.device, setup.script, *transport, clock, setup.run);
   print_error(setup.description + "; Ctrl-C ends it");
-  fake::Account account;
   {
     Progress progress("playing", clock, 1);
-    account = run.run([&] {
+    run.run([&] {
       progress.show(setup.run.count > 0
                         ? static_cast<double>(run.made()) / static_cast<double>(setup.run.count)
                         : setup.device.motion().progress());
       return stop_requested();
     });
   }
-  print_output(fake::account_json(account) + "\n");
+  print_output(fake::account_json(run.account()) + "\n");
   return stop_requested() ? kExitInterrupted : kExitOk;
 }
 

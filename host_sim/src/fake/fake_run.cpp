@@ -61,7 +61,7 @@ bool FakeRun::plug_and_wait() {
   return true;
 }
 
-Account FakeRun::run(const std::function<bool()>& stop) {
+void FakeRun::run(const std::function<bool()>& stop) {
   stop_ = stop;
   account_.transport = transport_.name();
   account_.first_counter = device_.counter();
@@ -75,11 +75,13 @@ Account FakeRun::run(const std::function<bool()>& stop) {
   }
   if (account_.ended.empty()) account_.ended = "stopped";
   transport_.unplug();
-  const Deliveries delivered = transport_.deliveries();
-  const std::uint64_t failed = account_.deliveries.lost_failed;
-  account_.deliveries = delivered;
-  account_.deliveries.lost_failed = failed;
-  return account_;
+}
+
+Account FakeRun::account() const {
+  Account account = account_;
+  account.deliveries = transport_.deliveries();
+  account.deliveries.lost_failed = failed_;
+  return account;
 }
 
 // One report. False where the user stopped it.
@@ -202,7 +204,7 @@ void FakeRun::spoil(FacebowReport& report, const Fault& fault, Packet& packet) {
     default:
       throw std::logic_error("not a fault of a report");
   }
-  if (is_failure) ++account_.deliveries.lost_failed;
+  if (is_failure) ++failed_;
 }
 
 void FakeRun::flush() {

@@ -38,8 +38,10 @@ class FakeRun {
 
   /// Runs to the end, or until `stop` says so; it is asked every few milliseconds. The device is
   /// unplugged in the end. InputErrors of motion and transport.
-  Account run(const std::function<bool()>& stop);
+  void run(const std::function<bool()>& stop);
 
+  /// What was done, and what became of it so far.
+  Account account() const;
   /// Reports made so far.
   std::uint64_t made() const { return account_.made; }
 
@@ -60,7 +62,8 @@ class FakeRun {
   RunOptions options_;
   RandomGenerator random_;
   std::function<bool()> stop_;
-  Account account_;
+  Account account_;               // without deliveries
+  std::uint64_t failed_ = 0;      // reports in transfers that failed
   TimeNs origin_ns_ = 0;          // on clock_, of the device's time
   TimeNs due_ns_ = 0;             // of the next report, since the device was first read
   std::uint64_t burst_left_ = 0;  // reports to hold back, the next included

@@ -13,13 +13,15 @@ class ReportQueue {
  public:
   static constexpr std::size_t kLongest = 64;
 
-  /// Takes a packet, or counts its report as lost.
-  void push(const Packet& packet) {
-    if (waiting_.size() < kLongest) {
+  /// Takes a packet, or counts its report as lost and returns false.
+  bool push(const Packet& packet) {
+    const bool has_room = waiting_.size() < kLongest;
+    if (has_room) {
       waiting_.push_back(packet);
     } else if (packet.failure == TransferFailure::none) {
       ++deliveries_.lost_in_queue;
     }
+    return has_room;
   }
   bool empty() const { return waiting_.empty(); }
   /// The oldest; it is not yet delivered.
