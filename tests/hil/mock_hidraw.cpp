@@ -81,7 +81,7 @@ gboolean MockHidraw::read(UMockdevIoctlClient* client) {
 }
 
 void MockHidraw::send(const Packet& packet) {
-  if (!is_open_) {
+  if (!is_open()) {
     queue_.count_unread();
   } else if (queue_.push(packet)) {
     gate_.ring();
@@ -89,8 +89,7 @@ void MockHidraw::send(const Packet& packet) {
 }
 
 // As the kernel does, a node that is opened again starts with nothing.
-void MockHidraw::closed() {
-  is_open_ = false;
+void MockHidraw::forget() {
   if (is_gone_) return;
   gate_.silence();
   while (!queue_.empty()) {

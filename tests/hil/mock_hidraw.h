@@ -13,18 +13,17 @@ class MockHidraw final : public MockNode {
       : MockNode(queue), names_(hidraw_names(plug)) {}
 
   const MockNames& names() const override { return names_; }
-  void opened() override { is_open_ = true; }
-  void closed() override;
+  void forget() override;
   gboolean ioctl(UMockdevIoctlClient* client) override;
   gboolean read(UMockdevIoctlClient* client) override;
   void send(const host::fake::Packet& packet) override;
-  bool is_read() const override { return is_open_ && !is_gone_; }
+  bool is_read() const override { return is_open() && !is_gone_; }
   bool is_taken() const override { return queue_.empty(); }
   void unplug() override;
 
  private:
   MockNames names_;
-  bool is_open_ = false, is_gone_ = false;
+  bool is_gone_ = false;
 };
 
 }  // namespace condyle::hil

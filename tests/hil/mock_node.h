@@ -42,9 +42,14 @@ class MockNode {
   MockNode& operator=(const MockNode&) = delete;
 
   virtual const MockNames& names() const = 0;
-  /// A client opened or closed it.
-  virtual void opened() = 0;
-  virtual void closed() = 0;
+  /// A client opened it.
+  void open() { ++clients_; }
+  /// A client closed it.
+  void close() {
+    if (--clients_ == 0) forget();
+  }
+  /// Counts as lost what no client will read any more.
+  virtual void forget() = 0;
   /// A client's calls; they must be completed.
   virtual gboolean ioctl(UMockdevIoctlClient* client) = 0;
   virtual gboolean read(UMockdevIoctlClient* client) = 0;
@@ -57,8 +62,13 @@ class MockNode {
   const PtyGate& gate() const { return gate_; }
 
  protected:
+  bool is_open() const { return clients_ > 0; }
+
   host::fake::ReportQueue& queue_;
   PtyGate gate_;
+
+ private:
+  int clients_ = 0;
 };
 
 }  // namespace condyle::hil

@@ -34,11 +34,11 @@ MockUsbfs::MockUsbfs(ReportQueue& queue, unsigned plug)
 }
 
 MockUsbfs::~MockUsbfs() {
-  closed();
+  forget();
 }
 
 // Transfers that nobody will reap any more.
-void MockUsbfs::closed() {
+void MockUsbfs::forget() {
   for (UMockdevIoctlData* const transfer : std::exchange(waiting_, {})) g_object_unref(transfer);
   for (const Done& done : std::exchange(done_, {})) {
     if (done.packet && is_gone_) queue_.count_unplugged(*done.packet);

@@ -18,8 +18,7 @@ class MockUsbfs final : public MockNode {
   ~MockUsbfs() override;
 
   const MockNames& names() const override { return names_; }
-  void opened() override {}
-  void closed() override;
+  void forget() override;
   gboolean ioctl(UMockdevIoctlClient* client) override;
   gboolean read(UMockdevIoctlClient* client) override;
   void send(const host::fake::Packet& packet) override;

@@ -2,7 +2,7 @@
 #include "hil/umockdev_transport.h"
 
 #include <chrono>
-#include <filesystem>
+#include <utility>
 
 #include "hil/mock_hidraw.h"
 #include "hil/mock_usbfs.h"
@@ -76,7 +76,7 @@ void UmockdevTransport::on_connected(UMockdevIoctlBase*, UMockdevIoctlClient* cl
   const std::lock_guard lock(transport.mutex_);
   transport.has_changed_ = true;
   transport.changed_.notify_all();
-  transport.node_of(client).opened();
+  transport.node_of(client).open();
 }
 
 void UmockdevTransport::on_disconnected(UMockdevIoctlClient* client, GParamSpec*, gpointer self) {
@@ -84,7 +84,7 @@ void UmockdevTransport::on_disconnected(UMockdevIoctlClient* client, GParamSpec*
   const std::lock_guard lock(transport.mutex_);
   transport.has_changed_ = true;
   transport.changed_.notify_all();
-  transport.node_of(client).closed();
+  transport.node_of(client).close();
 }
 
 void UmockdevTransport::plug() {
@@ -102,13 +102,9 @@ void UmockdevTransport::plug() {
     nodes_[node->names().node] = std::move(made);
     current_ = node;
   }
+  bury_oldest();
   const MockNames& names = node->names();
-  gchar* const root = umockdev_testbed_get_root_dir(testbed_);
-  const std::filesystem::path link = std::string(root) + names.node;
-  g_free(root);
-  std::filesystem::create_directories(link.parent_path());
-  std::filesystem::remove(link);
-  std::filesystem::create_symlink(node->gate().path(), link);
+  link(names.node, node->gate());
   GError* error = nullptr;
   check(umockdev_testbed_attach_ioctl(testbed_, names.node.c_str(), handler_, &error), error);
   for (const std::string& device : names.devices) {
@@ -124,17 +120,36 @@ void UmockdevTransport::unplug() {
     node = std::exchange(current_, nullptr);
     node->unplug();
   }
+  link(node->names().node, dead_gate_);
+  dead_.push_back(node->names().node);
   const MockNames& names = node->names();
   for (auto path = names.paths.rbegin(); path != names.paths.rend(); ++path) {
     const std::string full = "/sys" + *path;
     umockdev_testbed_uevent(testbed_, full.c_str(), "remove");
     umockdev_testbed_remove_device(testbed_, full.c_str());
   }
-  GError* error = nullptr;
-  check(umockdev_testbed_detach_ioctl(testbed_, names.node.c_str(), &error), error);
+}
+
+std::filesystem::path UmockdevTransport::real_path(const std::string& node) const {
   gchar* const root = umockdev_testbed_get_root_dir(testbed_);
-  std::filesystem::remove(std::string(root) + names.node);
+  const std::string path = root + node;
   g_free(root);
+  return path;
+}
+
+void UmockdevTransport::link(const std::string& node, const PtyGate& gate) {
+  const std::filesystem::path path = real_path(node), temporary = path.string() + ".new";
+  std::filesystem::create_directories(path.parent_path());
+  std::filesystem::create_symlink(gate.path(), temporary);
+  std::filesystem::rename(temporary, path);
+}
+
+void UmockdevTransport::bury_oldest() {
+  if (dead_.size() < kDeadNodes) return;
+  GError* error = nullptr;
+  check(umockdev_testbed_detach_ioctl(testbed_, dead_.front().c_str(), &error), error);
+  std::filesystem::remove(real_path(dead_.front()));
+  dead_.pop_front();
 }
 
 void UmockdevTransport::send(const Packet& packet) {
@@ -162,7 +177,7 @@ bool UmockdevTransport::is_taken() {
 
 void UmockdevTransport::settle() {
   const std::lock_guard lock(mutex_);
-  for (const auto& [path, node] : nodes_) node->closed();
+  for (const auto& [path, node] : nodes_) node->forget();
 }
 
 Deliveries UmockdevTransport::deliveries() {

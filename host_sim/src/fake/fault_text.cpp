@@ -2,6 +2,7 @@
 // Fault scripts from TOML files and from the command line.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "fake/fault_script.h"
@@ -54,7 +55,6 @@ void read_section(TomlReader& file, FaultKind kind, std::vector<FaultRule>& rule
     added.*condition = value;
     rules.push_back(added);
   };
-  const std::size_t before = rules.size();
   file.list(name, "reports", reports, "reports", kReports);
   for (const double report : reports) {
     add(&FaultRule::at_report, whole(report, file.place(name, "reports"), "reports"));
@@ -68,7 +68,14 @@ void read_section(TomlReader& file, FaultKind kind, std::vector<FaultRule>& rule
   if (file.number(name, "probability", probability, "share of the reports", kProbability)) {
     add(&FaultRule::probability, probability);
   }
-  if (file.has("", name) && rules.size() == before) {
+}
+
+void refuse_idle_section(const TomlReader& file, FaultKind kind,
+                         const std::vector<FaultRule>& rules) {
+  const std::string_view name = fault_type(kind).name;
+  const bool happens = std::any_of(rules.begin(), rules.end(),
+                                   [kind](const FaultRule& rule) { return rule.kind == kind; });
+  if (file.has("", name) && !happens) {
     throw InputError(file.place("", name), fmt::format("[{}] never happens", name),
                      "give reports, times_s, every_reports or probability");
   }
@@ -106,6 +113,7 @@ std::vector<FaultRule> load_faults(const std::string& path, std::uint64_t& seed)
   std::vector<FaultRule> rules;
   for (std::size_t i = 0; i < kFaultKinds; ++i) read_section(file, kind_at(i), rules);
   file.finish();
+  for (std::size_t i = 0; i < kFaultKinds; ++i) refuse_idle_section(file, kind_at(i), rules);
   return rules;
 }
 
