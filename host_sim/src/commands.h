@@ -34,6 +34,8 @@ Command add_friction(CLI::App& app);
 Command add_observability(CLI::App& app);
 /// `condyle inspect`
 Command add_inspect(CLI::App& app);
+/// `condyle fake`
+Command add_fake(CLI::App& app);
 
 /// Writes `text` to the standard output; an InputError where that is closed or full.
 void print_output(const std::string& text);

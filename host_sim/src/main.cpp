@@ -40,6 +40,7 @@ int run(int argc, char** argv) {
   commands.emplace_back("friction", add_friction(app));
   commands.emplace_back("observability", add_observability(app));
   commands.emplace_back("inspect", add_inspect(app));
+  commands.emplace_back("fake", add_fake(app));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

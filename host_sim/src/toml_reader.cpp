@@ -128,6 +128,22 @@ bool TomlReader::numbers(std::string_view section, std::string_view key, double*
   return true;
 }
 
+bool TomlReader::list(std::string_view section, std::string_view key, std::vector<double>& values,
+                      std::string_view unit, Range range) {
+  const toml::node* const node = document_->ask(section, key);
+  if (node == nullptr) return false;
+  const toml::array* const array = node->as_array();
+  if (array == nullptr) {
+    throw InputError(document_->place(node->source()), fmt::format("{} takes an array", key),
+                     fmt::format("write {} = [1, 2] ({})", key, unit));
+  }
+  values.clear();
+  for (const toml::node& item : *array) {
+    values.push_back(document_->read_number(item, key, unit, range));
+  }
+  return true;
+}
+
 bool TomlReader::choice(std::string_view section, std::string_view key, std::size_t& index,
                         const std::vector<std::string_view>& choices) {
   const toml::node* const node = document_->ask(section, key);

@@ -26,6 +26,9 @@ class TomlReader {
   /// An array of exactly `count` numbers, each in `range`.
   bool numbers(std::string_view section, std::string_view key, double* values, std::size_t count,
                std::string_view unit, Range range);
+  /// An array of any number of numbers, each in `range`.
+  bool list(std::string_view section, std::string_view key, std::vector<double>& values,
+            std::string_view unit, Range range);
   /// A text that is one of `choices`; its index is given.
   bool choice(std::string_view section, std::string_view key, std::size_t& index,
               const std::vector<std::string_view>& choices);

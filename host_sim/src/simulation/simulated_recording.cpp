@@ -12,8 +12,8 @@ namespace {
 
 class SimulatedRecording final : public Recording {
  public:
-  explicit SimulatedRecording(const std::string& path)
-      : path_(path), scenario_(load_scenario(path)), simulation_(scenario_, scenario_.seed) {
+  SimulatedRecording(std::string path, const Scenario& scenario)
+      : path_(std::move(path)), scenario_(scenario), simulation_(scenario_, scenario_.seed) {
     info_.format = "simulation";
     info_.kind = scenario_.facebow.gives_points ? SampleKind::three_points : SampleKind::one_axis;
     info_.notes.push_back(
@@ -47,7 +47,11 @@ class SimulatedRecording final : public Recording {
 }  // namespace
 
 std::unique_ptr<Recording> open_simulation(const std::string& path) {
-  return std::make_unique<SimulatedRecording>(path);
+  return std::make_unique<SimulatedRecording>(path, load_scenario(path));
+}
+
+std::unique_ptr<Recording> open_simulation(const Scenario& scenario) {
+  return std::make_unique<SimulatedRecording>(scenario.name, scenario);
 }
 
 }  // namespace condyle::host

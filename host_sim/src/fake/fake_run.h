@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "condyle/hal/clock.h"
+#include "fake/account.h"
+#include "fake/facebow_device.h"
+#include "fake/fault_script.h"
+#include "fake/transport.h"
+#include "simulation/random.h"
+
+namespace condyle::host::fake {
+
+/// When the next report comes.
+enum class Pacing : std::uint8_t {
+  real_time,       ///< at its time, whether or not the last was taken
+  by_consumption,  ///< once the last was taken; pauses and time unplugged still take their time
+};
+
+/// How a run goes.
+struct RunOptions {
+  double rate_Hz = 500;
+  std::uint64_t count = 0;  ///< reports; 0: until the motion ends or somebody stops it
+  Pacing pacing = Pacing::real_time;
+  double linger_s = 1;     ///< stays plugged in after the last report was taken
+  std::uint64_t seed = 1;  ///< of garbage
+};
+
+/// Plays the device over a transport: reports, faults, account. Whenever it is plugged in, it sends
+/// nothing before somebody reads. Faults by chance spare the first report and the last of `count`,
+/// and the last waits for a reader, so that who reads can tell how many were lost.
+class FakeRun {
+ public:
+  FakeRun(FacebowDevice& device, FaultScript& script, Transport& transport, hal::Clock& clock,
+          const RunOptions& options);
+
+  /// Runs to the end, or until `stop` says so; it is asked every few milliseconds. The device is
+  /// unplugged in the end. InputErrors of motion and transport.
+  void run(const std::function<bool()>& stop);
+
+  /// What was done, and what became of it so far.
+  Account account() const;
+  /// Reports made so far.
+  std::uint64_t made() const { return account_.made; }
+
+ private:
+  bool serve_while(const std::function<bool()>& condition);
+  bool serve_until(TimeNs time_ns);
+  bool plug_and_wait();
+  bool step();
+  bool before_report(const Fault& fault);
+  bool unplug_and_replug(const Fault& fault);
+  void spoil(FacebowReport& report, const Fault& fault, Packet& packet);
+  void flush();
+
+  FacebowDevice& device_;
+  FaultScript& script_;
+  Transport& transport_;
+  hal::Clock& clock_;
+  RunOptions options_;
+  RandomGenerator random_;
+  std::function<bool()> stop_;
+  Account account_;               // without deliveries
+  std::uint64_t failed_ = 0;      // reports in transfers that failed
+  TimeNs origin_ns_ = 0;          // on clock_, of the device's time
+  TimeNs due_ns_ = 0;             // of the next report, since the device was first read
+  std::uint64_t burst_left_ = 0;  // reports to hold back, the next included
+  std::vector<Packet> held_;
+};
+
+}  // namespace condyle::host::fake

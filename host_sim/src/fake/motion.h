@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "fake/facebow_report.h"
+#include "recording.h"
+
+namespace condyle::host::fake {
+
+/// The motion that the fake facebow shows: the rows of a recording, one a report, whatever their
+/// times. A recording of one axis or one point moves all three points alike, the axis along z.
+class Motion {
+ public:
+  /// Opens a recording at its start; called again when it repeats.
+  using Opener = std::function<std::unique_ptr<Recording>()>;
+
+  /// InputError where the recording cannot be shown: a pose, or no rows.
+  Motion(Opener open, bool repeats);
+
+  /// Coordinates of the next row; false at the end. InputError where the recording is faulty or a
+  /// coordinate is beyond the report's 0.131 m.
+  bool next(RawCoordinates& coordinates);
+
+  /// Mean rate of the recording's first rows, from their times; absent where they have none.
+  std::optional<double> rate_Hz() const { return rate_Hz_; }
+  /// Share of the recording shown, 0 to 1; starts anew when it repeats.
+  double progress() const { return recording_->progress(); }
+
+ private:
+  void reopen();
+
+  Opener open_;
+  bool repeats_;
+  std::unique_ptr<Recording> recording_;
+  std::optional<double> rate_Hz_;
+};
+
+}  // namespace condyle::host::fake

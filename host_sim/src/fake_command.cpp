@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <memory>
+
+#include "commands.h"
+#include "fake/account.h"
+#include "fake/fake_arguments.h"
+#include "fake/fake_run.h"
+#include "fake/uhid_transport.h"
+#include "fake/vhci_transport.h"
+#include "input_error.h"
+#include "progress.h"
+
+namespace condyle::host {
+namespace {
+
+struct Options {
+  fake::FakeOptions device;
+  std::string transport = "uhid";
+};
+
+std::unique_ptr<fake::Transport> make_transport(const std::string& name) {
+  if (name == "vhci") return std::make_unique<fake::VhciTransport>();
+  return std::make_unique<fake::UhidTransport>();
+}
+
+int run_fake(const Options& options) {
+  const auto transport = make_transport(options.transport);
+  if (options.device.run.pacing == fake::Pacing::by_consumption && !transport->knows_taken()) {
+    throw InputError("--by-consumption", options.transport + " cannot tell what was taken",
+                     "use --transport vhci, or leave it out");
+  }
+  fake::FakeSetup setup = fake::set_up(options.device);
+  hal::SteadyClock clock;
+  fake::FakeRun run(setup.device, setup.script, *transport, clock, setup.run);
+  print_error(setup.description + "; Ctrl-C ends it");
+  {
+    Progress progress("playing", clock, 1);
+    run.run([&] {
+      progress.show(setup.run.count > 0
+                        ? static_cast<double>(run.made()) / static_cast<double>(setup.run.count)
+                        : setup.device.motion().progress());
+      return stop_requested();
+    });
+  }
+  print_output(fake::account_json(run.account()) + "\n");
+  return stop_requested() ? kExitInterrupted : kExitOk;
+}
+
+}  // namespace
+
+Command add_fake(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = app.add_subcommand(
+      "fake", "Be a fake USB facebow of this computer's kernel (needs root), with faults");
+  command
+      ->add_option("--transport", options->transport,
+                   "uhid: a HID device; vhci: a whole USB device")
+      ->check(CLI::IsMember({"uhid", "vhci"}))
+      ->capture_default_str();
+  fake::add_arguments(*command, options->device);
+  return [options] { return run_fake(*options); };
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// The fake facebow in umockdev's test bed, read by the plainest programs with hidapi and libusb:
+// what the readers counted is what the device says it did.
+#include <gmock/gmock.h>
+
+#include <future>
+
+#include "hil/play.h"
+
+namespace condyle::hil {
+namespace {
+
+constexpr std::int64_t kReports = 600;
+
+class FakeFacebow : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    if (!has_umockdev()) GTEST_SKIP() << "umockdev is not installed";
+  }
+  std::string personality() const { return GetParam(); }
+  bool is_usb() const { return personality() == "libusb"; }
+
+  // Plays so many reports to a reader that stops at the last, which is spared by all faults.
+  Played play_reports(std::int64_t count, std::vector<std::string> options,
+                      std::int64_t counter_jumps = 0,
+                      const std::vector<std::string>& reader_options = {}) const {
+    options.insert(options.end(), {"--count", std::to_string(count), "--linger-s", "0.1"});
+    std::vector<std::string> program = {is_usb() ? CONDYLE_READ_LIBUSB : CONDYLE_READ_HIDAPI,
+                                        std::to_string(count - 1 + counter_jumps), "60"};
+    program.insert(program.end(), reader_options.begin(), reader_options.end());
+    return play(personality(), options, program);
+  }
+};
+
+// Both sides count the same, report by report.
+void expect_exact(const Played& played) {
+  ASSERT_EQ(played.exit_code, 0) << played.text;
+  ASSERT_TRUE(played.account.is_object() && played.reader.is_object()) << played.text;
+  EXPECT_TRUE(played.account.value("balances", false)) << played.text;
+  EXPECT_EQ(played.reader_count("intact"), played.account_count("delivered_intact")) << played.text;
+  EXPECT_EQ(played.reader_count("bad"), played.account_count("delivered_altered")) << played.text;
+  EXPECT_EQ(played.reader_count("intact") + played.reader_count("lost"),
+            played.account_count("made") + played.account_count("counter_jumped"))
+      << played.text;
+}
+
+TEST_P(FakeFacebow, SendsAllReportsInRealTime) {
+  const Played played = play_reports(kReports, {"--rate-Hz", "500"});
+  expect_exact(played);
+  EXPECT_EQ(played.reader_count("intact"), kReports) << played.text;
+  EXPECT_EQ(played.reader_count("opened"), 1) << played.text;
+}
+
+TEST_P(FakeFacebow, SendsAllReportsAsTheyAreTaken) {
+  const Played played =
+      play_reports(kReports, {"--by-consumption", "--first-counter", "4294967000"},
+                   std::int64_t{4294967000} - (std::int64_t{1} << 32));
+  expect_exact(played);  // the counter wrapped
+  EXPECT_EQ(played.reader_count("intact"), kReports) << played.text;
+}
+
+TEST_P(FakeFacebow, DoesEveryFault) {
+  for (const char* pacing : {"", "--by-consumption"}) {
+    for (int i = 0; i < repeats(); ++i) {
+      std::vector<std::string> options = {"--rate-Hz", "500", "--faults",
+                                          CONDYLE_SOURCE_DIR "/tests/hil/all_faults.toml"};
+      if (*pacing != '\0') options.emplace_back(pacing);
+      const Played played = play_reports(kReports, options, 1000);
+      expect_exact(played);
+      EXPECT_EQ(played.account["faults"].size(), is_usb() ? 11U : 9U) << played.text;
+      EXPECT_EQ(played.reader_count("bad"), 4) << played.text;
+      EXPECT_EQ(played.reader_count("opened"), 2) << played.text;
+      EXPECT_EQ(played.reader_count("disconnections"), 1) << played.text;
+      EXPECT_EQ(played.reader_count("stalls"), is_usb() ? 1 : 0) << played.text;
+      EXPECT_EQ(played.reader_count("failed_transfers"), is_usb() ? 1 : 0) << played.text;
+    }
+  }
+}
+
+TEST_P(FakeFacebow, IsUnpluggedAHundredTimes) {
+  for (const char* pacing : {"", "--by-consumption"}) {
+    std::vector<std::string> options = {"--rate-Hz", "500", "--fault", "unplug/20=0.01"};
+    if (*pacing != '\0') options.emplace_back(pacing);
+    const Played played = play_reports(2020, options);
+    expect_exact(played);
+    EXPECT_EQ(played.fault_count("unplug"), 100) << played.text;
+    EXPECT_EQ(played.reader_count("disconnections"), 100) << played.text;
+  }
+}
+
+TEST_P(FakeFacebow, DoesFaultsByChance) {
+  for (int i = 0; i < repeats(); ++i) {
+    const Played played =
+        play_reports(kReports, {"--by-consumption",    "--seed",  std::to_string(i),     "--fault",
+                                "truncated~0.02",      "--fault", "garbage~0.02",        "--fault",
+                                "wrong_checksum~0.02", "--fault", "wrong_id~0.02",       "--fault",
+                                "stall~0.01",          "--fault", "transfer_error~0.02", "--fault",
+                                "burst~0.02=20",       "--fault", "unplug~0.01=0.01",    "--fault",
+                                "pause~0.01=0.01"});
+    expect_exact(played);
+    EXPECT_GT(played.reader_count("bad"), 0) << played.text;
+    EXPECT_EQ(played.reader_count("stalls"), played.fault_count("stall")) << played.text;
+    EXPECT_EQ(played.reader_count("failed_transfers"), played.fault_count("transfer_error"))
+        << played.text;
+  }
+}
+
+TEST_P(FakeFacebow, RestartsItsCounter) {
+  const Played played =
+      play_reports(300, {"--by-consumption", "--restarts", "--fault", "unplug@50=0.02"}, -50);
+  ASSERT_EQ(played.exit_code, 0) << played.text;
+  EXPECT_EQ(played.reader_count("repeated"), 1) << played.text;
+  EXPECT_EQ(played.reader_count("intact"), played.account_count("delivered_intact")) << played.text;
+}
+
+TEST_P(FakeFacebow, SixAtOnce) {
+  std::vector<std::future<Played>> running;
+  for (int i = 0; i < 6; ++i) {
+    running.push_back(std::async(std::launch::async, [this] {
+      return play_reports(
+          kReports,
+          {"--rate-Hz", "500", "--faults", CONDYLE_SOURCE_DIR "/tests/hil/all_faults.toml"}, 1000);
+    }));
+  }
+  for (auto& played : running) expect_exact(played.get());
+}
+
+INSTANTIATE_TEST_SUITE_P(Umockdev, FakeFacebow, testing::Values("hidraw", "libusb"),
+                         [](const auto& test) { return std::string(test.param); });
+
+using FakeHidraw = FakeFacebow;
+
+TEST_P(FakeHidraw, KeepsSixtyFourReportsForASlowReader) {
+  const Played played = play_reports(kReports, {"--rate-Hz", "1000"}, 0, {"50", "300"});
+  expect_exact(played);
+  EXPECT_GT(played.account_count("lost_in_queue"), 0) << played.text;
+}
+
+INSTANTIATE_TEST_SUITE_P(Umockdev, FakeHidraw, testing::Values("hidraw"));
+
+}  // namespace
+}  // namespace condyle::hil

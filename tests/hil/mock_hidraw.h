@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hil/mock_names.h"
+
+namespace condyle::hil {
+
+/// A hidraw node (linux/hidraw.h, Documentation/hid/hidraw.rst) for one reader that waits with
+/// poll. Harsher than kernels, short reports arrive as they are: kernels drop or pad them.
+class MockHidraw final : public MockNode {
+ public:
+  MockHidraw(host::fake::ReportQueue& queue, unsigned plug)
+      : MockNode(queue), names_(hidraw_names(plug)) {}
+
+  const MockNames& names() const override { return names_; }
+  void forget() override;
+  gboolean ioctl(UMockdevIoctlClient* client) override;
+  gboolean read(UMockdevIoctlClient* client) override;
+  void send(const host::fake::Packet& packet) override;
+  bool is_read() const override { return is_open() && !is_gone_; }
+  bool is_taken() const override { return queue_.empty(); }
+  void unplug() override;
+
+ private:
+  MockNames names_;
+  bool is_gone_ = false;
+};
+
+}  // namespace condyle::hil

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// The plainest reader of the fake facebow through hidapi, independent of condyle's own.
+// usage: read_hidapi LAST_COUNTER LIMIT_S [PAUSE_AT_REPORT PAUSE_MS]
+#include <hidapi/hidapi.h>
+#include <unistd.h>
+
+#include <cstdlib>
+
+#include "hil/received_reports.h"
+
+using namespace condyle::hil;
+
+namespace {
+
+constexpr useconds_t kRetry_us = 2000;
+
+hid_device* open_first() {
+  hid_device_info* const list = hid_enumerate(0x1209, 0x0001);
+  hid_device* const device = list != nullptr ? hid_open_path(list->path) : nullptr;
+  hid_free_enumeration(list);
+  return device;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 3 || hid_init() != 0) return 2;
+  const Goal goal(static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10)),
+                  std::strtod(argv[2], nullptr));
+  const std::uint64_t pause_at = argc > 4 ? std::strtoull(argv[3], nullptr, 10) : 0;
+  const auto pause_us =
+      static_cast<useconds_t>(argc > 4 ? 1000 * std::strtoul(argv[4], nullptr, 10) : 0);
+  Tally tally;
+  while (!goal.is_reached(tally)) {
+    hid_device* const device = open_first();
+    if (device == nullptr) {
+      usleep(kRetry_us);
+      continue;
+    }
+    ++tally.opened;
+    int size = 0;
+    while (size >= 0 && !goal.is_reached(tally)) {
+      std::uint8_t bytes[64];
+      size = hid_read_timeout(device, bytes, sizeof bytes, 50);
+      if (size > 0) tally.take(bytes, static_cast<std::size_t>(size));
+      if (size > 0 && pause_us > 0 && tally.intact == pause_at) usleep(pause_us);
+    }
+    if (size < 0) ++tally.disconnections;
+    hid_close(device);
+  }
+  hid_exit();
+  tally.print("hidapi");
+  return goal.exit_code(tally);
+}
