@@ -19,6 +19,12 @@ enum class ByteOrder : std::uint8_t { little, big };
 /// How the bits of a field are to be read.
 enum class FieldType : std::uint8_t { unsigned_integer, signed_integer, floating_point };
 
+/// Raw values `lowest` to `highest`, both included.
+struct RawRange {
+  std::int64_t lowest = 0;
+  std::int64_t highest = 0;
+};
+
 /// A number inside a report. Bits are counted from the report's first byte (the report id, where
 /// reports are numbered), within a byte from its least significant bit, as HID 1.11 does.
 struct ReportField {
@@ -28,7 +34,10 @@ struct ReportField {
   ByteOrder byte_order = ByteOrder::little;  ///< big: whole bytes only
   double scale = 1;                          ///< value in SI = raw * scale + offset
   double offset = 0;
-  std::optional<std::int64_t> missing;  ///< raw value that says "not measured"
+  /// Raw value that says "not measured"; of a floating_point field, the number itself. Raw values
+  /// of 64 unsigned bits count as two's complement, here and in `range`.
+  std::optional<std::int64_t> missing;
+  std::optional<RawRange> range;  ///< raw values outside it say "not measured"
 };
 
 /// A coordinate: a field, and where it goes.
@@ -64,7 +73,22 @@ struct AuxiliaryField {
   ReportField field;
 };
 
-/// What a profile file says. Offsets are checked against `minimum_size_bytes` when it is loaded.
+/// Most auxiliary fields of a profile.
+inline constexpr std::size_t kMaxAuxiliary = 32;
+
+/// Where an axis of condyle's frame lies in the device's.
+struct DeviceAxis {
+  Axis axis = Axis::x;  ///< the device's
+  bool is_reversed = false;
+};
+
+/// The device's axes behind condyle's x, y and z. Each stands once.
+using AxisConvention = std::array<DeviceAxis, 3>;
+
+/// Device and condyle agree.
+inline constexpr AxisConvention kSameAxes = {{{Axis::x}, {Axis::y}, {Axis::z}}};
+
+/// What a profile file says. find_problem (profile_check.h) holds what makes it usable.
 struct DeviceProfile {
   std::string name;
   std::uint16_t vendor_id = 0;
@@ -75,6 +99,8 @@ struct DeviceProfile {
   std::size_t minimum_size_bytes = 0;     ///< of a report, report id included
   SampleKind kind = SampleKind::one_point;
   std::vector<CoordinateField> coordinates;
+  /// Set: the coordinates are to be found in the device's report descriptor (descriptor_profile.h).
+  std::optional<AxisConvention> descriptor_axes;
   std::optional<CountingField> device_time;  ///< field.scale: seconds a unit
   std::optional<CountingField> sequence;     ///< one more a report
   std::optional<Checksum> checksum;

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "condyle/hal/report_decoder.h"
+
+#include <cmath>
+
+#include "condyle/hal/checksum.h"
+#include "condyle/hal/profile_check.h"
+
+namespace condyle::hal {
+namespace {
+
+constexpr double kMostLengthError = 0.01;  // of a quaternion: far above 8-bit rounding
+
+bool is_intact(const Checksum& checksum, std::span<const std::uint8_t> bytes) {
+  const auto covered = bytes.subspan(checksum.first_byte, checksum.end_byte - checksum.first_byte);
+  return read_raw(checksum.field, bytes) == checksum_of(checksum, covered);
+}
+
+// False where the count is one that the device cannot give.
+bool read_count(const std::optional<CountingField>& counting, std::span<const std::uint8_t> bytes,
+                std::optional<std::uint64_t>& count) {
+  if (!counting) return true;
+  count = read_raw(counting->field, bytes);
+  return counting->wraps_at == 0 || *count < counting->wraps_at;
+}
+
+// Rounded components are no unit quaternion; zeros are none at all.
+bool normalise_quaternion(double* wxyz) {
+  const double length =
+      std::sqrt(wxyz[0] * wxyz[0] + wxyz[1] * wxyz[1] + wxyz[2] * wxyz[2] + wxyz[3] * wxyz[3]);
+  if (!(std::abs(length - 1) <= kMostLengthError)) return false;
+  for (int i = 0; i < 4; ++i) wxyz[i] /= length;
+  return true;
+}
+
+}  // namespace
+
+ReportDecoder::ReportDecoder(const DeviceProfile& profile)
+    : profile_(profile), is_usable_(!profile.descriptor_axes && !find_problem(profile)) {}
+
+ReportFault ReportDecoder::decode(std::span<const std::uint8_t> bytes,
+                                  DecodedReport& report) const {
+  if (!is_usable_) return ReportFault::unusable_profile;
+  if (bytes.empty()) return ReportFault::too_short;
+  if (profile_.report_id && bytes[0] != *profile_.report_id) return ReportFault::other_report;
+  if (bytes.size() < profile_.minimum_size_bytes) return ReportFault::too_short;
+  if (profile_.checksum && !is_intact(*profile_.checksum, bytes)) {
+    return ReportFault::wrong_checksum;
+  }
+  DecodedReport decoded;
+  if (!read_count(profile_.sequence, bytes, decoded.sequence) ||
+      !read_count(profile_.device_time, bytes, decoded.device_time)) {
+    return ReportFault::counter_out_of_range;
+  }
+  decoded.kind = profile_.kind;
+  decoded.position_valid = true;
+  for (const CoordinateField& coordinate : profile_.coordinates) {
+    const MeasuredValue measured = read_value(coordinate.field, bytes);
+    decoded.coordinates[coordinate.index] = measured.value;
+    decoded.position_valid = decoded.position_valid && measured.valid;
+  }
+  if (decoded.position_valid && decoded.kind == SampleKind::pose) {
+    decoded.position_valid = normalise_quaternion(&decoded.coordinates[3]);
+  }
+  if (profile_.drive_N) {
+    const MeasuredValue drive = read_value(*profile_.drive_N, bytes);
+    decoded.drive_N = drive.value;
+    decoded.drive_valid = drive.valid;
+  }
+  for (const AuxiliaryField& auxiliary : profile_.auxiliary) {
+    decoded.auxiliary[decoded.auxiliary_count++] = read_value(auxiliary.field, bytes);
+  }
+  report = decoded;
+  return ReportFault::none;
+}
+
+}  // namespace condyle::hal
