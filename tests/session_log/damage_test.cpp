@@ -111,7 +111,7 @@ class SmallLog : public testing::Test {
     hal::SessionLogWriter log({.chunk_time_ns = 0});
     ASSERT_EQ(log.open(path_, make_header()), hal::SessionLogFailure::none);
     header_bytes_ = log.status().bytes_written;
-    for (std::uint32_t i = 0; i < 4; ++i) {
+    for (std::uint32_t i = 0; i < 6; ++i) {
       reports_.push_back(make_report(i, 29, 1000 + i));
       ASSERT_TRUE(log.write(0, reports_.back()));
       if (i % 2 == 1) {
@@ -187,17 +187,35 @@ TEST_F(SmallLog, BytesAfterTheEndAreDamage) {
   EXPECT_EQ(read_changed(content_ + content_).condition.outcome, McapRead::damaged);
 }
 
+// Also in a log without an end, where no checksum over all tells.
 TEST_F(SmallLog, AMissingChunkIsNoticed) {
-  // The first chunk begins behind the header; its length stands behind its opcode.
-  std::uint64_t length = 0;
-  for (std::size_t i = 0; i < 8; ++i) {
-    length |= std::uint64_t{static_cast<unsigned char>(content_[header_bytes_ + 1 + i])} << (8 * i);
+  std::vector<std::string> chunks;  // each with its index
+  std::size_t at = header_bytes_;
+  while (content_[at] == 6 || content_[at] == 7) {
+    std::uint64_t length = 0;
+    for (std::size_t i = 0; i < 8; ++i) {
+      length |= std::uint64_t{static_cast<unsigned char>(content_[at + 1 + i])} << (8 * i);
+    }
+    if (content_[at] == 6) chunks.emplace_back();
+    ASSERT_FALSE(chunks.empty());
+    chunks.back() += content_.substr(at, 9 + length);
+    at += 9 + length;
   }
-  std::string without = content_;
-  without.erase(header_bytes_, 9 + length);
-  const Prefix prefix = read_changed(without);
-  EXPECT_EQ(prefix.count, 0U);
-  EXPECT_EQ(prefix.condition.outcome, McapRead::damaged);
+  ASSERT_EQ(chunks.size(), 3U);
+  const std::string header = content_.substr(0, header_bytes_), end = content_.substr(at);
+  EXPECT_EQ(read_changed(header + chunks[0] + chunks[1] + chunks[2] + end).condition.outcome,
+            McapRead::end);
+  EXPECT_EQ(read_changed(header + chunks[0] + chunks[1] + chunks[2]).condition.outcome,
+            McapRead::truncated);
+  for (const std::string& tail : {std::string(), end}) {
+    const Prefix prefix = read_changed(header + chunks[0] + chunks[2] + tail);
+    EXPECT_EQ(prefix.count, 2U);
+    EXPECT_TRUE(prefix.is_right);
+    EXPECT_EQ(prefix.condition.outcome, McapRead::damaged);
+  }
+  EXPECT_EQ(read_changed(header + chunks[1] + chunks[2]).condition.outcome, McapRead::damaged);
+  EXPECT_EQ(read_changed(header + chunks[0] + chunks[1] + end).condition.outcome,
+            McapRead::damaged);
 }
 
 }  // namespace
