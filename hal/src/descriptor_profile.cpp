@@ -72,7 +72,10 @@ ReportField field_of(const Candidate& candidate, bool is_reversed) {
   field.type = described.is_signed() ? FieldType::signed_integer : FieldType::unsigned_integer;
   field.scale = sign * described.unit.scale.value_or(0);
   field.offset = sign * described.unit.offset.value_or(0);
-  field.range = {described.logical_minimum, described.logical_maximum};
+  // As in Linux, a range that is none tells nothing.
+  if (described.logical_minimum < described.logical_maximum) {
+    field.range = {described.logical_minimum, described.logical_maximum};
+  }
   return field;
 }
 

@@ -10,6 +10,10 @@
 namespace condyle::hal {
 namespace {
 
+constexpr const char* kSequenceName = "the sequence";
+constexpr const char* kTimeName = "the device time";
+constexpr const char* kChecksumName = "the checksum";
+
 // A field, where it belongs and what it is called in messages.
 struct Placed {
   const ReportField* field;
@@ -23,13 +27,13 @@ std::vector<Placed> fields_of(const DeviceProfile& profile) {
   for (std::size_t i = 0; i < profile.coordinates.size(); ++i) {
     all.push_back(
         {&profile.coordinates[i].field, ProfilePart::coordinates, i,
-         std::string("coordinate ") + coordinate_name(profile.kind, profile.coordinates[i].index)});
+         "condyle's " + std::string(coordinate_name(profile.kind, profile.coordinates[i].index))});
   }
   if (profile.sequence) {
-    all.push_back({&profile.sequence->field, ProfilePart::sequence, 0, "the sequence"});
+    all.push_back({&profile.sequence->field, ProfilePart::sequence, 0, kSequenceName});
   }
   if (profile.device_time) {
-    all.push_back({&profile.device_time->field, ProfilePart::device_time, 0, "the device time"});
+    all.push_back({&profile.device_time->field, ProfilePart::device_time, 0, kTimeName});
   }
   if (profile.drive_N) all.push_back({&*profile.drive_N, ProfilePart::drive, 0, "the drive"});
   for (std::size_t i = 0; i < profile.auxiliary.size(); ++i) {
@@ -37,7 +41,7 @@ std::vector<Placed> fields_of(const DeviceProfile& profile) {
                    "auxiliary " + profile.auxiliary[i].name});
   }
   if (profile.checksum) {
-    all.push_back({&profile.checksum->field, ProfilePart::checksum, 0, "the checksum"});
+    all.push_back({&profile.checksum->field, ProfilePart::checksum, 0, kChecksumName});
   }
   return all;
 }
@@ -46,7 +50,8 @@ std::optional<ProfileProblem> check_fields(const DeviceProfile& profile) {
   std::vector<Placed> all = fields_of(profile);
   for (const Placed& placed : all) {
     if (auto problem = check_field(*placed.field, profile)) {
-      return ProfileProblem{placed.part, placed.index, problem->reason, problem->mend};
+      return ProfileProblem{placed.part, placed.index, placed.name + " " + problem->reason,
+                            problem->mend};
     }
   }
   std::stable_sort(all.begin(), all.end(), [](const Placed& a, const Placed& b) {
@@ -78,17 +83,16 @@ std::optional<ProfileProblem> check_coordinates(const DeviceProfile& profile) {
     if (index >= count) return problem(i, "this kind of sample has no such coordinate", "");
     if (is_given[index]) {
       return problem(
-          i, std::string("coordinate ") + coordinate_name(profile.kind, index) + " is given twice",
+          i, "condyle's " + std::string(coordinate_name(profile.kind, index)) + " is given twice",
           "give it once");
     }
     is_given[index] = true;
   }
   for (std::size_t index = 0; index < count; ++index) {
     if (is_given[index]) continue;
-    return problem(
-        profile.coordinates.size(),
-        std::string("coordinate ") + coordinate_name(profile.kind, index) + " is missing",
-        "give every coordinate of the kind");
+    return problem(profile.coordinates.size(),
+                   "condyle's " + std::string(coordinate_name(profile.kind, index)) + " is missing",
+                   "give every coordinate of the kind");
   }
   return {};
 }
@@ -115,6 +119,25 @@ std::optional<ProfileProblem> check_auxiliary(const DeviceProfile& profile) {
   return {};
 }
 
+std::optional<ProfileProblem> place(ProfilePart part, const char* name,
+                                    const std::optional<FieldProblem>& found) {
+  if (!found) return {};
+  return ProfileProblem{part, 0, std::string(name) + " " + found->reason, found->mend};
+}
+
+std::optional<ProfileProblem> check_counts(const DeviceProfile& profile) {
+  constexpr std::uint64_t fewest_counts = 4;  // with fewer, one lost report looks like none
+  constexpr std::uint64_t fewest_ticks = 2;
+  if (profile.sequence) {
+    auto found = check_counting(*profile.sequence, fewest_counts);
+    if (found) return place(ProfilePart::sequence, kSequenceName, found);
+  }
+  if (!profile.device_time) return {};
+  auto found = check_counting(*profile.device_time, fewest_ticks);
+  if (!found) found = check_clock(*profile.device_time, profile.rate_Hz);
+  return place(ProfilePart::device_time, kTimeName, found);
+}
+
 }  // namespace
 
 std::optional<ProfileProblem> find_problem(const DeviceProfile& profile) {
@@ -132,28 +155,10 @@ std::optional<ProfileProblem> find_problem(const DeviceProfile& profile) {
   if (auto problem = check_coordinates(profile)) return problem;
   if (auto problem = check_auxiliary(profile)) return problem;
   if (auto problem = check_fields(profile)) return problem;
-  const auto place = [](ProfilePart part,
-                        std::optional<FieldProblem> found) -> std::optional<ProfileProblem> {
-    if (!found) return {};
-    return ProfileProblem{part, 0, found->reason, found->mend};
-  };
-  constexpr std::uint64_t fewest_counts = 4;  // with fewer, one lost report looks like none
-  if (profile.sequence) {
-    auto problem = place(ProfilePart::sequence, check_counting(*profile.sequence, fewest_counts));
-    if (problem) return problem;
-  }
-  if (profile.device_time) {
-    auto problem = place(ProfilePart::device_time, check_counting(*profile.device_time, 2));
-    if (!problem) {
-      problem = place(ProfilePart::device_time, check_clock(*profile.device_time, profile.rate_Hz));
-    }
-    if (problem) return problem;
-  }
-  if (profile.checksum) {
-    return place(ProfilePart::checksum,
-                 check_checksum(*profile.checksum, profile.minimum_size_bytes));
-  }
-  return {};
+  if (auto problem = check_counts(profile)) return problem;
+  if (!profile.checksum) return {};
+  return place(ProfilePart::checksum, kChecksumName,
+               check_checksum(*profile.checksum, profile.minimum_size_bytes));
 }
 
 const char* coordinate_name(SampleKind kind, std::size_t index) {

@@ -40,13 +40,34 @@ struct TomlReader::Document {
   }
 
   const toml::node* find(std::string_view section, std::string_view key) const {
-    if (section.empty()) return root.get(key);
-    const toml::table* const table = root[section].as_table();
+    const toml::table* const table = find_section(section);
     return table != nullptr ? table->get(key) : nullptr;
+  }
+  const toml::table* find_section(std::string_view section) const {
+    const toml::table* table = &root;
+    while (table != nullptr && !section.empty()) {
+      const std::size_t dot = std::min(section.find('.'), section.size());
+      const toml::node* const node = table->get(section.substr(0, dot));
+      table = node != nullptr ? node->as_table() : nullptr;
+      section.remove_prefix(std::min(dot + 1, section.size()));
+    }
+    return table;
   }
   const toml::node* ask(std::string_view section, std::string_view key) {
     known.push_back({std::string(section), std::string(key)});
     return find(section, key);
+  }
+
+  // The place of a text among `choices`.
+  std::size_t find_choice(const toml::node& item, std::string_view key,
+                          const std::vector<std::string_view>& choices) const {
+    const auto value = item.value<std::string_view>();
+    const auto found = value ? std::find(choices.begin(), choices.end(), *value) : choices.end();
+    if (found == choices.end()) {
+      throw InputError(place(item.source()), fmt::format("{} is none of its values", key),
+                       fmt::format("give \"{}\"", fmt::join(choices, "\" or \"")));
+    }
+    return static_cast<std::size_t>(found - choices.begin());
   }
 
   double read_number(const toml::node& item, std::string_view key, std::string_view unit,
@@ -76,6 +97,29 @@ struct TomlReader::Document {
                          : fmt::format("keys of [{}] are {}", section, names));
   }
 
+  // Asked for, or something inside it was. A quoted name may hold a dot, and is then no path.
+  bool is_section(std::string_view where, std::string_view name) const {
+    if (name.find('.') != std::string_view::npos) return false;
+    return std::any_of(known.begin(), known.end(), [&](const Key& other) {
+      return other.section == where || other.section.starts_with(fmt::format("{}.", where));
+    });
+  }
+
+  void refuse_unknown(std::string_view section, const toml::table& table) const {
+    for (const auto& [name, node] : table) {
+      const std::string inner =
+          section.empty() ? std::string(name.str()) : fmt::format("{}.{}", section, name.str());
+      if (!is_section(inner, name.str())) {
+        refuse_unless_known(section, name);
+      } else if (!node.is_table()) {
+        throw InputError(place(name.source()), fmt::format("{} is a section", inner),
+                         fmt::format("write [{}]", inner));
+      } else {
+        refuse_unknown(inner, *node.as_table());
+      }
+    }
+  }
+
   std::string section_names() const {
     std::vector<std::string_view> names;
     for (const Key& other : known) {
@@ -88,10 +132,13 @@ struct TomlReader::Document {
   }
 };
 
-TomlReader::TomlReader(const std::string& path) : document_(std::make_unique<Document>()) {
-  document_->path = path;
+TomlReader::TomlReader(const std::string& path) : TomlReader(path, read_text(path)) {}
+
+TomlReader::TomlReader(const std::string& name, std::string_view text)
+    : document_(std::make_unique<Document>()) {
+  document_->path = name;
   try {
-    document_->root = toml::parse(read_text(path), path);
+    document_->root = toml::parse(text, name);
   } catch (const toml::parse_error& error) {
     throw InputError(document_->place(error.source()), std::string(error.description()),
                      "the form is TOML: key = number, [section]");
@@ -148,13 +195,55 @@ bool TomlReader::choice(std::string_view section, std::string_view key, std::siz
                         const std::vector<std::string_view>& choices) {
   const toml::node* const node = document_->ask(section, key);
   if (node == nullptr) return false;
-  const auto value = node->value<std::string_view>();
-  const auto found = value ? std::find(choices.begin(), choices.end(), *value) : choices.end();
-  if (found == choices.end()) {
-    throw InputError(document_->place(node->source()), fmt::format("{} is none of its values", key),
-                     fmt::format("give \"{}\"", fmt::join(choices, "\" or \"")));
+  index = document_->find_choice(*node, key, choices);
+  return true;
+}
+
+bool TomlReader::integer(std::string_view section, std::string_view key, std::int64_t& value,
+                         std::int64_t lowest, std::int64_t highest) {
+  const toml::node* const node = document_->ask(section, key);
+  if (node == nullptr) return false;
+  const auto given = node->is_integer() ? node->value<std::int64_t>() : std::nullopt;
+  const auto mend = fmt::format("give {} to {}", lowest, highest);
+  if (!given) {
+    throw InputError(document_->place(node->source()), fmt::format("{} takes a whole number", key),
+                     mend);
   }
-  index = static_cast<std::size_t>(found - choices.begin());
+  if (*given < lowest || *given > highest) {
+    throw InputError(document_->place(node->source()),
+                     fmt::format("{} = {} is out of range", key, *given), mend);
+  }
+  value = *given;
+  return true;
+}
+
+bool TomlReader::boolean(std::string_view section, std::string_view key, bool& value) {
+  const toml::node* const node = document_->ask(section, key);
+  if (node == nullptr) return false;
+  const auto given = node->is_boolean() ? node->value<bool>() : std::nullopt;
+  if (!given) {
+    throw InputError(document_->place(node->source()), fmt::format("{} is yes or no", key),
+                     "give true or false");
+  }
+  value = *given;
+  return true;
+}
+
+bool TomlReader::choices(std::string_view section, std::string_view key,
+                         std::vector<std::size_t>& indices, std::size_t count,
+                         const std::vector<std::string_view>& choices) {
+  const toml::node* const node = document_->ask(section, key);
+  if (node == nullptr) return false;
+  const toml::array* const array = node->as_array();
+  if (array == nullptr || array->size() != count) {
+    throw InputError(document_->place(node->source()),
+                     fmt::format("{} takes an array of {} texts", key, count),
+                     fmt::format("of \"{}\"", fmt::join(choices, "\", \"")));
+  }
+  indices.clear();
+  for (const toml::node& item : *array) {
+    indices.push_back(document_->find_choice(item, key, choices));
+  }
   return true;
 }
 
@@ -174,22 +263,18 @@ bool TomlReader::has(std::string_view section, std::string_view key) const {
   return document_->find(section, key) != nullptr;
 }
 
-void TomlReader::finish() const {
-  for (const auto& [name, node] : document_->root) {
-    const std::string_view key = name.str();
-    const bool is_section = std::any_of(
-        document_->known.begin(), document_->known.end(),
-        [&](const Document::Key& known) { return !known.section.empty() && known.section == key; });
-    if (!is_section) {
-      document_->refuse_unless_known("", name);
-    } else if (!node.is_table()) {
-      throw InputError(document_->place(name.source()), fmt::format("{} is a section", key),
-                       fmt::format("write [{}]", key));
-    } else {
-      for (const auto& [inner, value] : *node.as_table())
-        document_->refuse_unless_known(key, inner);
-    }
+std::vector<std::string> TomlReader::sections_in(std::string_view section) const {
+  std::vector<std::string> names;
+  const toml::table* const table = document_->find_section(section);
+  if (table == nullptr) return names;
+  for (const auto& [name, node] : *table) {
+    if (node.is_table()) names.emplace_back(name.str());
   }
+  return names;
+}
+
+void TomlReader::finish() const {
+  document_->refuse_unknown("", document_->root);
 }
 
 std::string TomlReader::place(std::string_view section, std::string_view key) const {

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Device profiles as TOML files. hal/profiles/condyle_facebow.toml documents the format.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "condyle/hal/device_profile.h"
+
+namespace condyle::host {
+
+/// The profile in a file; an InputError that names place, problem and mend. It is usable
+/// (hal::find_problem); with `descriptor_axes` set once hal::complete_from_descriptor has found the
+/// coordinates.
+hal::DeviceProfile load_device_profile(const std::string& path);
+
+/// The same from `text`, which messages call `name`.
+hal::DeviceProfile parse_device_profile(const std::string& name, std::string_view text);
+
+}  // namespace condyle::host
