@@ -32,6 +32,8 @@ Command add_evaluate(CLI::App& app);
 Command add_friction(CLI::App& app);
 /// `condyle observability`
 Command add_observability(CLI::App& app);
+/// `condyle record`
+Command add_record(CLI::App& app);
 /// `condyle inspect`
 Command add_inspect(CLI::App& app);
 /// `condyle fake`

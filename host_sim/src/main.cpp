@@ -39,6 +39,7 @@ int run(int argc, char** argv) {
   commands.emplace_back("evaluate", add_evaluate(app));
   commands.emplace_back("friction", add_friction(app));
   commands.emplace_back("observability", add_observability(app));
+  commands.emplace_back("record", add_record(app));
   commands.emplace_back("inspect", add_inspect(app));
   commands.emplace_back("fake", add_fake(app));
   try {

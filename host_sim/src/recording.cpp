@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "device_recording.h"
 #include "input_error.h"
 #include "recording_formats.h"
 #include "simulation/simulated_recording.h"
@@ -14,7 +15,7 @@ namespace {
 
 constexpr std::string_view kFormats =
     "condyle reads CSV with named columns (time_s,position_m), Zebris text and XML exports, JAWS3D "
-    "text and SSFF";
+    "text, SSFF, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
 
 // Control characters that no text file of ours has; bytes from 0x80 on may be UTF-8.
 bool is_text(std::string_view start) {
@@ -107,6 +108,15 @@ std::unique_ptr<Recording> open_recording(const std::string& source,
       throw InputError(path, fmt::format("{} goes with {}", option, format), "leave it out");
     }
   };
+  const bool is_log = looks_like_session_log(start), is_capture = looks_like_capture(start);
+  only_for(!options.profile.empty() && !is_log && !is_capture, "--profile",
+           "session logs and captures");
+  if (is_log || is_capture) {
+    only_for(options.movement != 1, "--movement", "Zebris XML");
+    only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
+    only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns name no unit");
+    return is_log ? open_session_log(path, options) : open_capture(path, options);
+  }
   if (start.substr(0, 4) == "SSFF") {
     only_for(options.movement != 1, "--movement", "Zebris XML");
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");

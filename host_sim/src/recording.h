@@ -24,6 +24,7 @@ struct RecordingOptions {
   std::vector<std::string> ignored_columns;  ///< CSV columns that are not read
   std::optional<double> units_per_metre;     ///< 1000: mm; for formats that do not state their unit
   int movement = 1;                          ///< which movement of a Zebris XML file, from 1
+  std::string profile;                       ///< TOML file with the profile of a device
 };
 
 /// What a recording says of itself.
@@ -31,7 +32,8 @@ struct RecordingInfo {
   std::string format;  ///< in words
   SampleKind kind = SampleKind::one_axis;
   bool has_drive = false;
-  std::vector<std::string> notes;  ///< what the user should know about how it was read
+  std::optional<TimeNs> nominal_step_ns;  ///< where the recording states it
+  std::vector<std::string> notes;         ///< what the user should know about how it was read
 };
 
 /// A recording being read. Problems of the file are InputErrors.

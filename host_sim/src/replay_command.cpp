@@ -221,8 +221,8 @@ Command add_replay(CLI::App& app) {
       "replay", "Run a recording through an estimator and write estimates and figures");
   command
       ->add_option("RECORDING", options->recording,
-                   "CSV, Zebris text or XML, JAWS3D text or SSFF, recognised by its content; or "
-                   "synth:SCENARIO.toml")
+                   "CSV, Zebris text or XML, JAWS3D text, SSFF, session log (MCAP) or capture of "
+                   "USB traffic (pcap, pcapng), recognised by its content; or synth:SCENARIO.toml")
       ->required();
   command->add_option("--estimator", options->estimator, "Which estimator runs")
       ->check(CLI::IsMember({"recommended", "published"}))
@@ -255,6 +255,8 @@ Command add_replay(CLI::App& app) {
       ->add_option("--ignore-column", options->reading.ignored_columns,
                    "CSV column to leave unread; may be given several times")
       ->allow_extra_args(false);
+  command->add_option("--profile", options->reading.profile,
+                      "TOML file that describes the device of a capture");
   command->add_option("--unit", options->unit, "Unit of coordinates where the format states none")
       ->check(CLI::IsMember({"mm", "m"}));
   command->add_option("--movement", options->reading.movement, "Movement of a Zebris XML file")

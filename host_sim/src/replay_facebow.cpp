@@ -59,7 +59,8 @@ void ReplayFacebow::find_median_step() {
     if (previous && sample.time_ns > *previous) steps.push_back(sample.time_ns - *previous);
     previous = sample.time_ns;
   }
-  median_step_ns_.reset();
+  median_step_ns_ = info().nominal_step_ns;
+  if (median_step_ns_) return;
   if (steps.empty()) return;
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());

@@ -29,7 +29,8 @@ class ReplayFacebow final : public hal::Facebow {
   const std::string& problem() const { return problem_; }
   /// What the recording says of itself; only while open.
   const RecordingInfo& info() const { return recording_->info(); }
-  /// Median time between samples (of the first kLookAhead), absent where no time passes.
+  /// Time between samples as the recording states it, else the median (of the first kLookAhead);
+  /// absent where no time passes.
   std::optional<TimeNs> median_step_ns() const { return median_step_ns_; }
   /// Share of the recording read so far, 0 to 1.
   double progress() const { return recording_ ? recording_->progress() : 0; }

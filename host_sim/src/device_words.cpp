@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device_words.h"
+
+#include <fmt/format.h>
+
+#include "condyle/hal/descriptor_profile.h"
+#include "input_error.h"
+
+namespace condyle::host {
+
+std::string reports_words(const hal::ReportCounts& reports, const hal::TransportCounts& transport) {
+  std::string text = fmt::format("{} reports received, {} lost", reports.received, reports.lost);
+  const auto add = [&text](std::uint64_t count, const char* what) {
+    if (count > 0) text += fmt::format(", {} {}", count, what);
+  };
+  add(reports.too_short, "too short");
+  add(reports.wrong_checksum, "with a wrong checksum");
+  add(reports.counter_out_of_range, "with a counter out of range");
+  add(reports.duplicated, "sent twice");
+  add(reports.other_reports, "of another number");
+  add(reports.unknown_losses, "gaps of unknown length");
+  add(reports.sequence_restarts, "restarts of the counter");
+  add(reports.clock_jumps, "jumps of the device's clock");
+  add(transport.disconnections, "disconnections");
+  add(transport.stalls, "stalls");
+  add(transport.transfer_errors, "transfer errors");
+  add(transport.oversized, "oversized");
+  add(transport.dropped, "dropped by this program");
+  return text;
+}
+
+std::string clock_words(const hal::ClockFit& fit) {
+  if (fit.seconds_fitted() < 3)
+    return "device clock: too short a run to compare it with the host's";
+  return fmt::format("device clock {:.1f} ppm slower than the host's, fitted to {:.1f} us",
+                     fit.drift_ppm(), fit.residual_s() * 1e6);
+}
+
+void complete_profile(hal::DeviceProfile& profile, std::span<const std::uint8_t> descriptor,
+                      const std::string& where) {
+  if (!profile.descriptor_axes) return;
+  const auto fail = [&](const std::string& problem) {
+    throw InputError(where, problem, "give the coordinates in the profile instead");
+  };
+  if (descriptor.empty()) {
+    fail("has no report descriptor, in which the profile expects the coordinates");
+  }
+  const auto decoded = hal::parse_report_descriptor(descriptor);
+  if (!decoded.descriptor) {
+    fail(fmt::format("byte {} of its report descriptor: {}", decoded.error.byte_offset,
+                     decoded.error.reason));
+  }
+  const auto completed = hal::complete_from_descriptor(profile, *decoded.descriptor);
+  if (!completed.profile) fail(completed.reason);
+  profile = *completed.profile;
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <unistd.h>
+
+#include <chrono>
+#include <memory>
+
+#include "commands.h"
+#include "condyle/estimator/recommended_sensor.h"
+#include "condyle/firmware/run_loop.h"
+#include "condyle/hal/device_facebow.h"
+#include "condyle/hal/hidapi_source.h"
+#include "condyle/hal/libusb_source.h"
+#include "condyle/hal/recorded_source.h"
+#include "device_profile_file.h"
+#include "device_words.h"
+#include "estimates_file.h"
+#include "input_error.h"
+#include "latency.h"
+#include "number_option.h"
+#include "parameter_file.h"
+#include "text_file.h"
+
+namespace condyle::host {
+namespace {
+
+struct RecordOptions {
+  std::string profile, out, estimates, parameters, subject;
+  std::string backend = "hidapi";
+  std::string serial;
+  Axis axis = Axis::z;
+  int point = 1;
+  double duration_s = 0;
+  std::uint64_t samples = 0;
+};
+
+// A back end, and what only it knows.
+struct Device {
+  std::unique_ptr<hal::HidapiSource> hidapi;
+  std::unique_ptr<hal::LibusbSource> libusb;
+
+  hal::ReportSource& source() const {
+    if (hidapi) return *hidapi;
+    return *libusb;
+  }
+  std::vector<std::uint8_t> report_descriptor() const {
+    return hidapi ? hidapi->report_descriptor() : libusb->report_descriptor();
+  }
+};
+
+Device make_device(const RecordOptions& options, const hal::DeviceProfile& profile,
+                   hal::Clock& clock) {
+  const hal::DeviceAddress address{profile.vendor_id, profile.product_id, profile.interface_number,
+                                   options.serial};
+  Device device;
+  if (options.backend == "hidapi") {
+    device.hidapi = std::make_unique<hal::HidapiSource>(address, clock);
+  } else {
+    device.libusb = std::make_unique<hal::LibusbSource>(address, clock);
+  }
+  return device;
+}
+
+void open_or_explain(const Device& device, const hal::DeviceProfile& profile) {
+  const hal::Status status = device.source().open();
+  if (status == hal::Status::ok) return;
+  const std::string name =
+      fmt::format("device {:04x}:{:04x}", profile.vendor_id, profile.product_id);
+  switch (status) {
+    case hal::Status::not_permitted:
+      throw InputError(name, "may not be opened by this user",
+                       "install hal/udev/70-condyle-facebow.rules; its first lines say how");
+    case hal::Status::bad_report:
+      throw InputError(name, "has no HID interface with an interrupt input",
+                       "check interface_number in the profile");
+    default:
+      throw InputError(name, "is not plugged in, or another program holds it",
+                       "plug it in, or check vendor_id and product_id in the profile");
+  }
+}
+
+TimeNs wall_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+// Says how the recording goes while it does.
+class Monitor {
+ public:
+  Monitor(const hal::DeviceFacebow& facebow, hal::Clock& clock)
+      : facebow_(facebow), clock_(clock), begin_ns_(clock.now_ns()) {}
+
+  // To be called often; `is_forced` writes at once.
+  void look() {
+    const TimeNs now_ns = clock_.now_ns();
+    const std::uint64_t disconnections = facebow_.transport_counts().disconnections;
+    if (disconnections > disconnections_) {
+      disconnections_ = disconnections;
+      end_line();
+      print_error(fmt::format("{:.3f} s: the device went away; waiting for it",
+                              seconds(now_ns - begin_ns_)));
+    }
+    if (!is_terminal_ || now_ns < next_ns_) return;
+    next_ns_ = now_ns + 200'000'000;
+    const hal::ReportCounts& counts = facebow_.counts();
+    std::fprintf(stderr, "\rrecording %.1f s, %llu reports, %llu lost ",
+                 seconds(now_ns - begin_ns_), static_cast<unsigned long long>(counts.received),
+                 static_cast<unsigned long long>(counts.lost));
+    has_line_ = true;
+  }
+  void end_line() {
+    if (has_line_) std::fputc('\n', stderr);
+    has_line_ = false;
+  }
+  TimeNs elapsed_ns() const { return clock_.now_ns() - begin_ns_; }
+
+ private:
+  const hal::DeviceFacebow& facebow_;
+  hal::Clock& clock_;
+  TimeNs begin_ns_, next_ns_ = 0;
+  std::uint64_t disconnections_ = 0;
+  bool is_terminal_ = isatty(STDERR_FILENO) != 0, has_line_ = false;
+};
+
+std::string summary(const RecordOptions& options, const hal::DeviceProfile& profile,
+                    const hal::DeviceFacebow& facebow, const hal::SessionLogStatus& log,
+                    const Latency& latency, TimeNs elapsed_ns) {
+  std::string text =
+      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
+  const auto line = [&text](const char* label, const std::string& words) {
+    text += fmt::format("{:<12}{}\n", label, words);
+  };
+  line("device", fmt::format("{}, through {}", profile.name, options.backend));
+  line("duration", fmt::format("{:.3f} s", seconds(elapsed_ns)));
+  line("reports", reports_words(facebow.counts(), facebow.transport_counts()));
+  if (profile.device_time) line("clock", clock_words(facebow.clock_fit()));
+  line("latency", latency.words());
+  line("recording", fmt::format("{}: {} reports, {} events, {} bytes; {} reports and {} events had "
+                                "no room",
+                                options.out, log.reports_written, log.events_written,
+                                log.bytes_written, log.reports_lost, log.events_lost));
+  if (!options.estimates.empty()) line("estimates", options.estimates);
+  return text;
+}
+
+template <int kAxes>
+int record_axes(const RecordOptions& options, const hal::DeviceProfile& profile, Device& device,
+                hal::SessionLogWriter& log, hal::Clock& clock) {
+  RecommendedParameters parameters;
+  if (!options.parameters.empty()) parameters = load_recommended_parameters(options.parameters);
+  std::unique_ptr<EstimatesFile> estimates;
+  if (!options.estimates.empty()) {
+    estimates = std::make_unique<EstimatesFile>(options.estimates, kAxes);
+  }
+  hal::RecordedSource source(device.source(), log, 0, clock);
+  hal::DeviceFacebow facebow(source, profile);
+  if (facebow.open() != hal::Status::ok) open_or_explain(device, profile);
+  RecommendedSensor<double, kAxes> sensor(
+      parameters, 0, FollowedPoint{.point = options.point, .body_point_m = {}});
+  firmware::RunSettings settings;
+  settings.followed = {options.point, options.axis};
+  settings.nominal_step_ns = profile.rate_Hz > 0 ? nanoseconds(1 / profile.rate_Hz) : 0;
+  settings.expects_drive = profile.drive_N.has_value();
+  settings.patience_ns = 20'000'000;
+  settings.reopen_pause_ns = 20'000'000;
+  firmware::RunCounts counts;
+  Latency latency;
+  Monitor monitor(facebow, clock);
+  (void)firmware::run(
+      facebow, clock, sensor, settings, counts,
+      [&](const Sample&, const RecommendedEstimate<double>& estimate) {
+        latency.add(clock.now_ns() - facebow.last_arrival_ns());
+        if (estimates && estimate.is_ready) estimates->write_row(row_of(estimate, options.axis));
+      },
+      [&] {
+        monitor.look();
+        return stop_requested() || log.status().failure != hal::SessionLogFailure::none ||
+               (options.samples > 0 && counts.samples >= options.samples) ||
+               (options.duration_s > 0 && seconds(monitor.elapsed_ns()) >= options.duration_s);
+      });
+  monitor.end_line();
+  const TimeNs elapsed_ns = monitor.elapsed_ns();
+  facebow.close();
+  const hal::SessionLogFailure failure = log.close();
+  if (estimates) {
+    estimates->close();
+    estimates->commit();
+  }
+  print_output(summary(options, profile, facebow, log.status(), latency, elapsed_ns));
+  if (failure == hal::SessionLogFailure::none) return kExitOk;
+  throw InputError(options.out,
+                   fmt::format("recording stopped: {}", hal::session_log_failure_name(failure)),
+                   "what was written before is whole; make room and record anew");
+}
+
+int record(const RecordOptions& options) {
+  if (!hal::is_subject_code(options.subject)) {
+    throw InputError("--subject", "is no pseudonym that may stand in a log",
+                     "use at most 32 letters, digits, - and _, and no name");
+  }
+  refuse_same_files({options.profile, options.parameters}, {options.out, options.estimates});
+  hal::SteadyClock clock;
+  const std::string profile_text = read_text_file(options.profile);
+  hal::DeviceProfile profile = parse_device_profile(options.profile, profile_text);
+  if (!is_available(profile.kind, {options.point, options.axis})) {
+    throw InputError("--point", "the device has one point", "leave it out");
+  }
+  Device device = make_device(options, profile, clock);
+  open_or_explain(device, profile);
+  const std::vector<std::uint8_t> descriptor = device.report_descriptor();
+  complete_profile(profile, descriptor, "the device");
+
+  hal::SessionHeader header;
+  header.software_version = "condyle " CONDYLE_VERSION;
+  header.subject_code = options.subject;
+  if (!options.parameters.empty()) header.parameters_toml = read_text_file(options.parameters);
+  header.start_monotonic_ns = clock.now_ns();
+  header.start_wall_ns = wall_ns();
+  header.sources.push_back(
+      {"facebow", profile.vendor_id, profile.product_id, profile_text, descriptor});
+  hal::SessionLogWriter log;
+  const hal::SessionLogFailure failure = log.open(options.out, header);
+  if (failure == hal::SessionLogFailure::bad_header) {
+    throw InputError(options.out, hal::header_problem(header), "");
+  }
+  if (failure != hal::SessionLogFailure::none) {
+    throw InputError(options.out, hal::session_log_failure_name(failure),
+                     "name a new file in a folder that may be written");
+  }
+  return profile.kind == SampleKind::one_axis
+             ? record_axes<1>(options, profile, device, log, clock)
+             : record_axes<3>(options, profile, device, log, clock);
+}
+
+}  // namespace
+
+Command add_record(CLI::App& app) {
+  auto options = std::make_shared<RecordOptions>();
+  CLI::App* const command = app.add_subcommand(
+      "record",
+      "Record the raw reports of a facebow, and estimate while they come; Ctrl-C ends it");
+  command->add_option("--profile", options->profile, "TOML file that describes the device")
+      ->required();
+  command->add_option("--out", options->out, "Session log to write (MCAP); must not exist")
+      ->required();
+  command
+      ->add_option("--backend", options->backend, "hidapi: the kernel's driver; libusb: directly")
+      ->check(CLI::IsMember({"hidapi", "libusb"}))
+      ->capture_default_str();
+  command->add_option("--serial", options->serial, "Serial number, where several are plugged in");
+  command->add_option("--subject", options->subject, "Pseudonymous code of the subject");
+  command->add_option("--estimates", options->estimates, "CSV file for the estimates");
+  command->add_option("--parameters", options->parameters,
+                      "TOML file with parameters of the recommended estimator");
+  command->add_option("--point", options->point, "Point to follow")
+      ->check(CLI::Range(1, 3))
+      ->capture_default_str();
+  auto axis = std::make_shared<std::string>("z");
+  command->add_option("--axis", *axis, "Axis to follow")
+      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->capture_default_str();
+  command->add_option("--duration-s", options->duration_s, "Stop after so long; 0: never")
+      ->check(number_in({0, 1e7}))
+      ->capture_default_str();
+  command->add_option("--samples", options->samples, "Stop after so many samples; 0: never")
+      ->capture_default_str();
+  return [options, axis] {
+    options->axis = static_cast<Axis>((*axis)[0] - 'x');
+    return record(*options);
+  };
+}
+
+}  // namespace condyle::host

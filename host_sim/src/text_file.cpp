@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "text_file.h"
+
+#include "byte_reader.h"
+#include "input_error.h"
+
+namespace condyle::host {
+
+std::string read_text_file(const std::string& path) {
+  ByteReader reader(path);
+  const std::string_view content = reader.peek(ByteReader::kLongestLine);
+  if (content.size() == ByteReader::kLongestLine) {
+    throw InputError(path, "is longer than a megabyte", "name a file that people write");
+  }
+  return std::string(content);
+}
+
+}  // namespace condyle::host
