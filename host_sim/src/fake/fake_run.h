@@ -29,8 +29,9 @@ struct RunOptions {
 };
 
 /// Plays the device over a transport: reports, faults, account. Whenever it is plugged in, it sends
-/// nothing before somebody reads. Faults by chance spare the first report and the last of `count`,
-/// and the last waits for a reader, so that who reads can tell how many were lost.
+/// nothing before somebody reads. Whoever reads can tell exactly how many reports were lost: what
+/// follows the first report waits until that was taken, the last of `count` until a reader is ready
+/// and has taken all before it, and faults by chance spare these two.
 class FakeRun {
  public:
   FakeRun(FacebowDevice& device, FaultScript& script, Transport& transport, hal::Clock& clock,
@@ -48,6 +49,7 @@ class FakeRun {
  private:
   bool serve_while(const std::function<bool()>& condition);
   bool serve_until(TimeNs time_ns);
+  bool wait_until_taken();
   bool plug_and_wait();
   bool step();
   bool before_report(const Fault& fault);
