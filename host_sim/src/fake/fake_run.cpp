@@ -56,7 +56,10 @@ bool FakeRun::wait_until_taken() {
 bool FakeRun::plug_and_wait() {
   transport_.plug();
   ++account_.plugged_in;
-  if (!serve_while([this] { return !transport_.is_read(); })) return false;
+  do {
+    if (!serve_while([this] { return !transport_.is_read(); })) return false;
+    if (!serve_until(clock_.now_ns() + nanoseconds(options_.settle_s))) return false;
+  } while (!transport_.is_read());
   // The device's time goes on while it waits, except before it was ever read.
   if (account_.plugged_in == 1) {
     origin_ns_ = clock_.now_ns();

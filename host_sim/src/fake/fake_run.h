@@ -24,6 +24,9 @@ struct RunOptions {
   double rate_Hz = 500;
   std::uint64_t count = 0;  ///< reports; 0: until the motion ends or somebody stops it
   Pacing pacing = Pacing::real_time;
+  /// Sends nothing for so long after somebody began to read: Linux drops what a HID device sends in
+  /// the first 50 ms (usbhid_open in drivers/hid/usbhid/hid-core.c).
+  double settle_s = 0;
   double linger_s = 1;     ///< stays plugged in after the last report was taken
   std::uint64_t seed = 1;  ///< of garbage
 };
