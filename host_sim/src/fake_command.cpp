@@ -60,6 +60,7 @@ Command add_fake(CLI::App& app) {
                    "uhid: a HID device; vhci: a whole USB device")
       ->check(CLI::IsMember({"uhid", "vhci"}))
       ->capture_default_str();
+  options->device.run.settle_s = 0.2;  // kernels drop what comes too early
   fake::add_arguments(*command, options->device);
   return [options] { return run_fake(*options); };
 }

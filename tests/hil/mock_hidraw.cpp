@@ -101,7 +101,6 @@ void MockHidraw::forget() {
 void MockHidraw::unplug() {
   is_gone_ = true;
   queue_.unplug();
-  gate_.hang_up();
 }
 
 }  // namespace condyle::hil

@@ -57,7 +57,10 @@ class MockNode {
   virtual void send(const host::fake::Packet& packet) = 0;
   virtual bool is_read() const = 0;
   virtual bool is_taken() const = 0;
+  /// The device has gone: calls fail, what was on its way is lost.
   virtual void unplug() = 0;
+  /// Whoever waits for the device learns it, too. Later, because the node cannot be opened then.
+  void hang_up() { gate_.hang_up(); }
 
   const PtyGate& gate() const { return gate_; }
 

@@ -205,7 +205,6 @@ void MockUsbfs::unplug() {
     finish(transfer, -ESHUTDOWN);
   }
   queue_.unplug();
-  gate_.hang_up();
 }
 
 }  // namespace condyle::hil

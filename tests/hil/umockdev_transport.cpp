@@ -121,6 +121,10 @@ void UmockdevTransport::unplug() {
     node->unplug();
   }
   link(node->names().node, dead_gate_);
+  {
+    const std::lock_guard lock(mutex_);
+    node->hang_up();
+  }
   dead_.push_back(node->names().node);
   const MockNames& names = node->names();
   for (auto path = names.paths.rbegin(); path != names.paths.rend(); ++path) {

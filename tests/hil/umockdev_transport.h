@@ -48,7 +48,7 @@ class UmockdevTransport final : public host::fake::Transport {
 
   // Nodes of unplugged devices stay for a while: they open, then say ENODEV. A program that tries
   // to open one that is not there any more costs umockdev 0.17 one of 50 places in its table.
-  static constexpr std::size_t kDeadNodes = 3;
+  static constexpr std::size_t kDeadNodes = 8;
 
   Personality personality_;
   UMockdevTestbed* testbed_;

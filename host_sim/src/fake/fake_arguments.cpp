@@ -36,9 +36,15 @@ void add_arguments(CLI::App& command, FakeOptions& options) {
       "--by-consumption", [&options] { options.run.pacing = Pacing::by_consumption; },
       "Send each report once the last was taken, not at its time");
   command
+      .add_option("--settle-s", options.run.settle_s,
+                  "Send nothing for so long after somebody began to read")
+      ->check(number_in({0, 3600}))
+      ->capture_default_str();
+  command
       .add_option("--linger-s", options.run.linger_s,
                   "Stay plugged in so long after the last report was taken")
-      ->check(number_in({0, 3600}));
+      ->check(number_in({0, 3600}))
+      ->capture_default_str();
 }
 
 }  // namespace condyle::host::fake

@@ -48,10 +48,18 @@ bool FakeRun::serve_until(TimeNs time_ns) {
   }
 }
 
+// False where the user stopped it.
+bool FakeRun::wait_until_taken() {
+  return serve_while([this] { return !transport_.is_read() || !transport_.is_taken(); });
+}
+
 bool FakeRun::plug_and_wait() {
   transport_.plug();
   ++account_.plugged_in;
-  if (!serve_while([this] { return !transport_.is_read(); })) return false;
+  do {
+    if (!serve_while([this] { return !transport_.is_read(); })) return false;
+    if (!serve_until(clock_.now_ns() + nanoseconds(options_.settle_s))) return false;
+  } while (!transport_.is_read());
   // The device's time goes on while it waits, except before it was ever read.
   if (account_.plugged_in == 1) {
     origin_ns_ = clock_.now_ns();
@@ -87,18 +95,17 @@ Account FakeRun::account() const {
 // One report. False where the user stopped it.
 bool FakeRun::step() {
   const bool is_last = options_.count > 0 && account_.made + 1 == options_.count;
+  if (account_.made == 1 && !wait_until_taken()) return false;
   const auto faults = script_.faults_of(account_.made, due_ns_, account_.made == 0 || is_last);
   for (const Fault& fault : faults) {
     if (!spoils(fault.kind) && !before_report(fault)) return false;
   }
   const bool is_held = burst_left_ > 1 && !is_last;
-  if (options_.pacing == Pacing::real_time) {
-    if (!serve_until(origin_ns_ + due_ns_)) return false;
-  } else if (!is_held && held_.empty() &&
-             !serve_while([this] { return !transport_.is_read() || !transport_.is_taken(); })) {
-    return false;
-  }
-  if (is_last && !serve_while([this] { return !transport_.is_read(); })) return false;
+  if (options_.pacing == Pacing::real_time && !serve_until(origin_ns_ + due_ns_)) return false;
+  if (is_last) flush();
+  const bool waits =
+      options_.pacing == Pacing::by_consumption ? !is_held && held_.empty() : is_last;
+  if (waits && !wait_until_taken()) return false;
 
   FacebowReport report;
   if (!device_.next_report(due_ns_, report)) {

@@ -24,13 +24,17 @@ struct RunOptions {
   double rate_Hz = 500;
   std::uint64_t count = 0;  ///< reports; 0: until the motion ends or somebody stops it
   Pacing pacing = Pacing::real_time;
+  /// Sends nothing for so long after somebody began to read: Linux drops what a HID device sends in
+  /// the first 50 ms (usbhid_open in drivers/hid/usbhid/hid-core.c).
+  double settle_s = 0;
   double linger_s = 1;     ///< stays plugged in after the last report was taken
   std::uint64_t seed = 1;  ///< of garbage
 };
 
 /// Plays the device over a transport: reports, faults, account. Whenever it is plugged in, it sends
-/// nothing before somebody reads. Faults by chance spare the first report and the last of `count`,
-/// and the last waits for a reader, so that who reads can tell how many were lost.
+/// nothing before somebody reads. Whoever reads can tell exactly how many reports were lost: what
+/// follows the first report waits until that was taken, the last of `count` until a reader is ready
+/// and has taken all before it, and faults by chance spare these two.
 class FakeRun {
  public:
   FakeRun(FacebowDevice& device, FaultScript& script, Transport& transport, hal::Clock& clock,
@@ -48,6 +52,7 @@ class FakeRun {
  private:
   bool serve_while(const std::function<bool()>& condition);
   bool serve_until(TimeNs time_ns);
+  bool wait_until_taken();
   bool plug_and_wait();
   bool step();
   bool before_report(const Fault& fault);
