@@ -37,7 +37,7 @@ std::size_t longest_input(const std::vector<std::uint8_t>& bytes) {
 LibusbSource::LibusbSource(DeviceAddress address, Clock& clock)
     : address_(std::move(address)),
       clock_(clock),
-      queue_(std::make_unique<std::array<RawReport, kQueue>>()) {}
+      queue_(std::make_unique<std::array<RawReport, kTransfers>>()) {}
 
 LibusbSource::~LibusbSource() {
   close();
@@ -140,18 +140,21 @@ bool LibusbSource::start_transfers(std::size_t length) {
     if (transfers_[i] == nullptr) return false;
     libusb_fill_interrupt_transfer(transfers_[i], handle_, endpoint_, buffers_[i].data(),
                                    static_cast<int>(length), &LibusbSource::completed, this, 0);
-    submit(*transfers_[i]);
   }
-  return !is_gone_;
+  is_in_flight_.fill(false);
+  return true;  // the first read asks for the first report
 }
 
-void LibusbSource::submit(libusb_transfer& transfer) {
-  const int failure = libusb_submit_transfer(&transfer);
-  if (failure == 0) {
-    ++in_flight_;
-  } else {
-    counts_.transfer_errors += failure == LIBUSB_ERROR_NO_DEVICE ? 0 : 1;
-    is_gone_ = true;
+// Asks for reports as long as there is room for them.
+void LibusbSource::submit_idle() {
+  for (std::size_t i = 0; i < kTransfers && !is_gone_; ++i) {
+    if (is_in_flight_[i]) continue;
+    if (static_cast<std::size_t>(in_flight_) + queue_count_ >= kTransfers) break;
+    const int failure = libusb_submit_transfer(transfers_[i]);
+    is_in_flight_[i] = failure == 0;
+    in_flight_ += failure == 0 ? 1 : 0;
+    counts_.transfer_errors += failure == 0 || failure == LIBUSB_ERROR_NO_DEVICE ? 0 : 1;
+    is_gone_ = failure != 0;
   }
 }
 
@@ -161,6 +164,8 @@ void LibusbSource::completed(libusb_transfer* transfer) {
 
 void LibusbSource::complete(libusb_transfer& transfer) {
   --in_flight_;
+  const auto index = std::find(transfers_.begin(), transfers_.end(), &transfer);
+  is_in_flight_[static_cast<std::size_t>(index - transfers_.begin())] = false;
   switch (transfer.status) {
     case LIBUSB_TRANSFER_COMPLETED:
       errors_in_a_row_ = 0;
@@ -178,17 +183,14 @@ void LibusbSource::complete(libusb_transfer& transfer) {
       ++counts_.transfer_errors;
       is_gone_ = is_gone_ || ++errors_in_a_row_ > kMostErrors;
   }
-  if (!is_halted_ && !is_gone_ && !is_stopping_) submit(transfer);
 }
 
 void LibusbSource::store(const libusb_transfer& transfer) {
   const auto size = static_cast<std::size_t>(transfer.actual_length);
   if (size > kMaxReportSize) {
     ++counts_.oversized;
-  } else if (queue_count_ == kQueue) {
-    ++counts_.dropped;
   } else if (size > 0) {
-    RawReport& report = (*queue_)[(queue_begin_ + queue_count_++) % kQueue];
+    RawReport& report = (*queue_)[(queue_begin_ + queue_count_++) % kTransfers];
     report.host_time_ns = clock_.now_ns();
     report.size = static_cast<std::uint16_t>(size);
     std::copy_n(transfer.buffer, size, report.bytes.begin());
@@ -199,8 +201,11 @@ Status LibusbSource::read(TimeNs deadline_ns, RawReport& report) {
   if (handle_ == nullptr) return Status::not_open;
   for (;;) {
     // Whatever has arrived is taken in, so that nothing grows old in the library.
+    submit_idle();
     bool is_interrupted = !wait(0);
     if (is_halted_ && !is_gone_) clear_halt();
+    // What was on its way when the device went is still handed over.
+    if (is_gone_ && !is_stopping_) stop_transfers();
     if (pop(report)) return Status::ok;
     if (is_gone_) {
       ++counts_.disconnections;
@@ -229,7 +234,7 @@ bool LibusbSource::pop(RawReport& report) {
   report.host_time_ns = first.host_time_ns;
   report.size = first.size;
   std::copy_n(first.bytes.begin(), first.size, report.bytes.begin());
-  queue_begin_ = (queue_begin_ + 1) % kQueue;
+  queue_begin_ = (queue_begin_ + 1) % kTransfers;
   --queue_count_;
   return true;
 }
@@ -241,9 +246,6 @@ void LibusbSource::clear_halt() {
     return;
   }
   is_halted_ = is_stopping_ = false;
-  for (libusb_transfer* transfer : transfers_) {
-    if (!is_gone_) submit(*transfer);
-  }
 }
 
 // Cancels what is in flight and waits for its end. False where some never came back.

@@ -25,7 +25,6 @@ std::string reports_words(const hal::ReportCounts& reports, const hal::Transport
   add(transport.stalls, "stalls");
   add(transport.transfer_errors, "transfer errors");
   add(transport.oversized, "oversized");
-  add(transport.dropped, "dropped by this program");
   return text;
 }
 

@@ -32,7 +32,7 @@ struct RecordOptions {
   std::string serial;
   Axis axis = Axis::z;
   int point = 1;
-  double duration_s = 0;
+  double duration_s = 0, idle_s = 0;
   std::uint64_t samples = 0;
 };
 
@@ -63,8 +63,15 @@ Device make_device(const RecordOptions& options, const hal::DeviceProfile& profi
   return device;
 }
 
-void open_or_explain(const Device& device, const hal::DeviceProfile& profile) {
-  const hal::Status status = device.source().open();
+void open_or_explain(const Device& device, const hal::DeviceProfile& profile, hal::Clock& clock) {
+  // A device that was plugged in just now takes a moment to be usable.
+  constexpr TimeNs kPatience_ns = 2'000'000'000, kPause_ns = 20'000'000;
+  const TimeNs deadline_ns = clock.now_ns() + kPatience_ns;
+  hal::Status status = device.source().open();
+  while (status == hal::Status::not_found && clock.now_ns() < deadline_ns && !stop_requested()) {
+    clock.sleep_until(clock.now_ns() + kPause_ns);
+    status = device.source().open();
+  }
   if (status == hal::Status::ok) return;
   const std::string name =
       fmt::format("device {:04x}:{:04x}", profile.vendor_id, profile.product_id);
@@ -93,9 +100,11 @@ class Monitor {
   Monitor(const hal::DeviceFacebow& facebow, hal::Clock& clock)
       : facebow_(facebow), clock_(clock), begin_ns_(clock.now_ns()) {}
 
-  // To be called often; `is_forced` writes at once.
+  // To be called often.
   void look() {
     const TimeNs now_ns = clock_.now_ns();
+    if (facebow_.counts().received != received_) last_received_ns_ = now_ns;
+    received_ = facebow_.counts().received;
     const std::uint64_t disconnections = facebow_.transport_counts().disconnections;
     if (disconnections > disconnections_) {
       disconnections_ = disconnections;
@@ -116,12 +125,13 @@ class Monitor {
     has_line_ = false;
   }
   TimeNs elapsed_ns() const { return clock_.now_ns() - begin_ns_; }
+  TimeNs idle_ns() const { return clock_.now_ns() - last_received_ns_; }
 
  private:
   const hal::DeviceFacebow& facebow_;
   hal::Clock& clock_;
-  TimeNs begin_ns_, next_ns_ = 0;
-  std::uint64_t disconnections_ = 0;
+  TimeNs begin_ns_, next_ns_ = 0, last_received_ns_ = begin_ns_;
+  std::uint64_t received_ = 0, disconnections_ = 0;
   bool is_terminal_ = isatty(STDERR_FILENO) != 0, has_line_ = false;
 };
 
@@ -157,7 +167,7 @@ int record_axes(const RecordOptions& options, const hal::DeviceProfile& profile,
   }
   hal::RecordedSource source(device.source(), log, 0, clock);
   hal::DeviceFacebow facebow(source, profile);
-  if (facebow.open() != hal::Status::ok) open_or_explain(device, profile);
+  (void)facebow.open();
   RecommendedSensor<double, kAxes> sensor(
       parameters, 0, FollowedPoint{.point = options.point, .body_point_m = {}});
   firmware::RunSettings settings;
@@ -179,6 +189,7 @@ int record_axes(const RecordOptions& options, const hal::DeviceProfile& profile,
         monitor.look();
         return stop_requested() || log.status().failure != hal::SessionLogFailure::none ||
                (options.samples > 0 && counts.samples >= options.samples) ||
+               (options.idle_s > 0 && seconds(monitor.idle_ns()) >= options.idle_s) ||
                (options.duration_s > 0 && seconds(monitor.elapsed_ns()) >= options.duration_s);
       });
   monitor.end_line();
@@ -209,9 +220,11 @@ int record(const RecordOptions& options) {
     throw InputError("--point", "the device has one point", "leave it out");
   }
   Device device = make_device(options, profile, clock);
-  open_or_explain(device, profile);
+  open_or_explain(device, profile, clock);
   const std::vector<std::uint8_t> descriptor = device.report_descriptor();
   complete_profile(profile, descriptor, "the device");
+  // Closed while the log is made, which takes longer than the kernel keeps reports.
+  device.source().close();
 
   hal::SessionHeader header;
   header.software_version = "condyle " CONDYLE_VERSION;
@@ -263,6 +276,10 @@ Command add_record(CLI::App& app) {
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->capture_default_str();
   command->add_option("--duration-s", options->duration_s, "Stop after so long; 0: never")
+      ->check(number_in({0, 1e7}))
+      ->capture_default_str();
+  command
+      ->add_option("--idle-s", options->idle_s, "Stop when nothing has come for so long; 0: never")
       ->check(number_in({0, 1e7}))
       ->capture_default_str();
   command->add_option("--samples", options->samples, "Stop after so many samples; 0: never")

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reports by asynchronous interrupt transfers (libusb). One interface is taken from the kernel's
-// driver and given back on close. Several transfers are in flight, so that no report is missed
-// while one is being handled; short reports come as they are; a halted endpoint is cleared.
+// driver and given back on close. Up to 64 transfers are in flight, as many reports as the kernel's
+// own driver keeps for a slow reader; short reports come as they are; a halted endpoint is cleared.
+// Whoever reads drives the library: there is no thread.
 #pragma once
 
 #include <array>
@@ -40,9 +41,8 @@ class LibusbSource final : public ReportSource {
   const std::vector<std::uint8_t>& report_descriptor() const { return report_descriptor_; }
 
  private:
-  static constexpr std::size_t kTransfers = 8;
-  static constexpr std::size_t kQueue = 256;  // reports: half a second at 500 Hz
-  static constexpr int kMostErrors = 16;      // in a row, then the device counts as gone
+  static constexpr std::size_t kTransfers = 64;
+  static constexpr int kMostErrors = 64;  // in a row, then the device counts as gone
 
   static void completed(libusb_transfer* transfer);
   void complete(libusb_transfer& transfer);
@@ -50,7 +50,7 @@ class LibusbSource final : public ReportSource {
   Status choose_interface();
   void read_descriptor();
   bool start_transfers(std::size_t length);
-  void submit(libusb_transfer& transfer);
+  void submit_idle();
   bool stop_transfers();
   void clear_halt();
   bool wait(TimeNs longest_ns);
@@ -68,7 +68,9 @@ class LibusbSource final : public ReportSource {
   std::array<std::vector<std::uint8_t>, kTransfers> buffers_;
   int in_flight_ = 0, errors_in_a_row_ = 0;
   bool is_gone_ = false, is_halted_ = false, is_stopping_ = false;
-  std::unique_ptr<std::array<RawReport, kQueue>> queue_;
+  std::array<bool, kTransfers> is_in_flight_{};
+  // Reports that have arrived; with the transfers in flight no more than kTransfers.
+  std::unique_ptr<std::array<RawReport, kTransfers>> queue_;
   std::size_t queue_begin_ = 0, queue_count_ = 0;
   TransportCounts counts_;
 };

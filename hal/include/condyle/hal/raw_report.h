@@ -31,7 +31,6 @@ struct TransportCounts {
   std::uint64_t stalls = 0;           ///< endpoint halted, and cleared again
   std::uint64_t transfer_errors = 0;  ///< transfers that failed otherwise
   std::uint64_t oversized = 0;        ///< reports longer than kMaxReportSize, dropped
-  std::uint64_t dropped = 0;          ///< reports that were not read in time
   std::uint64_t disconnections = 0;
 };
 

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// `condyle record` over the fake facebow, and `condyle replay` of what it recorded.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <regex>
+
+#include "condyle/hal/session_log_reader.h"
+#include "hil/play.h"
+#include "replay/command.h"
+#include "unit/temporary_folder.h"
+
+namespace condyle::hil {
+namespace {
+
+using testing_support::read_file;
+using testing_support::run_condyle;
+
+class Record : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    if (!has_umockdev()) GTEST_SKIP() << "umockdev is not installed";
+  }
+  bool is_usb() const { return std::string(GetParam()) == "libusb"; }
+
+  // Records so many reports, whatever happens to them, until no more come. The fake waits until the
+  // log is there, before which nothing counts.
+  Played record(std::int64_t count, std::vector<std::string> options,
+                const std::string& settle_s = "0.8") {
+    std::filesystem::remove(log());
+    options.insert(options.end(),
+                   {"--count", std::to_string(count), "--settle-s", settle_s, "--linger-s", "0.3"});
+    return play(GetParam(), options,
+                {CONDYLE_COMMAND, "record", "--backend", is_usb() ? "libusb" : "hidapi",
+                 "--profile", CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml", "--out",
+                 log(), "--estimates", live(), "--idle-s", "2.5"});
+  }
+  std::string log() const { return folder_ / "log.mcap"; }
+  std::string live() const { return folder_ / "live.csv"; }
+
+  // The replay says what the live run said, bit for bit.
+  void expect_same_estimates() {
+    const std::string again = folder_ / "again.csv";
+    const auto replayed = run_condyle({"replay", log(), "--out", again});
+    ASSERT_EQ(replayed.exit_code, 0) << replayed.errors;
+    EXPECT_GT(std::filesystem::file_size(live()), 10'000U);
+    EXPECT_EQ(read_file(live()) == read_file(again), true);
+  }
+
+  testing_support::TemporaryFolder folder_;
+};
+
+std::int64_t number_before(const std::string& text, const std::string& words) {
+  std::smatch match;
+  const bool found = std::regex_search(text, match, std::regex("([0-9]+) " + words));
+  return found ? std::stoll(match[1]) : 0;
+}
+
+// received + lost = sent: the device's counter runs on across the unplugs.
+void expect_every_report_accounted_for(const Played& played) {
+  ASSERT_EQ(played.exit_code, 0) << played.text;
+  EXPECT_EQ(number_before(played.text, "reports received") + number_before(played.text, "lost, ") +
+                number_before(played.text, "lost\n"),
+            played.account_count("made") + played.account_count("counter_jumped"))
+      << played.text;
+  EXPECT_THAT(played.text, testing::HasSubstr("0 reports and 0 events had no room"));
+}
+
+TEST_P(Record, AReplayIsTheLiveRunAgain) {
+  for (int i = 0; i < repeats(); ++i) {
+    const Played played = record(
+        600, {"--rate-Hz", "500", "--faults", CONDYLE_SOURCE_DIR "/tests/hil/all_faults.toml"});
+    expect_every_report_accounted_for(played);
+    for (const char* words : {"1 too short", "2 with a wrong checksum", "1 of another number"}) {
+      EXPECT_THAT(played.text, testing::HasSubstr(words));
+    }
+    expect_same_estimates();
+  }
+}
+
+TEST_P(Record, AHundredUnplugs) {
+  const Played played =
+      record(2000, {"--rate-Hz", "500", "--by-consumption", "--fault", "unplug/19=0.02"}, "0");
+  expect_every_report_accounted_for(played);
+  EXPECT_GE(played.fault_count("unplug"), 100) << played.text;
+  expect_same_estimates();
+}
+
+// From the last report to the event in the log, the device having gone between them. The median of
+// nine, because a busy machine may hold up any one.
+TEST_P(Record, SaysWithinATenthOfASecondThatTheDeviceWent) {
+  const Played played = record(1000, {"--rate-Hz", "500", "--fault", "unplug/100=0.1"});
+  ASSERT_EQ(played.exit_code, 0) << played.text;
+  hal::SessionLogReader reader;
+  ASSERT_EQ(reader.open(log()), hal::Status::ok);
+  hal::SessionEntry entry;
+  TimeNs last_report_ns = 0;
+  std::vector<double> delays_s;
+  while (reader.next(entry) == hal::McapRead::record) {
+    if (!entry.is_event) last_report_ns = entry.report.host_time_ns;
+    if (!entry.is_event || entry.event.kind != hal::SessionEvent::disconnected) continue;
+    delays_s.push_back(seconds(entry.event.time_ns - last_report_ns));
+  }
+  ASSERT_GE(delays_s.size(), 9U);
+  std::nth_element(delays_s.begin(), delays_s.begin() + 4, delays_s.begin() + 9);
+  EXPECT_LT(delays_s[4], 0.1);
+  std::cout << "             " << GetParam() << ": " << 1e3 * delays_s[4] << " ms\n";
+}
+
+// As fast as they are taken: nothing is lost. How fast that is, is shown and not judged.
+TEST_P(Record, ThirtyThousandReportsAsTheyAreTaken) {
+  const Played played = record(30'000, {"--by-consumption"});
+  expect_every_report_accounted_for(played);
+  EXPECT_EQ(number_before(played.text, "reports received"), 30'000) << played.text;
+  std::smatch latency;
+  ASSERT_TRUE(std::regex_search(played.text, latency, std::regex("latency .*")));
+  std::cout << "             " << GetParam() << ": " << latency[0] << '\n';
+  expect_same_estimates();
+}
+
+INSTANTIATE_TEST_SUITE_P(Umockdev, Record, testing::Values("hidraw", "libusb"),
+                         [](const auto& test) { return std::string(test.param); });
+
+}  // namespace
+}  // namespace condyle::hil
