@@ -203,17 +203,18 @@ bool TomlReader::integer(std::string_view section, std::string_view key, std::in
                          std::int64_t lowest, std::int64_t highest) {
   const toml::node* const node = document_->ask(section, key);
   if (node == nullptr) return false;
-  const auto given = node->is_integer() ? node->value<std::int64_t>() : std::nullopt;
+  const toml::value<std::int64_t>* const given = node->as_integer();
   const auto mend = fmt::format("give {} to {}", lowest, highest);
-  if (!given) {
+  if (given == nullptr) {
     throw InputError(document_->place(node->source()), fmt::format("{} takes a whole number", key),
                      mend);
   }
-  if (*given < lowest || *given > highest) {
+  const std::int64_t number = given->get();
+  if (number < lowest || number > highest) {
     throw InputError(document_->place(node->source()),
-                     fmt::format("{} = {} is out of range", key, *given), mend);
+                     fmt::format("{} = {} is out of range", key, number), mend);
   }
-  value = *given;
+  value = number;
   return true;
 }
 

@@ -37,6 +37,8 @@ Played play(const std::string& personality, const std::vector<std::string>& opti
   // umockdev's library is loaded before the address sanitizer's, which minds.
   std::string command =
       "ASAN_OPTIONS=\"verify_asan_link_order=0:$ASAN_OPTIONS\" "
+      "TSAN_OPTIONS=\"suppressions=" CONDYLE_SOURCE_DIR
+      "/tests/hil/thread_sanitizer.txt:$TSAN_OPTIONS\" "
       "timeout -k 5 120 umockdev-wrapper " +
       quoted(CONDYLE_UMOCKDEV_FACEBOW) + " " + personality;
   for (const std::string& option : options) command += " " + quoted(option);
