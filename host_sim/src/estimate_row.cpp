@@ -2,8 +2,19 @@
 #include "estimate_row.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace condyle::host {
+
+bool is_told_twice(const EstimateRow& row) {
+  return row.events.has(Event::time_repeated) && !std::isfinite(row.measured_position_m);
+}
+
+double standardised_innovation(const EstimateRow& row, int axis) {
+  if (row.events.has(Event::outlier_rejected)) return EstimateRow::kNone;
+  if (row.axis_count == 0) return std::copysign(std::sqrt(row.motion_nis), row.innovation_m);
+  return row.axes[axis].innovation_m / row.axes[axis].innovation_sd_m;
+}
 
 EstimateRow row_of(const Sample& sample, FollowedCoordinate followed,
                    const PublishedEstimate<double>& estimate) {

@@ -28,6 +28,18 @@ struct EstimateRow {
   AxisEstimate<double> axes[3];   ///< all of them, x, y, z
 };
 
+/// Axes whose innovations `row` has: 3, or 1.
+inline int innovation_axis_count(const EstimateRow& row) {
+  return row.axis_count == 3 ? 3 : 1;
+}
+
+/// True where `row` only tells the measurement of the row before once more.
+bool is_told_twice(const EstimateRow& row);
+
+/// Innovation along an axis over its predicted standard deviation (stage 1's of the published
+/// cascade). NaN where there is none, and where it was rejected: it then says nothing of the noise.
+double standardised_innovation(const EstimateRow& row, int axis);
+
 /// The published cascade's row for `sample`.
 EstimateRow row_of(const Sample& sample, FollowedCoordinate followed,
                    const PublishedEstimate<double>& estimate);

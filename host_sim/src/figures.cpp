@@ -176,8 +176,8 @@ std::vector<std::unique_ptr<OutputFile>> draw_figures(const std::string& directo
   for (const Figure& figure : kFigures) {
     if (!has_values(figure, data)) continue;
     gnuplot.send(data_block(figure, data));
-    gnuplot.send(fmt::format("set ylabel '{}'\nset title {} noenhanced offset 0,0.8 font ',11'\n",
-                             figure.axis_label, gnuplot_quoted(title + "  (research use only)")));
+    gnuplot.send(fmt::format("set ylabel '{}'\n", figure.axis_label) +
+                 title_command(title, "offset 0,0.8 font ',11'"));
     gnuplot.send(range_command(figure, data) + label_command(figure, data));
     gnuplot.draw(figure.name, plot_command(figure, data), 960, 480);
   }

@@ -121,27 +121,27 @@ int draw(const std::string& directory) {
   const OutputFolder folder(directory);
   Gnuplot gnuplot(directory);
   gnuplot.send("set key right top\n");
-  const auto figure = [&](const char* name, const std::string& data, const char* set,
-                          const char* plot) {
-    gnuplot.send(data + set);
+  const auto figure = [&](const char* name, const std::string& data, const char* title,
+                          const char* set, const char* plot) {
+    gnuplot.send(data + title_command(title) + set);
     gnuplot.draw(name, plot, 720, 480);
   };
-  figure("stribeck_curve", stribeck_curve(),
-         "set title 'Steady friction'\nset xlabel 'velocity (mm/s)'\nset ylabel 'friction (N)'\n",
+  figure("stribeck_curve", stribeck_curve(), "Steady friction",
+         "set xlabel 'velocity (mm/s)'\nset ylabel 'friction (N)'\n",
          "plot $viscous with lines lw 2 title 'viscous', $coulomb with lines lw 2 title 'Coulomb, "
          "smoothed', "
          "$stribeck with lines lw 3 title 'Stribeck', $lugre with lines lw 2 dt 2 title 'LuGre'");
-  figure("stick_slip", stick_slip(),
-         "set title 'Stick-slip: 1 kg on 2 N/m drawn at 0.1 m/s, LuGre'\nset xlabel 'time (s)'\n"
+  figure("stick_slip", stick_slip(), "Stick-slip: 1 kg on 2 N/m drawn at 0.1 m/s, LuGre",
+         "set xlabel 'time (s)'\n"
          "set ylabel 'position (m)'\nset key left top\n",
          "plot $end with lines dt 2 title 'drawn end', $mass with lines lw 2 title 'mass'");
-  figure("hysteresis", hysteresis(),
-         "set title 'Hysteresis: friction lags the velocity, LuGre'\nset xlabel 'velocity (mm/s)'\n"
+  figure("hysteresis", hysteresis(), "Hysteresis: friction lags the velocity, LuGre",
+         "set xlabel 'velocity (mm/s)'\n"
          "set ylabel 'friction (N)'\nset key right top\n",
          "plot $slow with lines lw 2 title '1 rad/s', $fast with lines lw 2 title '25 rad/s'");
   figure("break_away", break_away(),
-         "set title 'Break-away force falls with the rate of the force, LuGre, 0.25 kg'\nset "
-         "logscale x\n"
+         "Break-away force falls with the rate of the force, LuGre, 0.25 kg",
+         "set logscale x\n"
          "set xlabel 'growth of the force (N/s)'\nset ylabel 'greatest force held (N)'\n",
          "plot $breakaway with linespoints pt 7 lw 2 notitle");
   std::string text;

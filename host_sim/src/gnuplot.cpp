@@ -31,6 +31,11 @@ std::string gnuplot_quoted(std::string_view text) {
   return result + "'";
 }
 
+std::string title_command(std::string_view title, std::string_view options) {
+  return fmt::format("set title {} noenhanced {}\n",
+                     gnuplot_quoted(fmt::format("{}  (research use only)", title)), options);
+}
+
 Gnuplot::Gnuplot(std::string directory) : directory_(std::move(directory)) {
   if (std::any_of(directory_.begin(), directory_.end(),
                   [](char c) { return static_cast<unsigned char>(c) < 0x20; })) {

@@ -14,6 +14,10 @@ namespace condyle::host {
 /// A text as gnuplot reads it, in quotation marks.
 std::string gnuplot_quoted(std::string_view text);
 
+/// The command that gives a figure its title, which says "research use only"; `options` as
+/// gnuplot's.
+std::string title_command(std::string_view title, std::string_view options = "");
+
 /// A running gnuplot that draws into a folder. Problems are InputErrors.
 class Gnuplot {
  public:

@@ -12,6 +12,7 @@
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/clock.h"
 #include "estimates_file.h"
+#include "estimator_option.h"
 #include "figures.h"
 #include "input_error.h"
 #include "number_option.h"
@@ -25,23 +26,20 @@ namespace {
 
 struct ReplayOptions {
   std::string recording;
-  std::string estimator = "recommended";
-  std::string parameters;
+  EstimatorOption estimator;
   std::string out;
   std::string figures;
   std::string unit;
   FollowedCoordinate followed;
   bool axis_given = false;
   std::vector<double> jaw_point_mm;  // empty: a point of the instrument
-  int lag = 0;
   double speed = 0;
   RecordingOptions reading;
 };
 
 PublishedParameters choose_published_parameters(const ReplayOptions& options,
                                                 const ReplayFacebow& facebow) {
-  LoadedParameters loaded;
-  if (!options.parameters.empty()) loaded = load_parameters(options.parameters);
+  LoadedParameters loaded = options.estimator.load_published();
   if (loaded.gives_sample_time) return loaded.values;
   if (!facebow.median_step_ns()) {
     throw InputError(options.recording, "no time passes between its samples",
@@ -149,24 +147,16 @@ int replay_published(const ReplayOptions& options, ReplayFacebow& facebow, hal::
 template <int kAxes>
 int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
                        firmware::RunSettings settings) {
-  RecommendedParameters parameters;
-  if (!options.parameters.empty()) parameters = load_recommended_parameters(options.parameters);
+  const RecommendedParameters parameters = options.estimator.load_recommended();
   settings.nominal_step_ns = facebow.median_step_ns().value_or(0);
-  const double longest_gap_s = parameters.outliers.longest_gap_s;
-  if (seconds(settings.nominal_step_ns) > longest_gap_s) {
-    throw InputError(
-        options.recording,
-        fmt::format("its median step of {:.4g} s is longer than longest_gap_s = {:.4g}, "
-                    "so that no sample would say anything of its neighbours",
-                    seconds(settings.nominal_step_ns), longest_gap_s),
-        "check the unit of time_s, or raise longest_gap_s with --parameters");
-  }
+  refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
+                   "its median step", "check the unit of time_s");
   FollowedPoint followed{.point = options.followed.point, .body_point_m = {}};
   if (!options.jaw_point_mm.empty()) {
     followed.body_point_m = 1e-3 * Eigen::Map<const Eigen::Vector3d>(options.jaw_point_mm.data());
   }
-  RecommendedSensor<double, kAxes> sensor(parameters, options.lag, followed);
-  RecommendedSummary summary(parameters, options.lag, options.followed.axis);
+  RecommendedSensor<double, kAxes> sensor(parameters, options.estimator.lag, followed);
+  RecommendedSummary summary(parameters, options.estimator.lag, options.followed.axis);
   return replay_through(
       options, facebow, clock, settings, sensor, kAxes,
       [&](const Sample&, const RecommendedEstimate<double>& estimate) {
@@ -177,7 +167,7 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
 }
 
 int replay(const ReplayOptions& options) {
-  refuse_same_files({options.recording, options.parameters}, {options.out});
+  refuse_same_files({options.recording, options.estimator.parameters}, {options.out});
   hal::SteadyClock clock;
   ReplayFacebow facebow(options.recording, options.reading, options.speed, clock);
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
@@ -199,13 +189,9 @@ int replay(const ReplayOptions& options) {
   firmware::RunSettings settings;
   settings.followed = options.followed;
   settings.expects_drive = info.has_drive;
-  if (options.estimator == "published") {
-    for (const auto& [given, option] :
-         {std::pair{options.lag > 0, "--lag"}, {!options.jaw_point_mm.empty(), "--jaw-point-mm"}}) {
-      if (!given) continue;
-      throw InputError(option, "the published cascade has no such thing",
-                       "leave it out, or give --estimator recommended");
-    }
+  options.estimator.refuse_if_published("--lag", options.estimator.lag > 0);
+  options.estimator.refuse_if_published("--jaw-point-mm", !options.jaw_point_mm.empty());
+  if (options.estimator.is_published()) {
     return replay_published(options, facebow, clock, settings);
   }
   return info.kind == SampleKind::one_axis
@@ -224,15 +210,7 @@ Command add_replay(CLI::App& app) {
                    "CSV, Zebris text or XML, JAWS3D text, SSFF, session log (MCAP) or capture of "
                    "USB traffic (pcap, pcapng), recognised by its content; or synth:SCENARIO.toml")
       ->required();
-  command->add_option("--estimator", options->estimator, "Which estimator runs")
-      ->check(CLI::IsMember({"recommended", "published"}))
-      ->capture_default_str();
-  command
-      ->add_option("--lag", options->lag,
-                   "Samples that an estimate waits for, which makes it better (recommended)")
-      ->check(CLI::Range(0, 16))
-      ->capture_default_str();
-  command->add_option("--parameters", options->parameters, "TOML file with its parameters");
+  options->estimator.add_to(*command);
   command->add_option("--point", options->followed.point, "Point to follow")
       ->check(CLI::Range(1, 3))
       ->capture_default_str();

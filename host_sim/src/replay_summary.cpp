@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "event_text.h"
+
 namespace condyle::host {
 namespace {
 
@@ -74,13 +76,7 @@ std::string ReplaySummary::times_text(const std::string& steps_note) const {
                     seconds(shortest_step_ns_) * 1e3, seconds(longest_step_ns_) * 1e3, steps_note));
   }
   add_line(text, "gaps", fmt::format("{}", events_[Event::time_gap]));
-  std::string events;
-  for (std::size_t i = 0; i < kEventCount; ++i) {
-    const auto event = static_cast<Event>(i);
-    if (events_[event] == 0) continue;
-    events += fmt::format("{}{} {}", events.empty() ? "" : ", ", events_[event], event_name(event));
-  }
-  add_line(text, "events", events.empty() ? "none" : events);
+  add_line(text, "events", event_text(events_));
   return text;
 }
 
@@ -176,13 +172,11 @@ void RecommendedSummary::add(const EstimateRow& row) {
   ReplaySummary::add(row);
   const double step_s =
       last_step_ns_ ? seconds(*last_step_ns_) : std::numeric_limits<double>::quiet_NaN();
-  // A measurement told twice is one measurement; a rejected one says nothing of the noise.
-  if (row.events.has(Event::time_repeated) && !std::isfinite(row.measured_position_m)) return;
+  if (is_told_twice(row)) return;
   const bool is_rejected = row.events.has(Event::outlier_rejected);
   for (int i = 0; i < row.axis_count; ++i) {
-    const AxisEstimate<double>& axis = row.axes[i];
-    monitors_[i].add(is_rejected ? EstimateRow::kNone : axis.innovation_m / axis.innovation_sd_m,
-                     is_rejected ? EstimateRow::kNone : axis.measured_position_m, step_s);
+    monitors_[i].add(standardised_innovation(row, i),
+                     is_rejected ? EstimateRow::kNone : row.axes[i].measured_position_m, step_s);
   }
 }
 

@@ -88,6 +88,20 @@ TEST(MonteCarlo, StopsAtTheSameRunForEveryNumberOfThreads) {
   }
 }
 
+TEST(MonteCarlo, SaysThatItWaits) {
+  std::atomic<int> waits = 0;
+  const auto work = [&](std::uint64_t) {
+    while (waits < 3) std::this_thread::yield();
+    return 0;
+  };
+  const auto caller = std::this_thread::get_id();
+  run_monte_carlo(1, 1, work, [](int) {}, {}, {.while_waiting = [&] {
+                    EXPECT_EQ(std::this_thread::get_id(), caller);
+                    ++waits;
+                  }});
+  EXPECT_GE(waits, 3);
+}
+
 TEST(MonteCarlo, HoldsFewResultsWhenMergingIsSlow) {
   static std::atomic<int> alive = 0, most_alive = 0;
   struct Result {

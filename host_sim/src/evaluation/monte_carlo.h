@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
@@ -24,6 +25,8 @@ struct MonteCarloControl {
   /// Asked after each merged run, on the caller's thread; true ends the work. What it answers from
   /// the merged results alone is the same for every number of threads.
   std::function<bool()> stop;
+  /// Called a few times a second on the caller's thread while it waits for a run.
+  std::function<void()> while_waiting;
 };
 
 /// Results of runs that are under way or wait to be merged: a ring with one place for each.
@@ -49,13 +52,21 @@ class MonteCarloQueue {
     result_put_.notify_one();
   }
 
-  /// Waits for the next result in order and frees its place. Throws what its run threw.
-  Result next_in_order() {
+  /// Waits for the next result in order and frees its place; calls `while_waiting`, if there is
+  /// one, a few times a second. Throws what its run threw.
+  Result next_in_order(const std::function<void()>& while_waiting) {
+    constexpr std::chrono::milliseconds kPatience(200);
     Place place;
     {
       std::unique_lock lock(mutex_);
       Place& next = places_[merged_ % places_.size()];
-      result_put_.wait(lock, [&next] { return next.filled; });
+      const auto is_filled = [&next] { return next.filled; };
+      while (while_waiting && !result_put_.wait_for(lock, kPatience, is_filled)) {
+        lock.unlock();
+        while_waiting();
+        lock.lock();
+      }
+      result_put_.wait(lock, is_filled);
       place = std::exchange(next, Place{});
       ++merged_;
     }
@@ -82,8 +93,8 @@ class MonteCarloQueue {
 /// to `merge(Result&&)` in the order of the seeds, on the caller's thread: where `work` depends on
 /// its seed alone, the outcome is the same, bit for bit, for every number of threads. At most two
 /// results a thread are held. An exception of `work` is thrown on when its turn comes, those of
-/// `merge`, `progress` and `control.stop` at once; runs under way are then finished and dropped.
-/// Returns the number of runs merged: `runs`, or fewer when stopped.
+/// `merge`, `progress` and the functions of `control` at once; runs under way are then finished and
+/// dropped. Returns the number of runs merged: `runs`, or fewer when stopped.
 template <class Work, class Merge>
 std::uint64_t run_monte_carlo(std::uint64_t runs, std::uint64_t first_seed, const Work& work,
                               Merge&& merge, const MonteCarloProgress& progress = {},
@@ -118,7 +129,7 @@ std::uint64_t run_monte_carlo(std::uint64_t runs, std::uint64_t first_seed, cons
   while (workers.threads.size() < threads) workers.threads.emplace_back(run_until_stopped);
 
   for (std::uint64_t merged = 1; merged <= runs; ++merged) {
-    merge(queue.next_in_order());
+    merge(queue.next_in_order(control.while_waiting));
     if (progress) progress(merged, runs);
     if (control.stop && control.stop()) return merged;
   }

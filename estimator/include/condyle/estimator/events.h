@@ -76,6 +76,10 @@ class EventCounts {
       if (events.has(static_cast<Event>(i))) ++counts_[i];
     }
   }
+  /// Adds the counts of `other`.
+  constexpr void add(const EventCounts& other) {
+    for (std::size_t i = 0; i < kEventCount; ++i) counts_[i] += other.counts_[i];
+  }
   /// How often `event` happened.
   constexpr std::uint64_t operator[](Event event) const {
     return counts_[static_cast<std::size_t>(event)];

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "estimator_option.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "input_error.h"
+
+namespace condyle::host {
+
+void EstimatorOption::add_to(CLI::App& command) {
+  command.add_option("--estimator", name, "Which estimator runs")
+      ->check(CLI::IsMember({"recommended", "published"}))
+      ->capture_default_str();
+  command
+      .add_option("--lag", lag,
+                  "Samples that an estimate waits for, which makes it better (recommended)")
+      ->check(CLI::Range(0, 16))
+      ->capture_default_str();
+  command.add_option("--parameters", parameters, "TOML file with its parameters");
+}
+
+void EstimatorOption::refuse_if_published(const char* option, bool given) const {
+  if (!is_published() || !given) return;
+  throw InputError(option, "the published cascade has no such thing",
+                   "leave it out, or give --estimator recommended");
+}
+
+LoadedParameters EstimatorOption::load_published() const {
+  return parameters.empty() ? LoadedParameters{} : load_parameters(parameters);
+}
+
+RecommendedParameters EstimatorOption::load_recommended() const {
+  return parameters.empty() ? RecommendedParameters{} : load_recommended_parameters(parameters);
+}
+
+void refuse_long_step(const RecommendedParameters& parameters, double step_s,
+                      const std::string& source, const char* step, const char* mend) {
+  const double longest_gap_s = parameters.outliers.longest_gap_s;
+  if (step_s <= longest_gap_s) return;
+  throw InputError(source,
+                   fmt::format("{} of {:.4g} s is longer than longest_gap_s = {:.4g}, so that no "
+                               "sample would say anything of its neighbours",
+                               step, step_s, longest_gap_s),
+                   fmt::format("{}, or raise longest_gap_s with --parameters", mend));
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/App.hpp>
+#include <string>
+
+#include "parameter_file.h"
+
+namespace condyle::host {
+
+/// Which estimator a command runs, as its options say.
+struct EstimatorOption {
+  std::string name = "recommended";  ///< or "published"
+  std::string parameters;            ///< TOML file; empty: the defaults
+  int lag = 0;                       ///< samples
+
+  /// Gives `command` the options that fill this, which must outlive it.
+  void add_to(CLI::App& command);
+
+  bool is_published() const { return name == "published"; }
+  /// An InputError where `option`, which only the recommended estimator has, is `given` to the
+  /// published cascade.
+  void refuse_if_published(const char* option, bool given) const;
+
+  /// The parameters, each for its estimator.
+  LoadedParameters load_published() const;
+  RecommendedParameters load_recommended() const;
+};
+
+/// An InputError where a step of `step_s` is so long that each sample would lose the state. It
+/// names `source` and what of it is `step`; `mend` is one way out beside a longer gap.
+void refuse_long_step(const RecommendedParameters& parameters, double step_s,
+                      const std::string& source, const char* step, const char* mend);
+
+}  // namespace condyle::host

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "evaluation/estimator_evaluation.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <utility>
+
+#include "condyle/estimator/published_cascade.h"
+#include "evaluation/cramer_rao.h"
+#include "input_error.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// The bound after so many samples that it no longer changes.
+std::array<double, kEvaluatedQuantities> bound_of_stage_1(const PublishedParameters& p) {
+  const auto matrix = [](const double* variances) {
+    return Eigen::Matrix3d(Eigen::Map<const Eigen::Vector3d>(variances).asDiagonal());
+  };
+  const auto transition = motion_transition<double>(Vector3<double>::Zero(), p.sample_time_s,
+                                                    p.assumed_mass_kg, p.motion.discretisation);
+  const auto& J = transition.jacobian;
+  Eigen::Matrix3d F;
+  F << 1, J.pv, J.px, 0, J.vv, J.vx, 0, 0, 1;
+  BoundStep<3, 1> step(matrix(p.motion.process_variance),
+                       Eigen::Matrix<double, 1, 1>(p.motion.measurement_variance[0]));
+  step.add(F, Eigen::RowVector3d(1, 0, 0));
+  Eigen::Matrix3d P = matrix(p.motion.initial_variance);
+  for (int i = 0; i < 2000; ++i) P = step.advance_covariance(P);
+  const double force_N = std::sqrt(P(2, 2));
+  return {std::sqrt(P(0, 0)), std::sqrt(P(1, 1)), force_N / p.assumed_mass_kg, force_N, kNan, kNan};
+}
+
+// The subject of variant `variant` of `plan`.
+Scenario vary(const Scenario& scenario, const EvaluationPlan& plan, std::uint64_t variant) {
+  const double friction = plan.friction_factors[variant % plan.friction_factors.size()];
+  const double mass = plan.mass_factors[variant / plan.friction_factors.size()];
+  Scenario varied = scenario;
+  varied.subject.friction_scale *= friction;
+  varied.subject.jaw.mass_kg *= mass;
+  varied.subject.jaw.inertia_kg_m2 *= mass;
+  varied.subject.drive_mass_kg = scenario.subject.jaw.mass_kg;
+  const double needed = needed_steps_per_millisecond(varied.subject);
+  varied.subject.steps_per_millisecond =
+      std::max(varied.subject.steps_per_millisecond, static_cast<int>(std::min(needed, 1e3)));
+  return varied;
+}
+
+void add_run(EvaluationRun&& run, Evaluation& evaluation) {
+  for (std::size_t i = 0; i < kEvaluatedQuantities; ++i) {
+    evaluation.errors[i].add_run(run.errors[i]);
+    evaluation.not_computed[i] += run.not_computed[i];
+  }
+  evaluation.velocity_m_s.merge(run.velocity_m_s);
+  evaluation.innovation_axes = std::max(evaluation.innovation_axes, run.innovation_axes);
+  for (std::size_t axis = 0; axis < run.innovations.size(); ++axis) {
+    const RunInnovations& innovations = run.innovations[axis];
+    evaluation.innovations[axis].nis.add_run(innovations.nis);
+    if (std::isfinite(innovations.correlation)) {
+      evaluation.innovations[axis].correlation.add(innovations.correlation);
+    }
+  }
+  evaluation.nees.add_run(run.nees);
+  evaluation.samples += run.samples;
+  evaluation.events.add(run.events);
+  evaluation.friction_slope.add(run.friction.truth, run.friction.estimate);
+  evaluation.mass_slope.add(run.mass.truth, run.mass.estimate);
+  evaluation.friction.push_back(run.friction);
+  evaluation.mass.push_back(run.mass);
+  if (run.verdict) ++evaluation.verdicts[static_cast<std::size_t>(*run.verdict)];
+}
+
+}  // namespace
+
+Evaluation evaluate_estimator(const Scenario& scenario, const EstimatorSettings& settings,
+                              const EvaluationPlan& plan, const EvaluationProgress& progress,
+                              MonteCarloControl control) {
+  Evaluation evaluation;
+  const auto* published = std::get_if<PublishedParameters>(&settings);
+  if (published != nullptr) {
+    evaluation.bound = bound_of_stage_1(*published);
+  } else {
+    evaluation.bound.fill(kNan);
+  }
+  const std::uint64_t variants = plan.friction_factors.size() * plan.mass_factors.size();
+  std::atomic<std::uint64_t> instants = 0;  // simulated, in all runs
+  const auto should_stop = [&] {
+    ++instants;
+    return control.stop && control.stop();
+  };
+  const auto show_progress = [&] {
+    const double all =
+        static_cast<double>(plan.runs) * scenario.duration_s * scenario.facebow.rate_Hz;
+    if (progress) progress(std::min(1.0, static_cast<double>(instants) / all));
+  };
+  control.while_waiting = show_progress;
+  run_monte_carlo(
+      plan.runs, 0,
+      [&](std::uint64_t index) {
+        return evaluate_run(vary(scenario, plan, index % variants),
+                            plan.first_seed + index / variants, settings, should_stop);
+      },
+      [&](EvaluationRun&& run) { add_run(std::move(run), evaluation); },
+      [&](std::uint64_t, std::uint64_t) { show_progress(); }, control);
+  const bool stopped = control.stop && control.stop();
+  if (!stopped && !evaluation.is_computed(kPositionError)) {
+    throw InputError(scenario.name, "no sample of any run could be compared with the truth",
+                     "raise duration_s or rate_Hz, or lose fewer samples");
+  }
+  return evaluation;
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// An estimator against the truth of a simulated subject, over many seeds.
+//
+// Published cascade only: verdicts, and the posterior Cramer-Rao bound of stage 1's own model,
+// reached where the motion is what that model says, and only there.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "evaluation/evaluation_run.h"
+#include "evaluation/monte_carlo.h"
+#include "evaluation/response_slope.h"
+
+namespace condyle::host {
+
+/// How the runs differ: friction and mass of the subject are multiplied by these in turn; runs with
+/// the same task and noise follow one another.
+struct EvaluationPlan {
+  std::uint64_t runs = 40;
+  std::uint64_t first_seed = 1;
+  std::vector<double> friction_factors = {1};
+  std::vector<double> mass_factors = {1};
+};
+
+/// The innovations along one axis, of all runs.
+struct InnovationStatistics {
+  ConsistencyStatistics nis{1, ConsistencyStatistics::Independent::terms};
+  Moments correlation;  ///< of neighbours, one value a run
+};
+
+/// All runs.
+struct Evaluation {
+  std::array<ErrorStatistics, kEvaluatedQuantities> errors;
+  std::array<std::uint64_t, kEvaluatedQuantities> not_computed{};
+  ErrorOverTime velocity_m_s;
+  int innovation_axes = 0;  ///< 1 or 3
+  std::array<InnovationStatistics, 3> innovations;
+  ConsistencyStatistics nees{3, ConsistencyStatistics::Independent::runs};
+  std::uint64_t samples = 0;
+  EventCounts events;
+  ResponseSlope friction_slope, mass_slope;
+  std::vector<ResponsePair> friction, mass;  ///< one a run, for the pictures
+  std::array<std::uint64_t, 3> verdicts{};
+  /// Standard deviations that the bound allows, each in its quantity's unit; NaN: no bound.
+  std::array<double, kEvaluatedQuantities> bound{};
+
+  /// True where a quantity was computed at any sample.
+  bool is_computed(EvaluatedIndex quantity) const {
+    return errors[quantity].report(kNominalCoverage).samples > 0;
+  }
+};
+
+/// Told the share of the work that is done, 0 to 1, on the thread that called.
+using EvaluationProgress = std::function<void(double share)>;
+
+/// All runs of `plan`, on all cores; the result does not depend on how many there are. `control` as
+/// in run_monte_carlo; its `stop` is asked by every thread. An InputError where no sample of any
+/// run could be compared.
+Evaluation evaluate_estimator(const Scenario& scenario, const EstimatorSettings& settings,
+                              const EvaluationPlan& plan, const EvaluationProgress& progress = {},
+                              MonteCarloControl control = {});
+
+}  // namespace condyle::host

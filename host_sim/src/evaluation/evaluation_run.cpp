@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "evaluation/evaluation_run.h"
+
+#include <cmath>
+#include <deque>
+#include <utility>
+
+#include "condyle/estimator/innovation_monitor.h"
+#include "condyle/estimator/published_sensor.h"
+#include "condyle/estimator/recommended_sensor.h"
+#include "estimate_row.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr double kLeftOut = 0.2;
+
+bool is_there(const Quantity<double>& quantity) {
+  return quantity.provenance != Provenance::not_computed;
+}
+
+// In the order of EvaluatedIndex, as the truths below.
+std::array<const Quantity<double>*, kEvaluatedQuantities> quantities_of(const EstimateRow& row) {
+  return {&row.position_m, &row.velocity_m_s,  &row.followed.acceleration_m_s2,
+          &row.force_N,    &row.friction_Ns_m, &row.mass_kg};
+}
+
+std::array<double, kEvaluatedQuantities> truths_of(const SubjectTruth& truth) {
+  return {truth.position_m,
+          truth.velocity_m_s,
+          truth.acceleration_m_s2,
+          truth.effective_mass_kg * truth.acceleration_m_s2,
+          truth.effective_friction_Ns_m,
+          truth.effective_mass_kg};
+}
+
+// The rows of one run against their truths.
+class RunComparison {
+ public:
+  explicit RunComparison(double duration_s) : left_out_s_(kLeftOut * duration_s) {
+    run_.velocity_m_s = ErrorOverTime(duration_s);
+  }
+
+  // `truth`: at the instant that `row` estimates.
+  void add(const EstimateRow& row, const SubjectTruth& truth) {
+    ++run_.samples;
+    run_.events.add(row.events);
+    run_.velocity_m_s.add(truth.time_s, row.velocity_m_s.value - truth.velocity_m_s,
+                          row.velocity_m_s.standard_deviation);
+    if (is_there(row.mass_kg)) {  // a sample that was not taken has no verdict either
+      run_.verdict = row.verdict;
+      run_.friction.estimate = row.friction_Ns_m.value;
+      run_.mass.estimate = row.mass_kg.value;
+    }
+    if (truth.time_s < left_out_s_) return;
+    const auto estimates = quantities_of(row);
+    const auto truths = truths_of(truth);
+    for (std::size_t i = 0; i < kEvaluatedQuantities; ++i) {
+      if (is_there(*estimates[i])) {
+        run_.errors[i].add(estimates[i]->value - truths[i], estimates[i]->standard_deviation);
+      } else {
+        ++run_.not_computed[i];
+      }
+    }
+    if (!is_told_twice(row)) add_innovations(row);
+    friction_.add(truth.effective_friction_Ns_m);
+    mass_.add(truth.effective_mass_kg);
+  }
+
+  EvaluationRun result() && {
+    run_.friction.truth = friction_.mean();
+    run_.mass.truth = mass_.mean();
+    return std::move(run_);
+  }
+
+ private:
+  void add_innovations(const EstimateRow& row) {
+    run_.innovation_axes = innovation_axis_count(row);
+    for (int axis = 0; axis < run_.innovation_axes; ++axis) {
+      const double innovation = standardised_innovation(row, axis);
+      const auto i = static_cast<std::size_t>(axis);
+      monitors_[i].add(innovation, EstimateRow::kNone, EstimateRow::kNone);
+      if (!std::isfinite(innovation)) continue;
+      run_.innovations[i].nis.add(innovation * innovation);
+      run_.innovations[i].correlation = monitors_[i].innovation_correlation();
+    }
+  }
+
+  double left_out_s_;
+  EvaluationRun run_;
+  std::array<InnovationMonitor<double>, 3> monitors_;
+  Moments friction_, mass_;  // true ones
+};
+
+// One run of `scenario` through `sensor`. `row_of_step(sample, estimate)` gives a row, or none
+// while a lag fills. `last_truth` becomes that of the last sample.
+template <class Sensor, class RowOfStep>
+EvaluationRun run_through(const Scenario& scenario, std::uint64_t seed, double nominal_step_s,
+                          const std::function<bool()>& should_stop, Sensor& sensor,
+                          const RowOfStep& row_of_step, SubjectTruth& last_truth) {
+  Simulation simulation(scenario, seed);
+  SampleChecker checker(nanoseconds(nominal_step_s));
+  RunComparison comparison(scenario.duration_s);
+  std::deque<SubjectTruth> truths;  // of the samples whose estimates are still to come
+  const auto compare = [&](const Sample& sample, const typename Sensor::Estimate& estimate) {
+    const std::optional<EstimateRow> row = row_of_step(sample, estimate);
+    if (!row) return;
+    comparison.add(*row, truths.front());
+    truths.pop_front();
+  };
+  SimulatedData data;
+  while (simulation.advance(data)) {
+    if (should_stop && should_stop()) break;
+    for (const Sample& sample : data.samples) {
+      last_truth = data.truths.back();
+      truths.push_back(last_truth);
+      compare(sample, sensor.process(sample, checker.check(sample)));
+    }
+    data.clear();
+  }
+  typename Sensor::Estimate waiting;
+  while (sensor.drain(waiting)) compare({}, waiting);
+  return std::move(comparison).result();
+}
+
+template <int kAxes>
+EvaluationRun run_recommended(const Scenario& scenario, std::uint64_t seed,
+                              const RecommendedSettings& settings,
+                              const std::function<bool()>& should_stop) {
+  RecommendedSensor<double, kAxes> sensor(settings.parameters, settings.lag);
+  SubjectTruth last_truth;
+  return run_through(
+      scenario, seed, 1 / scenario.facebow.rate_Hz, should_stop, sensor,
+      [&](const Sample&, const RecommendedEstimate<double>& estimate) {
+        return estimate.is_ready ? std::optional(row_of(estimate, scenario.axis)) : std::nullopt;
+      },
+      last_truth);
+}
+
+EvaluationRun run_published(const Scenario& scenario, std::uint64_t seed,
+                            const PublishedParameters& parameters,
+                            const std::function<bool()>& should_stop) {
+  const FollowedCoordinate followed{1, scenario.axis};
+  PublishedSensor<double> sensor(parameters, followed);
+  SubjectTruth truth;
+  EvaluationRun run = run_through(
+      scenario, seed, parameters.sample_time_s, should_stop, sensor,
+      [&](const Sample& sample, const PublishedEstimate<double>& estimate) {
+        EstimateRow row = row_of(sample, followed, estimate);
+        Quantity<double>& acceleration_m_s2 = row.followed.acceleration_m_s2;
+        acceleration_m_s2 = row.force_N;
+        acceleration_m_s2.value /= parameters.assumed_mass_kg;
+        acceleration_m_s2.standard_deviation /= parameters.assumed_mass_kg;
+        return std::optional(row);
+      },
+      truth);
+  if (run.samples == 0) return run;
+  const auto& filter = sensor.cascade().motion_filter();
+  const Eigen::Vector3d error =
+      filter.x - Eigen::Vector3d(truth.position_m, truth.velocity_m_s,
+                                 parameters.assumed_mass_kg * truth.acceleration_m_s2);
+  run.nees.add(normalised_square<3>(error, filter.P.dense()));
+  return run;
+}
+
+}  // namespace
+
+EvaluationRun evaluate_run(const Scenario& scenario, std::uint64_t seed,
+                           const EstimatorSettings& settings,
+                           const std::function<bool()>& should_stop) {
+  if (const auto* published = std::get_if<PublishedParameters>(&settings)) {
+    return run_published(scenario, seed, *published, should_stop);
+  }
+  const auto& recommended = std::get<RecommendedSettings>(settings);
+  return scenario.facebow.gives_points
+             ? run_recommended<3>(scenario, seed, recommended, should_stop)
+             : run_recommended<1>(scenario, seed, recommended, should_stop);
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// What an evaluation found, in words and as a table. No number is given for what the estimator
+// does not compute.
+#pragma once
+
+#include <string>
+
+#include "evaluation/estimator_evaluation.h"
+
+namespace condyle::host {
+
+/// Errors, consistency and events for the reader, with units and intervals.
+std::string evaluation_text(const Evaluation& evaluation);
+
+/// The errors as CSV: a row for each quantity, with all digits, in the row's unit. An empty field
+/// was not computed.
+std::string evaluation_csv(const Evaluation& evaluation);
+
+}  // namespace condyle::host

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "condyle/estimator/events.h"
+
+namespace condyle::host {
+
+/// "12 time_gap, 3 outlier_rejected": how often what happened, or "none".
+std::string event_text(const EventCounts& counts);
+
+}  // namespace condyle::host
