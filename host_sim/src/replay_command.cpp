@@ -161,12 +161,13 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
                     seconds(settings.nominal_step_ns), longest_gap_s),
         "check the unit of time_s, or raise longest_gap_s with --parameters");
   }
-  FollowedPoint followed{.point = options.followed.point, .body_point_m = {}};
+  BodyFits fits;
+  FollowedPoint followed{.point = options.followed.point, .fits = &fits};
   if (!options.jaw_point_mm.empty()) {
     followed.body_point_m = 1e-3 * Eigen::Map<const Eigen::Vector3d>(options.jaw_point_mm.data());
   }
   RecommendedSensor<double, kAxes> sensor(parameters, options.lag, followed);
-  RecommendedSummary summary(parameters, options.lag, options.followed.axis);
+  RecommendedSummary summary(parameters, options.lag, options.followed.axis, fits);
   return replay_through(
       options, facebow, clock, settings, sensor, kAxes,
       [&](const Sample&, const RecommendedEstimate<double>& estimate) {

@@ -197,6 +197,19 @@ std::string RecommendedSummary::per_axis(const char* format,
   return text;
 }
 
+std::string RecommendedSummary::body_text() const {
+  if (fits_.fitted == 0) return {};
+  const double residual_rms_m =
+      std::sqrt(fits_.residual_square_sum_m2 / static_cast<double>(fits_.fitted));
+  std::string text;
+  add_line(
+      text, "body",
+      fmt::format("residual of its fit {:.2g} mm rms; {} samples beyond {:.2g} mm not taken; "
+                  "{} held back while its shape was learned",
+                  residual_rms_m * 1e3, fits_.not_rigid, fits_.tolerance_m * 1e3, fits_.unsettled));
+  return text;
+}
+
 std::string RecommendedSummary::text() const {
   std::string text = times_text("");
   const bool adaptive = parameters_.noise.adaptation == Adaptation::on;
@@ -211,6 +224,7 @@ std::string RecommendedSummary::text() const {
                      : fmt::format("{} samples, {:.4g} ms on average: each estimate uses that many "
                                    "later samples",
                                    lag_, lag_ * mean_step_s() * 1e3));
+  text += body_text();
   if (last_.position_m.provenance == Provenance::not_computed) {
     add_line(text, "estimates", "none: no sample had a position");
     return text;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "condyle/estimator/innovation_monitor.h"
+#include "condyle/estimator/point_follower.h"
 #include "estimate_row.h"
 
 namespace condyle::host {
@@ -78,8 +79,10 @@ class PublishedSummary final : public ReplaySummary {
 /// The recommended estimator's.
 class RecommendedSummary final : public ReplaySummary {
  public:
-  RecommendedSummary(const RecommendedParameters& parameters, int lag, Axis followed)
-      : parameters_(parameters), lag_(lag), followed_(followed) {}
+  /// `fits`: those of the sensor, looked at when the text is made.
+  RecommendedSummary(const RecommendedParameters& parameters, int lag, Axis followed,
+                     const BodyFits& fits)
+      : parameters_(parameters), lag_(lag), followed_(followed), fits_(fits) {}
   void add(const EstimateRow& row) override;
   std::string text() const override;
   /// Positions that were smoothed before they came.
@@ -88,6 +91,8 @@ class RecommendedSummary final : public ReplaySummary {
  private:
   std::string per_axis(const char* format, double (*value)(const RecommendedSummary&, int)) const;
   std::string filtered_text() const;
+  // How well the points kept their distances.
+  std::string body_text() const;
   // Names of the axes whose monitor says so.
   std::string axes_where(bool (InnovationMonitor<double>::*is)() const) const;
   int axis_count() const { return last_.axis_count; }
@@ -96,6 +101,7 @@ class RecommendedSummary final : public ReplaySummary {
   RecommendedParameters parameters_;
   int lag_;
   Axis followed_;
+  const BodyFits& fits_;
   InnovationMonitor<double> monitors_[3];
 };
 

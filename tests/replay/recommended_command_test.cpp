@@ -194,6 +194,24 @@ TEST_F(HingedJaw, StandsStillAtItsHinge) {
   }
 }
 
+TEST_F(HingedJaw, ABadFirstSampleMovesNothingAndTheFitIsReported) {
+  const auto at_hinge = [&](double off_mm) {
+    const Table table = replay(write([&](int i, double* points) {
+                                 if (i == 0) points[1] += off_mm;  // point 1, in the points' plane
+                               }),
+                               {"--jaw-point-mm", "0", "80", "40"});
+    EXPECT_EQ(table.columns.at("events")[0], "not_started");
+    EXPECT_EQ(table.columns.at("position_m")[13], "") << "the shape is being learned";
+    EXPECT_NE(table.columns.at("position_m")[14], "");
+    EXPECT_THAT(summary_, HasSubstr("14 not_started"));
+    EXPECT_THAT(summary_, HasSubstr("body        residual of its fit "));
+    EXPECT_THAT(summary_, HasSubstr("0 samples beyond 0.1 mm not taken; 14 held back"));
+    return largest(table, "y_position_m");
+  };
+  EXPECT_LT(at_hinge(3), 5e-5);
+  EXPECT_NEAR(at_hinge(3), at_hinge(0), 1e-6) << "a wrong shape is 2 mm off";
+}
+
 TEST_F(HingedJaw, SaysWhereItIsNotRigidOrFrozen) {
   double frozen[9];
   const std::string recording = write([&](int i, double* points) {
