@@ -210,6 +210,20 @@ std::string RecommendedSummary::body_text() const {
   return text;
 }
 
+std::string RecommendedSummary::nothing_text() const {
+  std::string reasons;
+  const auto add = [&reasons](std::uint64_t count, const std::string& words) {
+    if (count == 0) return;
+    reasons += fmt::format("{}{} samples {}", reasons.empty() ? "" : ", ", count, words);
+  };
+  add(fits_.degenerate, "had three points that coincide or lie on a line");
+  add(fits_.not_rigid, "had points that did not keep their distances");
+  add(fits_.unsettled,
+      fmt::format("were held back to learn the body's shape, which takes {}", BodyShape::kSamples));
+  return reasons.empty() ? "none: no sample had a position"
+                         : "none: the jaw's pose is not known: " + reasons;
+}
+
 std::string RecommendedSummary::text() const {
   std::string text = times_text("");
   const bool adaptive = parameters_.noise.adaptation == Adaptation::on;
@@ -226,7 +240,7 @@ std::string RecommendedSummary::text() const {
                                    lag_, lag_ * mean_step_s() * 1e3));
   text += body_text();
   if (last_.position_m.provenance == Provenance::not_computed) {
-    add_line(text, "estimates", "none: no sample had a position");
+    add_line(text, "estimates", nothing_text());
     return text;
   }
   add_line(text, "noise", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {

@@ -91,8 +91,9 @@ class RecommendedSummary final : public ReplaySummary {
  private:
   std::string per_axis(const char* format, double (*value)(const RecommendedSummary&, int)) const;
   std::string filtered_text() const;
-  // How well the points kept their distances.
+  // How well the points kept their distances; why there is no estimate.
   std::string body_text() const;
+  std::string nothing_text() const;
   // Names of the axes whose monitor says so.
   std::string axes_where(bool (InnovationMonitor<double>::*is)() const) const;
   int axis_count() const { return last_.axis_count; }

@@ -234,6 +234,21 @@ TEST_F(HingedJaw, SaysWhereItIsNotRigidOrFrozen) {
   }
 }
 
+TEST_F(HingedJaw, SaysWhyThePoseIsNotKnown) {
+  const std::vector<std::string> jaw_point = {"--jaw-point-mm", "0", "0", "-90"};
+  replay(write([](int, double* points) {
+           for (int i = 3; i < 9; ++i) points[i] = points[i % 3] + (i < 6 ? 20 : 50);
+         }),
+         jaw_point);
+  EXPECT_THAT(summary_, HasSubstr("600 points_not_rigid"));
+  EXPECT_THAT(summary_, HasSubstr("estimates   none: the jaw's pose is not known: 600 samples had "
+                                  "three points that coincide or lie on a line\n"));
+  replay(write([](int i, double* points) { points[3] += 20 * (i % 2) + 20 * (i % 3); }), jaw_point);
+  EXPECT_THAT(summary_, HasSubstr("586 samples had points that did not keep their distances, 14 "
+                                  "samples were held back to learn the body's shape, which takes "
+                                  "15\n"));
+}
+
 // Noise that was smoothed before it was recorded is said; white noise is not.
 TEST(Recommended, SaysWhereTheMakerSmoothed) {
   const TemporaryFolder folder;
