@@ -45,6 +45,7 @@ TEST(Recommended, IsTheDefaultAndShowsWhatItKnows) {
   }
   EXPECT_EQ(table.columns.at("velocity_provenance").front(), "assumed");
   EXPECT_EQ(table.columns.at("velocity_provenance").back(), "measured");
+  EXPECT_EQ(table.columns.at("acceleration_provenance").back(), "measured");
   EXPECT_EQ(table.columns.at("force_provenance").back(), "derived");
   // The recording's noise is 0.1 mm.
   EXPECT_NEAR(table.numbers("noise_sd_m").back(), 1e-4, 2e-5);
@@ -231,6 +232,30 @@ TEST_F(HingedJaw, SaysWhereItIsNotRigidOrFrozen) {
   EXPECT_THAT(events[360], testing::Not(HasSubstr("frozen")));
   for (const double velocity : table.numbers("velocity_m_s")) {
     ASSERT_FALSE(std::abs(velocity) > 0.02);
+  }
+}
+
+TEST_F(HingedJaw, EveryValueSaysWhereItComesFrom) {
+  const Table table = replay(write([](int i, double* points) {
+                               if (i == 300) std::fill_n(points, 9, std::nan(""));
+                             }),
+                             {"--faults", "event", "--axis", "y"});
+  for (const std::string quantity : {"position", "velocity", "acceleration"}) {
+    const auto& followed = table.columns.at(quantity + "_provenance");
+    EXPECT_EQ(followed.front(), "assumed");
+    EXPECT_EQ(followed[300], "derived");
+    EXPECT_EQ(followed.back(), "measured");
+    EXPECT_EQ(table.columns.at("y_" + quantity + "_provenance"), followed);
+    const std::string unit = quantity == "position"   ? "_m"
+                             : quantity == "velocity" ? "_m_s"
+                                                      : "_m_s2";
+    for (const std::string axis : {"x_", "y_", "z_"}) {
+      const auto& provenance = table.columns.at(axis + quantity + "_provenance");
+      const auto& value = table.columns.at(axis + quantity + unit);
+      for (std::size_t i = 0; i < table.rows; ++i) {
+        ASSERT_EQ(provenance[i].empty(), value[i].empty()) << axis << quantity << i;
+      }
+    }
   }
 }
 
