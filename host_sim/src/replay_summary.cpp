@@ -26,6 +26,14 @@ std::string without_interval(const Quantity<double>& quantity, const char* unit)
   return fmt::format("{:.4g} {}, {}", quantity.value, unit, provenance_name(quantity.provenance));
 }
 
+// Why a force is derived; `acceleration` is where its acceleration comes from.
+const char* force_words(Provenance force, Provenance acceleration) {
+  if (force != Provenance::derived) return "";
+  return acceleration == Provenance::derived
+             ? ": assumed mass times an acceleration that the motion model carried over"
+             : ": assumed mass times measured acceleration";
+}
+
 }  // namespace
 
 void ReplaySummary::add(const EstimateRow& row) {
@@ -93,9 +101,7 @@ std::string ReplaySummary::last_values_text(bool trusted) const {
   add_line(text, "  velocity", with_interval(last_.velocity_m_s, 1e3, "mm/s", level));
   add_line(text, "  force",
            with_interval(last_.force_N, 1, "N", level) +
-               (last_.force_N.provenance == Provenance::derived
-                    ? ": assumed mass times measured acceleration"
-                    : ""));
+               force_words(last_.force_N.provenance, last_.followed.acceleration_m_s2.provenance));
   return text;
 }
 

@@ -126,6 +126,21 @@ TEST(Recommended, TakesEachSampleForWhatItIs) {
   EXPECT_EQ(table.rows, 71U);
 }
 
+TEST(Recommended, SaysWhereTheForcesAccelerationComesFrom) {
+  const TemporaryFolder folder;
+  const auto force = [&](const std::string& last_row) {
+    const CommandResult result = run_condyle(
+        {"replay", folder.write("r.csv", read_file(kShipped) + last_row), "--faults", "event"});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    const auto at = result.output.find("  force ");
+    return result.output.substr(at, result.output.find('\n', at) - at);
+  };
+  EXPECT_THAT(force(""), HasSubstr("derived: assumed mass times measured acceleration"));
+  EXPECT_THAT(
+      force("30,nan\n"),
+      HasSubstr("derived: assumed mass times an acceleration that the motion model carried"));
+}
+
 // A jaw that turns about a hinge: followed at the hinge it stands still, whatever its points do.
 class HingedJaw : public testing::Test {
  protected:
