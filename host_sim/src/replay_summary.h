@@ -28,8 +28,12 @@ class ReplaySummary {
   /// Duration, rate (with `steps_note` on its line), gaps and events.
   std::string times_text(const std::string& steps_note) const;
   /// "last values, at ..." with position, velocity and force; the 95 % level is doubted unless
-  /// `trusted`.
+  /// `trusted`, and unchecked where there are too few innovations.
   std::string last_values_text(bool trusted) const;
+  /// Whether there are innovations enough to judge the intervals by; and the line that says so
+  /// where there are not.
+  bool has_enough() const { return judged_ >= kFewestInnovations; }
+  std::string too_few_text() const;
   /// Whether a mean NIS speaks for the stated noise; and the line that says so where it does not.
   static bool is_trusted(double mean_nis);
   static std::string distrust_text(double mean_nis);
@@ -43,8 +47,11 @@ class ReplaySummary {
   EstimateRow last_;
 
  private:
-  std::uint64_t samples_ = 0, innovations_ = 0;
-  std::optional<TimeNs> previous_time_ns_;  // of the last accepted sample
+  // The mean NIS of so many strays by 14 % (standard deviation), of fewer by more.
+  static constexpr std::uint64_t kFewestInnovations = 100;
+
+  std::uint64_t samples_ = 0, innovations_ = 0, judged_ = 0;  // judged: not of rejected samples
+  std::optional<TimeNs> previous_time_ns_;                    // of the last accepted sample
   TimeNs duration_ns_ = 0;
   double innovation_square_sum_m2_ = 0;
   EventCounts events_;
@@ -94,6 +101,8 @@ class RecommendedSummary final : public ReplaySummary {
   // How well the points kept their distances; why there is no estimate.
   std::string body_text() const;
   std::string nothing_text() const;
+  // Innovations, and what they and the positions say of the intervals.
+  std::string consistency_text() const;
   // Names of the axes whose monitor says so.
   std::string axes_where(bool (InnovationMonitor<double>::*is)() const) const;
   int axis_count() const { return last_.axis_count; }

@@ -126,6 +126,42 @@ TEST(Recommended, TakesEachSampleForWhatItIs) {
   EXPECT_EQ(table.rows, 71U);
 }
 
+TEST(Recommended, SaysNothingOfConsistencyFromTooFewSamples) {
+  const TemporaryFolder folder;
+  const auto summary = [&](int samples, double first_step_share, const char* estimator) {
+    std::string rows = "time_s,position_mm\n";
+    std::mt19937 generator(11);
+    std::normal_distribution<double> noise(0, 0.05);
+    for (int i = 0; i < samples; ++i) {
+      const double t = 0.01 * i + (i % 2 == 0 ? 0 : 0.01 * first_step_share);
+      rows += std::to_string(t) + "," + std::to_string(noise(generator)) + "\n";
+    }
+    const CommandResult result = run_condyle(
+        {"replay", folder.write("r.csv", rows), "--parameters",
+         folder.write("p.toml",
+                      estimator == std::string("published") ? "sample_time_s = 0.01\n" : ""),
+         "--estimator", estimator});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    return result.output;
+  };
+  const auto has = [](const char* words) { return HasSubstr(words); };
+  for (const char* estimator : {"recommended", "published"}) {
+    for (const int samples : {1, 3, 50}) {
+      const std::string text = summary(samples, 0, estimator);
+      EXPECT_THAT(text, has("consistency not judged: too few samples"));
+      EXPECT_THAT(text, has("95 % by the filter's model, unchecked"));
+      for (const char* words :
+           {"nan", "mean NIS", "whiteness", "noise floor", "intervals ", "estimated", "(95 %)"}) {
+        EXPECT_THAT(text, testing::Not(has(words))) << samples << estimator;
+      }
+    }
+    EXPECT_THAT(summary(300, 0, estimator), has("mean NIS"));
+  }
+  EXPECT_THAT(summary(1, 0, "recommended"), has("0 innovations of the 100 that it takes"));
+  EXPECT_THAT(summary(300, 0, "recommended"), has("noise floor -0.8"));
+  EXPECT_THAT(summary(300, 0.5, "recommended"), has("noise floor not computed"));
+}
+
 TEST(Recommended, SaysWhereTheForcesAccelerationComesFrom) {
   const TemporaryFolder folder;
   const auto force = [&](const std::string& last_row) {
