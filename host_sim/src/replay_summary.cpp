@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "number_text.h"
+
 namespace condyle::host {
 namespace {
 
@@ -94,9 +96,13 @@ std::string ReplaySummary::times_text(const std::string& steps_note) const {
 }
 
 std::string ReplaySummary::last_values_text(bool trusted) const {
-  std::string text = last_.time_ns
-                         ? fmt::format("last values, at {:.6g} s\n", seconds(*last_.time_ns))
-                         : std::string("last values\n");
+  std::string text = "last values";
+  if (last_.time_ns) {
+    text += ", at ";
+    append_time_s(text, *last_.time_ns);
+    text += " s";
+  }
+  text += '\n';
   const char* const level = !has_enough() ? "95 % by the filter's model, unchecked"
                             : trusted     ? "95 %"
                                           : "95 % if the intervals were right";

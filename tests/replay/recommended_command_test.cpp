@@ -126,6 +126,31 @@ TEST(Recommended, TakesEachSampleForWhatItIs) {
   EXPECT_EQ(table.rows, 71U);
 }
 
+// The same motion at Unix time: the same figures, but for the words below them.
+TEST(Recommended, FiguresOfFarTimesAreThoseOfNearTimes) {
+  const TemporaryFolder folder;
+  std::string near = "time_s,position_mm\n", far = near;
+  for (int i = 0; i < 300; ++i) {
+    const std::string row = "." + std::to_string(1000 + i * 3).substr(1) + "," +
+                            std::to_string(5 * std::sin(0.05 * i) + 0.01 * (i * 7 % 5)) + "\n";
+    near += "0" + row;
+    far += "1763716110" + row;
+  }
+  const auto figure = [&](const std::string& name, const std::string& rows) {
+    const CommandResult result =
+        run_condyle({"replay", folder.write("r.csv", rows), "--figures", folder / name});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_THAT(result.output, HasSubstr(name == "far" ? "last values, at 1763716110.897 s\n"
+                                                       : "last values, at 0.897 s\n"));
+    return read_file(folder / (name + "/velocity.svg"));
+  };
+  std::string shown = figure("far", far);
+  const std::string label = "time since the first sample, which is at 1763716110 s (s)";
+  ASSERT_THAT(shown, HasSubstr(label));
+  shown.replace(shown.find(label), label.size(), "time (s)");
+  EXPECT_EQ(shown, figure("near", near));
+}
+
 TEST(Recommended, SaysNothingOfConsistencyFromTooFewSamples) {
   const TemporaryFolder folder;
   const auto summary = [&](int samples, double first_step_share, const char* estimator) {
