@@ -15,13 +15,15 @@ std::string header(int axis_count) {
       "friction_provenance,mass_provenance,events";
   if (axis_count > 0) {
     line +=
-        ",position_provenance,velocity_provenance,acceleration_m_s2,acceleration_sd_m_s2,"
+        ",position_provenance,velocity_provenance,acceleration_provenance,acceleration_m_s2,"
+        "acceleration_sd_m_s2,"
         "innovation_m,innovation_sd_m,noise_sd_m,jerk_density_m2_s5";
   }
   for (int axis = 0; axis_count == 3 && axis < 3; ++axis) {
     line += fmt::format(
         ",{0}_position_m,{0}_velocity_m_s,{0}_acceleration_m_s2,{0}_position_sd_m,"
-        "{0}_velocity_sd_m_s,{0}_acceleration_sd_m_s2",
+        "{0}_velocity_sd_m_s,{0}_acceleration_sd_m_s2,{0}_position_provenance,"
+        "{0}_velocity_provenance,{0}_acceleration_provenance",
         "xyz"[axis]);
   }
   return line + '\n';
@@ -74,6 +76,7 @@ void EstimatesFile::write_row(const EstimateRow& row) {
 void EstimatesFile::append_axes(const EstimateRow& row) {
   append_field(provenance_name(row.position_m.provenance));
   append_field(provenance_name(row.velocity_m_s.provenance));
+  append_field(provenance_name(row.followed.acceleration_m_s2.provenance));
   append_field(row.followed.acceleration_m_s2.value);
   append_field(row.followed.acceleration_m_s2.standard_deviation);
   append_field(row.followed.innovation_m);
@@ -86,6 +89,9 @@ void EstimatesFile::append_axes(const EstimateRow& row) {
                                                   &axis.acceleration_m_s2};
     for (const Quantity<double>* quantity : quantities) append_field(quantity->value);
     for (const Quantity<double>* quantity : quantities) append_field(quantity->standard_deviation);
+    for (const Quantity<double>* quantity : quantities) {
+      append_field(provenance_name(quantity->provenance));
+    }
   }
 }
 

@@ -39,7 +39,8 @@ void merge(FigureRun& run, const FigureRun& other) {
 void FigureData::add(const EstimateRow& row) {
   if (!row.time_ns) return;  // it has no place on a time axis
   FigureRun run;
-  run.time_s = seconds(*row.time_ns);
+  if (!origin_ns_) origin_ns_ = row.time_ns;
+  run.time_s = seconds(*row.time_ns - *origin_ns_);
   if (std::isfinite(row.measured_position_m)) {
     run.measured_position_m.add(row.measured_position_m);
     if (previous_ && *row.time_ns > previous_->time_ns) {

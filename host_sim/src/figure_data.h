@@ -37,7 +37,7 @@ struct FigureCurve {
 
 /// A run of consecutive samples.
 struct FigureRun {
-  double time_s = 0;  ///< of the first sample
+  double time_s = 0;  ///< of the first sample, from FigureData::origin_ns
   Extremes measured_position_m;
   Extremes differentiated_velocity_m_s;
   FigureCurve position_m, velocity_m_s, force_N, friction_Ns_m, mass_kg;
@@ -51,11 +51,15 @@ class FigureData {
 
   void add(const EstimateRow& row);
   const std::vector<FigureRun>& runs() const { return runs_; }
+  /// Time of the first row that has one: where the figures' time starts. Numbers drawn from a far
+  /// origin, as of Unix time, would lose their digits.
+  TimeNs origin_ns() const { return origin_ns_.value_or(0); }
   /// Samples that each run but the last stands for.
   std::uint64_t samples_per_run() const { return samples_per_run_; }
 
  private:
   std::vector<FigureRun> runs_;
+  std::optional<TimeNs> origin_ns_;
   std::uint64_t samples_per_run_ = 1, samples_in_last_run_ = 0;
   struct Measured {
     TimeNs time_ns;

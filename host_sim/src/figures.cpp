@@ -9,6 +9,7 @@
 
 #include "gnuplot.h"
 #include "input_error.h"
+#include "number_text.h"
 #include "output_file.h"
 
 namespace condyle::host {
@@ -154,6 +155,13 @@ bool has_values(const Figure& figure, const FigureData& data) {
                      [&](const FigureRun& run) { return is_drawn(run.*figure.curve); });
 }
 
+std::string time_label(const FigureData& data) {
+  if (data.origin_ns() == 0) return "time (s)";
+  std::string label = "time since the first sample, which is at ";
+  append_time_s(label, data.origin_ns());
+  return label + " s (s)";
+}
+
 // gnuplot warns where all times are the same.
 std::string time_range_command(const FigureData& data) {
   Extremes time;
@@ -169,10 +177,9 @@ std::vector<std::unique_ptr<OutputFile>> draw_figures(const std::string& directo
                                                       const FigureData& data) {
   Gnuplot gnuplot(directory);
   gnuplot.send(
-      "set key outside bottom center maxrows 4 Left reverse samplen 2 font ',9'\nset xlabel 'time "
-      "(s)'\n"
+      "set key outside bottom center maxrows 4 Left reverse samplen 2 font ',9'\n"
       "set y2range [0:1]\nset ytics nomirror\n" +
-      time_range_command(data));
+      fmt::format("set xlabel {}\n", gnuplot_quoted(time_label(data))) + time_range_command(data));
   for (const Figure& figure : kFigures) {
     if (!has_values(figure, data)) continue;
     gnuplot.send(data_block(figure, data));

@@ -151,12 +151,13 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
   settings.nominal_step_ns = facebow.median_step_ns().value_or(0);
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
                    "its median step", "check the unit of time_s");
-  FollowedPoint followed{.point = options.followed.point, .body_point_m = {}};
+  BodyFits fits;
+  FollowedPoint followed{.point = options.followed.point, .fits = &fits};
   if (!options.jaw_point_mm.empty()) {
     followed.body_point_m = 1e-3 * Eigen::Map<const Eigen::Vector3d>(options.jaw_point_mm.data());
   }
   RecommendedSensor<double, kAxes> sensor(parameters, options.estimator.lag, followed);
-  RecommendedSummary summary(parameters, options.estimator.lag, options.followed.axis);
+  RecommendedSummary summary(parameters, options.estimator.lag, options.followed.axis, fits);
   return replay_through(
       options, facebow, clock, settings, sensor, kAxes,
       [&](const Sample&, const RecommendedEstimate<double>& estimate) {

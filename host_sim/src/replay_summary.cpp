@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "event_text.h"
+#include "number_text.h"
 
 namespace condyle::host {
 namespace {
@@ -28,6 +29,14 @@ std::string without_interval(const Quantity<double>& quantity, const char* unit)
   return fmt::format("{:.4g} {}, {}", quantity.value, unit, provenance_name(quantity.provenance));
 }
 
+// Why a force is derived; `acceleration` is where its acceleration comes from.
+const char* force_words(Provenance force, Provenance acceleration) {
+  if (force != Provenance::derived) return "";
+  return acceleration == Provenance::derived
+             ? ": assumed mass times an acceleration that the motion model carried over"
+             : ": assumed mass times measured acceleration";
+}
+
 }  // namespace
 
 void ReplaySummary::add(const EstimateRow& row) {
@@ -47,6 +56,7 @@ void ReplaySummary::add(const EstimateRow& row) {
   if (std::isfinite(row.innovation_m)) {
     innovation_square_sum_m2_ += row.innovation_m * row.innovation_m;
     ++innovations_;
+    judged_ += row.events.has(Event::outlier_rejected) ? 0U : 1U;
   }
   events_.add(row.events);
   if (row.position_m.provenance != Provenance::not_computed) last_ = row;
@@ -81,17 +91,29 @@ std::string ReplaySummary::times_text(const std::string& steps_note) const {
 }
 
 std::string ReplaySummary::last_values_text(bool trusted) const {
-  std::string text = last_.time_ns
-                         ? fmt::format("last values, at {:.6g} s\n", seconds(*last_.time_ns))
-                         : std::string("last values\n");
-  const char* const level = trusted ? "95 %" : "95 % if the intervals were right";
+  std::string text = "last values";
+  if (last_.time_ns) {
+    text += ", at ";
+    append_time_s(text, *last_.time_ns);
+    text += " s";
+  }
+  text += '\n';
+  const char* const level = !has_enough() ? "95 % by the filter's model, unchecked"
+                            : trusted     ? "95 %"
+                                          : "95 % if the intervals were right";
   add_line(text, "  position", with_interval(last_.position_m, 1e3, "mm", level));
   add_line(text, "  velocity", with_interval(last_.velocity_m_s, 1e3, "mm/s", level));
   add_line(text, "  force",
            with_interval(last_.force_N, 1, "N", level) +
-               (last_.force_N.provenance == Provenance::derived
-                    ? ": assumed mass times measured acceleration"
-                    : ""));
+               force_words(last_.force_N.provenance, last_.followed.acceleration_m_s2.provenance));
+  return text;
+}
+
+std::string ReplaySummary::too_few_text() const {
+  std::string text;
+  add_line(text, "consistency",
+           fmt::format("not judged: too few samples, {} innovations of the {} that it takes",
+                       judged_, kFewestInnovations));
   return text;
 }
 
@@ -129,14 +151,16 @@ std::string PublishedSummary::text() const {
           "published cascade, stage 1 {} Euler, sample time {:.6g} s, assumed mass {:.4g} kg",
           parameters_.motion.discretisation == Discretisation::forward ? "forward" : "backward",
           parameters_.sample_time_s, parameters_.assumed_mass_kg));
-  if (motion_nis_.count > 0) {
+  if (has_enough()) {
     add_line(text, "innovation", fmt::format("{:.4g} mm rms", innovation_rms_m() * 1e3));
     add_line(text, "mean NIS",
              fmt::format("motion {:.3g} (1 if the noise is as stated); friction {:.3g}, mass "
                          "{:.3g} (not 2: stage 1's velocity is no independent measurement)",
                          motion_nis_.value(), friction_nis_.value(), mass_nis_.value()));
+    text += distrust_text(motion_nis_.value());
+  } else {
+    text += too_few_text();
   }
-  text += distrust_text(motion_nis_.value());
   if (last_.position_m.provenance == Provenance::not_computed) {
     add_line(text, "estimates", "none: no sample had a position");
     return text;
@@ -191,6 +215,60 @@ std::string RecommendedSummary::per_axis(const char* format,
   return text;
 }
 
+std::string RecommendedSummary::body_text() const {
+  if (fits_.fitted == 0) return {};
+  const double residual_rms_m =
+      std::sqrt(fits_.residual_square_sum_m2 / static_cast<double>(fits_.fitted));
+  std::string text;
+  add_line(
+      text, "body",
+      fmt::format("residual of its fit {:.2g} mm rms; {} samples beyond {:.2g} mm not taken; "
+                  "{} held back while its shape was learned",
+                  residual_rms_m * 1e3, fits_.not_rigid, fits_.tolerance_m * 1e3, fits_.unsettled));
+  return text;
+}
+
+std::string RecommendedSummary::nothing_text() const {
+  std::string reasons;
+  const auto add = [&reasons](std::uint64_t count, const std::string& words) {
+    if (count == 0) return;
+    reasons += fmt::format("{}{} samples {}", reasons.empty() ? "" : ", ", count, words);
+  };
+  add(fits_.degenerate, "had three points that coincide or lie on a line");
+  add(fits_.not_rigid, "had points that did not keep their distances");
+  add(fits_.unsettled,
+      fmt::format("were held back to learn the body's shape, which takes {}", BodyShape::kSamples));
+  return reasons.empty() ? "none: no sample had a position"
+                         : "none: the jaw's pose is not known: " + reasons;
+}
+
+std::string RecommendedSummary::consistency_text() const {
+  if (!has_enough()) return too_few_text();
+  std::string text;
+  add_line(text, "innovation", fmt::format("{:.4g} mm rms", innovation_rms_m() * 1e3));
+  add_line(text, "mean NIS", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {
+                               return s.monitors_[axis].mean_nis();
+                             }) + " of the samples not rejected (1 if the noise is as stated)");
+  // A monitor that had nothing to compare says 0.
+  const InnovationMonitor<double>& followed = monitors_[followed_index()];
+  add_line(text, "whiteness",
+           followed.innovation_correlation() == 0
+               ? "not computed: no two innovations in a row"
+               : per_axis("{:.2f}", [](const RecommendedSummary& s, int axis) {
+                   return s.monitors_[axis].innovation_correlation();
+                 }) + " correlation of neighbouring innovations (0 if the model holds)");
+  add_line(
+      text, "noise floor",
+      followed.noise_correlation() == 0
+          ? "not computed: no eight positions in a row at even steps, or nothing varies"
+          : per_axis("{:.2f}", [](const RecommendedSummary& s,
+                                  int axis) { return s.monitors_[axis].noise_correlation(); }) +
+                " correlation of neighbouring sixth differences (-0.86 if the noise is "
+                "white)" +
+                filtered_text());
+  return text + distrust_text(followed.mean_nis());
+}
+
 std::string RecommendedSummary::text() const {
   std::string text = times_text("");
   const bool adaptive = parameters_.noise.adaptation == Adaptation::on;
@@ -205,31 +283,20 @@ std::string RecommendedSummary::text() const {
                      : fmt::format("{} samples, {:.4g} ms on average: each estimate uses that many "
                                    "later samples",
                                    lag_, lag_ * mean_step_s() * 1e3));
+  text += body_text();
   if (last_.position_m.provenance == Provenance::not_computed) {
-    add_line(text, "estimates", "none: no sample had a position");
+    add_line(text, "estimates", nothing_text());
     return text;
   }
+  const std::string learned = has_enough() ? "estimated" : "from a first guess and too few samples";
   add_line(text, "noise", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {
                             return s.last_.axes[axis].noise_sd_m * 1e3;
-                          }) + (adaptive ? " mm sd at the end, estimated" : " mm sd, given"));
+                          }) + (adaptive ? " mm sd at the end, " + learned : " mm sd, given"));
   add_line(text, "jerk", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {
                            return s.last_.axes[axis].jerk_density_m2_s5;
-                         }) + (adaptive ? " m^2/s^5 at the end, estimated" : " m^2/s^5, given"));
-  add_line(text, "innovation", fmt::format("{:.4g} mm rms", innovation_rms_m() * 1e3));
-  add_line(text, "mean NIS", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {
-                               return s.monitors_[axis].mean_nis();
-                             }) + " of the samples not rejected (1 if the noise is as stated)");
-  add_line(text, "whiteness",
-           per_axis("{:.2f}", [](const RecommendedSummary& s, int axis) {
-             return s.monitors_[axis].innovation_correlation();
-           }) + " correlation of neighbouring innovations (0 if the model holds)");
-  add_line(text, "noise floor",
-           per_axis("{:.2f}", [](const RecommendedSummary& s,
-                                 int axis) { return s.monitors_[axis].noise_correlation(); }) +
-               " correlation of neighbouring sixth differences (-0.86 if the noise is white)" +
-               filtered_text());
+                         }) + (adaptive ? " m^2/s^5 at the end, " + learned : " m^2/s^5, given"));
+  text += consistency_text();
   const InnovationMonitor<double>& followed = monitors_[followed_index()];
-  text += distrust_text(followed.mean_nis());
   text += last_values_text(is_trusted(followed.mean_nis()) && !followed.is_correlated() &&
                            !followed.is_filtered());
   text +=

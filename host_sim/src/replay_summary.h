@@ -7,6 +7,7 @@
 #include <string>
 
 #include "condyle/estimator/innovation_monitor.h"
+#include "condyle/estimator/point_follower.h"
 #include "estimate_row.h"
 
 namespace condyle::host {
@@ -27,8 +28,12 @@ class ReplaySummary {
   /// Duration, rate (with `steps_note` on its line), gaps and events.
   std::string times_text(const std::string& steps_note) const;
   /// "last values, at ..." with position, velocity and force; the 95 % level is doubted unless
-  /// `trusted`.
+  /// `trusted`, and unchecked where there are too few innovations.
   std::string last_values_text(bool trusted) const;
+  /// Whether there are innovations enough to judge the intervals by; and the line that says so
+  /// where there are not.
+  bool has_enough() const { return judged_ >= kFewestInnovations; }
+  std::string too_few_text() const;
   /// Whether a mean NIS speaks for the stated noise; and the line that says so where it does not.
   static bool is_trusted(double mean_nis);
   static std::string distrust_text(double mean_nis);
@@ -42,8 +47,11 @@ class ReplaySummary {
   EstimateRow last_;
 
  private:
-  std::uint64_t samples_ = 0, innovations_ = 0;
-  std::optional<TimeNs> previous_time_ns_;  // of the last accepted sample
+  // The mean NIS of so many strays by 14 % (standard deviation), of fewer by more.
+  static constexpr std::uint64_t kFewestInnovations = 100;
+
+  std::uint64_t samples_ = 0, innovations_ = 0, judged_ = 0;  // judged: not of rejected samples
+  std::optional<TimeNs> previous_time_ns_;                    // of the last accepted sample
   TimeNs duration_ns_ = 0;
   double innovation_square_sum_m2_ = 0;
   EventCounts events_;
@@ -78,8 +86,10 @@ class PublishedSummary final : public ReplaySummary {
 /// The recommended estimator's.
 class RecommendedSummary final : public ReplaySummary {
  public:
-  RecommendedSummary(const RecommendedParameters& parameters, int lag, Axis followed)
-      : parameters_(parameters), lag_(lag), followed_(followed) {}
+  /// `fits`: those of the sensor, looked at when the text is made.
+  RecommendedSummary(const RecommendedParameters& parameters, int lag, Axis followed,
+                     const BodyFits& fits)
+      : parameters_(parameters), lag_(lag), followed_(followed), fits_(fits) {}
   void add(const EstimateRow& row) override;
   std::string text() const override;
   /// Positions that were smoothed before they came.
@@ -88,6 +98,11 @@ class RecommendedSummary final : public ReplaySummary {
  private:
   std::string per_axis(const char* format, double (*value)(const RecommendedSummary&, int)) const;
   std::string filtered_text() const;
+  // How well the points kept their distances; why there is no estimate.
+  std::string body_text() const;
+  std::string nothing_text() const;
+  // Innovations, and what they and the positions say of the intervals.
+  std::string consistency_text() const;
   // Names of the axes whose monitor says so.
   std::string axes_where(bool (InnovationMonitor<double>::*is)() const) const;
   int axis_count() const { return last_.axis_count; }
@@ -96,6 +111,7 @@ class RecommendedSummary final : public ReplaySummary {
   RecommendedParameters parameters_;
   int lag_;
   Axis followed_;
+  const BodyFits& fits_;
   InnovationMonitor<double> monitors_[3];
 };
 

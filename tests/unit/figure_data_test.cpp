@@ -40,6 +40,23 @@ RC_GTEST_PROP(FigureData, ThinsWithoutLosingExtremes, ()) {
   RC_ASSERT(position.highest == 0.5);
 }
 
+// Of Unix time a double holds 0.2 us, and the figures' nine digits hold 10 s.
+TEST(FigureData, TimeStartsAtTheFirstSample) {
+  constexpr TimeNs origin_ns = 1'763'716'110'000'000'007;
+  FigureData data;
+  data.add({});  // without a time
+  for (TimeNs i = 0; i < 4; ++i) {
+    EstimateRow row;
+    row.time_ns = origin_ns + i;
+    data.add(row);
+  }
+  EXPECT_EQ(data.origin_ns(), origin_ns);
+  ASSERT_EQ(data.runs().size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_DOUBLE_EQ(data.runs()[i].time_s, 1e-9 * static_cast<double>(i));
+  }
+}
+
 TEST(FigureData, DifferentiatesOverTheTimeThatPassed) {
   FigureData data;
   for (const double t : {0.0, 0.1, 0.3}) {

@@ -55,6 +55,10 @@ Matrix3d moved(const Pose& pose, const Matrix3d& points) {
   return (pose.rotation * points).colwise() + pose.translation;
 }
 
+RigidBody body_of(const Matrix3d& points) {
+  return RigidBody::from_distances(distances_of(points));
+}
+
 double off_rotation(const Matrix3d& R) {
   return (R.transpose() * R - Matrix3d::Identity()).norm() + std::abs(R.determinant() - 1);
 }
@@ -79,7 +83,7 @@ Matrix3d rotation_after_horn(const Matrix3d& from, const Matrix3d& to) {
 }
 
 TEST(RigidBody, JawFrameOfTheUsualForkIsTheForksOwn) {
-  EXPECT_LE((RigidBody::from_points(usual_fork()).shape_m() - usual_fork()).norm(), 1e-17);
+  EXPECT_LE((body_of(usual_fork()).shape_m() - usual_fork()).norm(), 1e-17);
   const PoseFit fit = RigidBody(usual_fork()).fit(usual_fork());
   EXPECT_EQ(fit.status, PoseStatus::ok);
   EXPECT_LE((fit.pose.rotation - Matrix3d::Identity()).norm(), 1e-15);
@@ -87,19 +91,19 @@ TEST(RigidBody, JawFrameOfTheUsualForkIsTheForksOwn) {
 }
 
 RC_GTEST_PROP(RigidBody, JawFrameDoesNotDependOnTheFirstPose, ()) {
-  const Matrix3d shape = RigidBody::from_points(any_triangle()).shape_m();
+  const Matrix3d shape = body_of(any_triangle()).shape_m();
   RC_ASSERT(shape.col(0) == Vector3d::Zero());
   RC_ASSERT(shape.row(1) == Eigen::RowVector3d::Zero());
   RC_ASSERT(shape(0, 1) > shape(0, 2));                     // x: from point 3 to point 2
   RC_ASSERT(std::abs(shape(2, 1) - shape(2, 2)) <= 1e-15);  // z: perpendicular to it
   RC_ASSERT(shape(2, 1) > 0);                               // towards the middle of 2 and 3
   const Matrix3d elsewhere = moved(any_pose(), shape);
-  RC_ASSERT((RigidBody::from_points(elsewhere).shape_m() - shape).norm() <= 1e-13);
+  RC_ASSERT((body_of(elsewhere).shape_m() - shape).norm() <= 1e-13);
 }
 
 RC_GTEST_PROP(RigidBody, FitRecoversThePose, ()) {
   const Pose pose = any_pose();
-  const RigidBody body = RigidBody::from_points(any_triangle());
+  const RigidBody body = body_of(any_triangle());
   const PoseFit fit = body.fit(moved(pose, body.shape_m()));
   RC_ASSERT(fit.status == PoseStatus::ok);
   RC_ASSERT((fit.pose.rotation - pose.rotation).norm() <= 1e-12);
@@ -125,9 +129,7 @@ RC_GTEST_PROP(RigidBody, FitIsTheClosestRotation, ()) {
 }
 
 TEST(RigidBody, PointsThatMakeNoBodyAreRefused) {
-  const auto status = [](const Matrix3d& points) {
-    return RigidBody::from_points(points).status();
-  };
+  const auto status = [](const Matrix3d& points) { return RigidBody(points).status(); };
   const Vector3d a(0, 0, 0), b(0.03, 0.01, 0.02);
   EXPECT_EQ(status(usual_fork()), PoseStatus::ok);
   EXPECT_EQ(status(Matrix3d::Zero()), PoseStatus::degenerate);
@@ -137,7 +139,11 @@ TEST(RigidBody, PointsThatMakeNoBodyAreRefused) {
   EXPECT_EQ(status(columns(a, {0.05, 0, 0}, {0.02, 0.0049, 0})), PoseStatus::degenerate);
   EXPECT_EQ(status(columns(a, {0.05, 0, 0}, {0.02, 0.0051, 0})), PoseStatus::ok);
   EXPECT_EQ(status(1e200 * usual_fork()), PoseStatus::degenerate) << "too large to multiply";
-  const RigidBody body(usual_fork()), line = RigidBody::from_points(columns(a, b, 2.5 * b));
+  for (const Vector3d& distances : {Vector3d(0, 0, 0), Vector3d(0, 0.03, 0.03),
+                                    Vector3d(0.05, 0.03, 0.02), Vector3d(0.05, 0.02, 0.02)}) {
+    EXPECT_EQ(RigidBody::from_distances(distances).status(), PoseStatus::degenerate);
+  }
+  const RigidBody body(usual_fork()), line = RigidBody(columns(a, b, 2.5 * b));
   EXPECT_EQ(line.fit(usual_fork()).status, PoseStatus::degenerate);
   EXPECT_EQ(body.fit(columns(a, b, 2.5 * b), 1).status, PoseStatus::degenerate);
   EXPECT_EQ(body.fit(1e200 * usual_fork()).status, PoseStatus::degenerate);
@@ -288,10 +294,19 @@ TEST(PointFollower, FollowsAPointOfTheJawThroughAPose) {
   EXPECT_FALSE(follower.body().has_value());
 }
 
+// Lets `follower` learn the usual fork's shape, seen in various poses.
+void settle(PointFollower& follower) {
+  for (int i = 0; i < BodyShape::kSamples; ++i) {
+    const Pose pose{Matrix3d::Identity(), Vector3d(0, 0, 1e-3 * i)};
+    follower.follow(sample_of(moved(pose, usual_fork())));
+  }
+}
+
 RC_GTEST_PROP(PointFollower, FollowsAPointOfTheJawThroughThreePoints, ()) {
   const Vector3d condyle = vector_within(0.15);
   PointFollower learning(FollowedPoint{1, condyle});
   PointFollower knowing(FollowedPoint{1, condyle}, RigidBody(usual_fork()));
+  settle(learning);
   for (int i = 0; i < 3; ++i) {
     const Pose pose = any_pose();
     const Sample sample = sample_of(moved(pose, usual_fork()));
@@ -303,39 +318,25 @@ RC_GTEST_PROP(PointFollower, FollowsAPointOfTheJawThroughThreePoints, ()) {
   }
 }
 
-TEST(PointFollower, LearnsTheShapeFromTwoSamplesThatAgree) {
-  const Sample good = sample_of(usual_fork());
-  Sample zeros = good, line = good, jumped = good;
-  std::fill_n(zeros.coordinates, 9, 0.0);
-  std::fill_n(line.coordinates + 3, 3, 0.0);
-  jumped.coordinates[5] += 0.02;
-  PointFollower follower(FollowedPoint{1, Vector3d(0, 0, 0.1)});
-  EXPECT_EQ(follower.follow(zeros).status, PoseStatus::degenerate);
-  EXPECT_EQ(follower.follow(line).status, PoseStatus::degenerate);
-  EXPECT_FALSE(follower.body().has_value());
-  EXPECT_EQ(follower.follow(jumped).status, PoseStatus::ok) << "nothing to compare with";
-  EXPECT_EQ(follower.follow(zeros).status, PoseStatus::degenerate);
-  EXPECT_EQ(follower.follow(good).status, PoseStatus::not_rigid);
-  EXPECT_EQ(follower.follow(good).status, PoseStatus::ok);
-  EXPECT_EQ(follower.follow(jumped).status, PoseStatus::not_rigid);
-  EXPECT_EQ(follower.follow(jumped).status, PoseStatus::not_rigid) << "settled";
-  EXPECT_EQ(follower.follow(good).status, PoseStatus::ok);
-  EXPECT_LE((follower.body()->shape_m() - usual_fork()).norm(), 1e-16);
-}
-
 TEST(PointFollower, TakesTheRealBiteForkForARigidBody) {
   const auto samples = testing_support::zebris_samples();
   if (samples.empty()) GTEST_SKIP() << "set CONDYLE_REFERENCE_DATA to the folder of reference data";
   ASSERT_EQ(samples.size(), 634U);
   PointFollower follower(FollowedPoint{1, Vector3d(0, 0, 0)});
   double largest_m = 0;
+  int unsettled = 0;
   for (const Sample& sample : samples) {
     const FollowedPosition found = follower.follow(sample);
+    if (found.status == PoseStatus::unsettled) {
+      ++unsettled;
+      continue;
+    }
     ASSERT_EQ(found.status, PoseStatus::ok);
     largest_m = std::max(largest_m, found.residual_rms_m);
     EXPECT_LE((found.position_m - points_of(sample).col(0)).norm(), 1e-5);
   }
   EXPECT_LT(largest_m, 1e-5) << "also within the glitches";
+  EXPECT_LT(unsettled, 30) << "of which repeats count once";
   RecordProperty("largest_residual_um", std::to_string(largest_m * 1e6));
   EXPECT_LE((follower.body()->shape_m() - usual_fork()).norm(), 2e-5);
 }

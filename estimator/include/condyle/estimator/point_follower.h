@@ -8,24 +8,37 @@
 //   three_points   points 1 to 3, as they are   fit of the body, b in the jaw frame
 //   pose           point 1: its position        b in the pose's own frame
 //
-// The body's shape is given, or learned: from the first sample whose points make a body. Should the
-// next one not fit, that shape was a bad sample's, and the next one's takes its place; two that
-// agree settle it for the run. What both have wrong is not noticed: give the shape where it is
-// known.
+// The body's shape is given, or learned from the first samples that agree on it (body_shape.h),
+// which are held back until then: unsettled. From then on it stands: samples that do not fit it are
+// not_rigid, for the rest of the run if need be.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
+#include "condyle/estimator/body_shape.h"
 #include "condyle/estimator/rigid_body.h"
 #include "condyle/estimator/sample.h"
 
 namespace condyle {
 
+/// How the fits of three points to a body went so far.
+struct BodyFits {
+  std::uint64_t fitted = 0;
+  std::uint64_t unsettled = 0;        ///< samples held back while the shape was learned
+  std::uint64_t degenerate = 0;       ///< samples whose points coincide or lie on a line
+  std::uint64_t not_rigid = 0;        ///< samples with a larger residual than the tolerance
+  double residual_square_sum_m2 = 0;  ///< of those fitted
+  double tolerance_m = 0;             ///< 0 until the shape is settled
+};
+
 /// The point to follow.
 struct FollowedPoint {
   int point = 1;  ///< of the instrument, 1 to 3; not used where `body_point_m` is set
   /// Fixed to the jaw: in the jaw frame, or in the pose's own frame for SampleKind::pose (m).
-  std::optional<Eigen::Vector3d> body_point_m;
+  std::optional<Eigen::Vector3d> body_point_m = {};
+  /// Kept up to date with each sample of three_points; may be null. Outlives the follower.
+  BodyFits* fits = nullptr;
 };
 
 /// True where samples of `kind` can have the followed point.
@@ -53,14 +66,17 @@ struct FollowedPosition {
 /// Takes samples, gives the followed point's position. It remembers the body's shape, nothing else.
 class PointFollower {
  public:
-  /// Learns the body's shape. `tolerance_m`: residual beyond which a sample is not_rigid.
-  explicit PointFollower(const FollowedPoint& followed, double tolerance_m = kRigidTolerance_m)
-      : followed_(followed), tolerance_m_(tolerance_m) {}
+  /// Learns the body's shape. `largest_tolerance_m`: residual beyond which a sample is not_rigid,
+  /// however noisy the points are.
+  explicit PointFollower(const FollowedPoint& followed,
+                         double largest_tolerance_m = kRigidTolerance_m)
+      : followed_(followed), shape_(largest_tolerance_m) {}
 
-  /// Follows a point of the known `body`.
+  /// Follows a point of the known `body`. `tolerance_m`: residual beyond which a sample is
+  /// not_rigid.
   PointFollower(const FollowedPoint& followed, const RigidBody& body,
                 double tolerance_m = kRigidTolerance_m)
-      : followed_(followed), tolerance_m_(tolerance_m), body_(body), is_settled_(true) {}
+      : followed_(followed), shape_(tolerance_m), tolerance_m_(tolerance_m), body_(body) {}
 
   /// The followed point in `sample`, or why it is not there; see PoseStatus.
   FollowedPosition follow(const Sample& sample) {
@@ -78,7 +94,7 @@ class PointFollower {
     return {position_m, position_m - best_m, fit.residual_rms_m, PoseStatus::ok};
   }
 
-  /// The body whose points the samples hold; none before a sample made one.
+  /// The body whose points the samples hold; none until its shape is settled.
   const std::optional<RigidBody>& body() const { return body_; }
 
  private:
@@ -96,27 +112,37 @@ class PointFollower {
     if (sample.kind == SampleKind::pose) {
       return pose_from_quaternion({c[0], c[1], c[2]}, {c[3], c[4], c[5], c[6]});
     }
-    const Eigen::Matrix3d points_m = points_of(sample);
-    if (!body_) {
-      const RigidBody learned = RigidBody::from_points(points_m);
-      if (learned.status() != PoseStatus::ok) return {.status = learned.status()};
-      body_ = learned;
-      return learned.fit(points_m, tolerance_m_);
-    }
-    const PoseFit fit = body_->fit(points_m, tolerance_m_);
-    if (is_settled_) return fit;
-    if (fit.status == PoseStatus::ok) is_settled_ = true;
-    if (fit.status == PoseStatus::not_rigid) {
-      const RigidBody learned = RigidBody::from_points(points_m);
-      if (learned.status() == PoseStatus::ok) body_ = learned;
-    }
+    const PoseFit fit = pose_of_points(points_of(sample));
+    if (followed_.fits != nullptr) count(fit, *followed_.fits);
     return fit;
   }
 
+  PoseFit pose_of_points(const Eigen::Matrix3d& points_m) {
+    if (body_) return body_->fit(points_m, tolerance_m_);
+    const PoseStatus status = RigidBody(points_m).status();
+    if (status != PoseStatus::ok) return {.status = status};
+    shape_.add(points_m);
+    if (!shape_.has_seen_enough()) return {.status = PoseStatus::unsettled};
+    if (!shape_.is_settled()) return {.status = PoseStatus::not_rigid};
+    body_ = shape_.body();
+    tolerance_m_ = shape_.tolerance_m();
+    return body_->fit(points_m, tolerance_m_);
+  }
+
+  void count(const PoseFit& fit, BodyFits& fits) const {
+    fits.fitted += fit.status == PoseStatus::ok ? 1U : 0U;
+    fits.unsettled += fit.status == PoseStatus::unsettled ? 1U : 0U;
+    fits.degenerate += fit.status == PoseStatus::degenerate ? 1U : 0U;
+    fits.not_rigid += fit.status == PoseStatus::not_rigid ? 1U : 0U;
+    if (fit.status != PoseStatus::ok) return;
+    fits.residual_square_sum_m2 += fit.residual_rms_m * fit.residual_rms_m;
+    fits.tolerance_m = tolerance_m_;
+  }
+
   FollowedPoint followed_;
-  double tolerance_m_;
+  BodyShape shape_;
+  double tolerance_m_ = 0;
   std::optional<RigidBody> body_;
-  bool is_settled_ = false;  // a second sample has fitted the shape
 };
 
 }  // namespace condyle

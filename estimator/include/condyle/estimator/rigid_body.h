@@ -48,6 +48,7 @@ enum class PoseStatus : std::uint8_t {
   ok,
   unavailable,     ///< samples of this kind do not have it
   missing,         ///< a coordinate is not there, NaN or infinite
+  unsettled,       ///< the points' distances are still being learned
   degenerate,      ///< the points coincide or lie on a line
   not_rigid,       ///< the points have not kept their distances: one has jumped
   not_a_rotation,  ///< the quaternion's norm is not 1
@@ -101,6 +102,13 @@ inline double smallest_height_m(const Eigen::Matrix3d& points_m) {
   return a.cross(b).norm() / longest_m;  // twice the area over the longest side
 }
 
+/// Distances of the columns of `points_m`, each entry that of the two points other than its own
+/// (m).
+inline Eigen::Vector3d distances_of(const Eigen::Matrix3d& points_m) {
+  return {(points_m.col(1) - points_m.col(2)).norm(), (points_m.col(2) - points_m.col(0)).norm(),
+          (points_m.col(0) - points_m.col(1)).norm()};
+}
+
 /// Three points that keep their distances.
 class RigidBody {
  public:
@@ -109,19 +117,17 @@ class RigidBody {
   explicit RigidBody(const Eigen::Matrix3d& shape_m)
       : shape_m_(shape_m), status_(judge(shape_m, kSmallestHeight_m)) {}
 
-  /// The body whose points one sample found at the columns of `points_m` (instrument's frame,
-  /// metres), in the jaw frame. See `status` for points that make no body.
-  static RigidBody from_points(const Eigen::Matrix3d& points_m) {
-    const Eigen::Vector3d x = (points_m.col(1) - points_m.col(2)).normalized();
-    const Eigen::Vector3d to_middle = 0.5 * (points_m.col(1) + points_m.col(2)) - points_m.col(0);
-    const Eigen::Vector3d z = (to_middle - x * x.dot(to_middle)).normalized();
-    RigidBody body(points_m);
-    if (body.status_ != PoseStatus::ok) return body;
-    for (int i = 0; i < 3; ++i) {
-      const Eigen::Vector3d from_first = points_m.col(i) - points_m.col(0);
-      body.shape_m_.col(i) << x.dot(from_first), 0, z.dot(from_first);  // y is 0 in their plane
-    }
-    return body;
+  /// The body with the `distances_m` of `distances_of`, in the jaw frame. See `status` for
+  /// distances that make no body.
+  static RigidBody from_distances(const Eigen::Vector3d& distances_m) {
+    const double a = distances_m[0], b = distances_m[1], c = distances_m[2];
+    // To the foot of the height; points 2 and 3 that coincide are a triangle without one.
+    const double from_third = a > 0 ? (a * a + b * b - c * c) / (2 * a) : 0;
+    const double height = std::sqrt(std::max(b * b - from_third * from_third, 0.0));
+    const double x3 = -from_third, x2 = a - from_third;
+    Eigen::Matrix3d shape_m;
+    shape_m << 0, x2, x3, 0, 0, 0, 0, height, height;
+    return RigidBody(shape_m);
   }
 
   /// ok; missing where a coordinate of the shape is not finite; degenerate where its smallest
