@@ -22,7 +22,7 @@ RawRange possible_values(const ReportField& field) {
                          std::numeric_limits<std::int64_t>::max()};
   if (field.type == FieldType::floating_point || field.width_bits == 64) return all;
   if (field.type == FieldType::unsigned_integer) {
-    return {0, (std::int64_t{1} << field.width_bits) - 1};
+    return {0, static_cast<std::int64_t>((std::uint64_t{1} << field.width_bits) - 1)};
   }
   const std::int64_t half = std::int64_t{1} << (field.width_bits - 1);
   return {-half, half - 1};

@@ -64,6 +64,27 @@ TEST(ProfileCheck, FindsProblemsOfFields) {
          "the device time has bits in common with the sequence");
 }
 
+// Special values are checked against what the bits hold, at any width.
+TEST(ProfileCheck, KnowsTheLargestValueOfEveryWidth) {
+  for (std::uint32_t width = 1; width < 64; ++width) {
+    DeviceProfile profile;
+    profile.kind = SampleKind::one_axis;
+    profile.minimum_size_bytes = 8;
+    profile.coordinates.push_back({{.width_bits = width}, 0});
+    ReportField& field = profile.coordinates[0].field;
+    for (const FieldType type : {FieldType::unsigned_integer, FieldType::signed_integer}) {
+      field.type = type;
+      const std::uint32_t digits = type == FieldType::signed_integer ? width - 1 : width;
+      const auto highest = static_cast<std::int64_t>((std::uint64_t{1} << digits) - 1);
+      field.missing = highest;
+      EXPECT_FALSE(find_problem(profile)) << width;
+      if (digits == 63) continue;
+      field.missing = highest + 1;
+      EXPECT_TRUE(find_problem(profile)) << width;
+    }
+  }
+}
+
 TEST(ProfileCheck, FindsProblemsOfCoordinates) {
   const ProfilePart part = ProfilePart::coordinates;
   expect([](auto& p) { p.coordinates.pop_back(); }, part, "condyle's z3 is missing");
