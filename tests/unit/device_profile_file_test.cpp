@@ -67,7 +67,7 @@ TEST(DeviceProfileFile, LoadsTheShippedProfile) {
   EXPECT_EQ(p.rate_Hz, 500);
   EXPECT_EQ(p.report_id, 1);
   EXPECT_EQ(p.minimum_size_bytes, 29U);
-  EXPECT_TRUE(p.restarts_on_reconnect);
+  EXPECT_FALSE(p.restarts_on_reconnect);
   ASSERT_EQ(p.coordinates.size(), 9U);
   for (std::uint32_t i = 0; i < 9; ++i) {
     EXPECT_EQ(p.coordinates[i].index, i);
@@ -105,6 +105,19 @@ TEST(DeviceProfileFile, LoadsTheShippedProfilesExamples) {
   EXPECT_EQ(p.auxiliary[0].unit, "V");
   EXPECT_EQ(p.auxiliary[0].field.scale, 0.5e-3);
   EXPECT_EQ(p.auxiliary[0].field.offset, -1.024);
+}
+
+TEST(DeviceProfileFile, LoadsTheGuidesExample) {
+  const std::string guide =
+      testing_support::read_file(CONDYLE_SOURCE_DIR "/hal/profiles/README.md");
+  const std::string fence = "```toml\n";
+  const std::size_t start = guide.find(fence);
+  ASSERT_NE(start, std::string::npos);
+  const hal::DeviceProfile p = parse(
+      guide.substr(start + fence.size(), guide.find("```", start + 1) - start - fence.size()));
+  EXPECT_EQ(p.name, "my facebow");
+  EXPECT_EQ(p.coordinates[2].index, 1U);
+  EXPECT_EQ(p.coordinates[2].field.scale, -1e-3);
 }
 
 TEST(DeviceProfileFile, TurnsAxesAndOrdersCoordinates) {
@@ -211,6 +224,8 @@ TEST(DeviceProfileFile, NamesPlaceProblemAndMendOfKeys) {
   EXPECT_THAT(problem_with("[coordinates.w]\n"), HasSubstr("unknown key 'w'"));
   EXPECT_THAT(problem_with("[\"coordinates.x\"]\nscale = 5\n"), HasSubstr("unknown key"));
   EXPECT_THAT(problem_with("[sequnce]\n"), HasSubstr("unknown key 'sequnce'"));
+  EXPECT_TRUE(parse(changed("name = \"n\"", "name = \"n\"\nrestarts_on_reconnect = true"))
+                  .restarts_on_reconnect);
   EXPECT_THAT(problem_of("name = \"n\"", "name = \"n\"\nrestarts_on_reconnect = 1"),
               HasSubstr("restarts_on_reconnect is yes or no"));
 }
