@@ -22,7 +22,7 @@ RawRange possible_values(const ReportField& field) {
                          std::numeric_limits<std::int64_t>::max()};
   if (field.type == FieldType::floating_point || field.width_bits == 64) return all;
   if (field.type == FieldType::unsigned_integer) {
-    return {0, (std::int64_t{1} << field.width_bits) - 1};
+    return {0, static_cast<std::int64_t>((std::uint64_t{1} << field.width_bits) - 1)};
   }
   const std::int64_t half = std::int64_t{1} << (field.width_bits - 1);
   return {-half, half - 1};
@@ -34,9 +34,9 @@ MaybeProblem check_special_values(const ReportField& field) {
     return raw >= possible.lowest && raw <= possible.highest;
   };
   if (field.missing && !is_possible(*field.missing)) {
-    return FieldProblem{
-        "its bits never hold the value " + std::to_string(*field.missing) + " (missing)",
-        "they hold " + std::to_string(possible.lowest) + " to " + std::to_string(possible.highest)};
+    return FieldProblem{"never holds the value " + std::to_string(*field.missing) + " (missing)",
+                        "its bits hold " + std::to_string(possible.lowest) + " to " +
+                            std::to_string(possible.highest)};
   }
   if (!field.range) return {};
   const bool is_wide_unsigned = field.type == FieldType::unsigned_integer && field.width_bits == 64;
@@ -44,7 +44,7 @@ MaybeProblem check_special_values(const ReportField& field) {
                                                  static_cast<std::uint64_t>(field.range->highest)
                                            : field.range->lowest <= field.range->highest;
   if (!is_ordered || !is_possible(field.range->lowest) || !is_possible(field.range->highest)) {
-    return FieldProblem{"its bits never hold a value of this range",
+    return FieldProblem{"has a valid range that its bits never hold",
                         "give the lowest and the highest of " + std::to_string(possible.lowest) +
                             " to " + std::to_string(possible.highest)};
   }

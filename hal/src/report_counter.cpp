@@ -138,7 +138,10 @@ bool DeviceClock::move_by(std::uint64_t ticks) {
 
 ClockStep DeviceClock::go_on_by_host(ClockOutcome outcome, std::uint64_t host_ns) {
   const std::uint64_t room = elapsed_ns(time_ns_, std::numeric_limits<TimeNs>::max());
-  if (host_ns <= room) time_ns_ += static_cast<TimeNs>(host_ns);
+  // Unsigned, because the host's step alone can leave int64.
+  if (host_ns <= room) {
+    time_ns_ = static_cast<TimeNs>(static_cast<std::uint64_t>(time_ns_) + host_ns);
+  }
   anchor_ns_ = time_ns_;
   ticks_since_anchor_ = 0;
   return {outcome, time_ns_};

@@ -10,7 +10,7 @@ namespace {
 
 double floating_point(std::uint64_t raw, std::uint32_t width_bits) {
   if (width_bits == 64) return std::bit_cast<double>(raw);
-  return double{std::bit_cast<float>(static_cast<std::uint32_t>(raw))};
+  return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(raw)));
 }
 
 std::int64_t sign_extended(std::uint64_t raw, std::uint32_t width_bits) {

@@ -10,6 +10,7 @@
 #include "condyle/estimator/published_sensor.h"
 #include "condyle/estimator/recommended_estimator.h"
 #include "condyle/firmware/run_loop.h"
+#include "condyle/hal/report_counter.h"
 #include "unit/allocation_counter.h"
 
 namespace condyle {
@@ -107,6 +108,44 @@ TEST_F(Allocation, RecommendedEstimatorHasNone) {
     expect_recommended_without_allocation<double, 3>(lag);
     expect_recommended_without_allocation<float, 3>(lag);
   }
+}
+
+TEST_F(Allocation, DecodingAndFollowingReportsHaveNone) {
+  using namespace hal;
+  const auto field = [](std::uint32_t offset_bits, FieldType type) {
+    return ReportField{.offset_bits = offset_bits, .width_bits = 16, .type = type};
+  };
+  DeviceProfile profile;
+  profile.minimum_size_bytes = 16;
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    profile.coordinates.push_back({field(48 + 16 * i, FieldType::signed_integer), i});
+  }
+  profile.sequence = CountingField{field(0, FieldType::unsigned_integer)};
+  profile.device_time = CountingField{field(16, FieldType::unsigned_integer)};
+  profile.checksum = Checksum{.field = field(32, FieldType::unsigned_integer),
+                              .polynomial = 0x1021,
+                              .first_byte = 6,
+                              .end_byte = 16};
+  profile.auxiliary.push_back({"emg", "V", field(96, FieldType::signed_integer)});
+  const ReportDecoder decoder(profile);
+  ReportTracker tracker(profile);
+  std::array<std::uint8_t, 16> bytes{};
+  const long before = allocation_count();
+  for (std::uint8_t i = 0; i < 100; ++i) {
+    bytes[0] = bytes[2] = i;
+    bytes[5] = i % 10 == 9 ? 1 : 0;
+    DecodedReport report;
+    const ReportFault fault = decoder.decode(bytes, report);
+    if (fault == ReportFault::none) {
+      static_cast<void>(tracker.accept(report, i));
+    } else {
+      tracker.refuse(fault);
+    }
+  }
+  EXPECT_EQ(allocation_count(), before);
+  EXPECT_EQ(tracker.counts().received, 90U);
+  EXPECT_EQ(tracker.counts().wrong_checksum, 10U);
+  EXPECT_EQ(tracker.counts().lost, 9U) << "the last one nobody has missed yet";
 }
 
 TEST_F(Allocation, ObservabilityHasNone) {

@@ -59,8 +59,10 @@ void agree_with_boost() {
   checksum.reflects_input = *rc::gen::arbitrary<bool>();
   checksum.reflects_output = *rc::gen::arbitrary<bool>();
   const auto bytes = *rc::gen::arbitrary<std::vector<std::uint8_t>>();
-  boost::crc_basic<kWidth> reference(checksum.polynomial, checksum.initial, checksum.final_xor,
-                                     checksum.reflects_input, checksum.reflects_output);
+  using Register = typename boost::crc_basic<kWidth>::value_type;
+  boost::crc_basic<kWidth> reference(
+      static_cast<Register>(checksum.polynomial), static_cast<Register>(checksum.initial),
+      static_cast<Register>(checksum.final_xor), checksum.reflects_input, checksum.reflects_output);
   reference.process_bytes(bytes.data(), bytes.size());
   RC_ASSERT(checksum_of(checksum, bytes) == reference.checksum());
 }

@@ -55,9 +55,9 @@ RC_GTEST_PROP(ReportField, ExtendsTheSign, ()) {
   std::vector<std::uint8_t> bytes = any_bytes_for(field);
   const std::uint64_t magnitude = any_raw(field.width_bits) >> 1U;
   const bool is_negative = *rc::gen::arbitrary<bool>();
-  write_bits(bytes, field, is_negative ? ~magnitude : magnitude);
-  const double expected =
-      is_negative ? -1 - static_cast<double>(magnitude) : static_cast<double>(magnitude);
+  const std::uint64_t raw = is_negative ? ~magnitude : magnitude;
+  write_bits(bytes, field, raw);
+  const auto expected = static_cast<double>(static_cast<std::int64_t>(raw));
   RC_ASSERT(read_value(field, bytes).value == expected);
 }
 
