@@ -35,6 +35,7 @@ std::string find(const DeviceAddress& address) {
   hid_device_info* const list = hid_enumerate(address.vendor_id, address.product_id);
   std::string path;
   for (const hid_device_info* info = list; info != nullptr && path.empty(); info = info->next) {
+    if (info->path == nullptr) continue;  // it went away while the list was made
     const bool is_interface =
         address.interface_number < 0 || info->interface_number == address.interface_number;
     if (is_interface && has_serial(*info, address.serial)) path = info->path;
