@@ -1,52 +1,168 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "condyle/hal/clock_fit.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 namespace condyle::hal {
+namespace {
+
+constexpr TimeNs kLongestGap_ns = TimeNs{366} * 86'400 * kNanosecondsPerSecond;
+
+// a - b, or the nearest there is.
+TimeNs difference(TimeNs a, TimeNs b) {
+  TimeNs result = 0;
+  if (!__builtin_sub_overflow(a, b, &result)) return result;
+  return a < b ? std::numeric_limits<TimeNs>::min() : std::numeric_limits<TimeNs>::max();
+}
+
+// a + b, or the nearest there is.
+TimeNs sum(TimeNs a, TimeNs b) {
+  TimeNs result = 0;
+  if (!__builtin_add_overflow(a, b, &result)) return result;
+  return a < 0 ? std::numeric_limits<TimeNs>::min() : std::numeric_limits<TimeNs>::max();
+}
+
+// The nearest whole number; 2^63 and beyond do not fit.
+TimeNs rounded(double value_ns) {
+  return std::llround(std::clamp(value_ns, -9.2e18, 9.2e18));
+}
+
+double median(double* values, int count) {
+  std::nth_element(values, values + count / 2, values + count);
+  return values[count / 2];
+}
+
+}  // namespace
 
 TimeNs ClockFit::add(TimeNs device_ns, TimeNs arrival_ns) {
+  const TimeNs elapsed_ns = difference(device_ns, last_device_ns_);
   if (!has_origin_) {
-    *this = [&] {
-      ClockFit fresh;
-      fresh.has_time_ = has_time_;
-      fresh.last_time_ns_ = last_time_ns_;
-      return fresh;
-    }();
-    has_origin_ = true;
-    device_origin_ns_ = device_ns;
-    host_origin_ns_ = arrival_ns;
+    begin(device_ns, arrival_ns, FitOutcome::started);
+  } else if (elapsed_ns < 0) {
+    begin(device_ns, arrival_ns, FitOutcome::went_back);
+  } else if (elapsed_ns > kLongestGap_ns) {
+    begin(device_ns, arrival_ns, FitOutcome::ran_ahead);
+  } else {
+    outcome_ = FitOutcome::followed;
   }
-  const auto device = static_cast<double>(device_ns - device_origin_ns_);
-  const double r = static_cast<double>(arrival_ns - host_origin_ns_) - device;
-  if (device - second_begin_ns_ >= kSecond_ns) {
-    complete_second();
-    second_begin_ns_ = device;
+
+  auto device = static_cast<double>(difference(device_ns, device_origin_ns_));
+  double r = static_cast<double>(difference(arrival_ns, host_origin_ns_)) - device;
+  if (r < (count_ == 0 ? least_r_ns_ : line(device)) - tolerance(device)) {
+    begin(device_ns, arrival_ns, FitOutcome::ran_ahead);
+    device = r = 0;
+  } else if (device - second_begin_ns_ >= kSecond_ns) {
+    if (!complete_second(arrival_ns)) {
+      const double host = device + least_r_ns_;  // the late ones show where the host is now
+      begin(device_ns, sum(host_origin_ns_, rounded(host)), FitOutcome::fell_behind);
+      r = static_cast<double>(difference(arrival_ns, host_origin_ns_));
+      device = 0;
+    }
+    begin_second(device, r, arrival_ns);
+  } else if (r < least_r_ns_) {
     least_r_ns_ = r;
     least_device_ns_ = device;
-  } else if (r - least_r_ns_ < 0) {
-    least_r_ns_ = r;
-    least_device_ns_ = device;
   }
-  const double wanted = count_ == 0 ? least_r_ns_ : offset_ns_ + drift_ * device;
-  const double elapsed = device - last_device_ns_;
-  const double limit = (kSlew + std::abs(drift_)) * elapsed;
+  largest_r_ns_ = std::max(largest_r_ns_, r);
+
+  const double wanted = count_ == 0 ? std::min(least_r_ns_, in_use_ns_) : line(device);
+  const bool is_new = outcome_ != FitOutcome::followed;
+  const double limit = is_new ? 0 : (kSlew + std::abs(drift_)) * static_cast<double>(elapsed_ns);
   in_use_ns_ += std::clamp(wanted - in_use_ns_, -limit, limit);
   pending_ns_ = wanted - in_use_ns_;
-  last_device_ns_ = device;
+  last_device_ns_ = device_ns;
 
-  TimeNs time_ns = host_origin_ns_ + std::llround(device + in_use_ns_);
+  TimeNs time_ns = sum(host_origin_ns_, rounded(device + in_use_ns_));
   if (has_time_) time_ns = std::max(time_ns, last_time_ns_);
   last_time_ns_ = time_ns;
   has_time_ = true;
   return time_ns;
 }
 
-void ClockFit::complete_second() {
+TimeNs ClockFit::offset_ns() const {
+  return difference(last_time_ns_, last_device_ns_);
+}
+
+double ClockFit::uncertainty_s() const {
+  const double pending = std::abs(pending_ns_);
+  if (count_ == 0) {
+    const double unseen = std::max(largest_r_ns_ - least_r_ns_, kUnseen_ns);
+    return (unseen + pending) * 1e-9;
+  }
+  double mean = 0, square = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) mean += least_d_[i] / count_;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
+    square += (least_d_[i] - mean) * (least_d_[i] - mean);
+  }
+  // As of a straight line by least squares, of which medians are nearly as good; 1 more because the
+  // earliest arrivals are themselves later than the least delay, by about their spread.
+  const auto device = static_cast<double>(difference(last_device_ns_, device_origin_ns_));
+  const double away = device - mean;
+  const double leverage = 1.0 / count_ + (square > 0 ? away * away / square : 0);
+  const double unseen = kUnseen_ns / (static_cast<double>(count_) * count_);
+  const double spread = std::sqrt(residual_ns_ * residual_ns_ + unseen * unseen);
+  const double suspected = late_count_ > 0 ? most_late_ns_ : 0;
+  return (spread * std::sqrt(1 + leverage) + pending + suspected) * 1e-9;
+}
+
+// Starts the fit anew, with the device's clock at `device_ns` when the host's was at `host_ns`.
+void ClockFit::begin(TimeNs device_ns, TimeNs host_ns, FitOutcome outcome) {
+  ClockFit fresh;
+  fresh.has_time_ = has_time_;
+  fresh.last_time_ns_ = last_time_ns_;
+  fresh.steps_ = steps_ + (outcome == FitOutcome::started ? 0 : 1);
+  fresh.has_origin_ = true;
+  fresh.outcome_ = outcome;
+  fresh.device_origin_ns_ = fresh.last_device_ns_ = device_ns;
+  fresh.host_origin_ns_ = fresh.second_arrival_ns_ = host_ns;
+  *this = fresh;
+}
+
+void ClockFit::begin_second(double device, double r, TimeNs arrival_ns) {
+  second_begin_ns_ = least_device_ns_ = device;
+  least_r_ns_ = largest_r_ns_ = r;
+  second_arrival_ns_ = arrival_ns;
+}
+
+// How early a report may be. Nothing was fitted for a while: the drift may have changed.
+double ClockFit::tolerance(double device) const {
+  return kStep_ns + kWander * (device - newest_d_ns_);
+}
+
+// Takes the second collected into the fit. False where it shows that the device fell behind.
+bool ClockFit::complete_second(TimeNs arrival_ns) {
+  if (is_late(arrival_ns)) return late_count_ < kLateSeconds;
   const auto next = static_cast<std::size_t>(next_);
   least_r_[next] = least_r_ns_;
-  least_d_[next] = least_device_ns_;
+  least_d_[next] = newest_d_ns_ = least_device_ns_;
   next_ = (next_ + 1) % kWindow;
   count_ = std::min(count_ + 1, kWindow);
+  fit();
+  return true;
+}
 
+// Whether all of the second collected came far too late to be fitted. In a row are those that came
+// at their own pace, not all at once, and late by the same.
+bool ClockFit::is_late(TimeNs arrival_ns) {
+  const double late_ns = least_r_ns_ - line(least_device_ns_);
+  if (count_ == 0 || late_ns <= tolerance(least_device_ns_)) {
+    late_count_ = 0;
+    return false;
+  }
+  const auto took_ns = static_cast<double>(difference(arrival_ns, second_arrival_ns_));
+  const double least_ns = late_count_ > 0 ? std::min(least_late_ns_, late_ns) : late_ns;
+  const double most_ns = late_count_ > 0 ? std::max(most_late_ns_, late_ns) : late_ns;
+  const bool is_same = most_ns - least_ns < 0.5 * kStep_ns;
+  const bool goes_on = late_count_ > 0 && is_same && took_ns > 0.5 * kSecond_ns;
+  late_count_ = goes_on ? late_count_ + 1 : 1;
+  least_late_ns_ = goes_on ? least_ns : late_ns;
+  most_late_ns_ = goes_on ? most_ns : late_ns;
+  return true;
+}
+
+void ClockFit::fit() {
   std::array<double, kWindow*(kWindow - 1) / 2> slopes;
   int slope_count = 0;
   const auto count = static_cast<std::size_t>(count_);

@@ -9,62 +9,114 @@
 //         (Theil-Sen; P. K. Sen, J. Am. Stat. Assoc. 63 (1968) 1379-1389)
 //   a     offset: median of r_k - b d_k
 //   o     offset in use; goes to a + b d no faster than kSlew per device time beyond b, so that
-//   time
-//         between samples is never distorted by more
+//         the time between samples is never distorted by more
 //   time  h_0 + (d - d_0) + o     the instant of measurement plus the least delay
 //
 // Before the first second is complete, least r so far stands for a and b = 0. The same reports give
 // the same times, live and from a log.
+//
+// Where one clock stepped against the other by more than kStep_ns, the fit starts anew: a device
+// that is ahead of what its arrivals allow, at once; one that fell behind, once four seconds in a
+// row are late by the same, for until then they may only have been held up. Smaller steps are
+// slewed. A delay that all reports of eight seconds share cannot be told from a smaller step.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cmath>
+#include <cstdint>
 
 #include "condyle/estimator/sample.h"
 
 namespace condyle::hal {
 
-/// Maps the time of a device that does not jump (see DeviceClock) to the host's clock. Constant
-/// memory, no allocation.
+/// What a report did to the fit.
+enum class FitOutcome : std::uint8_t {
+  started,      ///< the first one, or the first after restart()
+  followed,     ///< the clocks run on
+  ran_ahead,    ///< the device's clock leapt ahead, or the host's stood: fit started anew
+  fell_behind,  ///< the device's clock stood, or the host's leapt ahead: fit started anew
+  went_back,    ///< the device's time is before the last one: fit started anew
+};
+
+/// Name of an outcome as it stands in messages.
+constexpr const char* outcome_name(FitOutcome outcome) {
+  constexpr const char* names[] = {"started", "followed", "ran ahead", "fell behind", "went back"};
+  return names[static_cast<int>(outcome)];
+}
+
+/// What ties a time to the host's clock.
+enum class TimeProvenance : std::uint8_t {
+  host_arrival,  ///< the arrival of the first report, or of an earlier one since: nothing is fitted
+  device_clock,  ///< the fit
+};
+
+/// Maps the unwrapped time of a device (see DeviceClock) to the host's clock. Constant memory, no
+/// allocation.
 class ClockFit {
  public:
   /// Host time of the measurement at `device_ns` that arrived at `arrival_ns`. Never before the one
-  /// before; equal where both have the same device time.
+  /// before; equal where both have the same device time. Until the fit has its first second, it is
+  /// the first report's arrival and from there the device's own steps, so that the time between
+  /// samples does not jitter from the start.
   TimeNs add(TimeNs device_ns, TimeNs arrival_ns);
 
   /// The device's clock was set or started anew: nothing connects its times with those before.
   void restart() { has_origin_ = false; }
 
+  /// What the last report did.
+  FitOutcome outcome() const { return outcome_; }
+  /// How often the fit found by itself that it had to start anew.
+  std::uint64_t steps() const { return steps_; }
+  /// What ties the last time to the host's clock.
+  TimeProvenance provenance() const {
+    return count_ > 0 ? TimeProvenance::device_clock : TimeProvenance::host_arrival;
+  }
   /// Seconds that the fit rests on, at most 16; 0 while it is only the earliest arrival so far.
   int seconds_fitted() const { return count_; }
+  /// The last time less the device's (ns).
+  TimeNs offset_ns() const;
   /// How much slower the device's clock runs than the host's, parts per million.
   double drift_ppm() const { return drift_ * 1e6; }
   /// Spread of the earliest arrivals around the fit: one standard deviation (s), robust.
   double residual_s() const { return residual_ns_ * 1e-9; }
   /// How far the offset in use is still from the fitted one (s).
   double pending_s() const { return pending_ns_ * 1e-9; }
+  /// Of the last time, against the instant of measurement plus the least delay: what the spread of
+  /// the earliest arrivals leaves open (one standard deviation), what is pending, and a step that
+  /// is suspected (s). The least delay itself cannot be seen from here.
+  double uncertainty_s() const;
 
  private:
   static constexpr int kWindow = 16;         // seconds
   static constexpr double kSecond_ns = 1e9;  // of device time
   static constexpr double kSlew = 1e-3;
+  static constexpr double kStep_ns = 1e8;
+  static constexpr double kWander = 2e-4;    // of drift, while there is nothing to fit
+  static constexpr int kLateSeconds = 4;     // then it was a step
+  static constexpr double kUnseen_ns = 1e6;  // spread assumed of delays that were not seen yet
 
-  void complete_second();
-  static double median(double* values, int count) {
-    std::nth_element(values, values + count / 2, values + count);
-    return values[count / 2];
-  }
+  void begin(TimeNs device_ns, TimeNs host_ns, FitOutcome outcome);
+  void begin_second(double device, double r, TimeNs arrival_ns);
+  bool complete_second(TimeNs arrival_ns);
+  bool is_late(TimeNs arrival_ns);
+  void fit();
+  double line(double device) const { return offset_ns_ + drift_ * device; }
+  double tolerance(double device) const;
 
-  bool has_origin_ = false;
-  TimeNs device_origin_ns_ = 0, host_origin_ns_ = 0;
-  TimeNs last_time_ns_ = 0;
-  bool has_time_ = false;
-  double last_device_ns_ = 0;                          // all from the origin
-  double second_begin_ns_ = 0;                         // of the second being collected
-  double least_r_ns_ = 0, least_device_ns_ = 0;        // of it
-  std::array<double, kWindow> least_r_{}, least_d_{};  // of complete ones
+  bool has_origin_ = false, has_time_ = false;
+  FitOutcome outcome_ = FitOutcome::started;
+  std::uint64_t steps_ = 0;
+  TimeNs device_origin_ns_ = 0, host_origin_ns_ = 0;  // d_0, h_0
+  TimeNs last_device_ns_ = 0, last_time_ns_ = 0;
+  // The rest (ns) counts from the origin. The second being collected:
+  double second_begin_ns_ = 0, least_r_ns_ = 0, least_device_ns_ = 0, largest_r_ns_ = 0;
+  TimeNs second_arrival_ns_ = 0;
+  // The complete ones.
+  std::array<double, kWindow> least_r_{}, least_d_{};
   int count_ = 0, next_ = 0;
+  double newest_d_ns_ = 0;
+  // Late ones in a row, and how late they were.
+  int late_count_ = 0;
+  double least_late_ns_ = 0, most_late_ns_ = 0;
   double offset_ns_ = 0, drift_ = 0;  // a, b
   double in_use_ns_ = 0;              // o
   double residual_ns_ = 0, pending_ns_ = 0;
