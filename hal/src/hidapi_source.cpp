@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "condyle/hal/hidapi_source.h"
 
+#include <fcntl.h>
 #include <hidapi.h>
+#include <linux/hidraw.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,7 +12,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <limits>
+
+#include "condyle/hal/device_list.h"
 
 namespace condyle::hal {
 namespace {
@@ -22,26 +26,18 @@ int wait_ms(TimeNs deadline_ns, TimeNs now_ns) {
   return static_cast<int>(std::min((wait_ns - 1) / 1'000'000 + 1, kLongest_ms));
 }
 
-bool has_serial(const hid_device_info& info, const std::string& serial) {
-  if (serial.empty()) return true;
-  if (info.serial_number == nullptr) return false;
-  const std::wstring wide(info.serial_number);
-  return std::equal(wide.begin(), wide.end(), serial.begin(), serial.end(),
-                    [](wchar_t a, char b) { return a == static_cast<unsigned char>(b); });
-}
-
-// Path of the first device that fits; empty where there is none.
-std::string find(const DeviceAddress& address) {
-  hid_device_info* const list = hid_enumerate(address.vendor_id, address.product_id);
-  std::string path;
-  for (const hid_device_info* info = list; info != nullptr && path.empty(); info = info->next) {
-    if (info->path == nullptr) continue;  // it went away while the list was made
-    const bool is_interface =
-        address.interface_number < 0 || info->interface_number == address.interface_number;
-    if (is_interface && has_serial(*info, address.serial)) path = info->path;
+// From the device itself; empty where it does not tell.
+std::vector<std::uint8_t> ask_report_descriptor(const std::string& path) {
+  hidraw_report_descriptor descriptor{};
+  int size = 0;
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) return {};
+  if (ioctl(file, HIDIOCGRDESCSIZE, &size) >= 0 && size > 0) {
+    descriptor.size = std::min<__u32>(static_cast<__u32>(size), HID_MAX_DESCRIPTOR_SIZE);
+    if (ioctl(file, HIDIOCGRDESC, &descriptor) < 0) descriptor.size = 0;
   }
-  hid_free_enumeration(list);
-  return path;
+  ::close(file);
+  return {descriptor.value, descriptor.value + descriptor.size};
 }
 
 }  // namespace
@@ -57,15 +53,17 @@ HidapiSource::~HidapiSource() {
 
 Status HidapiSource::open() {
   close();
-  path_ = find(address_);
-  if (path_.empty()) return Status::not_found;
-  device_ = hid_open_path(path_.c_str());
-  if (device_ != nullptr) return Status::ok;
-  // hidapi gives no reason that a program could read.
-  return access(path_.c_str(), F_OK) == 0 && access(path_.c_str(), R_OK | W_OK) != 0 &&
-                 errno == EACCES
-             ? Status::not_permitted
-             : Status::not_found;
+  path_.clear();
+  Status status = Status::not_found;
+  for (const HidDevice& found : list_hid_devices(address_.vendor_id, address_.product_id)) {
+    if (!fits(address_, found)) continue;
+    path_ = found.path;
+    device_ = hid_open_path(path_.c_str());
+    if (device_ != nullptr) return Status::ok;
+    // hidapi gives no reason that a program could read.
+    if (found.access == DeviceAccess::not_permitted) status = Status::not_permitted;
+  }
+  return status;
 }
 
 Status HidapiSource::read(TimeNs deadline_ns, RawReport& report) {
@@ -98,9 +96,12 @@ void HidapiSource::close() {
 }
 
 std::vector<std::uint8_t> HidapiSource::report_descriptor() const {
+  if (path_.empty()) return {};
   const std::string name = std::filesystem::path(path_).filename().string();
   std::ifstream file("/sys/class/hidraw/" + name + "/device/report_descriptor", std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file),
+                                  std::istreambuf_iterator<char>()};
+  return bytes.empty() ? ask_report_descriptor(path_) : bytes;
 }
 
 }  // namespace condyle::hal

@@ -6,19 +6,12 @@
 #include <algorithm>
 
 #include "condyle/hal/report_descriptor.h"
+#include "usb_device.h"
 
 namespace condyle::hal {
 namespace {
 
-constexpr TimeNs kPatience_ns = 1'000'000'000;  // for the end of transfers that were cancelled
-constexpr unsigned kControlTimeout_ms = 500;
-
-bool has_serial(libusb_device_handle* handle, std::uint8_t index, const std::string& serial) {
-  if (serial.empty()) return true;
-  std::array<unsigned char, 256> text{};
-  const int size = libusb_get_string_descriptor_ascii(handle, index, text.data(), text.size());
-  return size >= 0 && serial == std::string(text.begin(), text.begin() + size);
-}
+constexpr TimeNs kLongestWait_ns = 1'000'000'000;
 
 // Bytes of the longest input report; 0 where the descriptor does not tell.
 std::size_t longest_input(const std::vector<std::uint8_t>& bytes) {
@@ -47,87 +40,25 @@ LibusbSource::~LibusbSource() {
 Status LibusbSource::open() {
   close();
   if (context_ == nullptr && libusb_init(&context_) != 0) return Status::not_found;
-  libusb_device** list = nullptr;
-  const auto count = libusb_get_device_list(context_, &list);
-  Status status = Status::not_found;
-  for (ssize_t i = 0; i < count && handle_ == nullptr; ++i) {
-    libusb_device_descriptor descriptor{};
-    libusb_get_device_descriptor(list[i], &descriptor);
-    if (descriptor.idVendor != address_.vendor_id || descriptor.idProduct != address_.product_id) {
-      continue;
-    }
-    const int failure = libusb_open(list[i], &handle_);
-    if (failure == LIBUSB_ERROR_ACCESS) status = Status::not_permitted;
-    if (failure != 0) {
-      handle_ = nullptr;
-    } else if (!has_serial(handle_, descriptor.iSerialNumber, address_.serial)) {
-      libusb_close(handle_);
-      handle_ = nullptr;
-    }
-  }
-  if (list != nullptr) libusb_free_device_list(list, 1);
-  if (handle_ == nullptr) return status;
+  Status status = open_usb_device(context_, address_, handle_);
+  if (status != Status::ok) return status;
 
-  status = choose_interface();
+  UsbInterface interface;
+  status = find_usb_interface(handle_, address_.interface_number, interface);
+  if (status == Status::ok) status = claim_usb_interface(handle_, interface.number);
   if (status == Status::ok) {
-    libusb_set_auto_detach_kernel_driver(handle_, 1);
-    const int failure = libusb_claim_interface(handle_, interface_);
-    if (failure == LIBUSB_ERROR_ACCESS) status = Status::not_permitted;
-    // The interface may not be there yet, or be in use: another attempt may find it free.
-    else if (failure != 0)
-      status = Status::not_found;
-    if (failure != 0) interface_ = -1;
-  }
-  if (status == Status::ok) {
-    read_descriptor();
-    // A report of many packets comes in one transfer; whole packets, so that none overflows.
+    interface_ = interface.number;
+    endpoint_ = interface.endpoint;
+    report_descriptor_ = read_usb_report_descriptor(handle_, interface);
+    // A report of many packets comes in one transfer. Whole packets: a device that sends more than
+    // there is room for would be cut off.
+    const std::size_t packet = interface.packet_size_bytes;
     const std::size_t longest = std::min(longest_input(report_descriptor_), kMaxReportSize);
-    if (!start_transfers(std::max(longest, packet_size_))) status = Status::not_found;
+    const std::size_t packets = std::max<std::size_t>(1, (longest + packet - 1) / packet);
+    if (!start_transfers(packets * packet)) status = Status::not_found;
   }
   if (status != Status::ok) close();
   return status;
-}
-
-// The HID interface that is meant, and its interrupt input.
-Status LibusbSource::choose_interface() {
-  libusb_config_descriptor* configuration = nullptr;
-  if (libusb_get_active_config_descriptor(libusb_get_device(handle_), &configuration) != 0) {
-    return Status::not_found;
-  }
-  Status status = Status::not_found;
-  for (int i = 0; i < configuration->bNumInterfaces && status != Status::ok; ++i) {
-    const libusb_interface& settings = configuration->interface[i];
-    if (settings.num_altsetting < 1) continue;
-    const libusb_interface_descriptor& interface = settings.altsetting[0];
-    const bool is_meant = address_.interface_number < 0
-                              ? interface.bInterfaceClass == LIBUSB_CLASS_HID
-                              : interface.bInterfaceNumber == address_.interface_number;
-    if (!is_meant) continue;
-    status = Status::bad_report;
-    for (int j = 0; j < interface.bNumEndpoints && status != Status::ok; ++j) {
-      const libusb_endpoint_descriptor& endpoint = interface.endpoint[j];
-      const bool is_input = (endpoint.bEndpointAddress & LIBUSB_ENDPOINT_IN) != 0;
-      const auto type = endpoint.bmAttributes & LIBUSB_TRANSFER_TYPE_MASK;
-      if (!is_input || type != LIBUSB_TRANSFER_TYPE_INTERRUPT) continue;
-      interface_ = interface.bInterfaceNumber;
-      endpoint_ = endpoint.bEndpointAddress;
-      packet_size_ = std::max<std::size_t>(endpoint.wMaxPacketSize & 0x7FFU, 8);
-      status = Status::ok;
-    }
-  }
-  libusb_free_config_descriptor(configuration);
-  return status;
-}
-
-void LibusbSource::read_descriptor() {
-  constexpr std::uint8_t kStandardIn = 0x81;           // of an interface
-  constexpr std::uint16_t kReportDescriptor = 0x2200;  // HID 1.11, section 7.1
-  report_descriptor_.resize(kMaxDescriptorSize);
-  const int size =
-      libusb_control_transfer(handle_, kStandardIn, LIBUSB_REQUEST_GET_DESCRIPTOR,
-                              kReportDescriptor, static_cast<std::uint16_t>(interface_),
-                              report_descriptor_.data(), kMaxDescriptorSize, kControlTimeout_ms);
-  report_descriptor_.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
 }
 
 bool LibusbSource::start_transfers(std::size_t length) {
@@ -199,10 +130,10 @@ void LibusbSource::store(const libusb_transfer& transfer) {
 
 Status LibusbSource::read(TimeNs deadline_ns, RawReport& report) {
   if (handle_ == nullptr) return Status::not_open;
+  TimeNs longest_ns = 0;  // at first, whatever has arrived is taken in, so that nothing grows old
   for (;;) {
-    // Whatever has arrived is taken in, so that nothing grows old in the library.
     submit_idle();
-    bool is_interrupted = !wait(0);
+    const bool is_undisturbed = wait(longest_ns);
     if (is_halted_ && !is_gone_) clear_halt();
     // What was on its way when the device went is still handed over.
     if (is_gone_ && !is_stopping_) stop_transfers();
@@ -213,19 +144,25 @@ Status LibusbSource::read(TimeNs deadline_ns, RawReport& report) {
       return Status::disconnected;
     }
     const TimeNs now_ns = clock_.now_ns();
-    if (is_interrupted || now_ns >= deadline_ns) return Status::timeout;
-    is_interrupted = !wait(std::min(deadline_ns - now_ns, kPatience_ns));
-    if (is_interrupted && queue_count_ == 0) return Status::timeout;
+    if (!is_undisturbed || now_ns >= deadline_ns) return Status::timeout;
+    longest_ns = std::min(deadline_ns - now_ns, kLongestWait_ns);
   }
 }
 
 // Handles the library's events until some came, at most so long. False where a signal interrupted.
 bool LibusbSource::wait(TimeNs longest_ns) {
+  // Rounded up, so that a wait of less than a microsecond is one.
+  const TimeNs longest_us = (longest_ns + 999) / 1000;
   timeval time{};
-  time.tv_sec = longest_ns / kNanosecondsPerSecond;
-  time.tv_usec = (longest_ns % kNanosecondsPerSecond) / 1000;
-  return libusb_handle_events_timeout_completed(context_, &time, nullptr) !=
-         LIBUSB_ERROR_INTERRUPTED;
+  time.tv_sec = longest_us / 1'000'000;
+  time.tv_usec = longest_us % 1'000'000;
+  const int failure = libusb_handle_events_timeout_completed(context_, &time, nullptr);
+  if (failure == LIBUSB_ERROR_INTERRUPTED) return false;
+  if (failure != 0) {  // no event will come any more
+    ++counts_.transfer_errors;
+    is_gone_ = true;
+  }
+  return true;
 }
 
 bool LibusbSource::pop(RawReport& report) {
@@ -241,21 +178,24 @@ bool LibusbSource::pop(RawReport& report) {
 
 void LibusbSource::clear_halt() {
   ++counts_.stalls;
-  if (!stop_transfers() || libusb_clear_halt(handle_, endpoint_) != 0) {
+  const bool is_hopeless = ++errors_in_a_row_ > kMostErrors;
+  if (!stop_transfers() || is_hopeless || libusb_clear_halt(handle_, endpoint_) != 0) {
     is_gone_ = true;
     return;
   }
   is_halted_ = is_stopping_ = false;
 }
 
-// Cancels what is in flight and waits for its end. False where some never came back.
+// Cancels what is in flight and waits for its end, for a second or so. False where some never came
+// back. The waits are counted, for a clock that is not the machine's may stand still.
 bool LibusbSource::stop_transfers() {
+  constexpr int kMostWaits = 100 + 2 * static_cast<int>(kTransfers);
+  constexpr TimeNs kWait_ns = 10'000'000;
   is_stopping_ = true;
   for (libusb_transfer* transfer : transfers_) {
     if (transfer != nullptr) libusb_cancel_transfer(transfer);
   }
-  const TimeNs deadline_ns = clock_.now_ns() + kPatience_ns;
-  while (in_flight_ > 0 && clock_.now_ns() < deadline_ns) wait(kPatience_ns / 100);
+  for (int i = 0; in_flight_ > 0 && i < kMostWaits; ++i) wait(kWait_ns);
   return in_flight_ == 0;
 }
 

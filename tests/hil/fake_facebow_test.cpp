@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fake facebow in umockdev's test bed, read by the plainest programs with hidapi and libusb:
-// what the readers counted is what the device says it did.
+// The fake facebow in umockdev's test bed, read by the plainest programs with hidapi and libusb,
+// and by condyle's back ends: what the readers counted is what the device says it did.
 #include <gmock/gmock.h>
 
 #include <future>
 
-#include "hil/play.h"
+#include "hil/reader_test.h"
 
 namespace condyle::hil {
 namespace {
@@ -13,38 +13,6 @@ namespace {
 constexpr std::int64_t kReports = 600;
 constexpr const char* kAllFaults = CONDYLE_SOURCE_DIR "/tests/hil/all_faults.toml";
 constexpr std::int64_t kJump = 1000;  // of the counter, in that file
-
-class FakeFacebow : public testing::TestWithParam<const char*> {
- protected:
-  void SetUp() override {
-    if (!has_umockdev()) GTEST_SKIP() << "umockdev is not installed";
-  }
-  std::string personality() const { return GetParam(); }
-  bool is_usb() const { return personality() == "libusb"; }
-
-  // Plays so many reports to a reader that stops at the last, which is spared by all faults.
-  Played play_reports(std::int64_t count, std::vector<std::string> options,
-                      std::int64_t counter_jumps = 0,
-                      const std::vector<std::string>& reader_options = {}) const {
-    options.insert(options.end(), {"--count", std::to_string(count), "--linger-s", "0.1"});
-    std::vector<std::string> program = {is_usb() ? CONDYLE_READ_LIBUSB : CONDYLE_READ_HIDAPI,
-                                        std::to_string(count - 1 + counter_jumps), "60"};
-    program.insert(program.end(), reader_options.begin(), reader_options.end());
-    return play(personality(), options, program);
-  }
-};
-
-// Both sides count the same, report by report.
-void expect_exact(const Played& played) {
-  ASSERT_EQ(played.exit_code, 0) << played.text;
-  ASSERT_TRUE(played.account.is_object() && played.reader.is_object()) << played.text;
-  EXPECT_TRUE(played.account.value("balances", false)) << played.text;
-  EXPECT_EQ(played.reader_count("intact"), played.account_count("delivered_intact")) << played.text;
-  EXPECT_EQ(played.reader_count("bad"), played.account_count("delivered_altered")) << played.text;
-  EXPECT_EQ(played.reader_count("intact") + played.reader_count("lost"),
-            played.account_count("made") + played.account_count("counter_jumped"))
-      << played.text;
-}
 
 // In real time a busy machine loses reports, though none uncounted; as they are taken, none.
 
@@ -137,8 +105,9 @@ TEST_P(FakeFacebow, SixAtOnce) {
   for (auto& played : running) expect_exact(played.get());
 }
 
-INSTANTIATE_TEST_SUITE_P(Umockdev, FakeFacebow, testing::Values("hidraw", "libusb"),
-                         [](const auto& test) { return std::string(test.param); });
+INSTANTIATE_TEST_SUITE_P(Umockdev, FakeFacebow,
+                         testing::Values(kPlainHidapi, kPlainLibusb, kHidapiSource, kLibusbSource),
+                         reader_name);
 
 using FakeHidraw = FakeFacebow;
 
@@ -148,7 +117,7 @@ TEST_P(FakeHidraw, KeepsSixtyFourReportsForASlowReader) {
   EXPECT_GT(played.account_count("lost_in_queue"), 0) << played.text;
 }
 
-INSTANTIATE_TEST_SUITE_P(Umockdev, FakeHidraw, testing::Values("hidraw"));
+INSTANTIATE_TEST_SUITE_P(Umockdev, FakeHidraw, testing::Values(kPlainHidapi), reader_name);
 
 }  // namespace
 }  // namespace condyle::hil

@@ -91,8 +91,9 @@ class Goal {
         limit_(std::chrono::steady_clock::now() +
                std::chrono::milliseconds(static_cast<long long>(limit_s * 1000))) {}
   bool is_reached(const Tally& tally) const {
-    return tally.last_counter == last_counter_ || std::chrono::steady_clock::now() > limit_;
+    return tally.last_counter == last_counter_ || is_too_late();
   }
+  bool is_too_late() const { return std::chrono::steady_clock::now() > limit_; }
   int exit_code(const Tally& tally) const { return tally.last_counter == last_counter_ ? 0 : 1; }
 
  private:

@@ -4,6 +4,7 @@
 // what it keeps is lost. Only the device's counter tells how many.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -26,11 +27,12 @@ class HidapiSource final : public ReportSource {
 
   /// ok, not_found or not_permitted.
   Status open() override;
+  /// A signal ends the wait early, as timeout.
   Status read(TimeNs deadline_ns, RawReport& report) override;
   void close() override;
   TransportCounts counts() const override { return counts_; }
 
-  /// The open device's report descriptor; empty where the kernel does not show it.
+  /// The report descriptor of the device opened last; empty where it has gone.
   std::vector<std::uint8_t> report_descriptor() const;
   /// "/dev/hidraw3", of the device opened last.
   const std::string& path() const { return path_; }

@@ -2,7 +2,11 @@
 // Reports by asynchronous interrupt transfers (libusb). One interface is taken from the kernel's
 // driver and given back on close. Up to 64 transfers are in flight, as many reports as the kernel's
 // own driver keeps for a slow reader; short reports come as they are; a halted endpoint is cleared.
-// Whoever reads drives the library: there is no thread.
+//
+// There is no thread here: read() handles the library's events, so that nothing is shared, nothing
+// can run while the source is being closed, and a report's time is taken where it is used next. The
+// price: a reader who stays away for longer than 64 reports makes the device wait, and the times of
+// those that waited are when he came back. Only the device's counter and clock tell.
 #pragma once
 
 #include <array>
@@ -20,8 +24,9 @@ struct libusb_transfer;
 namespace condyle::hal {
 
 /// See ReportSource. Uses the first device that `address` fits. Setting up allocates; reading does
-/// not. A device is looked for by open(), not by hotplug events: those may come twice for one
-/// device, and before its interfaces can be claimed.
+/// not, but for the block that libusb itself takes and gives back for each transfer. A device is
+/// looked for by open(), not by hotplug events: those may come twice for one device, and before its
+/// interfaces can be claimed.
 class LibusbSource final : public ReportSource {
  public:
   LibusbSource(DeviceAddress address, Clock& clock);
@@ -29,10 +34,12 @@ class LibusbSource final : public ReportSource {
   LibusbSource(const LibusbSource&) = delete;
   LibusbSource& operator=(const LibusbSource&) = delete;
 
-  /// ok, not_found (also while its interfaces are still being made), not_permitted, or bad_report
-  /// where the interface has no interrupt input.
+  /// ok, not_found (also while its interfaces are still being made, or another program has the one
+  /// meant), not_permitted, or bad_report where that has no interrupt input.
   Status open() override;
-  /// Reports that arrived before a disconnection are given before it is told.
+  /// Reports that arrived before a disconnection are given before it is told. disconnected also
+  /// after more than 64 failed transfers and stalls in a row, for while a device is being unplugged
+  /// transfers fail until its hub notices. A signal ends the wait early, as timeout.
   Status read(TimeNs deadline_ns, RawReport& report) override;
   void close() override;
   TransportCounts counts() const override { return counts_; }
@@ -47,8 +54,6 @@ class LibusbSource final : public ReportSource {
   static void completed(libusb_transfer* transfer);
   void complete(libusb_transfer& transfer);
   void store(const libusb_transfer& transfer);
-  Status choose_interface();
-  void read_descriptor();
   bool start_transfers(std::size_t length);
   void submit_idle();
   bool stop_transfers();
@@ -62,7 +67,6 @@ class LibusbSource final : public ReportSource {
   libusb_device_handle* handle_ = nullptr;
   int interface_ = -1;
   unsigned char endpoint_ = 0;
-  std::size_t packet_size_ = 0;
   std::vector<std::uint8_t> report_descriptor_;
   std::array<libusb_transfer*, kTransfers> transfers_{};
   std::array<std::vector<std::uint8_t>, kTransfers> buffers_;
