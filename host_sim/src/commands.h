@@ -13,7 +13,7 @@ namespace condyle::host {
 inline constexpr int kExitOk = 0;
 /// The command line or an input cannot be used.
 inline constexpr int kExitBadInput = 2;
-/// What was given to be judged is refused; the message says where and why.
+/// What was to be judged is not as it must be; the message says where and why.
 inline constexpr int kExitRefused = 3;
 /// Stopped by the user.
 inline constexpr int kExitInterrupted = 130;
@@ -36,6 +36,8 @@ Command add_observability(CLI::App& app);
 Command add_record(CLI::App& app);
 /// `condyle inspect`
 Command add_inspect(CLI::App& app);
+/// `condyle doctor`
+Command add_doctor(CLI::App& app);
 /// `condyle fake`
 Command add_fake(CLI::App& app);
 

@@ -34,12 +34,16 @@ const char* usage_name(std::uint32_t usage) {
   return (usage >> 16U) >= 0xFF00 ? "vendor-defined" : "";
 }
 
+}  // namespace
+
 std::string usage_words(const hal::UsageRange& range) {
   std::string text = fmt::format("{:04X}:{:04X}", range.first >> 16U, range.first & 0xFFFFU);
   if (range.last != range.first) text += fmt::format("-{:04X}", range.last & 0xFFFFU);
   const std::string name = usage_name(range.first);
   return name.empty() ? text : name + " (" + text + ")";
 }
+
+namespace {
 
 std::string usages_words(const hal::DescriptorField& field) {
   constexpr std::size_t kShown = 4;

@@ -8,6 +8,9 @@
 
 namespace condyle::host {
 
+/// "X (0001:0030)"; the numbers alone where the usage has no name here.
+std::string usage_words(const hal::UsageRange& range);
+
 /// In words, a line for each field; ends with a line feed.
 std::string descriptor_words(const hal::ReportDescriptor& descriptor);
 

@@ -1,19 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <memory>
 
 #include "commands.h"
 #include "condyle/hal/report_descriptor.h"
+#include "connected_device.h"
 #include "descriptor_file.h"
 #include "descriptor_text.h"
+#include "device_argument.h"
+#include "device_profile_file.h"
+#include "device_words.h"
+#include "input_error.h"
+#include "live_inspection.h"
+#include "number_option.h"
 
 namespace condyle::host {
 namespace {
 
 struct InspectOptions {
-  std::string descriptor;
+  std::string descriptor, device, profile, serial;
+  std::string backend = "hidapi";
+  double duration_s = 3;
   bool as_json = false;
 };
 
@@ -29,18 +42,151 @@ int inspect_descriptor(const InspectOptions& options) {
   return kExitOk;
 }
 
+int list_devices(const InspectOptions& options) {
+  const auto devices = hal::list_hid_devices();
+  if (options.as_json) {
+    print_output(nlohmann::ordered_json{{"devices", devices_json(devices)}}.dump(2) + '\n');
+  } else if (devices.empty()) {
+    print_output("no HID device is plugged in, or none can be seen; condyle doctor says more\n");
+  } else {
+    print_output(devices_words(devices) + "condyle inspect --device " +
+                 id_words(devices.front().vendor_id, devices.front().product_id) +
+                 " shows what the first one sends\n");
+  }
+  return kExitOk;
+}
+
+// A text that is written again and again in the same place of a terminal.
+class Panel {
+ public:
+  void show(const std::string& text) {
+    // Long lines are cut, for wrapped ones would be counted wrongly.
+    std::fprintf(stderr, "\r\x1b[J\x1b[?7l%s\x1b[?7h", text.c_str());
+    const auto lines = std::count(text.begin(), text.end(), '\n');
+    if (lines > 0) std::fprintf(stderr, "\x1b[%dA", static_cast<int>(lines));
+    is_shown_ = true;
+  }
+  ~Panel() {
+    if (is_shown_) std::fputs("\r\x1b[J", stderr);
+  }
+
+ private:
+  bool is_shown_ = false;
+};
+
+// Reads until the time is up, the user has seen enough or the device is gone. False where it went.
+template <class Read, class Words>
+bool watch(hal::Clock& clock, double duration_s, const Read& read, const Words& words) {
+  constexpr TimeNs kRepaint_ns = 250'000'000, kPatience_ns = 50'000'000;
+  const bool is_terminal = isatty(STDERR_FILENO) != 0;
+  const TimeNs end_ns = clock.now_ns() + nanoseconds(duration_s);
+  TimeNs next_ns = clock.now_ns() + kRepaint_ns;
+  Panel panel;
+  while (!stop_requested() && clock.now_ns() < end_ns) {
+    if (read(std::min(end_ns, clock.now_ns() + kPatience_ns)) == hal::Status::disconnected) {
+      return false;
+    }
+    if (!is_terminal || clock.now_ns() < next_ns) continue;
+    next_ns += kRepaint_ns;
+    panel.show(words());
+  }
+  return true;
+}
+
+int inspect_device(const InspectOptions& options) {
+  DeviceChoice choice{{}, options.backend};
+  std::optional<hal::DeviceProfile> profile;
+  if (!options.profile.empty()) {
+    profile = load_device_profile(options.profile);
+    choice.address = {.vendor_id = profile->vendor_id,
+                      .product_id = profile->product_id,
+                      .interface_number = profile->interface_number,
+                      .serial = options.serial,
+                      .path = {}};
+  }
+  hal::SteadyClock clock;
+  if (!options.device.empty()) {
+    choice.address = wait_for_device(options.device, options.serial, clock, stop_requested);
+  }
+  ConnectedDevice device(choice, clock);
+  device.open(stop_requested);
+
+  const auto descriptor = hal::parse_report_descriptor(device.report_descriptor());
+  if (profile) complete_profile(*profile, device.report_descriptor(), "the device");
+  LiveInspection inspection(device.source(), descriptor.descriptor);
+  std::optional<hal::DeviceFacebow> facebow;
+  if (profile) facebow.emplace(inspection, *profile);
+  const auto words = [&] {
+    return inspection.words() + (facebow ? profile_words(*profile, *facebow) : "");
+  };
+  hal::RawReport report;
+  Sample sample;
+  const bool stayed = watch(
+      clock, options.duration_s,
+      [&](TimeNs deadline_ns) {
+        return facebow ? facebow->read(deadline_ns, sample) : inspection.read(deadline_ns, report);
+      },
+      words);
+  device.source().close();
+
+  const std::string undecoded =
+      descriptor.descriptor ? ""
+                            : fmt::format("report descriptor: byte {}: {}",
+                                          descriptor.error.byte_offset, descriptor.error.reason);
+  if (options.as_json) {
+    nlohmann::ordered_json json = {{"reports", inspection.json()}, {"went_away", !stayed}};
+    json["descriptor"] =
+        descriptor.descriptor
+            ? nlohmann::ordered_json::parse(descriptor_json(*descriptor.descriptor))
+            : nlohmann::ordered_json(undecoded);
+    print_output(json.dump(2) + '\n');
+    return kExitOk;
+  }
+  print_output("what the device says of its reports\n" +
+               (undecoded.empty() ? descriptor_words(*descriptor.descriptor) : undecoded + '\n') +
+               "what came\n" + words() + (stayed ? "" : "the device went away\n"));
+  return kExitOk;
+}
+
+int inspect(const InspectOptions& options) {
+  const bool is_live = !options.device.empty() || !options.profile.empty();
+  if (!options.descriptor.empty() && is_live) {
+    throw InputError("--descriptor", "is a file, --device and --profile mean what is plugged in",
+                     "give one of them");
+  }
+  if (!options.descriptor.empty()) return inspect_descriptor(options);
+  return is_live ? inspect_device(options) : list_devices(options);
+}
+
 }  // namespace
 
 Command add_inspect(CLI::App& app) {
   auto options = std::make_shared<InspectOptions>();
-  CLI::App* const command =
-      app.add_subcommand("inspect", "Say what a HID report descriptor describes");
+  CLI::App* const command = app.add_subcommand(
+      "inspect",
+      "List the HID devices that are plugged in; show what one of them sends; say what a report "
+      "descriptor describes");
+  command->add_option(
+      "--device", options->device,
+      "Device to read: its ids as in 1209:0001, /dev/hidraw0, or its USB port, 1-1.4");
+  command->add_option(
+      "--profile", options->profile,
+      "TOML file that describes a device: read it, and show what the profile makes of "
+      "its reports");
+  command->add_option(
+      "--descriptor", options->descriptor,
+      "File with a report descriptor, binary or hexadecimal text, instead of a device");
+  command->add_option("--serial", options->serial, "Serial number, where several are plugged in");
   command
-      ->add_option("--descriptor", options->descriptor,
-                   "File with a report descriptor, binary or hexadecimal text")
-      ->required();
+      ->add_option("--backend", options->backend, "hidapi: the kernel's driver; libusb: directly")
+      ->check(CLI::IsMember({"hidapi", "libusb"}))
+      ->capture_default_str();
+  command
+      ->add_option("--duration-s", options->duration_s, "How long to look; Ctrl-C ends it sooner")
+      ->check(number_in({0.1, 1e7}))
+      ->capture_default_str();
   command->add_flag("--json", options->as_json, "As JSON, for programs");
-  return [options] { return inspect_descriptor(*options); };
+  return [options] { return inspect(*options); };
 }
 
 }  // namespace condyle::host

@@ -41,6 +41,7 @@ int run(int argc, char** argv) {
   commands.emplace_back("observability", add_observability(app));
   commands.emplace_back("record", add_record(app));
   commands.emplace_back("inspect", add_inspect(app));
+  commands.emplace_back("doctor", add_doctor(app));
   commands.emplace_back("fake", add_fake(app));
   try {
     app.parse(argc, argv);

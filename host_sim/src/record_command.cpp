@@ -11,9 +11,8 @@
 #include "condyle/estimator/recommended_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/device_facebow.h"
-#include "condyle/hal/hidapi_source.h"
-#include "condyle/hal/libusb_source.h"
 #include "condyle/hal/recorded_source.h"
+#include "connected_device.h"
 #include "device_profile_file.h"
 #include "device_words.h"
 #include "estimates_file.h"
@@ -35,58 +34,6 @@ struct RecordOptions {
   double duration_s = 0, idle_s = 0;
   std::uint64_t samples = 0;
 };
-
-// A back end, and what only it knows.
-struct Device {
-  std::unique_ptr<hal::HidapiSource> hidapi;
-  std::unique_ptr<hal::LibusbSource> libusb;
-
-  hal::ReportSource& source() const {
-    if (hidapi) return *hidapi;
-    return *libusb;
-  }
-  std::vector<std::uint8_t> report_descriptor() const {
-    return hidapi ? hidapi->report_descriptor() : libusb->report_descriptor();
-  }
-};
-
-Device make_device(const RecordOptions& options, const hal::DeviceProfile& profile,
-                   hal::Clock& clock) {
-  const hal::DeviceAddress address{profile.vendor_id, profile.product_id, profile.interface_number,
-                                   options.serial};
-  Device device;
-  if (options.backend == "hidapi") {
-    device.hidapi = std::make_unique<hal::HidapiSource>(address, clock);
-  } else {
-    device.libusb = std::make_unique<hal::LibusbSource>(address, clock);
-  }
-  return device;
-}
-
-void open_or_explain(const Device& device, const hal::DeviceProfile& profile, hal::Clock& clock) {
-  // A device that was plugged in just now takes a moment to be usable.
-  constexpr TimeNs kPatience_ns = 2'000'000'000, kPause_ns = 20'000'000;
-  const TimeNs deadline_ns = clock.now_ns() + kPatience_ns;
-  hal::Status status = device.source().open();
-  while (status == hal::Status::not_found && clock.now_ns() < deadline_ns && !stop_requested()) {
-    clock.sleep_until(clock.now_ns() + kPause_ns);
-    status = device.source().open();
-  }
-  if (status == hal::Status::ok) return;
-  const std::string name =
-      fmt::format("device {:04x}:{:04x}", profile.vendor_id, profile.product_id);
-  switch (status) {
-    case hal::Status::not_permitted:
-      throw InputError(name, "may not be opened by this user",
-                       "install hal/udev/70-condyle-facebow.rules; its first lines say how");
-    case hal::Status::bad_report:
-      throw InputError(name, "has no HID interface with an interrupt input",
-                       "check interface_number in the profile");
-    default:
-      throw InputError(name, "is not plugged in, or another program holds it",
-                       "plug it in, or check vendor_id and product_id in the profile");
-  }
-}
 
 TimeNs wall_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -157,8 +104,8 @@ std::string summary(const RecordOptions& options, const hal::DeviceProfile& prof
 }
 
 template <int kAxes>
-int record_axes(const RecordOptions& options, const hal::DeviceProfile& profile, Device& device,
-                hal::SessionLogWriter& log, hal::Clock& clock) {
+int record_axes(const RecordOptions& options, const hal::DeviceProfile& profile,
+                ConnectedDevice& device, hal::SessionLogWriter& log, hal::Clock& clock) {
   RecommendedParameters parameters;
   if (!options.parameters.empty()) parameters = load_recommended_parameters(options.parameters);
   std::unique_ptr<EstimatesFile> estimates;
@@ -219,8 +166,14 @@ int record(const RecordOptions& options) {
   if (!is_available(profile.kind, {options.point, options.axis})) {
     throw InputError("--point", "the device has one point", "leave it out");
   }
-  Device device = make_device(options, profile, clock);
-  open_or_explain(device, profile, clock);
+  ConnectedDevice device({{.vendor_id = profile.vendor_id,
+                           .product_id = profile.product_id,
+                           .interface_number = profile.interface_number,
+                           .serial = options.serial,
+                           .path = {}},
+                          options.backend},
+                         clock);
+  device.open(stop_requested);
   const std::vector<std::uint8_t> descriptor = device.report_descriptor();
   complete_profile(profile, descriptor, "the device");
   // Closed while the log is made, which takes longer than the kernel keeps reports.

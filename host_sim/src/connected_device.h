@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// A device that is plugged in, behind the back end the user chose.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "condyle/hal/clock.h"
+#include "condyle/hal/hidapi_source.h"
+#include "condyle/hal/libusb_source.h"
+
+namespace condyle::host {
+
+/// Which device, and through what.
+struct DeviceChoice {
+  hal::DeviceAddress address;
+  std::string backend = "hidapi";  ///< or "libusb"
+};
+
+/// "1209:0001", as lsusb writes it.
+std::string id_words(std::uint16_t vendor_id, std::uint16_t product_id);
+
+/// One device.
+class ConnectedDevice {
+ public:
+  ConnectedDevice(const DeviceChoice& choice, hal::Clock& clock);
+
+  /// Opens it; waits up to 2 s for one that was plugged in just now, or until `stop`. An InputError
+  /// that says why it cannot be had and what to do.
+  void open(const std::function<bool()>& stop);
+  hal::ReportSource& source();
+  /// As the device sent it; after open.
+  std::vector<std::uint8_t> report_descriptor() const;
+
+ private:
+  DeviceChoice choice_;
+  hal::Clock& clock_;
+  // One of both.
+  std::unique_ptr<hal::HidapiSource> hidapi_;
+  std::unique_ptr<hal::LibusbSource> libusb_;
+};
+
+}  // namespace condyle::host

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// The devices that are plugged in: in words, and the one the user means.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "condyle/hal/clock.h"
+#include "condyle/hal/device_list.h"
+
+namespace condyle::host {
+
+/// "046d:c626 3Dconnexion SpaceNavigator".
+std::string name_words(const hal::HidDevice& device);
+
+/// The devices with where they are and who may use them, a few lines each.
+std::string devices_words(std::span<const hal::HidDevice> devices);
+/// The same for programs.
+nlohmann::ordered_json devices_json(std::span<const hal::HidDevice> devices);
+
+/// The address of the one of `devices` that `text` names: "046d:c626", "/dev/hidraw0" or a USB
+/// port, "1-1.4"; of several with the same ids the one with this serial number, if it is not empty.
+/// Nothing where there is none; an InputError where there is more than one.
+std::optional<hal::DeviceAddress> find_device(const std::string& text, const std::string& serial,
+                                              std::span<const hal::HidDevice> devices);
+
+/// The same among what is plugged in. Ids always give an address: the device may come, or be one
+/// that only libusb sees. For the others it waits up to 2 s or until `stop`; an InputError where
+/// there is none.
+hal::DeviceAddress wait_for_device(const std::string& text, const std::string& serial,
+                                   hal::Clock& clock, const std::function<bool()>& stop);
+
+}  // namespace condyle::host

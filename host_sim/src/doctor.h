@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a computer lacks to read a facebow, and the command that mends it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "condyle/hal/device_list.h"
+
+namespace condyle::host {
+
+/// How bad a finding is.
+enum class Severity : std::uint8_t {
+  fine,
+  optional,  ///< something that not everybody needs is missing
+  missing,   ///< a device cannot be read
+};
+
+/// One thing looked at.
+struct Finding {
+  Severity severity = Severity::fine;
+  std::string what;
+  std::string mend;  ///< commands, or what to do; empty where nothing is to be done
+};
+
+/// What is examined. `this_machine` fills it in.
+struct Machine {
+  std::filesystem::path root = "/";  ///< of the file system
+  std::string user;
+  std::set<std::string> groups;  ///< of the user, in this login
+  std::vector<hal::HidDevice> devices;
+};
+Machine this_machine();
+
+/// `wanted`: the device that is to be read; without one all but keyboards, mice and consumer
+/// controls are looked at.
+std::vector<Finding> examine(const Machine& machine,
+                             const std::optional<hal::DeviceAddress>& wanted);
+
+/// The findings as text, the mends indented under them.
+std::string findings_words(const std::vector<Finding>& findings);
+
+}  // namespace condyle::host

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <memory>
+
+#include "commands.h"
+#include "device_argument.h"
+#include "device_profile_file.h"
+#include "doctor.h"
+#include "input_error.h"
+
+namespace condyle::host {
+namespace {
+
+struct DoctorOptions {
+  std::string device, profile;
+};
+
+int examine_and_tell(const DoctorOptions& options) {
+  std::optional<hal::DeviceAddress> wanted;
+  hal::SteadyClock clock;
+  if (!options.device.empty()) wanted = wait_for_device(options.device, "", clock, stop_requested);
+  if (!options.profile.empty()) {
+    const hal::DeviceProfile profile = load_device_profile(options.profile);
+    wanted = {.vendor_id = profile.vendor_id,
+              .product_id = profile.product_id,
+              .interface_number = profile.interface_number,
+              .serial = {},
+              .path = {}};
+  }
+  const std::vector<Finding> findings = examine(this_machine(), wanted);
+  print_output(findings_words(findings));
+  const bool is_fit = std::none_of(findings.begin(), findings.end(), [](const Finding& finding) {
+    return finding.severity == Severity::missing;
+  });
+  return is_fit ? kExitOk : kExitRefused;
+}
+
+}  // namespace
+
+Command add_doctor(CLI::App& app) {
+  auto options = std::make_shared<DoctorOptions>();
+  CLI::App* const command = app.add_subcommand(
+      "doctor", "Say what this computer lacks to read a facebow, and the commands that mend it");
+  CLI::Option* const device =
+      command->add_option("--device", options->device,
+                          "Device to look at: 1209:0001, /dev/hidraw0, or its USB port, 1-1.4");
+  command->add_option("--profile", options->profile, "TOML file of the device to look at")
+      ->excludes(device);
+  return [options] { return examine_and_tell(*options); };
+}
+
+}  // namespace condyle::host

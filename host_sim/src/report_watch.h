@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// What can be seen of reports whose meaning nobody has told yet: how often they come, how evenly,
+// which of their bytes change, and what looks like a counter or a clock.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "condyle/hal/raw_report.h"
+#include "latency.h"
+
+namespace condyle::host {
+
+/// A number in a report that goes up by about the same with each.
+struct SteadyField {
+  std::size_t offset_bytes = 0;
+  std::size_t width_bytes = 0;
+  bool is_big_endian = false;
+  std::uint64_t step = 0;  ///< median; 1: a counter, else perhaps a clock
+};
+
+/// Reports of one number. Memory does not grow with their count.
+class ReportWatch {
+ public:
+  void add(const hal::RawReport& report);
+
+  std::uint64_t count() const { return count_; }
+  /// The last report.
+  const hal::RawReport& last() const { return last_; }
+  /// Smallest and largest size so far (bytes).
+  std::size_t smallest() const { return smallest_; }
+  std::size_t largest() const { return largest_; }
+
+  /// Reports a second by their arrivals; 0 before the second one.
+  double rate_Hz() const;
+  /// Standard deviation of the time from one arrival to the next (s).
+  double jitter_s() const;
+  /// Of the times from one arrival to the next.
+  const Latency& intervals() const { return intervals_; }
+
+  /// True where the byte was not the same in all reports.
+  bool has_changed(std::size_t byte) const { return byte < largest_ && has_changed_[byte]; }
+  /// What goes up steadily in at least 9 of 10 reports; of fields that cover each other the
+  /// steadiest, then the widest.
+  std::vector<SteadyField> steady_fields() const;
+
+ private:
+  static constexpr std::size_t kWatched = 64;  // bytes in which steady fields are looked for
+  static constexpr std::size_t kForms = 5;     // 1 byte; 2 and 4, little- and big-endian
+
+  // A field that is tried: the step most often seen, by majority vote.
+  struct Candidate {
+    std::uint64_t value = 0, step = 0;
+    std::uint64_t lead = 0;    // of the vote
+    std::uint64_t steady = 0;  // reports that went on by about `step`
+    std::uint64_t steps = 0;
+  };
+
+  void watch_fields(const hal::RawReport& report);
+
+  hal::RawReport last_;
+  std::uint64_t count_ = 0;
+  std::size_t smallest_ = 0, largest_ = 0;
+  TimeNs first_ns_ = 0;
+  double mean_ns_ = 0, square_sum_ns2_ = 0;  // of the intervals (Welford)
+  Latency intervals_;
+  std::array<bool, hal::kMaxReportSize> has_changed_{};
+  std::array<std::array<Candidate, kForms>, kWatched> candidates_{};
+};
+
+/// "1-4, 9": the bytes that changed; "none".
+std::string changed_words(const ReportWatch& watch);
+/// "500.0 Hz, every 2.000 ms +- 0.031 ms; p99 2.1 ms, at most 2.4 ms"; says where it is too early.
+std::string rate_words(const ReportWatch& watch);
+/// "byte 1 to 4, little-endian: goes up by 1, a counter?"; one for each.
+std::vector<std::string> steady_words(const ReportWatch& watch);
+
+}  // namespace condyle::host

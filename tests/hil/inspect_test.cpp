@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// `condyle inspect` and `condyle doctor` with the fake facebow plugged in.
+#include <gmock/gmock.h>
+
+#include "hil/play.h"
+
+namespace condyle::hil {
+namespace {
+
+using testing::HasSubstr;
+
+class Inspect : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    if (!has_umockdev()) GTEST_SKIP() << "umockdev is not installed";
+  }
+  Played inspect(std::vector<std::string> options) const {
+    std::vector<std::string> program = {CONDYLE_COMMAND, "inspect", "--backend",
+                                        std::string(GetParam()) == "libusb" ? "libusb" : "hidapi"};
+    program.insert(program.end(), options.begin(), options.end());
+    return play(GetParam(), {"--count", "100000", "--rate-Hz", "500"}, program);
+  }
+};
+
+// Without a profile: the rate, and where counter and clock are.
+TEST_P(Inspect, ShowsWhatAnUnknownDeviceSends) {
+  const Played played = inspect({"--device", "1209:0001", "--duration-s", "1.5"});
+  ASSERT_EQ(played.exit_code, 0) << played.text;
+  EXPECT_THAT(played.text, HasSubstr("report 1, input, 232 bits"));
+  EXPECT_THAT(played.text, HasSubstr("report 1: 29 bytes"));
+  EXPECT_THAT(played.text, HasSubstr("byte 1 to 4, little-endian: goes up by 1 a report"));
+  EXPECT_THAT(played.text, HasSubstr("byte 5 to 8, little-endian: goes up by 2000 a report"));
+}
+
+TEST_P(Inspect, ShowsWhatAProfileMakesOfIt) {
+  const Played played =
+      inspect({"--profile", CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml", "--duration-s",
+               "1.5"});
+  ASSERT_EQ(played.exit_code, 0) << played.text;
+  for (const char* words : {"as condyle fake facebow says", "x1", " mm", "device time"}) {
+    EXPECT_THAT(played.text, HasSubstr(words));
+  }
+}
+
+TEST_P(Inspect, SaysThatADeviceWentAway) {
+  std::vector<std::string> program = {CONDYLE_COMMAND, "inspect", "--backend",
+                                      std::string(GetParam()) == "libusb" ? "libusb" : "hidapi"};
+  program.insert(program.end(), {"--device", "1209:0001", "--duration-s", "20"});
+  const Played played = play(GetParam(), {"--count", "100"}, program);
+  ASSERT_EQ(played.exit_code, 0) << played.text;
+  EXPECT_THAT(played.text, HasSubstr("the device went away"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Umockdev, Inspect, testing::Values("hidraw", "libusb"),
+                         [](const auto& test) { return std::string(test.param); });
+
+class PluggedIn : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!has_umockdev()) GTEST_SKIP() << "umockdev is not installed";
+  }
+  // The device is there some time after the program is started.
+  static Played run(const std::string& arguments) {
+    return play("hidraw", {"--count", "100000"},
+                {"sh", "-c", "sleep 1; exec " CONDYLE_COMMAND " " + arguments});
+  }
+};
+
+TEST_F(PluggedIn, IsListed) {
+  const Played played = run("inspect");
+  ASSERT_EQ(played.exit_code, 0) << played.text;
+  EXPECT_THAT(played.text, HasSubstr("1209:0001 condyle fake facebow"));
+  EXPECT_THAT(played.text, HasSubstr("serial number FAKE0001"));
+  EXPECT_THAT(played.text, HasSubstr("/dev/hidraw0 (permitted)"));
+}
+
+TEST_F(PluggedIn, IsSeenByTheDoctor) {
+  const Played played = run("doctor --device 1209:0001");
+  EXPECT_THAT(played.text, HasSubstr("ok        1209:0001 condyle fake facebow may be read"));
+  const Played another =
+      run("doctor --profile " CONDYLE_SOURCE_DIR "/hal/profiles/self_describing_3_axis.toml");
+  EXPECT_EQ(another.exit_code, 3) << another.text;
+  EXPECT_THAT(another.text, HasSubstr("is not plugged in"));
+}
+
+}  // namespace
+}  // namespace condyle::hil

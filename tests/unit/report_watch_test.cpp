@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report_watch.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+namespace condyle::host {
+namespace {
+
+using testing::HasSubstr;
+
+// Reports of 16 bytes, 2 ms apart; `fill` sets the bytes of number k.
+ReportWatch watch_of(int count, const std::function<void(int, hal::RawReport&)>& fill) {
+  ReportWatch watch;
+  for (int k = 0; k < count; ++k) {
+    hal::RawReport report;
+    report.host_time_ns = k * TimeNs{2'000'000};
+    report.size = 16;
+    fill(k, report);
+    watch.add(report);
+  }
+  return watch;
+}
+
+void put(hal::RawReport& report, std::size_t at, std::size_t width, bool is_big_endian,
+         std::uint64_t value) {
+  for (std::size_t i = 0; i < width; ++i) {
+    report.bytes[at + (is_big_endian ? width - 1 - i : i)] =
+        static_cast<std::uint8_t>(value >> (8 * i));
+  }
+}
+
+struct Form {
+  std::size_t width;
+  bool is_big_endian;
+  std::uint64_t first, step;
+};
+
+class SteadyForms : public testing::TestWithParam<Form> {};
+
+// Between noise, so that nothing else is steady: found where it is, as wide as it is.
+TEST_P(SteadyForms, AreFoundAmongNoise) {
+  const Form form = GetParam();
+  std::mt19937 random(1);
+  const ReportWatch watch = watch_of(2000, [&](int k, hal::RawReport& report) {
+    for (std::size_t i = 0; i < 16; ++i) report.bytes[i] = static_cast<std::uint8_t>(random());
+    put(report, 3, form.width, form.is_big_endian,
+        form.first + form.step * static_cast<std::uint64_t>(k));
+  });
+  const auto fields = watch.steady_fields();
+  ASSERT_EQ(fields.size(), 1U);
+  EXPECT_EQ(fields[0].offset_bytes, 3U);
+  EXPECT_EQ(fields[0].width_bytes, form.width);
+  EXPECT_EQ(fields[0].is_big_endian, form.is_big_endian);
+  EXPECT_EQ(fields[0].step, form.step);
+}
+// Each carries into all of its bytes, or passes its end.
+INSTANTIATE_TEST_SUITE_P(ReportWatch, SteadyForms,
+                         testing::Values(Form{1, false, 0, 1}, Form{2, false, 65000, 1},
+                                         Form{2, true, 65000, 1}, Form{4, false, 0xFFFFFE00, 1},
+                                         Form{4, true, 0xFFFFFE00, 1},
+                                         Form{4, false, 0xFFF00000, 2000}, Form{2, true, 0, 20}));
+
+TEST(ReportWatch, FindsNoCounterInNoiseOrRest) {
+  std::mt19937 random(2);
+  const ReportWatch watch = watch_of(2000, [&](int, hal::RawReport& report) {
+    for (std::size_t i = 0; i < 8; ++i) report.bytes[i] = static_cast<std::uint8_t>(random());
+  });
+  EXPECT_TRUE(watch.steady_fields().empty());
+  EXPECT_EQ(changed_words(watch), "0-7");
+}
+
+TEST(ReportWatch, BearsLostReports) {
+  std::mt19937 random(3);
+  std::uint64_t counter = 0;
+  const ReportWatch watch = watch_of(2000, [&](int, hal::RawReport& report) {
+    counter += random() % 20 == 0 ? 3U : 1U;
+    put(report, 0, 4, false, counter);
+  });
+  EXPECT_THAT(steady_words(watch),
+              testing::ElementsAre(HasSubstr("byte 0 to 3, little-endian: goes up by 1")));
+}
+
+// Jitter with a known spread: +-0.1 ms about equidistant times gives intervals with a standard
+// deviation of 0.2 ms where the signs alternate.
+TEST(ReportWatch, MeasuresRateAndJitter) {
+  const ReportWatch watch = watch_of(1001, [](int k, hal::RawReport& report) {
+    report.host_time_ns += k % 2 == 0 ? -100'000 : 100'000;
+  });
+  EXPECT_NEAR(watch.rate_Hz(), 500, 0.1);
+  EXPECT_NEAR(watch.jitter_s(), 0.2e-3, 1e-6);
+  EXPECT_THAT(rate_words(watch), HasSubstr("standard deviation 0.200 ms"));
+  EXPECT_EQ(watch.intervals().largest_ns(), 2'200'000);
+}
+
+TEST(ReportWatch, SaysWhereItIsTooEarly) {
+  const ReportWatch watch = watch_of(2, [](int, hal::RawReport&) {});
+  EXPECT_EQ(rate_words(watch), "too few to tell how often they come");
+  EXPECT_EQ(changed_words(watch), "none");
+  EXPECT_EQ(ReportWatch().rate_Hz(), 0);
+}
+
+TEST(ReportWatch, TakesReportsOfAnySize) {
+  ReportWatch watch;
+  for (const std::uint16_t size : std::initializer_list<std::uint16_t>{1, 1024, 3, 64}) {
+    hal::RawReport report;
+    report.size = size;
+    watch.add(report);
+  }
+  EXPECT_EQ(watch.smallest(), 1U);
+  EXPECT_EQ(watch.largest(), 1024U);
+}
+
+}  // namespace
+}  // namespace condyle::host
