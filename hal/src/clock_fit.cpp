@@ -91,20 +91,40 @@ double ClockFit::uncertainty_s() const {
     const double unseen = std::max(largest_r_ns_ - least_r_ns_, kUnseen_ns);
     return (unseen + pending) * 1e-9;
   }
-  double mean = 0, square = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) mean += least_d_[i] / count_;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
-    square += (least_d_[i] - mean) * (least_d_[i] - mean);
-  }
+  const auto [mean, square] = seconds_spread();
   // As of a straight line by least squares, of which medians are nearly as good; 1 more because the
   // earliest arrivals are themselves later than the least delay, by about their spread.
   const auto device = static_cast<double>(difference(last_device_ns_, device_origin_ns_));
   const double away = device - mean;
   const double leverage = 1.0 / count_ + (square > 0 ? away * away / square : 0);
-  const double unseen = kUnseen_ns / (static_cast<double>(count_) * count_);
-  const double spread = std::sqrt(residual_ns_ * residual_ns_ + unseen * unseen);
   const double suspected = late_count_ > 0 ? most_late_ns_ : 0;
-  return (spread * std::sqrt(1 + leverage) + pending + suspected) * 1e-9;
+  return (arrival_spread_ns() * std::sqrt(1 + leverage) + pending + suspected) * 1e-9;
+}
+
+double ClockFit::drift_uncertainty_ppm() const {
+  if (count_ < 3) return std::numeric_limits<double>::infinity();
+  const double count = count_;
+  // Two of the seconds' freedoms are the line's own.
+  const double spread_ns = arrival_spread_ns() * std::sqrt(count / (count - 2));
+  const double of_spread = spread_ns / std::sqrt(seconds_spread().square);
+  const auto [first, last] = std::minmax_element(least_d_.begin(), least_d_.begin() + count_);
+  const double of_frames = kFrame_ns / (std::sqrt(3.0) * (*last - *first));
+  return 1e6 * std::hypot(of_spread, of_frames);
+}
+
+ClockFit::Spread ClockFit::seconds_spread() const {
+  Spread spread;
+  const auto count = static_cast<std::size_t>(count_);
+  for (std::size_t i = 0; i < count; ++i) spread.mean += least_d_[i] / count_;
+  for (std::size_t i = 0; i < count; ++i) {
+    spread.square += (least_d_[i] - spread.mean) * (least_d_[i] - spread.mean);
+  }
+  return spread;
+}
+
+double ClockFit::arrival_spread_ns() const {
+  const double unseen = kUnseen_ns / (static_cast<double>(count_) * count_);
+  return std::sqrt(residual_ns_ * residual_ns_ + unseen * unseen);
 }
 
 // Starts the fit anew, with the device's clock at `device_ns` when the host's was at `host_ns`.

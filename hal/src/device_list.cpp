@@ -106,9 +106,11 @@ std::vector<HidDevice> list_hid_devices(std::uint16_t vendor_id, std::uint16_t p
 }
 
 bool fits(const DeviceAddress& address, const HidDevice& device) {
+  // What is not on USB has no interfaces to choose from.
+  const bool is_interface = address.interface_number < 0 || device.interface_number < 0 ||
+                            address.interface_number == device.interface_number;
   return address.vendor_id == device.vendor_id && address.product_id == device.product_id &&
-         (address.interface_number < 0 || address.interface_number == device.interface_number) &&
-         (address.serial.empty() || address.serial == device.serial) &&
+         is_interface && (address.serial.empty() || address.serial == device.serial) &&
          (address.path.empty() || address.path == device.path || address.path == device.usb_port);
 }
 

@@ -77,6 +77,7 @@ std::optional<ProfileProblem> check_coordinates(const DeviceProfile& profile) {
     if (profile.coordinates.empty()) return {};
     return problem(0, "coordinates are given, and asked of the descriptor", "do one of both");
   }
+  if (profile.coordinates.empty() && (profile.drive_N || !profile.auxiliary.empty())) return {};
   std::array<bool, 9> is_given{};
   for (std::size_t i = 0; i < profile.coordinates.size(); ++i) {
     const std::size_t index = profile.coordinates[i].index;

@@ -2,6 +2,7 @@
 #include "condyle/hal/report_decoder.h"
 
 #include <cmath>
+#include <limits>
 
 #include "condyle/hal/checksum.h"
 #include "condyle/hal/profile_check.h"
@@ -53,7 +54,10 @@ ReportFault ReportDecoder::decode(std::span<const std::uint8_t> bytes,
     return ReportFault::counter_out_of_range;
   }
   decoded.kind = profile_.kind;
-  decoded.position_valid = true;
+  decoded.position_valid = !profile_.coordinates.empty();
+  if (!decoded.position_valid) {
+    decoded.coordinates.fill(std::numeric_limits<double>::quiet_NaN());
+  }
   for (const CoordinateField& coordinate : profile_.coordinates) {
     const MeasuredValue measured = read_value(coordinate.field, bytes);
     decoded.coordinates[coordinate.index] = measured.value;

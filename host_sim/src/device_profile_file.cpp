@@ -57,7 +57,11 @@ class ProfileReader {
   hal::DeviceProfile read() {
     read_identity();
     read_report();
-    const CoordinateSections coordinates = read_coordinates(file_, fields_, plain_, profile_);
+    const bool is_companion =
+        !fields_.is_there("coordinates") &&
+        (fields_.is_there("drive") || !file_.sections_in("auxiliary").empty());
+    CoordinateSections coordinates;
+    if (!is_companion) coordinates = read_coordinates(file_, fields_, plain_, profile_);
     fields_.require(profile_.minimum_size_bytes > 0 || profile_.descriptor_axes, "report",
                     "minimum_size_bytes", "give the size of a whole report");
     read_counting("device_time", kTimeUnits, profile_.device_time);

@@ -111,6 +111,7 @@ std::unique_ptr<Recording> open_session_log(const std::string& path,
   hal::DeviceProfile profile =
       options.profile.empty() ? parse_device_profile(path + ": its profile", device.profile_toml)
                               : load_device_profile(options.profile);
+  require_position(profile, options.profile.empty() ? path + ": its profile" : options.profile);
   complete_profile(profile, device.report_descriptor, path);
   std::string format = fmt::format("session log of {}", profile.name);
   return std::make_unique<DeviceRecording<hal::SessionLogSource>>(path, std::move(source), profile,
@@ -123,6 +124,7 @@ std::unique_ptr<Recording> open_capture(const std::string& path, const Recording
                      "give the device's profile with --profile");
   }
   hal::DeviceProfile profile = load_device_profile(options.profile);
+  require_position(profile, options.profile);
   complete_profile(profile, {}, path);
   auto source =
       std::make_unique<hal::UsbmonCapture>(path, hal::UsbmonChoice{.vendor_id = profile.vendor_id,

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "condyle/hal/descriptor_profile.h"
 #include "input_error.h"
 
@@ -31,8 +33,20 @@ std::string reports_words(const hal::ReportCounts& reports, const hal::Transport
 std::string clock_words(const hal::ClockFit& fit) {
   if (fit.seconds_fitted() < 3)
     return "device clock: too short a run to compare it with the host's";
-  return fmt::format("device clock {:.1f} ppm slower than the host's, fitted to {:.1f} us",
-                     fit.drift_ppm(), fit.residual_s() * 1e6);
+  std::string text = fmt::format(
+      "device clock {:.1f} ppm {} than the host's, +-{:.1f} (2 standard deviations); earliest "
+      "arrivals "
+      "of each second spread by {:.0f} us",
+      std::abs(fit.drift_ppm()), fit.drift_ppm() < 0 ? "faster" : "slower",
+      2 * fit.drift_uncertainty_ppm(), fit.residual_s() * 1e6);
+  if (fit.steps() > 0) text += fmt::format("; the clocks stepped apart {} times", fit.steps());
+  return text;
+}
+
+void require_position(const hal::DeviceProfile& profile, const std::string& where) {
+  if (profile.measures_position()) return;
+  throw InputError(where, "has no coordinates: it is the profile of a facebow's companion",
+                   "give a facebow's, and this one to condyle record --companion");
 }
 
 void complete_profile(hal::DeviceProfile& profile, std::span<const std::uint8_t> descriptor,

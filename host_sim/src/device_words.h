@@ -19,6 +19,9 @@ std::string reports_words(const hal::ReportCounts& reports, const hal::Transport
 /// How the device's clock lies to the host's.
 std::string clock_words(const hal::ClockFit& fit);
 
+/// An InputError that begins with `where` if the profile's device measures no position.
+void require_position(const hal::DeviceProfile& profile, const std::string& where);
+
 /// Finds the coordinates in the report descriptor where the profile leaves them to it; an
 /// InputError that begins with `where` if they are not to be found.
 void complete_profile(hal::DeviceProfile& profile, std::span<const std::uint8_t> descriptor,

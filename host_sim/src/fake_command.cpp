@@ -19,15 +19,19 @@ namespace {
 struct Options {
   fake::FakeOptions device;
   std::string transport = "uhid";
+  std::uint16_t product_id = fake::kProductId;
 };
 
-std::unique_ptr<fake::Transport> make_transport(const std::string& name) {
-  if (name == "vhci") return std::make_unique<fake::VhciTransport>();
-  return std::make_unique<fake::UhidTransport>();
+std::unique_ptr<fake::Transport> make_transport(const Options& options) {
+  if (options.transport == "uhid") {
+    return std::make_unique<fake::UhidTransport>(options.product_id);
+  }
+  if (options.product_id == fake::kProductId) return std::make_unique<fake::VhciTransport>();
+  throw InputError("--product-id", "is for uhid", "leave it out, or use --transport uhid");
 }
 
 int run_fake(const Options& options) {
-  const auto transport = make_transport(options.transport);
+  const auto transport = make_transport(options);
   if (options.device.run.pacing == fake::Pacing::by_consumption && !transport->knows_taken()) {
     throw InputError("--by-consumption", options.transport + " cannot tell what was taken",
                      "use --transport vhci, or leave it out");
@@ -59,6 +63,10 @@ Command add_fake(CLI::App& app) {
       ->add_option("--transport", options->transport,
                    "uhid: a HID device; vhci: a whole USB device")
       ->check(CLI::IsMember({"uhid", "vhci"}))
+      ->capture_default_str();
+  command
+      ->add_option("--product-id", options->product_id,
+                   "Product id of a uhid device, so that several can be told apart")
       ->capture_default_str();
   options->device.run.settle_s = 0.2;  // kernels drop what comes too early
   fake::add_arguments(*command, options->device);

@@ -169,7 +169,8 @@ std::string profile_words(const hal::DeviceProfile& profile, const hal::DeviceFa
   if (profile.device_time) text += "  " + clock_words(facebow.clock_fit()) + '\n';
   if (counts.received == 0) return text;
   const hal::DecodedReport& report = facebow.last_report();
-  for (std::size_t i = 0; i < coordinate_count(report.kind); ++i) {
+  const std::size_t coordinates = profile.measures_position() ? coordinate_count(report.kind) : 0;
+  for (std::size_t i = 0; i < coordinates; ++i) {
     const bool is_length = report.kind != SampleKind::pose || i < 3;
     text += fmt::format("  {:<22} {}\n", hal::coordinate_name(report.kind, i),
                         std::isnan(report.coordinates[i])

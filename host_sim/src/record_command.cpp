@@ -11,21 +11,20 @@
 #include "condyle/estimator/recommended_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/device_facebow.h"
-#include "condyle/hal/recorded_source.h"
-#include "connected_device.h"
-#include "device_profile_file.h"
 #include "device_words.h"
 #include "estimates_file.h"
 #include "input_error.h"
 #include "latency.h"
 #include "number_option.h"
 #include "parameter_file.h"
+#include "session_device.h"
 #include "text_file.h"
 
 namespace condyle::host {
 namespace {
 
 struct RecordOptions {
+  std::vector<std::string> companions;  // profiles
   std::string profile, out, estimates, parameters, subject;
   std::string backend = "hidapi";
   std::string serial;
@@ -84,6 +83,7 @@ class Monitor {
 
 std::string summary(const RecordOptions& options, const hal::DeviceProfile& profile,
                     const hal::DeviceFacebow& facebow, const hal::SessionLogStatus& log,
+                    const std::vector<std::unique_ptr<RecordedCompanion>>& companions,
                     const Latency& latency, TimeNs elapsed_ns) {
   std::string text =
       fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
@@ -95,6 +95,12 @@ std::string summary(const RecordOptions& options, const hal::DeviceProfile& prof
   line("reports", reports_words(facebow.counts(), facebow.transport_counts()));
   if (profile.device_time) line("clock", clock_words(facebow.clock_fit()));
   line("latency", latency.words());
+  for (const auto& companion : companions) {
+    const hal::DeviceFacebow& beside = companion->companion.device();
+    line("beside it", companion->profile.name);
+    line("reports", reports_words(beside.counts(), beside.transport_counts()));
+    if (companion->profile.device_time) line("clock", clock_words(beside.clock_fit()));
+  }
   line("recording", fmt::format("{}: {} reports, {} events, {} bytes; {} reports and {} events had "
                                 "no room",
                                 options.out, log.reports_written, log.events_written,
@@ -104,15 +110,21 @@ std::string summary(const RecordOptions& options, const hal::DeviceProfile& prof
 }
 
 template <int kAxes>
-int record_axes(const RecordOptions& options, const hal::DeviceProfile& profile,
-                ConnectedDevice& device, hal::SessionLogWriter& log, hal::Clock& clock) {
+int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& devices,
+                hal::SessionLogWriter& log, hal::Clock& clock) {
+  const hal::DeviceProfile& profile = devices.front().profile;
   RecommendedParameters parameters;
   if (!options.parameters.empty()) parameters = load_recommended_parameters(options.parameters);
   std::unique_ptr<EstimatesFile> estimates;
   if (!options.estimates.empty()) {
     estimates = std::make_unique<EstimatesFile>(options.estimates, kAxes);
   }
-  hal::RecordedSource source(device.source(), log, 0, clock);
+  std::vector<std::unique_ptr<RecordedCompanion>> companions;
+  for (std::size_t i = 1; i < devices.size(); ++i) {
+    companions.push_back(std::make_unique<RecordedCompanion>(devices[i], log, i, clock));
+    companions.back()->companion.start();
+  }
+  hal::RecordedSource source(devices.front().device->source(), log, 0, clock);
   hal::DeviceFacebow facebow(source, profile);
   (void)facebow.open();
   RecommendedSensor<double, kAxes> sensor(
@@ -142,12 +154,13 @@ int record_axes(const RecordOptions& options, const hal::DeviceProfile& profile,
   monitor.end_line();
   const TimeNs elapsed_ns = monitor.elapsed_ns();
   facebow.close();
+  for (const auto& companion : companions) companion->companion.stop();
   const hal::SessionLogFailure failure = log.close();
   if (estimates) {
     estimates->close();
     estimates->commit();
   }
-  print_output(summary(options, profile, facebow, log.status(), latency, elapsed_ns));
+  print_output(summary(options, profile, facebow, log.status(), companions, latency, elapsed_ns));
   if (failure == hal::SessionLogFailure::none) return kExitOk;
   throw InputError(options.out,
                    fmt::format("recording stopped: {}", hal::session_log_failure_name(failure)),
@@ -159,25 +172,25 @@ int record(const RecordOptions& options) {
     throw InputError("--subject", "is no pseudonym that may stand in a log",
                      "use at most 32 letters, digits, - and _, and no name");
   }
-  refuse_same_files({options.profile, options.parameters}, {options.out, options.estimates});
+  std::vector<std::string> inputs = options.companions;
+  inputs.insert(inputs.end(), {options.profile, options.parameters});
+  refuse_same_files(inputs, {options.out, options.estimates});
+  if (options.companions.size() >= hal::kMaxSessionSources) {
+    throw InputError("--companion", "too many devices for one log",
+                     fmt::format("give at most {}", hal::kMaxSessionSources - 1));
+  }
   hal::SteadyClock clock;
-  const std::string profile_text = read_text_file(options.profile);
-  hal::DeviceProfile profile = parse_device_profile(options.profile, profile_text);
-  if (!is_available(profile.kind, {options.point, options.axis})) {
+  std::vector<SessionDevice> devices;
+  devices.push_back(name_device(options.profile, options.serial, options.backend, clock));
+  require_position(devices.front().profile, options.profile);
+  for (const std::string& companion : options.companions) {
+    devices.push_back(name_device(companion, "", options.backend, clock));
+  }
+  const SampleKind kind = devices.front().profile.kind;
+  if (!is_available(kind, {options.point, options.axis})) {
     throw InputError("--point", "the device has one point", "leave it out");
   }
-  ConnectedDevice device({{.vendor_id = profile.vendor_id,
-                           .product_id = profile.product_id,
-                           .interface_number = profile.interface_number,
-                           .serial = options.serial,
-                           .path = {}},
-                          options.backend},
-                         clock);
-  device.open(stop_requested);
-  const std::vector<std::uint8_t> descriptor = device.report_descriptor();
-  complete_profile(profile, descriptor, "the device");
-  // Closed while the log is made, which takes longer than the kernel keeps reports.
-  device.source().close();
+  for (SessionDevice& device : devices) describe(device, stop_requested);
 
   hal::SessionHeader header;
   header.software_version = "condyle " CONDYLE_VERSION;
@@ -185,8 +198,12 @@ int record(const RecordOptions& options) {
   if (!options.parameters.empty()) header.parameters_toml = read_text_file(options.parameters);
   header.start_monotonic_ns = clock.now_ns();
   header.start_wall_ns = wall_ns();
-  header.sources.push_back(
-      {"facebow", profile.vendor_id, profile.product_id, profile_text, descriptor});
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const SessionDevice& device = devices[i];
+    header.sources.push_back({i == 0 ? "facebow" : fmt::format("companion-{}", i),
+                              device.profile.vendor_id, device.profile.product_id,
+                              device.profile_text, device.descriptor});
+  }
   hal::SessionLogWriter log;
   const hal::SessionLogFailure failure = log.open(options.out, header);
   if (failure == hal::SessionLogFailure::bad_header) {
@@ -196,9 +213,8 @@ int record(const RecordOptions& options) {
     throw InputError(options.out, hal::session_log_failure_name(failure),
                      "name a new file in a folder that may be written");
   }
-  return profile.kind == SampleKind::one_axis
-             ? record_axes<1>(options, profile, device, log, clock)
-             : record_axes<3>(options, profile, device, log, clock);
+  return kind == SampleKind::one_axis ? record_axes<1>(options, devices, log, clock)
+                                      : record_axes<3>(options, devices, log, clock);
 }
 
 }  // namespace
@@ -217,6 +233,11 @@ Command add_record(CLI::App& app) {
       ->check(CLI::IsMember({"hidapi", "libusb"}))
       ->capture_default_str();
   command->add_option("--serial", options->serial, "Serial number, where several are plugged in");
+  command
+      ->add_option("--companion", options->companions,
+                   "Profile of an instrument to record beside the facebow, such as a force sensor; "
+                   "may be given several times")
+      ->allow_extra_args(false);
   command->add_option("--subject", options->subject, "Pseudonymous code of the subject");
   command->add_option("--estimates", options->estimates, "CSV file for the estimates");
   command->add_option("--parameters", options->parameters,

@@ -11,6 +11,7 @@
 #include "condyle/estimator/recommended_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/clock.h"
+#include "device_values.h"
 #include "estimates_file.h"
 #include "estimator_option.h"
 #include "figures.h"
@@ -29,6 +30,7 @@ struct ReplayOptions {
   EstimatorOption estimator;
   std::string out;
   std::string figures;
+  std::string values;
   std::string unit;
   FollowedCoordinate followed;
   bool axis_given = false;
@@ -104,6 +106,12 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   const std::string name = std::filesystem::path(options.recording).filename().string();
   std::vector<std::unique_ptr<OutputFile>> figures;
   if (figure_folder) figures = draw_figures(options.figures, name, figure_data);
+  std::unique_ptr<OutputFolder> value_folder;
+  std::vector<std::unique_ptr<OutputFile>> values;
+  if (!options.values.empty()) {
+    value_folder = std::make_unique<OutputFolder>(options.values);
+    values = write_device_values(options.recording, options.values);
+  }
   if (estimates) estimates->close();
   if (stop_requested()) {
     print_error("stopped; no file was left");
@@ -111,6 +119,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   }
   if (estimates) estimates->commit();
   for (const auto& figure : figures) figure->commit();
+  for (const auto& file : values) file->commit();
 
   std::string text =
       fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
@@ -124,6 +133,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   for (const auto& figure : figures) {
     if (figure->path().ends_with(".png")) line("figure", figure->path() + " (and .svg)");
   }
+  for (const auto& file : values) line("values", file->path());
   if (figure_folder && figures.empty()) line("figures", "none: there are no values to draw");
   print_output(text);
   if (!summary.warning().empty()) print_error("warning: " + summary.warning());
@@ -245,6 +255,10 @@ Command add_replay(CLI::App& app) {
       ->check(number_in({0, 1e6}))
       ->capture_default_str();
   command->add_option("--out", options->out, "CSV file for the estimates");
+  command->add_option(
+      "--values", options->values,
+      "Folder for what the devices of a session log measured beside position: force, "
+      "EMG (CSV)");
   command->add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
   return [options, axis, axis_option, faults] {
     options->followed.axis = static_cast<Axis>((*axis)[0] - 'x');

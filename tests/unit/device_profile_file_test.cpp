@@ -3,6 +3,9 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+
+#include "condyle/hal/report_decoder.h"
 #include "input_error.h"
 #include "unit/temporary_folder.h"
 
@@ -55,6 +58,26 @@ std::string problem_of(const std::string& from, const std::string& to) {
 
 std::string problem_with(const std::string& more) {
   return problem_of(kPoint + more);
+}
+
+TEST(DeviceProfileFile, TakesCompanionsWithoutCoordinates) {
+  const std::string text = kPoint;
+  const std::string companion = text.substr(0, text.find("[coordinates]"));
+  const std::string drive =
+      "[drive]\noffset_bytes = 10\nwidth_bits = 16\ntype = \"signed\"\nunit = \"mN\"\n";
+  const std::string emg =
+      "[auxiliary.emg]\noffset_bytes = 12\nwidth_bits = 16\ntype = \"signed\"\nunit = \"uV\"\n";
+  EXPECT_FALSE(parse(companion + drive).measures_position());
+  EXPECT_FALSE(parse(companion + emg).measures_position());
+  EXPECT_TRUE(parse(text + drive + emg).measures_position());
+  EXPECT_THAT(problem_of(companion), HasSubstr("kind"));
+  hal::DecodedReport report;
+  const std::vector<std::uint8_t> bytes(20, 1);
+  const hal::ReportDecoder decoder(parse(companion + drive));
+  ASSERT_EQ(decoder.decode(bytes, report), hal::ReportFault::none);
+  EXPECT_FALSE(report.position_valid);
+  EXPECT_TRUE(std::isnan(report.coordinates[0]));
+  EXPECT_NEAR(report.drive_N, 0.257, 1e-12);
 }
 
 TEST(DeviceProfileFile, LoadsTheShippedProfile) {

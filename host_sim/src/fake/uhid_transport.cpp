@@ -54,7 +54,7 @@ void UhidTransport::plug() {
   std::memcpy(device.rd_data, descriptor.data(), descriptor.size());
   device.bus = BUS_USB;
   device.vendor = kVendorId;
-  device.product = kProductId;
+  device.product = product_id_;
   device.version = kDeviceVersion;
   write_event(event);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+
 #include "fake/file_handle.h"
 #include "fake/transport.h"
 
@@ -13,6 +15,7 @@ namespace condyle::host::fake {
 /// Delivered means handed to the kernel, which drops what no reader takes in time.
 class UhidTransport final : public Transport {
  public:
+  explicit UhidTransport(std::uint16_t product_id) : product_id_(product_id) {}
   std::string name() const override { return "uhid"; }
   void plug() override;
   void unplug() override;
@@ -27,6 +30,7 @@ class UhidTransport final : public Transport {
  private:
   void write_event(const uhid_event& event) const;
 
+  std::uint16_t product_id_;
   FileHandle file_;
   bool is_open_ = false;  // by a reader
   Deliveries deliveries_;

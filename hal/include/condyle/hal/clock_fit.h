@@ -76,6 +76,11 @@ class ClockFit {
   TimeNs offset_ns() const;
   /// How much slower the device's clock runs than the host's, parts per million.
   double drift_ppm() const { return drift_ * 1e6; }
+  /// Of drift_ppm(): one standard deviation, by the spread of the earliest arrivals, and by the
+  /// frames of 1 ms for which reports wait on a full-speed bus (USB 2.0, section 5.7.4). They beat
+  /// with the device's clock, so slowly that their part of the drift cannot be seen. Infinite
+  /// before three seconds are fitted.
+  double drift_uncertainty_ppm() const;
   /// Spread of the earliest arrivals around the fit: one standard deviation (s), robust.
   double residual_s() const { return residual_ns_ * 1e-9; }
   /// How far the offset in use is still from the fitted one (s).
@@ -90,10 +95,17 @@ class ClockFit {
   static constexpr double kSecond_ns = 1e9;  // of device time
   static constexpr double kSlew = 1e-3;
   static constexpr double kStep_ns = 1e8;
-  static constexpr double kWander = 2e-4;    // of drift, while there is nothing to fit
-  static constexpr int kLateSeconds = 4;     // then it was a step
+  static constexpr double kWander = 2e-4;  // of drift, while there is nothing to fit
+  static constexpr int kLateSeconds = 4;   // then it was a step
+  static constexpr double kFrame_ns = 1e6;
   static constexpr double kUnseen_ns = 1e6;  // spread assumed of delays that were not seen yet
 
+  // When the seconds' earliest arrivals were: their mean, and the sum of squares about it.
+  struct Spread {
+    double mean = 0, square = 0;
+  };
+  Spread seconds_spread() const;
+  double arrival_spread_ns() const;
   void begin(TimeNs device_ns, TimeNs host_ns, FitOutcome outcome);
   void begin_second(double device, double r, TimeNs arrival_ns);
   bool complete_second(TimeNs arrival_ns);

@@ -88,7 +88,7 @@ using AxisConvention = std::array<DeviceAxis, 3>;
 /// Device and condyle agree.
 inline constexpr AxisConvention kSameAxes = {{{Axis::x}, {Axis::y}, {Axis::z}}};
 
-/// What a profile file says. find_problem (profile_check.h) holds what makes it usable.
+/// What a profile file says, of a facebow or of an instrument beside it. find_problem (profile_check.h) holds what makes it usable.
 struct DeviceProfile {
   std::string name;
   std::uint16_t vendor_id = 0;
@@ -107,6 +107,9 @@ struct DeviceProfile {
   std::optional<ReportField> drive_N;
   std::vector<AuxiliaryField> auxiliary;
   bool restarts_on_reconnect = false;  ///< its counter and clock start anew when plugged in
+
+  /// False of a facebow's companions: force sensors, EMG amplifiers.
+  bool measures_position() const { return descriptor_axes || !coordinates.empty(); }
 };
 
 }  // namespace condyle::hal

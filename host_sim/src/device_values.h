@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "output_file.h"
+
+namespace condyle::host {
+
+/// Writes what the devices of a session log measured beside position, a CSV file for each device
+/// that did: `folder`/NAME.csv with time_s (host time, as the estimates'), drive_N and the
+/// auxiliary fields; empty where a value was not measured. Gives the files, closed and not
+/// committed.
+std::vector<std::unique_ptr<OutputFile>> write_device_values(const std::string& log,
+                                                             const std::string& folder);
+
+}  // namespace condyle::host
