@@ -20,7 +20,11 @@ std::string reports_words(const hal::ReportCounts& reports, const hal::Transport
   add(reports.counter_out_of_range, "with a counter out of range");
   add(reports.duplicated, "sent twice");
   add(reports.other_reports, "of another number");
-  add(reports.unknown_losses, "gaps of unknown length");
+  add(reports.unknown_losses - reports.unknown_reconnections, "gaps of unknown length");
+  add(reports.unknown_reconnections,
+      "reconnections that began a new count (unknown, what was lost there: at most what waited in "
+      "the "
+      "kernel's queue and what came before it was read again)");
   add(reports.sequence_restarts, "restarts of the counter");
   add(reports.clock_jumps, "jumps of the device's clock");
   add(transport.disconnections, "disconnections");

@@ -9,7 +9,7 @@
 #include "condyle/hal/clock_fit.h"
 #include "condyle/hal/device_profile.h"
 #include "condyle/hal/raw_report.h"
-#include "condyle/hal/report_counter.h"
+#include "condyle/hal/report_tracker.h"
 
 namespace condyle::host {
 

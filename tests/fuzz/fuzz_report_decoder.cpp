@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "condyle/hal/profile_check.h"
-#include "condyle/hal/report_counter.h"
+#include "condyle/hal/report_tracker.h"
 #include "device_profile_file.h"
 
 namespace {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <regex>
 
@@ -34,8 +35,15 @@ class Record : public testing::TestWithParam<const char*> {
                    {"--count", std::to_string(count), "--settle-s", settle_s, "--linger-s", "0.3"});
     return play(GetParam(), options,
                 {CONDYLE_COMMAND, "record", "--backend", is_usb() ? "libusb" : "hidapi",
-                 "--profile", CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml", "--out",
-                 log(), "--estimates", live(), "--idle-s", "2.5"});
+                 "--profile", profile_, "--out", log(), "--estimates", live(), "--idle-s", "2.5"});
+  }
+  // From here on a profile that says so.
+  void expect_restarts() {
+    std::string text = read_file(profile_);
+    const std::string line = "restarts_on_reconnect = ";
+    text.replace(text.find(line + "false"), line.size() + 5, line + "true");
+    profile_ = folder_ / "restarts.toml";
+    std::ofstream(profile_) << text;
   }
   std::string log() const { return folder_ / "log.mcap"; }
   std::string live() const { return folder_ / "live.csv"; }
@@ -50,6 +58,7 @@ class Record : public testing::TestWithParam<const char*> {
   }
 
   testing_support::TemporaryFolder folder_;
+  std::string profile_ = CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml";
 };
 
 std::int64_t number_before(const std::string& text, const std::string& words) {
@@ -85,6 +94,23 @@ TEST_P(Record, AHundredUnplugs) {
       record(2000, {"--rate-Hz", "500", "--by-consumption", "--fault", "unplug/19=0.02"}, "0");
   expect_every_report_accounted_for(played);
   EXPECT_GE(played.fault_count("unplug"), 100) << played.text;
+  expect_same_estimates();
+}
+
+// Nobody can know what was lost, and that is said.
+TEST_P(Record, ACounterThatStartsAnew) {
+  expect_restarts();
+  const Played played = record(
+      600, {"--by-consumption", "--restarts", "--fault", "unplug/200=0.02", "--rate-Hz", "500"},
+      "0");
+  ASSERT_EQ(played.exit_code, 0) << played.text;
+  const std::int64_t received = number_before(played.text, "reports received");
+  EXPECT_LE(received, played.account_count("made")) << played.text;
+  EXPECT_GE(received, played.account_count("delivered_intact") - 64 * 3) << played.text;
+  EXPECT_EQ(number_before(played.text, "reconnections that began a new count"),
+            played.account_count("plugged_in") - 1)
+      << played.text;
+  EXPECT_THAT(played.text, testing::Not(testing::HasSubstr("gaps of unknown length")));
   expect_same_estimates();
 }
 

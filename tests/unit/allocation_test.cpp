@@ -10,7 +10,7 @@
 #include "condyle/estimator/published_sensor.h"
 #include "condyle/estimator/recommended_estimator.h"
 #include "condyle/firmware/run_loop.h"
-#include "condyle/hal/report_counter.h"
+#include "condyle/hal/report_tracker.h"
 #include "unit/allocation_counter.h"
 
 namespace condyle {

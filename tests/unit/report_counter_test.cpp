@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/hal/report_counter.h"
+#include "condyle/hal/report_tracker.h"
 
 #include <random>
 
@@ -118,6 +118,25 @@ RC_GTEST_PROP(SequenceCounter, NeverGoesBack, (const std::vector<std::uint64_t>&
     RC_ASSERT(step.sequence >= last);
     last = step.sequence;
   }
+}
+
+TEST(ReportTracker, TellsUnknownReconnectionsFromPauses) {
+  DeviceProfile profile;
+  profile.sequence = counting(8);
+  profile.rate_Hz = 500;
+  profile.restarts_on_reconnect = true;
+  ReportTracker tracker(profile);
+  const auto accept = [&](std::uint64_t count, TimeNs time_ns) {
+    DecodedReport report;
+    report.sequence = count;
+    static_cast<void>(tracker.accept(report, time_ns));
+  };
+  accept(100, 0);
+  tracker.reconnect();
+  accept(0, 5 * kMs);
+  accept(1, 2005 * kMs);  // longer than the counter can tell
+  EXPECT_EQ(tracker.counts().unknown_losses, 2U);
+  EXPECT_EQ(tracker.counts().unknown_reconnections, 1U);
 }
 
 TEST(ReportTracker, CountsEveryOutcomeOnce) {

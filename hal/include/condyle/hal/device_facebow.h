@@ -6,8 +6,8 @@
 #include "condyle/hal/clock_fit.h"
 #include "condyle/hal/facebow.h"
 #include "condyle/hal/raw_report.h"
-#include "condyle/hal/report_counter.h"
 #include "condyle/hal/report_decoder.h"
+#include "condyle/hal/report_tracker.h"
 
 namespace condyle::hal {
 

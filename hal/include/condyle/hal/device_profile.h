@@ -88,7 +88,8 @@ using AxisConvention = std::array<DeviceAxis, 3>;
 /// Device and condyle agree.
 inline constexpr AxisConvention kSameAxes = {{{Axis::x}, {Axis::y}, {Axis::z}}};
 
-/// What a profile file says, of a facebow or of an instrument beside it. find_problem (profile_check.h) holds what makes it usable.
+/// What a profile file says, of a facebow or of an instrument beside it. find_problem
+/// (profile_check.h) holds what makes it usable.
 struct DeviceProfile {
   std::string name;
   std::uint16_t vendor_id = 0;

@@ -32,8 +32,8 @@ struct ProfileProblem {
 
 /// The first problem of `profile`: a field outside the report or across another one, coordinates
 /// missing or given twice, a scale of zero, ... A profile without any coordinate is one of another
-/// instrument, which has a drive or auxiliary fields instead. With `descriptor_axes` set, what the descriptor is
-/// to supply is not asked for: the coordinates, and the minimum size where it is 0.
+/// instrument, which has a drive or auxiliary fields instead. With `descriptor_axes` set, what the
+/// descriptor is to supply is not asked for: the coordinates, and the minimum size where it is 0.
 std::optional<ProfileProblem> find_problem(const DeviceProfile& profile);
 
 /// Name of coordinate `index` of a sample of `kind`: "x", "y2", "qw".
