@@ -35,8 +35,16 @@ std::string reports_words(const hal::ReportCounts& reports, const hal::Transport
 }
 
 std::string clock_words(const hal::ClockFit& fit) {
-  if (fit.seconds_fitted() < 3)
+  if (fit.seconds_fitted() < 3 && fit.steps() > 0) {
+    return fmt::format(
+        "device clock: does not keep the host's time, {} steps apart so far; check its unit and "
+        "width "
+        "in the profile",
+        fit.steps());
+  }
+  if (fit.seconds_fitted() < 3) {
     return "device clock: too short a run to compare it with the host's";
+  }
   std::string text = fmt::format(
       "device clock {:.1f} ppm {} than the host's, +-{:.1f} (2 standard deviations); earliest "
       "arrivals "
