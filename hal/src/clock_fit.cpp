@@ -38,6 +38,11 @@ double median(double* values, int count) {
 
 TimeNs ClockFit::add(TimeNs device_ns, TimeNs arrival_ns) {
   const TimeNs elapsed_ns = difference(device_ns, last_device_ns_);
+  if (has_origin_ && elapsed_ns >= 0 && elapsed_ns <= kLongestGap_ns) {
+    device_run_ns_ += static_cast<double>(elapsed_ns);
+    host_run_ns_ += static_cast<double>(difference(arrival_ns, last_arrival_ns_));
+  }
+  last_arrival_ns_ = arrival_ns;
   if (!has_origin_) {
     begin(device_ns, arrival_ns, FitOutcome::started);
   } else if (elapsed_ns < 0) {
@@ -101,6 +106,11 @@ double ClockFit::uncertainty_s() const {
   return (arrival_spread_ns() * std::sqrt(1 + leverage) + pending + suspected) * 1e-9;
 }
 
+double ClockFit::pace() const {
+  constexpr double kLeast_ns = 2e9;
+  return host_run_ns_ >= kLeast_ns ? device_run_ns_ / host_run_ns_ : 0;
+}
+
 double ClockFit::drift_uncertainty_ppm() const {
   if (count_ < 3) return std::numeric_limits<double>::infinity();
   const double count = count_;
@@ -131,6 +141,9 @@ double ClockFit::arrival_spread_ns() const {
 void ClockFit::begin(TimeNs device_ns, TimeNs host_ns, FitOutcome outcome) {
   ClockFit fresh;
   fresh.has_time_ = has_time_;
+  fresh.device_run_ns_ = device_run_ns_;
+  fresh.host_run_ns_ = host_run_ns_;
+  fresh.last_arrival_ns_ = last_arrival_ns_;
   fresh.last_time_ns_ = last_time_ns_;
   fresh.steps_ = steps_ + (outcome == FitOutcome::started ? 0 : 1);
   fresh.has_origin_ = true;

@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "hidapi_lock.h"
+
 namespace condyle::hal {
 namespace {
 
@@ -19,7 +21,8 @@ namespace fs = std::filesystem;
 std::string to_utf8(const wchar_t* text) {
   std::string bytes;
   for (; text != nullptr && *text != 0; ++text) {
-    const auto point = static_cast<std::uint32_t>(*text);
+    auto point = static_cast<std::uint32_t>(*text);
+    if (point < 0x20 || (point >= 0x7F && point < 0xA0)) point = '?';  // no terminal may obey it
     if (point < 0x80) {
       bytes += static_cast<char>(point);
       continue;
@@ -82,6 +85,7 @@ void find_usb_device(HidDevice& device) {
 
 std::vector<HidDevice> list_hid_devices(std::uint16_t vendor_id, std::uint16_t product_id) {
   std::vector<HidDevice> devices;
+  const std::lock_guard lock(hidapi_mutex());
   hid_device_info* const list = hid_enumerate(vendor_id, product_id);
   for (const hid_device_info* info = list; info != nullptr; info = info->next) {
     if (info->path == nullptr) continue;  // it went away while the list was made

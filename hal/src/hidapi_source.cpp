@@ -14,6 +14,7 @@
 #include <iterator>
 
 #include "condyle/hal/device_list.h"
+#include "hidapi_lock.h"
 
 namespace condyle::hal {
 namespace {
@@ -44,6 +45,7 @@ std::vector<std::uint8_t> ask_report_descriptor(const std::string& path) {
 
 HidapiSource::HidapiSource(DeviceAddress address, Clock& clock)
     : address_(std::move(address)), clock_(clock) {
+  const std::lock_guard lock(hidapi_mutex());
   hid_init();  // counted by nobody: hidapi's own, for the whole process
 }
 
@@ -58,7 +60,10 @@ Status HidapiSource::open() {
   for (const HidDevice& found : list_hid_devices(address_.vendor_id, address_.product_id)) {
     if (!fits(address_, found)) continue;
     path_ = found.path;
-    device_ = hid_open_path(path_.c_str());
+    {
+      const std::lock_guard lock(hidapi_mutex());
+      device_ = hid_open_path(path_.c_str());
+    }
     if (device_ != nullptr) return Status::ok;
     // hidapi gives no reason that a program could read.
     if (found.access == DeviceAccess::not_permitted) status = Status::not_permitted;

@@ -15,19 +15,19 @@ void Companion::stop() {
 
 void Companion::run() {
   constexpr TimeNs kPatience_ns = 20'000'000;
-  bool is_open = false;
   Sample sample;
   while (!stops_) {
-    if (!is_open) {
-      is_open = device_.open() == hal::Status::ok;
-      if (!is_open) clock_.sleep_until(clock_.now_ns() + kPatience_ns);
+    if (!is_open_) {
+      is_open_ = device_.open() == hal::Status::ok;
+      if (!is_open_) clock_.sleep_until(clock_.now_ns() + kPatience_ns);
       continue;
     }
     const hal::Status status = device_.read(clock_.now_ns() + kPatience_ns, sample);
     if (status == hal::Status::end) break;
-    is_open = status == hal::Status::ok || status == hal::Status::timeout ||
-              status == hal::Status::bad_report;
+    is_open_ = status == hal::Status::ok || status == hal::Status::timeout ||
+               status == hal::Status::bad_report;
   }
+  is_open_ = false;
   device_.close();
 }
 

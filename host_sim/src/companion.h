@@ -25,6 +25,8 @@ class Companion {
   void start();
   /// May be called twice.
   void stop();
+  /// Whether it could be read when it was last tried; any thread may ask.
+  bool is_open() const { return is_open_; }
   /// Before start and after stop.
   const hal::DeviceFacebow& device() const { return device_; }
 
@@ -33,7 +35,7 @@ class Companion {
 
   hal::DeviceFacebow device_;
   hal::Clock& clock_;
-  std::atomic<bool> stops_ = false;
+  std::atomic<bool> stops_ = false, is_open_ = false;
   std::thread thread_;
 };
 

@@ -45,7 +45,7 @@ std::string devices_words(std::span<const hal::HidDevice> devices) {
   std::string text;
   for (const hal::HidDevice& device : devices) {
     text += name_words(device) + '\n';
-    const std::uint32_t usage = std::uint32_t{device.usage_page} << 16U | device.usage;
+    const std::uint32_t usage = device_usage(device);
     text += fmt::format("  is        {}, on {}", usage_words({usage, usage}),
                         hal::bus_name(device.bus));
     if (device.interface_number >= 0)
@@ -83,10 +83,12 @@ nlohmann::ordered_json devices_json(std::span<const hal::HidDevice> devices) {
 
 std::optional<hal::DeviceAddress> find_device(const std::string& text, const std::string& serial,
                                               std::span<const hal::HidDevice> devices) {
+  const auto ids = read_ids(text);
   std::vector<const hal::HidDevice*> found;
   for (const hal::HidDevice& device : devices) {
-    const bool is_named = text == id_words(device.vendor_id, device.product_id) ||
-                          text == device.path || text == device.usb_port;
+    const bool is_named =
+        (ids && ids->first == device.vendor_id && ids->second == device.product_id) ||
+        text == device.path || text == device.usb_port;
     if (is_named && (serial.empty() || serial == device.serial)) found.push_back(&device);
   }
   if (found.empty()) return std::nullopt;

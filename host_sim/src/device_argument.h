@@ -14,6 +14,11 @@
 
 namespace condyle::host {
 
+/// Usage of the device's first collection, page << 16 | id.
+constexpr std::uint32_t device_usage(const hal::HidDevice& device) {
+  return std::uint32_t{device.usage_page} << 16U | device.usage;
+}
+
 /// "046d:c626 3Dconnexion SpaceNavigator".
 std::string name_words(const hal::HidDevice& device);
 

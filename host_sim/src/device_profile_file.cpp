@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "device_profile_file.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include <limits>
@@ -90,7 +92,11 @@ class ProfileReader {
 
   void read_identity() {
     file_.text("", "name", profile_.name);
+    const bool is_plain = std::none_of(profile_.name.begin(), profile_.name.end(), [](char c) {
+      return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
+    });
     fields_.require(!profile_.name.empty(), "", "name", "name the device");
+    fields_.require(is_plain, "", "name", "no control characters: it is shown on terminals");
     const bool has_vendor = read_integer("", "vendor_id", profile_.vendor_id, 0, 0xFFFF);
     const bool has_product = read_integer("", "product_id", profile_.product_id, 0, 0xFFFF);
     fields_.require(has_vendor, "", "vendor_id", "condyle inspect lists the devices");

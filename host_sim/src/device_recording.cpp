@@ -26,6 +26,10 @@ class DeviceRecording : public Recording {
     info_.format = std::move(format);
     info_.kind = profile.kind;
     info_.has_drive = profile.drive_N.has_value();
+    info_.is_of_device = true;
+    if constexpr (std::is_same_v<Source, hal::SessionLogSource>) {
+      info_.parameters_toml = source_->header().parameters_toml;
+    }
     if (profile.rate_Hz > 0) info_.nominal_step_ns = nanoseconds(1 / profile.rate_Hz);
   }
 
@@ -52,7 +56,7 @@ class DeviceRecording : public Recording {
   void describe_end() {
     if (has_ended_) return;
     has_ended_ = true;
-    info_.notes.push_back(reports_words(facebow_.counts(), facebow_.transport_counts()));
+    info_.notes.push_back(reports_words(profile_, facebow_.counts(), facebow_.transport_counts()));
     if (profile_.device_time) info_.notes.push_back(clock_words(facebow_.clock_fit()));
     if constexpr (std::is_same_v<Source, hal::SessionLogSource>) {
       if (source_->condition().outcome != hal::McapRead::end) {

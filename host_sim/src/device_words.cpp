@@ -10,8 +10,11 @@
 
 namespace condyle::host {
 
-std::string reports_words(const hal::ReportCounts& reports, const hal::TransportCounts& transport) {
-  std::string text = fmt::format("{} reports received, {} lost", reports.received, reports.lost);
+std::string reports_words(const hal::DeviceProfile& profile, const hal::ReportCounts& reports,
+                          const hal::TransportCounts& transport) {
+  std::string text = fmt::format("{} reports received, ", reports.received);
+  text += profile.sequence ? fmt::format("{} lost", reports.lost)
+                           : "losses not known (the profile has no counter)";
   const auto add = [&text](std::uint64_t count, const char* what) {
     if (count > 0) text += fmt::format(", {} {}", count, what);
   };
@@ -35,6 +38,13 @@ std::string reports_words(const hal::ReportCounts& reports, const hal::Transport
 }
 
 std::string clock_words(const hal::ClockFit& fit) {
+  if (fit.pace() > 0 && std::abs(fit.pace() - 1) > 0.01) {
+    return fmt::format(
+        "device clock: WRONG, it runs {:.4g} times as fast as the host's; times, velocities and "
+        "forces "
+        "are wrong; check unit, scale and width in the profile",
+        fit.pace());
+  }
   if (fit.seconds_fitted() < 3 && fit.steps() > 0) {
     return fmt::format(
         "device clock: does not keep the host's time, {} steps apart so far; check its unit and "

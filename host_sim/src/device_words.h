@@ -14,7 +14,8 @@
 namespace condyle::host {
 
 /// "600 reports received, 3 lost, ..."; what did not happen is left out.
-std::string reports_words(const hal::ReportCounts& reports, const hal::TransportCounts& transport);
+std::string reports_words(const hal::DeviceProfile& profile, const hal::ReportCounts& reports,
+                          const hal::TransportCounts& transport);
 
 /// How the device's clock lies to the host's.
 std::string clock_words(const hal::ClockFit& fit);

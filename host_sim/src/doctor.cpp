@@ -81,7 +81,20 @@ std::string new_rule(const hal::HidDevice& device) {
                      kRulesFile, kReload);
 }
 
+// On other buses the ids stand in the name of the kernel's device; linux/input.h numbers the buses.
+std::string rule_elsewhere(const hal::HidDevice& device) {
+  const int bus = device.bus == hal::DeviceBus::bluetooth ? 0x0005
+                  : device.bus == hal::DeviceBus::i2c     ? 0x0018
+                                                          : 0x001C;
+  return fmt::format(
+      "printf '%s\\n' 'SUBSYSTEM==\"hidraw\", KERNELS==\"{:04X}:{:04X}:{:04X}.*\", "
+      "MODE=\"0660\", GROUP=\"plugdev\", TAG+=\"uaccess\"' |\n  sudo tee -a {}\n{}\nthen "
+      "connect the device again",
+      bus, device.vendor_id, device.product_id, kRulesFile, kReload);
+}
+
 std::string permission_mend(const Machine& machine, const hal::HidDevice& device) {
+  if (device.bus != hal::DeviceBus::usb) return rule_elsewhere(device);
   const auto rule = find_rule(machine, device);
   if (!rule) return new_rule(device) + "\nthen plug the device in again";
   if (!rule->group.empty() && machine.groups.count(rule->group) == 0) {
@@ -92,9 +105,17 @@ std::string permission_mend(const Machine& machine, const hal::HidDevice& device
                      rule->file.string());
 }
 
-void examine_device(const Machine& machine, const hal::HidDevice& device,
+void examine_device(const Machine& machine, const hal::HidDevice& device, bool is_wanted,
                     std::vector<Finding>& findings) {
   const std::string name = name_words(device);
+  if (!is_wanted && device.access != hal::DeviceAccess::permitted) {
+    findings.push_back({Severity::optional,
+                        fmt::format("{}: {} is {} for {}", name, device.path,
+                                    hal::access_name(device.access), machine.user),
+                        fmt::format("if it is the facebow: condyle doctor --device {}",
+                                    id_words(device.vendor_id, device.product_id))});
+    return;
+  }
   switch (device.access) {
     case hal::DeviceAccess::permitted:
       findings.push_back(
@@ -133,7 +154,7 @@ void examine_devices(const Machine& machine, const std::optional<hal::DeviceAddr
       continue;
     }
     ++looked_at;
-    examine_device(machine, device, findings);
+    examine_device(machine, device, wanted.has_value(), findings);
   }
   if (everyday > 0) {
     findings.push_back({Severity::fine,

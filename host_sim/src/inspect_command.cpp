@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -59,7 +60,14 @@ int list_devices(const InspectOptions& options) {
 // A text that is written again and again in the same place of a terminal.
 class Panel {
  public:
-  void show(const std::string& text) {
+  void show(std::string text) {
+    winsize size{};
+    const bool has_size = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 1;
+    std::size_t end = 0;  // one row less than there are, or the terminal would scroll
+    for (int rows = has_size ? size.ws_row - 1 : 23; rows > 0 && end < text.size(); --rows) {
+      end = std::min(text.find('\n', end), text.size() - 1) + 1;
+    }
+    text.resize(end);
     // Long lines are cut, for wrapped ones would be counted wrongly.
     std::fprintf(stderr, "\r\x1b[J\x1b[?7l%s\x1b[?7h", text.c_str());
     const auto lines = std::count(text.begin(), text.end(), '\n');
@@ -91,6 +99,21 @@ bool watch(hal::Clock& clock, double duration_s, const Read& read, const Words& 
     panel.show(words());
   }
   return true;
+}
+
+// Which interface is looked at, where the device has several.
+std::string interface_words(const hal::DeviceAddress& address) {
+  std::string others;
+  for (const hal::HidDevice& device :
+       hal::list_hid_devices(address.vendor_id, address.product_id)) {
+    const bool is_it = address.interface_number == device.interface_number;
+    if (address.interface_number < 0 || is_it) continue;
+    others += fmt::format("  {} {}\n", device.path,
+                          usage_words({device_usage(device), device_usage(device)}));
+  }
+  if (others.empty()) return "";
+  return fmt::format("interface {} of the device; others, for --device:\n{}",
+                     address.interface_number, others);
 }
 
 int inspect_device(const InspectOptions& options) {
@@ -142,7 +165,7 @@ int inspect_device(const InspectOptions& options) {
     print_output(json.dump(2) + '\n');
     return kExitOk;
   }
-  print_output("what the device says of its reports\n" +
+  print_output(interface_words(choice.address) + "what the device says of its reports\n" +
                (undecoded.empty() ? descriptor_words(*descriptor.descriptor) : undecoded + '\n') +
                "what came\n" + words() + (stayed ? "" : "the device went away\n"));
   return kExitOk;

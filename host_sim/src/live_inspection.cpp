@@ -165,7 +165,7 @@ nlohmann::ordered_json LiveInspection::json() const {
 std::string profile_words(const hal::DeviceProfile& profile, const hal::DeviceFacebow& facebow) {
   std::string text = fmt::format("as {} says\n", profile.name);
   const hal::ReportCounts& counts = facebow.counts();
-  text += "  " + reports_words(counts, facebow.transport_counts()) + '\n';
+  text += "  " + reports_words(profile, counts, facebow.transport_counts()) + '\n';
   if (profile.device_time) text += "  " + clock_words(facebow.clock_fit()) + '\n';
   if (counts.received == 0) return text;
   const hal::DecodedReport& report = facebow.last_report();

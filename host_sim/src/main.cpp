@@ -29,6 +29,7 @@ int run(int argc, char** argv) {
   stop_on(SIGINT);
   stop_on(SIGTERM);
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a write error, reported as one
+  std::signal(SIGXFSZ, SIG_IGN);  // and so is a file that may not grow
 
   CLI::App app{"Virtual sensor for jaw motion. Research use only; it diagnoses nothing."};
   app.require_subcommand(1);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -43,7 +44,11 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
 }
 
 OutputFile::~OutputFile() {
-  if (file_ != nullptr) std::fclose(file_);
+  if (file_ != nullptr) {
+    // What is buffered is not wanted, and no reader is waited for.
+    fcntl(fileno(file_), F_SETFL, O_NONBLOCK);
+    std::fclose(file_);
+  }
   if (!temporary_path_.empty() && temporary_path_ != path_) unlink(temporary_path_.c_str());
 }
 

@@ -41,8 +41,9 @@ LoadedParameters load_parameters(const std::string& path) {
   return loaded;
 }
 
-RecommendedParameters load_recommended_parameters(const std::string& path) {
-  TomlReader file(path);
+namespace {
+
+RecommendedParameters read_recommended(TomlReader& file) {
   for (const char* key : {"sample_time_s", "motion", "friction", "mass"}) {
     refuse_other_estimator(file, "", key, "published");
   }
@@ -69,6 +70,18 @@ RecommendedParameters load_recommended_parameters(const std::string& path) {
                      "make it at most gate_sd");
   }
   return parameters;
+}
+
+}  // namespace
+
+RecommendedParameters load_recommended_parameters(const std::string& path) {
+  TomlReader file(path);
+  return read_recommended(file);
+}
+
+RecommendedParameters parse_recommended_parameters(const std::string& name, std::string_view text) {
+  TomlReader file(name, text);
+  return read_recommended(file);
 }
 
 }  // namespace condyle::host

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "condyle/estimator/parameters.h"
 #include "condyle/estimator/recommended_parameters.h"
@@ -20,5 +21,7 @@ LoadedParameters load_parameters(const std::string& path);
 
 /// The same for the recommended estimator.
 RecommendedParameters load_recommended_parameters(const std::string& path);
+/// The same from `text`, which messages call `name`.
+RecommendedParameters parse_recommended_parameters(const std::string& name, std::string_view text);
 
 }  // namespace condyle::host

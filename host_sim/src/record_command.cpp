@@ -5,16 +5,18 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <filesystem>
 #include <memory>
+#include <utility>
 
 #include "commands.h"
 #include "condyle/estimator/recommended_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/device_facebow.h"
 #include "device_words.h"
-#include "estimates_file.h"
 #include "input_error.h"
 #include "latency.h"
+#include "live_estimates.h"
 #include "number_option.h"
 #include "parameter_file.h"
 #include "session_device.h"
@@ -43,8 +45,14 @@ TimeNs wall_ns() {
 // Says how the recording goes while it does.
 class Monitor {
  public:
-  Monitor(const hal::DeviceFacebow& facebow, hal::Clock& clock)
-      : facebow_(facebow), clock_(clock), begin_ns_(clock.now_ns()) {}
+  Monitor(const hal::DeviceFacebow& facebow, bool has_counter,
+          const std::vector<std::unique_ptr<RecordedCompanion>>& companions, hal::Clock& clock)
+      : facebow_(facebow),
+        has_counter_(has_counter),
+        companions_(companions),
+        were_there_(companions.size(), true),
+        clock_(clock),
+        begin_ns_(clock.now_ns()) {}
 
   // To be called often.
   void look() {
@@ -54,16 +62,24 @@ class Monitor {
     const std::uint64_t disconnections = facebow_.transport_counts().disconnections;
     if (disconnections > disconnections_) {
       disconnections_ = disconnections;
-      end_line();
-      print_error(fmt::format("{:.3f} s: the device went away; waiting for it",
-                              seconds(now_ns - begin_ns_)));
+      say(now_ns, "the device went away; waiting for it");
+    }
+    for (std::size_t i = 0; i < companions_.size(); ++i) {
+      // For a second at the start it is only being opened.
+      const bool is_there = companions_[i]->companion.is_open() ||
+                            (were_there_[i] && now_ns - begin_ns_ < 1'000'000'000);
+      if (is_there == were_there_[i]) continue;
+      were_there_[i] = is_there;
+      say(now_ns,
+          companions_[i]->profile.name + (is_there ? " is back" : " is away; waiting for it"));
     }
     if (!is_terminal_ || now_ns < next_ns_) return;
     next_ns_ = now_ns + 200'000'000;
     const hal::ReportCounts& counts = facebow_.counts();
-    std::fprintf(stderr, "\rrecording %.1f s, %llu reports, %llu lost ",
-                 seconds(now_ns - begin_ns_), static_cast<unsigned long long>(counts.received),
-                 static_cast<unsigned long long>(counts.lost));
+    std::string text = fmt::format("\rrecording {:.1f} s, {} reports", seconds(now_ns - begin_ns_),
+                                   counts.received);
+    if (has_counter_) text += fmt::format(", {} lost ", counts.lost);
+    std::fputs(text.c_str(), stderr);
     has_line_ = true;
   }
   void end_line() {
@@ -74,7 +90,15 @@ class Monitor {
   TimeNs idle_ns() const { return clock_.now_ns() - last_received_ns_; }
 
  private:
+  void say(TimeNs now_ns, const std::string& words) {
+    end_line();
+    print_error(fmt::format("{:.3f} s: {}", seconds(now_ns - begin_ns_), words));
+  }
+
   const hal::DeviceFacebow& facebow_;
+  bool has_counter_;
+  const std::vector<std::unique_ptr<RecordedCompanion>>& companions_;
+  std::vector<bool> were_there_;
   hal::Clock& clock_;
   TimeNs begin_ns_, next_ns_ = 0, last_received_ns_ = begin_ns_;
   std::uint64_t received_ = 0, disconnections_ = 0;
@@ -84,7 +108,7 @@ class Monitor {
 std::string summary(const RecordOptions& options, const hal::DeviceProfile& profile,
                     const hal::DeviceFacebow& facebow, const hal::SessionLogStatus& log,
                     const std::vector<std::unique_ptr<RecordedCompanion>>& companions,
-                    const Latency& latency, TimeNs elapsed_ns) {
+                    const LiveEstimates* estimates, const Latency& latency, TimeNs elapsed_ns) {
   std::string text =
       fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
   const auto line = [&text](const char* label, const std::string& words) {
@@ -92,41 +116,44 @@ std::string summary(const RecordOptions& options, const hal::DeviceProfile& prof
   };
   line("device", fmt::format("{}, through {}", profile.name, options.backend));
   line("duration", fmt::format("{:.3f} s", seconds(elapsed_ns)));
-  line("reports", reports_words(facebow.counts(), facebow.transport_counts()));
+  line("reports", reports_words(profile, facebow.counts(), facebow.transport_counts()));
   if (profile.device_time) line("clock", clock_words(facebow.clock_fit()));
   line("latency", latency.words());
   for (const auto& companion : companions) {
     const hal::DeviceFacebow& beside = companion->companion.device();
     line("beside it", companion->profile.name);
-    line("reports", reports_words(beside.counts(), beside.transport_counts()));
+    line("reports", reports_words(companion->profile, beside.counts(), beside.transport_counts()));
     if (companion->profile.device_time) line("clock", clock_words(beside.clock_fit()));
   }
   line("recording", fmt::format("{}: {} reports, {} events, {} bytes; {} reports and {} events had "
                                 "no room",
                                 options.out, log.reports_written, log.events_written,
                                 log.bytes_written, log.reports_lost, log.events_lost));
-  if (!options.estimates.empty()) line("estimates", options.estimates);
+  if (estimates != nullptr) {
+    line("estimates",
+         options.estimates + (estimates->dropped() > 0
+                                  ? fmt::format("; {} rows had no room", estimates->dropped())
+                                  : ""));
+  }
   return text;
 }
 
 template <int kAxes>
 int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& devices,
-                hal::SessionLogWriter& log, hal::Clock& clock) {
+                const RecommendedParameters& parameters, hal::SessionLogWriter& log,
+                LiveEstimates* estimates, hal::Clock& clock) {
   const hal::DeviceProfile& profile = devices.front().profile;
-  RecommendedParameters parameters;
-  if (!options.parameters.empty()) parameters = load_recommended_parameters(options.parameters);
-  std::unique_ptr<EstimatesFile> estimates;
-  if (!options.estimates.empty()) {
-    estimates = std::make_unique<EstimatesFile>(options.estimates, kAxes);
+  hal::RecordedSource source(devices.front().device->source(), log, 0, clock);
+  hal::DeviceFacebow facebow(source, profile);
+  // It was there a moment ago; whatever keeps it now, it is waited for as after an unplugging.
+  while (facebow.open() != hal::Status::ok && !stop_requested()) {
+    clock.sleep_until(clock.now_ns() + 20'000'000);
   }
   std::vector<std::unique_ptr<RecordedCompanion>> companions;
   for (std::size_t i = 1; i < devices.size(); ++i) {
     companions.push_back(std::make_unique<RecordedCompanion>(devices[i], log, i, clock));
     companions.back()->companion.start();
   }
-  hal::RecordedSource source(devices.front().device->source(), log, 0, clock);
-  hal::DeviceFacebow facebow(source, profile);
-  (void)facebow.open();
   RecommendedSensor<double, kAxes> sensor(
       parameters, 0, FollowedPoint{.point = options.point, .body_point_m = {}});
   firmware::RunSettings settings;
@@ -137,12 +164,14 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
   settings.reopen_pause_ns = 20'000'000;
   firmware::RunCounts counts;
   Latency latency;
-  Monitor monitor(facebow, clock);
+  Monitor monitor(facebow, profile.sequence.has_value(), companions, clock);
   (void)firmware::run(
       facebow, clock, sensor, settings, counts,
       [&](const Sample&, const RecommendedEstimate<double>& estimate) {
         latency.add(clock.now_ns() - facebow.last_arrival_ns());
-        if (estimates && estimate.is_ready) estimates->write_row(row_of(estimate, options.axis));
+        if (estimates != nullptr && estimate.is_ready) {
+          estimates->add(row_of(estimate, options.axis));
+        }
       },
       [&] {
         monitor.look();
@@ -156,15 +185,24 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
   facebow.close();
   for (const auto& companion : companions) companion->companion.stop();
   const hal::SessionLogFailure failure = log.close();
-  if (estimates) {
-    estimates->close();
-    estimates->commit();
+  if (estimates != nullptr) estimates->finish();
+  print_output(
+      summary(options, profile, facebow, log.status(), companions, estimates, latency, elapsed_ns));
+  if (failure != hal::SessionLogFailure::none) {
+    print_error(fmt::format("{}: recording stopped: {}; what was written before is whole",
+                            options.out, hal::session_log_failure_name(failure)));
+    return kExitBadInput;
   }
-  print_output(summary(options, profile, facebow, log.status(), companions, latency, elapsed_ns));
-  if (failure == hal::SessionLogFailure::none) return kExitOk;
-  throw InputError(options.out,
-                   fmt::format("recording stopped: {}", hal::session_log_failure_name(failure)),
-                   "what was written before is whole; make room and record anew");
+  if (estimates == nullptr || estimates->problem().empty()) return kExitOk;
+  print_error(estimates->problem() + "; the recording is complete, replay it");
+  return kExitBadInput;
+}
+
+// FILE, or FILE@SERIAL where there is no file of that whole name.
+std::pair<std::string, std::string> split_serial(const std::string& text) {
+  const std::size_t at = text.rfind('@');
+  if (at == std::string::npos || std::filesystem::exists(text)) return {text, ""};
+  return {text.substr(0, at), text.substr(at + 1)};
 }
 
 int record(const RecordOptions& options) {
@@ -172,8 +210,12 @@ int record(const RecordOptions& options) {
     throw InputError("--subject", "is no pseudonym that may stand in a log",
                      "use at most 32 letters, digits, - and _, and no name");
   }
-  std::vector<std::string> inputs = options.companions;
-  inputs.insert(inputs.end(), {options.profile, options.parameters});
+  std::vector<std::pair<std::string, std::string>> companions;  // file, serial number
+  std::vector<std::string> inputs = {options.profile, options.parameters};
+  for (const std::string& text : options.companions) {
+    companions.push_back(split_serial(text));
+    inputs.push_back(companions.back().first);
+  }
   refuse_same_files(inputs, {options.out, options.estimates});
   if (options.companions.size() >= hal::kMaxSessionSources) {
     throw InputError("--companion", "too many devices for one log",
@@ -183,9 +225,10 @@ int record(const RecordOptions& options) {
   std::vector<SessionDevice> devices;
   devices.push_back(name_device(options.profile, options.serial, options.backend, clock));
   require_position(devices.front().profile, options.profile);
-  for (const std::string& companion : options.companions) {
-    devices.push_back(name_device(companion, "", options.backend, clock));
+  for (const auto& [file, serial] : companions) {
+    devices.push_back(name_device(file, serial, options.backend, clock));
   }
+  refuse_twins(devices);
   const SampleKind kind = devices.front().profile.kind;
   if (!is_available(kind, {options.point, options.axis})) {
     throw InputError("--point", "the device has one point", "leave it out");
@@ -204,6 +247,13 @@ int record(const RecordOptions& options) {
                               device.profile.vendor_id, device.profile.product_id,
                               device.profile_text, device.descriptor});
   }
+  RecommendedParameters parameters;
+  if (!options.parameters.empty()) parameters = load_recommended_parameters(options.parameters);
+  std::unique_ptr<LiveEstimates> estimates;
+  if (!options.estimates.empty()) {
+    estimates =
+        std::make_unique<LiveEstimates>(options.estimates, kind == SampleKind::one_axis ? 1 : 3);
+  }
   hal::SessionLogWriter log;
   const hal::SessionLogFailure failure = log.open(options.out, header);
   if (failure == hal::SessionLogFailure::bad_header) {
@@ -213,8 +263,9 @@ int record(const RecordOptions& options) {
     throw InputError(options.out, hal::session_log_failure_name(failure),
                      "name a new file in a folder that may be written");
   }
-  return kind == SampleKind::one_axis ? record_axes<1>(options, devices, log, clock)
-                                      : record_axes<3>(options, devices, log, clock);
+  return kind == SampleKind::one_axis
+             ? record_axes<1>(options, devices, parameters, log, estimates.get(), clock)
+             : record_axes<3>(options, devices, parameters, log, estimates.get(), clock);
 }
 
 }  // namespace
@@ -236,7 +287,7 @@ Command add_record(CLI::App& app) {
   command
       ->add_option("--companion", options->companions,
                    "Profile of an instrument to record beside the facebow, such as a force sensor; "
-                   "may be given several times")
+                   "FILE@SERIAL where several are plugged in; may be given several times")
       ->allow_extra_args(false);
   command->add_option("--subject", options->subject, "Pseudonymous code of the subject");
   command->add_option("--estimates", options->estimates, "CSV file for the estimates");

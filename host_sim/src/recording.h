@@ -33,7 +33,9 @@ struct RecordingInfo {
   SampleKind kind = SampleKind::one_axis;
   bool has_drive = false;
   std::optional<TimeNs> nominal_step_ns;  ///< where the recording states it
-  std::vector<std::string> notes;         ///< what the user should know about how it was read
+  bool is_of_device = false;       ///< replayed as it was live: gaps as the profile's rate says
+  std::string parameters_toml;     ///< that it was recorded with; may be empty
+  std::vector<std::string> notes;  ///< what the user should know about how it was read
 };
 
 /// A recording being read. Problems of the file are InputErrors.

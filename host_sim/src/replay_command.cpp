@@ -108,9 +108,16 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   if (figure_folder) figures = draw_figures(options.figures, name, figure_data);
   std::unique_ptr<OutputFolder> value_folder;
   std::vector<std::unique_ptr<OutputFile>> values;
+  std::vector<std::string> value_notes;
   if (!options.values.empty()) {
     value_folder = std::make_unique<OutputFolder>(options.values);
-    values = write_device_values(options.recording, options.values);
+    value_notes =
+        write_device_values(options.recording, options.reading.profile, options.values, values);
+    for (const auto& file : values) {
+      refuse_same_files(
+          {options.recording, options.estimator.parameters, options.reading.profile, options.out},
+          {file->path()});
+    }
   }
   if (estimates) estimates->close();
   if (stop_requested()) {
@@ -134,6 +141,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
     if (figure->path().ends_with(".png")) line("figure", figure->path() + " (and .svg)");
   }
   for (const auto& file : values) line("values", file->path());
+  for (const std::string& note : value_notes) line("note", note);
   if (figure_folder && figures.empty()) line("figures", "none: there are no values to draw");
   print_output(text);
   if (!summary.warning().empty()) print_error("warning: " + summary.warning());
@@ -157,8 +165,14 @@ int replay_published(const ReplayOptions& options, ReplayFacebow& facebow, hal::
 template <int kAxes>
 int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
                        firmware::RunSettings settings) {
-  const RecommendedParameters parameters = options.estimator.load_recommended();
-  settings.nominal_step_ns = facebow.median_step_ns().value_or(0);
+  const RecordingInfo& info = facebow.info();
+  const bool has_own = options.estimator.parameters.empty() && !info.parameters_toml.empty();
+  const RecommendedParameters parameters =
+      has_own ? parse_recommended_parameters(options.recording + ": its parameters",
+                                             info.parameters_toml)
+              : options.estimator.load_recommended();
+  settings.nominal_step_ns =
+      (info.is_of_device ? info.nominal_step_ns : facebow.median_step_ns()).value_or(0);
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
                    "its median step", "check the unit of time_s");
   BodyFits fits;
@@ -178,7 +192,8 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
 }
 
 int replay(const ReplayOptions& options) {
-  refuse_same_files({options.recording, options.estimator.parameters}, {options.out});
+  refuse_same_files({options.recording, options.estimator.parameters, options.reading.profile},
+                    {options.out});
   hal::SteadyClock clock;
   ReplayFacebow facebow(options.recording, options.reading, options.speed, clock);
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session_device.h"
 
+#include "condyle/hal/device_list.h"
 #include "device_profile_file.h"
 #include "device_words.h"
+#include "input_error.h"
 #include "text_file.h"
 
 namespace condyle::host {
@@ -13,19 +15,56 @@ SessionDevice name_device(const std::string& profile_path, const std::string& se
   named.name = profile_path;
   named.profile_text = read_text_file(profile_path);
   named.profile = parse_device_profile(profile_path, named.profile_text);
-  named.device = std::make_unique<ConnectedDevice>(
-      DeviceChoice{{.vendor_id = named.profile.vendor_id,
-                    .product_id = named.profile.product_id,
-                    .interface_number = named.profile.interface_number,
-                    .serial = serial,
-                    .path = {}},
-                   backend},
-      clock);
+  named.address = {.vendor_id = named.profile.vendor_id,
+                   .product_id = named.profile.product_id,
+                   .interface_number = named.profile.interface_number,
+                   .serial = serial,
+                   .path = {}};
+  named.device = std::make_unique<ConnectedDevice>(DeviceChoice{named.address, backend}, clock);
   return named;
 }
 
+void refuse_twins(const std::vector<SessionDevice>& devices) {
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const hal::DeviceAddress &a = devices[i].address, &b = devices[k].address;
+      const bool are_apart = a.vendor_id != b.vendor_id || a.product_id != b.product_id ||
+                             (a.interface_number >= 0 && b.interface_number >= 0 &&
+                              a.interface_number != b.interface_number) ||
+                             (!a.serial.empty() && !b.serial.empty() && a.serial != b.serial);
+      if (are_apart) continue;
+      throw InputError(devices[i].name, "may mean the same device as " + devices[k].name,
+                       "give both a serial number: --serial NUMBER, --companion FILE@NUMBER");
+    }
+  }
+}
+
+namespace {
+
+void refuse_choice(const SessionDevice& device) {
+  std::string places;
+  std::string first_port;
+  bool are_several = false;
+  for (const hal::HidDevice& found :
+       hal::list_hid_devices(device.address.vendor_id, device.address.product_id)) {
+    if (!hal::fits(device.address, found)) continue;
+    const std::string port = found.usb_port.empty() ? found.path : found.usb_port;
+    are_several = are_several || (!first_port.empty() && port != first_port);
+    if (first_port.empty()) first_port = port;
+    places += (places.empty() ? "" : ", ") + port +
+              (found.serial.empty() ? "" : " (serial number " + found.serial + ")");
+  }
+  if (!are_several) return;
+  throw InputError(
+      device.name, "several such devices are plugged in: " + places,
+      "give a serial number (--serial NUMBER, --companion FILE@NUMBER), or unplug one");
+}
+
+}  // namespace
+
 void describe(SessionDevice& device, const std::function<bool()>& stop) {
   device.device->open(stop);
+  refuse_choice(device);
   device.descriptor = device.device->report_descriptor();
   complete_profile(device.profile, device.descriptor, device.name + ": the device");
   // While the log is made, which takes longer than the kernel keeps reports.

@@ -18,6 +18,7 @@ struct SessionDevice {
   std::string name;  ///< in messages: the profile's file
   std::string profile_text;
   hal::DeviceProfile profile;
+  hal::DeviceAddress address;
   std::unique_ptr<ConnectedDevice> device;
   std::vector<std::uint8_t> descriptor;  ///< once it was described
 };
@@ -26,8 +27,12 @@ struct SessionDevice {
 SessionDevice name_device(const std::string& profile_path, const std::string& serial,
                           const std::string& backend, hal::Clock& clock);
 
+/// An InputError where two of `devices` are the same one, as far as ids, interfaces and serial
+/// numbers tell.
+void refuse_twins(const std::vector<SessionDevice>& devices);
+
 /// Asks the device for its descriptor and completes the profile from it; closes it again. See
-/// ConnectedDevice::open.
+/// ConnectedDevice::open; an InputError also where several are plugged in that fit.
 void describe(SessionDevice& device, const std::function<bool()>& stop);
 
 /// A companion whose reports go into a log.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // `condyle record` over the fake facebow, and `condyle replay` of what it recorded.
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -29,13 +32,15 @@ class Record : public testing::TestWithParam<const char*> {
   // Records so many reports, whatever happens to them, until no more come. The fake waits until the
   // log is there, before which nothing counts.
   Played record(std::int64_t count, std::vector<std::string> options,
-                const std::string& settle_s = "0.8") {
+                const std::string& settle_s = "0.8", std::string estimates = "") {
+    if (estimates.empty()) estimates = live();
     std::filesystem::remove(log());
     options.insert(options.end(),
                    {"--count", std::to_string(count), "--settle-s", settle_s, "--linger-s", "0.3"});
-    return play(GetParam(), options,
-                {CONDYLE_COMMAND, "record", "--backend", is_usb() ? "libusb" : "hidapi",
-                 "--profile", profile_, "--out", log(), "--estimates", live(), "--idle-s", "2.5"});
+    return play(
+        GetParam(), options,
+        {CONDYLE_COMMAND, "record", "--backend", is_usb() ? "libusb" : "hidapi", "--profile",
+         profile_, "--out", log(), "--estimates", estimates, "--idle-s", "2.5"});
   }
   // From here on a profile that says so.
   void expect_restarts() {
@@ -95,6 +100,26 @@ TEST_P(Record, AHundredUnplugs) {
   expect_every_report_accounted_for(played);
   EXPECT_GE(played.fault_count("unplug"), 100) << played.text;
   expect_same_estimates();
+}
+
+// The raw recording is what cannot be made again.
+TEST_P(Record, GoesOnWhereTheEstimatesCannotBeWritten) {
+  const Played played = record(600, {"--rate-Hz", "500"}, "0.8", "/dev/full");
+  EXPECT_EQ(played.exit_code, 2) << played.text;
+  EXPECT_EQ(number_before(played.text, "reports received"), 600) << played.text;
+  EXPECT_THAT(played.text, testing::HasSubstr("the recording is complete, replay it"));
+}
+
+// A pipe that nobody empties holds up nothing.
+TEST_P(Record, DoesNotWaitForWhoReadsTheEstimates) {
+  const std::string pipe = folder_ / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  const Played played = record(1500, {"--rate-Hz", "500"}, "0.8", pipe);
+  ::close(reader);
+  EXPECT_EQ(played.exit_code, 2) << played.text;
+  EXPECT_EQ(number_before(played.text, "reports received"), 1500) << played.text;
+  EXPECT_GT(number_before(played.text, "rows had no room"), 500) << played.text;
 }
 
 // Nobody can know what was lost, and that is said.

@@ -98,6 +98,18 @@ TEST(ClockFit, SaysHowSureTheDriftIs) {
   }
 }
 
+// A unit that is wrong by ten shows, whichever way.
+TEST(ClockFit, TellsTheDevicesPace) {
+  for (const double pace : {0.1, 1.0, 10.0}) {
+    ClockFit fit;
+    EXPECT_EQ(fit.pace(), 0);
+    for (double t = 0; t < 8; t += 0.002) {
+      (void)fit.add(nanoseconds(1000 + pace * t), nanoseconds(t + 1e-4));
+    }
+    EXPECT_NEAR(fit.pace(), pace, 1e-3 * pace);
+  }
+}
+
 // A crystal that warms up: 20 ppm within a minute.
 TEST(ClockFit, FollowsADriftThatChanges) {
   Bus bus;

@@ -127,8 +127,10 @@ unit = "um"
   EXPECT_EQ(companion.device().counts().lost, 0U);
   EXPECT_EQ(companion.device().transport_counts().disconnections, kReports / 100 - 1);
 
-  const auto files = write_device_values(log_path, folder / ".");
+  std::vector<std::unique_ptr<OutputFile>> files;
+  const auto notes = write_device_values(log_path, "", folder / ".", files);
   ASSERT_EQ(files.size(), 1U);
+  EXPECT_THAT(notes, testing::ElementsAre(HasSubstr("500 reports received, 0 lost")));
   files[0]->commit();
   EXPECT_THAT(files[0]->path(), HasSubstr("device_1.csv"));
   std::ifstream file(files[0]->path());
@@ -191,13 +193,14 @@ unit = "um"
   hal::SessionLogWriter log;
   ASSERT_EQ(log.open(folder / "log.mcap", header), hal::SessionLogFailure::none);
   ASSERT_EQ(log.close(), hal::SessionLogFailure::none);
+  std::vector<std::unique_ptr<OutputFile>> files;
   try {
-    (void)write_device_values(folder / "log.mcap", folder / ".");
+    (void)write_device_values(folder / "log.mcap", "", folder / ".", files);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("holds no value but position"));
   }
-  EXPECT_THROW((void)write_device_values(CONDYLE_SOURCE_DIR "/README.md", folder / "."),
+  EXPECT_THROW((void)write_device_values(CONDYLE_SOURCE_DIR "/README.md", "", folder / ".", files),
                InputError);
 }
 

@@ -76,5 +76,20 @@ TEST(DeviceList, FindsTheDeviceThatIsMeant) {
   EXPECT_FALSE(fits({0x1208, 1, -1, {}, {}}, device));
 }
 
+// hidapi itself bears no two of these at a time.
+TEST(HidapiSource, IsLookedForByTwoThreadsAtOnce) {
+  const auto look = [] {
+    SteadyClock clock;
+    HidapiSource source({0xFFF1, 0xFFF2, -1, "", ""}, clock);
+    for (int i = 0; i < 300; ++i) {
+      EXPECT_EQ(source.open(), Status::not_found);
+      (void)list_hid_devices();
+    }
+  };
+  std::thread other(look);
+  look();
+  other.join();
+}
+
 }  // namespace
 }  // namespace condyle::hal

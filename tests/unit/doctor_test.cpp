@@ -31,6 +31,9 @@ hal::HidDevice facebow() {
   return device;
 }
 
+const hal::DeviceAddress kBow{
+    .vendor_id = 0x1209, .product_id = 0x000a, .interface_number = -1, .serial = {}, .path = {}};
+
 class Doctor : public testing::Test {
  protected:
   Doctor() {
@@ -46,7 +49,7 @@ class Doctor : public testing::Test {
     std::ofstream(machine_.root / "etc/udev/rules.d/70-bow.rules") << text;
   }
   // The one that is missing.
-  Finding missing(const std::optional<hal::DeviceAddress>& wanted = {}) const {
+  Finding missing(const std::optional<hal::DeviceAddress>& wanted = kBow) const {
     std::vector<Finding> found;
     for (const Finding& finding : examine(machine_, wanted)) {
       if (finding.severity == Severity::missing) found.push_back(finding);
@@ -134,14 +137,26 @@ TEST_F(Doctor, PassesOverKeyboardsUnlessAskedFor) {
     return finding.severity == Severity::missing;
   }));
   machine_.devices = {keyboard};
-  EXPECT_THAT(missing().what, HasSubstr("a facebow is not plugged in"));
-  EXPECT_THAT(missing(hal::DeviceAddress{.vendor_id = 0x1209,
-                                         .product_id = 0x000a,
-                                         .interface_number = -1,
-                                         .serial = {},
-                                         .path = {}})
-                  .what,
-              HasSubstr("may not be read"));
+  EXPECT_THAT(missing(std::nullopt).what, HasSubstr("a facebow is not plugged in"));
+  EXPECT_THAT(missing().what, HasSubstr("may not be read"));
+}
+
+// Nobody is told to open a security key to everybody.
+TEST_F(Doctor, GivesCommandsForTheDeviceThatIsMeantOnly) {
+  hal::HidDevice other = facebow();
+  other.access = hal::DeviceAccess::not_permitted;
+  machine_.devices = {other};
+  for (const Finding& finding : examine(machine_, {})) {
+    EXPECT_NE(finding.severity, Severity::missing);
+    EXPECT_THAT(finding.mend, testing::Not(HasSubstr("plugdev")));
+  }
+}
+
+TEST_F(Doctor, GivesARuleThatFitsTheBus) {
+  machine_.devices = {facebow()};
+  machine_.devices[0].access = hal::DeviceAccess::not_permitted;
+  machine_.devices[0].bus = hal::DeviceBus::bluetooth;
+  EXPECT_THAT(missing().mend, HasSubstr(R"(KERNELS=="0005:1209:000A.*")"));
 }
 
 TEST_F(Doctor, MissesTheKernelsModules) {

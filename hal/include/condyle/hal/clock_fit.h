@@ -74,6 +74,10 @@ class ClockFit {
   int seconds_fitted() const { return count_; }
   /// The last time less the device's (ns).
   TimeNs offset_ns() const;
+  /// Time that passed on the device's clock for each second of the host's, since the first report;
+  /// 0 before two seconds have passed. Far from 1 where the clock's unit is not the one that was
+  /// said, so that nothing it says is true.
+  double pace() const;
   /// How much slower the device's clock runs than the host's, parts per million.
   double drift_ppm() const { return drift_ * 1e6; }
   /// Of drift_ppm(): one standard deviation, by the spread of the earliest arrivals, and by the
@@ -117,6 +121,9 @@ class ClockFit {
   bool has_origin_ = false, has_time_ = false;
   FitOutcome outcome_ = FitOutcome::started;
   std::uint64_t steps_ = 0;
+  // Since the very first report, ns; steps and restarts are left out.
+  double device_run_ns_ = 0, host_run_ns_ = 0;
+  TimeNs last_arrival_ns_ = 0;
   TimeNs device_origin_ns_ = 0, host_origin_ns_ = 0;  // d_0, h_0
   TimeNs last_device_ns_ = 0, last_time_ns_ = 0;
   // The rest (ns) counts from the origin. The second being collected:
