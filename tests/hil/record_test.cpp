@@ -94,12 +94,15 @@ TEST_P(Record, AReplayIsTheLiveRunAgain) {
   }
 }
 
+// In two halves, for umockdev's sake (see fake_facebow_test.cpp).
 TEST_P(Record, AHundredUnplugs) {
-  const Played played =
-      record(2000, {"--rate-Hz", "500", "--by-consumption", "--fault", "unplug/19=0.02"}, "0");
-  expect_every_report_accounted_for(played);
-  EXPECT_GE(played.fault_count("unplug"), 100) << played.text;
-  expect_same_estimates();
+  for (int i = 0; i < 2; ++i) {
+    const Played played =
+        record(1000, {"--rate-Hz", "500", "--by-consumption", "--fault", "unplug/19=0.02"}, "0");
+    expect_every_report_accounted_for(played);
+    EXPECT_GE(played.fault_count("unplug"), 50) << played.text;
+    expect_same_estimates();
+  }
 }
 
 // The raw recording is what cannot be made again.
