@@ -146,7 +146,10 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
   hal::RecordedSource source(devices.front().device->source(), log, 0, clock);
   hal::DeviceFacebow facebow(source, profile);
   // It was there a moment ago; whatever keeps it now, it is waited for as after an unplugging.
+  bool has_failed = false;
   while (facebow.open() != hal::Status::ok && !stop_requested()) {
+    if (!has_failed) print_error("the device cannot be opened any more; waiting for it");
+    has_failed = true;
     clock.sleep_until(clock.now_ns() + 20'000'000);
   }
   std::vector<std::unique_ptr<RecordedCompanion>> companions;
