@@ -73,8 +73,8 @@ std::int64_t number_before(const std::string& text, const std::string& words) {
 }
 
 // received + lost = sent: the device's counter runs on across the unplugs.
-void expect_every_report_accounted_for(const Played& played) {
-  ASSERT_EQ(played.exit_code, 0) << played.text;
+void expect_every_report_accounted_for(const Played& played, int exit_code = 0) {
+  ASSERT_EQ(played.exit_code, exit_code) << played.text;
   EXPECT_EQ(number_before(played.text, "reports received") + number_before(played.text, "lost, ") +
                 number_before(played.text, "lost\n"),
             played.account_count("made") + played.account_count("counter_jumped"))
@@ -108,8 +108,8 @@ TEST_P(Record, AHundredUnplugs) {
 // The raw recording is what cannot be made again.
 TEST_P(Record, GoesOnWhereTheEstimatesCannotBeWritten) {
   const Played played = record(600, {"--rate-Hz", "500"}, "0.8", "/dev/full");
-  EXPECT_EQ(played.exit_code, 2) << played.text;
-  EXPECT_EQ(number_before(played.text, "reports received"), 600) << played.text;
+  expect_every_report_accounted_for(played, 2);
+  EXPECT_GT(number_before(played.text, "reports received"), 500) << played.text;
   EXPECT_THAT(played.text, testing::HasSubstr("the recording is complete, replay it"));
 }
 
@@ -120,8 +120,8 @@ TEST_P(Record, DoesNotWaitForWhoReadsTheEstimates) {
   const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   const Played played = record(1500, {"--rate-Hz", "500"}, "0.8", pipe);
   ::close(reader);
-  EXPECT_EQ(played.exit_code, 2) << played.text;
-  EXPECT_EQ(number_before(played.text, "reports received"), 1500) << played.text;
+  expect_every_report_accounted_for(played, 2);
+  EXPECT_GT(number_before(played.text, "reports received"), 1200) << played.text;
   EXPECT_GT(number_before(played.text, "rows had no room"), 500) << played.text;
 }
 
