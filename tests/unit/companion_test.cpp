@@ -20,6 +20,19 @@ namespace {
 
 using testing::HasSubstr;
 
+constexpr const char* kBowProfile = R"(name = "bow"
+vendor_id = 1
+product_id = 2
+[report]
+minimum_size_bytes = 8
+[coordinates]
+kind = "one_axis"
+offset_bytes = 4
+width_bits = 32
+type = "signed"
+unit = "um"
+)";
+
 constexpr const char* kForceProfile = R"(name = "force"
 vendor_id = 0x1209
 product_id = 2
@@ -93,18 +106,7 @@ TEST(Companion, IsReadBesideTheFacebowIntoTheSameLog) {
   const std::string log_path = folder / "log.mcap";
   hal::SteadyClock clock;
   hal::SessionHeader header = testing_support::make_header(2);
-  header.sources[0].profile_toml = R"(name = "bow"
-vendor_id = 1
-product_id = 2
-[report]
-minimum_size_bytes = 8
-[coordinates]
-kind = "one_axis"
-offset_bytes = 4
-width_bits = 32
-type = "signed"
-unit = "um"
-)";
+  header.sources[0].profile_toml = kBowProfile;
   header.sources[1].profile_toml = kForceProfile;
   hal::SessionLogWriter log;
   ASSERT_EQ(log.open(log_path, header), hal::SessionLogFailure::none);
@@ -178,18 +180,7 @@ TEST(Companion, StopsWhileItsDeviceIsAway) {
 TEST(DeviceValues, RefusesALogWithoutAny) {
   testing_support::TemporaryFolder folder;
   hal::SessionHeader header = testing_support::make_header(1);
-  header.sources[0].profile_toml = R"(name = "bow"
-vendor_id = 1
-product_id = 2
-[report]
-minimum_size_bytes = 8
-[coordinates]
-kind = "one_axis"
-offset_bytes = 4
-width_bits = 32
-type = "signed"
-unit = "um"
-)";
+  header.sources[0].profile_toml = kBowProfile;
   hal::SessionLogWriter log;
   ASSERT_EQ(log.open(folder / "log.mcap", header), hal::SessionLogFailure::none);
   ASSERT_EQ(log.close(), hal::SessionLogFailure::none);
