@@ -52,7 +52,8 @@ SessionLogFailure SessionLogWriter::create(const std::string& path) {
     fail(failure_of(error), error);
     return failure_;
   }
-  if (write_pending()) {
+  if (write_pending() && synchronise_file()) {
+    bytes_synchronised_ = bytes_written_.load();
     synchronise_folder(path);
     return SessionLogFailure::none;
   }
@@ -83,10 +84,12 @@ SessionLogFailure SessionLogWriter::open(const std::string& path, const SessionH
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   try {
+    synchroniser_ = std::thread(&SessionLogWriter::synchronise, this);
     thread_ = std::thread(&SessionLogWriter::run, this);
     is_open_ = true;
   } catch (const std::system_error& error) {
     fail(SessionLogFailure::io_error, error.code().value());
+    end_synchroniser();
     ::close(descriptor_);
     descriptor_ = -1;
     static_cast<void>(unlink(path.c_str()));
@@ -173,6 +176,7 @@ SessionLogStatus SessionLogWriter::status() const {
   status.reports_written = reports_written_;
   status.events_written = events_written_;
   status.bytes_written = bytes_written_;
+  status.bytes_synchronised = bytes_synchronised_;
   status.chunks_written = chunks_written_;
   status.reports_lost = reports_unwritten_;
   status.events_lost = events_unwritten_;
@@ -181,6 +185,16 @@ SessionLogStatus SessionLogWriter::status() const {
     status.events_lost += source->ring.lost_events();
   }
   return status;
+}
+
+void SessionLogWriter::end_synchroniser() {
+  if (!synchroniser_.joinable()) return;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    is_complete_ = true;
+  }
+  written_.notify_one();
+  synchroniser_.join();
 }
 
 SessionLogFailure SessionLogWriter::close() {
@@ -193,6 +207,7 @@ SessionLogFailure SessionLogWriter::close() {
     wake_.notify_one();
     thread_.join();
   }
+  end_synchroniser();
   if (descriptor_ >= 0) {
     if (::close(descriptor_) != 0) fail(SessionLogFailure::io_error, errno);
     descriptor_ = -1;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The writing thread of a session log, and the file.
+// The threads of a session log, and the file: one writes, one synchronises, so that a slow disk
+// holds up no more than its own safety from power loss.
 #include <unistd.h>
 
 #include <algorithm>
@@ -143,20 +144,43 @@ bool SessionLogWriter::write_pending() {
       error = errno;
     }
   }
-  if (error == 0 && fdatasync(descriptor_) != 0) error = errno;
   if (error != 0) {
     fail(failure_of(error), error);
     // Back to the last whole piece; where that fails, readers take the rest as cut off.
     static_cast<void>(::ftruncate(descriptor_, static_cast<off_t>(bytes_written_.load())));
     return false;
   }
-  bytes_written_ += mcap_->pending().size();
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    bytes_written_ += mcap_->pending().size();
+  }
+  written_.notify_one();
   mcap_->discard_pending();
   return true;
 }
 
+void SessionLogWriter::synchronise() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  for (;;) {
+    written_.wait(lock, [this] { return bytes_written_ > bytes_synchronised_ || is_complete_; });
+    const std::uint64_t bytes = bytes_written_;
+    if (bytes == bytes_synchronised_) return;
+    lock.unlock();
+    if (!synchronise_file()) return;
+    lock.lock();
+    bytes_synchronised_ = bytes;
+  }
+}
+
+bool SessionLogWriter::synchronise_file() {
+  if (fdatasync(descriptor_) == 0) return true;
+  const int error = errno;
+  fail(failure_of(error), error);
+  return false;
+}
+
 void SessionLogWriter::fail(SessionLogFailure failure, int system_error) {
-  if (failure_ != SessionLogFailure::none) return;
+  if (has_failed_.exchange(true)) return;  // the first one counts
   system_error_ = system_error;
   failure_.store(failure);
 }

@@ -45,10 +45,11 @@ TimeNs wall_ns() {
 // Says how the recording goes while it does.
 class Monitor {
  public:
-  Monitor(const hal::DeviceFacebow& facebow, bool has_counter,
+  Monitor(const hal::DeviceFacebow& facebow, const SessionDevice& device,
           const std::vector<std::unique_ptr<RecordedCompanion>>& companions, hal::Clock& clock)
       : facebow_(facebow),
-        has_counter_(has_counter),
+        has_counter_(device.profile.sequence.has_value()),
+        serial_(device.address.serial),
         companions_(companions),
         were_there_(companions.size(), true),
         clock_(clock),
@@ -62,7 +63,8 @@ class Monitor {
     const std::uint64_t disconnections = facebow_.transport_counts().disconnections;
     if (disconnections > disconnections_) {
       disconnections_ = disconnections;
-      say(now_ns, "the device went away; waiting for it");
+      say(now_ns, "the device went away; waiting for it" +
+                      (serial_.empty() ? "" : ", serial number " + serial_));
     }
     for (std::size_t i = 0; i < companions_.size(); ++i) {
       // For a second at the start it is only being opened.
@@ -97,6 +99,7 @@ class Monitor {
 
   const hal::DeviceFacebow& facebow_;
   bool has_counter_;
+  std::string serial_;
   const std::vector<std::unique_ptr<RecordedCompanion>>& companions_;
   std::vector<bool> were_there_;
   hal::Clock& clock_;
@@ -167,7 +170,7 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
   settings.reopen_pause_ns = 20'000'000;
   firmware::RunCounts counts;
   Latency latency;
-  Monitor monitor(facebow, profile.sequence.has_value(), companions, clock);
+  Monitor monitor(facebow, devices.front(), companions, clock);
   (void)firmware::run(
       facebow, clock, sensor, settings, counts,
       [&](const Sample&, const RecommendedEstimate<double>& estimate) {
@@ -192,7 +195,7 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
   print_output(
       summary(options, profile, facebow, log.status(), companions, estimates, latency, elapsed_ns));
   if (failure != hal::SessionLogFailure::none) {
-    print_error(fmt::format("{}: recording stopped: {}; what was written before is whole",
+    print_error(fmt::format("{}: recording stopped: {}; what reached the disk before is whole",
                             options.out, hal::session_log_failure_name(failure)));
     return kExitBadInput;
   }

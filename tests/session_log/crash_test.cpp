@@ -75,13 +75,12 @@ class Recorder {
   Announcement last_;
 };
 
-// Five recorders at once, ten times. What the writer said is judged without exception. How much it
-// lags behind also depends on a disk and processors that others use: it is judged by the count of
-// reports, which come no faster than every 2 ms, and a few may be held up.
+// Five recorders at once, ten times. How much is missing is judged by the count of reports, which
+// come no faster than every 2 ms.
 TEST(KilledRecorder, LosesAtMostTheLast300ms) {
   constexpr std::uint32_t kReportsIn300ms = 150;
   const testing_support::TemporaryFolder folder;
-  std::uint32_t most_missing = 0, held_up = 0;
+  std::uint32_t most_missing = 0;
   for (std::uint32_t round = 0; round < 10; ++round) {
     std::minstd_rand random(round + 1);
     std::vector<std::unique_ptr<Recorder>> recorders;
@@ -112,12 +111,11 @@ TEST(KilledRecorder, LosesAtMostTheLast300ms) {
       const auto found = static_cast<std::uint32_t>(reports.size());
       const std::uint32_t missing = announced.given > found ? announced.given - found : 0;
       most_missing = std::max(most_missing, missing);
-      held_up += missing > kReportsIn300ms ? 1U : 0U;
     }
   }
-  std::printf("50 logs opened; at most %u reports (at most one every 2 ms) missing; %u held up\n",
-              most_missing, held_up);
-  EXPECT_LE(held_up, 10U);
+  std::printf("50 logs opened; at most %u reports (at most one every 2 ms) missing\n",
+              most_missing);
+  EXPECT_LE(most_missing, kReportsIn300ms);
 }
 
 }  // namespace

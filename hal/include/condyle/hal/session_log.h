@@ -84,10 +84,11 @@ const char* session_log_failure_name(SessionLogFailure failure);
 struct SessionLogStatus {
   SessionLogFailure failure = SessionLogFailure::none;
   int system_error = 0;               ///< errno of the failure
-  std::uint64_t reports_written = 0;  ///< in the file, which was synchronised
+  std::uint64_t reports_written = 0;  ///< in the file
   std::uint64_t reports_lost = 0;     ///< no room in the ring, or the file failed
   std::uint64_t events_written = 0, events_lost = 0;
   std::uint64_t bytes_written = 0, chunks_written = 0;
+  std::uint64_t bytes_synchronised = 0;  ///< safe on the disk
 };
 
 /// How much is held back.
@@ -99,8 +100,10 @@ struct SessionLogOptions {
 struct RingSlot;
 
 /// Writes a session log. One thread for each source calls write and write_event; they only copy
-/// into a ring of fixed size. A thread of the writer's own compresses, writes and synchronises
-/// (fdatasync) at least every 250 ms while reports arrive, so that a crash costs no more.
+/// into a ring of fixed size. A thread of the writer's own compresses and writes at least every 250
+/// ms while reports arrive, so that a crash of the program costs no more; another one synchronises
+/// (fdatasync) what was written as soon as the disk lets it, so that a crash of the machine costs
+/// little more.
 class SessionLogWriter {
  public:
   explicit SessionLogWriter(const SessionLogOptions& options = {});
@@ -139,6 +142,9 @@ class SessionLogWriter {
   void announce_lost(std::size_t source_index, std::uint64_t lost_count, TimeNs time_ns);
   void flush();
   bool write_pending();
+  void synchronise();
+  bool synchronise_file();
+  void end_synchroniser();
   void fail(SessionLogFailure failure, int system_error);
   std::uint64_t log_time_ns(TimeNs time_ns) const;
 
@@ -153,16 +159,16 @@ class SessionLogWriter {
   std::uint64_t chunk_reports_ = 0, chunk_events_ = 0;
   TimeNs chunk_begin_ns_ = 0;
 
-  std::thread thread_;
+  std::thread thread_, synchroniser_;
   std::mutex mutex_;
-  std::condition_variable wake_;
-  bool stops_ = false;  // guarded by mutex_
+  std::condition_variable wake_, written_;
+  bool stops_ = false, is_complete_ = false;  // guarded by mutex_
 
-  std::atomic<bool> is_open_ = false;
+  std::atomic<bool> is_open_ = false, has_failed_ = false;
   std::atomic<SessionLogFailure> failure_ = SessionLogFailure::none;
   std::atomic<int> system_error_ = 0;
   std::atomic<std::uint64_t> reports_written_ = 0, events_written_ = 0, bytes_written_ = 0,
-                             chunks_written_ = 0;
+                             chunks_written_ = 0, bytes_synchronised_ = 0;
   // Lost elsewhere than in a full ring.
   std::atomic<std::uint64_t> reports_unwritten_ = 0, events_unwritten_ = 0;
 };
