@@ -13,11 +13,20 @@ std::string id_words(std::uint16_t vendor_id, std::uint16_t product_id) {
 
 ConnectedDevice::ConnectedDevice(const DeviceChoice& choice, hal::Clock& clock)
     : choice_(choice), clock_(clock) {
-  if (choice.backend == "libusb") {
-    libusb_ = std::make_unique<hal::LibusbSource>(choice.address, clock);
+  make_source();
+}
+
+void ConnectedDevice::make_source() {
+  if (choice_.backend == "libusb") {
+    libusb_ = std::make_unique<hal::LibusbSource>(choice_.address, clock_);
   } else {
-    hidapi_ = std::make_unique<hal::HidapiSource>(choice.address, clock);
+    hidapi_ = std::make_unique<hal::HidapiSource>(choice_.address, clock_);
   }
+}
+
+void ConnectedDevice::keep_to(const std::string& serial) {
+  choice_.address.serial = serial;
+  make_source();
 }
 
 void ConnectedDevice::open(const std::function<bool()>& stop) {

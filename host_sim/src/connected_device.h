@@ -31,10 +31,14 @@ class ConnectedDevice {
   /// that says why it cannot be had and what to do.
   void open(const std::function<bool()>& stop);
   hal::ReportSource& source();
+  /// From here on the one with this serial number is meant; not while it is open.
+  void keep_to(const std::string& serial);
   /// As the device sent it; after open.
   std::vector<std::uint8_t> report_descriptor() const;
 
  private:
+  void make_source();
+
   DeviceChoice choice_;
   hal::Clock& clock_;
   // One of both.

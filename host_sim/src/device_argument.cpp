@@ -92,8 +92,13 @@ std::optional<hal::DeviceAddress> find_device(const std::string& text, const std
     if (is_named && (serial.empty() || serial == device.serial)) found.push_back(&device);
   }
   if (found.empty()) return std::nullopt;
-  const hal::HidDevice& first = *found.front();
-  // Interfaces of one device count as one, of which the first is taken.
+  // Interfaces of one device count as one. Measuring devices speak where usages are the maker's
+  // own; others may be a keyboard for their buttons.
+  const auto is_vendor_defined = [](const hal::HidDevice* device) {
+    return device->usage_page >= 0xFF00;
+  };
+  const auto chosen = std::find_if(found.begin(), found.end(), is_vendor_defined);
+  const hal::HidDevice& first = chosen != found.end() ? **chosen : *found.front();
   const bool are_one = std::all_of(found.begin(), found.end(), [&](const hal::HidDevice* device) {
     return !device->usb_port.empty() && device->usb_port == first.usb_port;
   });

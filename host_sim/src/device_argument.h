@@ -28,7 +28,8 @@ std::string devices_words(std::span<const hal::HidDevice> devices);
 nlohmann::ordered_json devices_json(std::span<const hal::HidDevice> devices);
 
 /// The address of the one of `devices` that `text` names: "046d:c626", "/dev/hidraw0" or a USB
-/// port, "1-1.4"; of several with the same ids the one with this serial number, if it is not empty.
+/// port, "1-1.4"; of several with the same ids the one with this serial number, if it is not empty;
+/// of one device's interfaces the first whose usages are vendor-defined, or else the first.
 /// Nothing where there is none; an InputError where there is more than one.
 std::optional<hal::DeviceAddress> find_device(const std::string& text, const std::string& serial,
                                               std::span<const hal::HidDevice> devices);

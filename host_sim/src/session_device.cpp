@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session_device.h"
 
+#include <algorithm>
+
 #include "condyle/hal/device_list.h"
 #include "device_profile_file.h"
 #include "device_words.h"
@@ -41,8 +43,10 @@ void refuse_twins(const std::vector<SessionDevice>& devices) {
 
 namespace {
 
-void refuse_choice(const SessionDevice& device) {
-  std::string places;
+// The serial number of the device that fits; "" where there is none, or it is not one that both
+// back ends read alike. An InputError where several fit.
+std::string only_serial(const SessionDevice& device) {
+  std::string places, serial;
   std::string first_port;
   bool are_several = false;
   for (const hal::HidDevice& found :
@@ -51,10 +55,13 @@ void refuse_choice(const SessionDevice& device) {
     const std::string port = found.usb_port.empty() ? found.path : found.usb_port;
     are_several = are_several || (!first_port.empty() && port != first_port);
     if (first_port.empty()) first_port = port;
+    serial = found.serial;
     places += (places.empty() ? "" : ", ") + port +
               (found.serial.empty() ? "" : " (serial number " + found.serial + ")");
   }
-  if (!are_several) return;
+  const bool is_ascii =
+      std::all_of(serial.begin(), serial.end(), [](char c) { return c > ' ' && c < '\x7F'; });
+  if (!are_several) return is_ascii ? serial : "";
   throw InputError(
       device.name, "several such devices are plugged in: " + places,
       "give a serial number (--serial NUMBER, --companion FILE@NUMBER), or unplug one");
@@ -64,11 +71,15 @@ void refuse_choice(const SessionDevice& device) {
 
 void describe(SessionDevice& device, const std::function<bool()>& stop) {
   device.device->open(stop);
-  refuse_choice(device);
   device.descriptor = device.device->report_descriptor();
   complete_profile(device.profile, device.descriptor, device.name + ": the device");
   // While the log is made, which takes longer than the kernel keeps reports.
   device.device->source().close();
+  // Closed, because what libusb has open is in no list.
+  if (const std::string serial = only_serial(device); !serial.empty()) {
+    device.address.serial = serial;
+    device.device->keep_to(serial);
+  }
 }
 
 }  // namespace condyle::host

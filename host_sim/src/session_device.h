@@ -31,8 +31,9 @@ SessionDevice name_device(const std::string& profile_path, const std::string& se
 /// numbers tell.
 void refuse_twins(const std::vector<SessionDevice>& devices);
 
-/// Asks the device for its descriptor and completes the profile from it; closes it again. See
-/// ConnectedDevice::open; an InputError also where several are plugged in that fit.
+/// Asks the device for its descriptor and completes the profile from it; closes it again. From here
+/// on its serial number, where it has one, belongs to the address: another device plugged in later
+/// is not taken for it. See ConnectedDevice::open; an InputError also where several fit.
 void describe(SessionDevice& device, const std::function<bool()>& stop);
 
 /// A companion whose reports go into a log.

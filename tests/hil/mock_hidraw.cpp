@@ -59,7 +59,7 @@ gboolean MockHidraw::ioctl(UMockdevIoctlClient* client) {
       case 0x05:
         return give_text(client, "usb-0000:00:14.0-1/input0");
       case 0x08:
-        return give_text(client, kSerial);
+        return give_text(client, serial_);
       default:  // no report that could be asked for or set
         return complete(client, -1, EPIPE);
     }

@@ -9,8 +9,8 @@ namespace condyle::hil {
 /// poll. Harsher than kernels, short reports arrive as they are: kernels drop or pad them.
 class MockHidraw final : public MockNode {
  public:
-  MockHidraw(host::fake::ReportQueue& queue, unsigned plug)
-      : MockNode(queue), names_(hidraw_names(plug)) {}
+  MockHidraw(host::fake::ReportQueue& queue, unsigned plug, const std::string& serial)
+      : MockNode(queue), names_(hidraw_names(plug, serial)), serial_(serial) {}
 
   const MockNames& names() const override { return names_; }
   void forget() override;
@@ -23,6 +23,7 @@ class MockHidraw final : public MockNode {
 
  private:
   MockNames names_;
+  std::string serial_;
   bool is_gone_ = false;
 };
 

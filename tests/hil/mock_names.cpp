@@ -34,7 +34,7 @@ void add(MockNames& names, const std::string& path, const std::string& descripti
   names.devices.push_back(fmt::format("P: {}\n{}\n", path, description));
 }
 
-void add_usb(MockNames& names, unsigned plug) {
+void add_usb(MockNames& names, unsigned plug, std::string_view serial) {
   const unsigned number = device_number(plug);
   add(names, kDevicePath,
       fmt::format("E: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: DRIVER=usb\nE: DEVNAME={}\n"
@@ -45,7 +45,7 @@ void add_usb(MockNames& names, unsigned plug) {
                   "A: manufacturer={}\\n\nA: product={}\\n\nA: serial={}\\n\n"
                   "H: descriptors={}{}\n",
                   usbfs_node(plug), number, number - 1, number, number - 1, kVendorId, kProductId,
-                  kDeviceVersion, kManufacturer, kProduct, kSerial, hex(device_descriptor()),
+                  kDeviceVersion, kManufacturer, kProduct, serial, hex(device_descriptor()),
                   hex(configuration_descriptor())));
   add(names, fmt::format("{}/1-1:1.0", kDevicePath),
       "E: SUBSYSTEM=usb\nE: DEVTYPE=usb_interface\nA: bInterfaceNumber=00\\n\n"
@@ -57,21 +57,21 @@ void add_usb(MockNames& names, unsigned plug) {
 MockNames usbfs_names(unsigned plug) {
   MockNames names;
   names.node = usbfs_node(plug);
-  add_usb(names, plug);
+  add_usb(names, plug, kSerial);
   return names;
 }
 
-MockNames hidraw_names(unsigned plug) {
+MockNames hidraw_names(unsigned plug, const std::string& serial) {
   MockNames names;
   names.node = fmt::format("/dev/hidraw{}", plug);
-  add_usb(names, plug);
+  add_usb(names, plug, serial);
   const std::string hid = fmt::format("0003:{:04X}:{:04X}.{:04X}", kVendorId, kProductId, plug + 1);
   const std::string hid_path = names.paths.back() + "/" + hid;
   add(names, hid_path,
       fmt::format("E: SUBSYSTEM=hid\nE: DRIVER=hid-generic\nE: HID_ID=0003:{:08X}:{:08X}\n"
                   "E: HID_NAME={} {}\nE: HID_PHYS=usb-0000:00:14.0-1/input0\nE: HID_UNIQ={}\n"
                   "H: report_descriptor={}\n",
-                  kVendorId, kProductId, kManufacturer, kProduct, kSerial,
+                  kVendorId, kProductId, kManufacturer, kProduct, serial,
                   hex(report_descriptor())));
   add(names, fmt::format("{}/hidraw/hidraw{}", hid_path, plug),
       fmt::format("E: SUBSYSTEM=hidraw\nE: DEVNAME={}\nE: MAJOR=240\nE: MINOR={}\n"

@@ -54,13 +54,15 @@ class Child {
 
 int run(int argc, char** argv) {
   CLI::App app{"Runs a program with a fake facebow under it, for tests"};
-  std::string personality;
+  std::string personality, interloper;
   std::vector<std::string> program;
   host::fake::FakeOptions options;
   app.add_option("PERSONALITY", personality, "What the program uses: hidraw or libusb")
       ->required()
       ->check(CLI::IsMember({"hidraw", "libusb"}));
   app.add_option("PROGRAM", program, "The program and its arguments, after --")->required();
+  app.add_option("--interloper", interloper,
+                 "Serial number of another device that hidraw shows at every second plugging");
   host::fake::add_arguments(app, options);
   try {
     app.parse(argc, argv);
@@ -69,8 +71,8 @@ int run(int argc, char** argv) {
   }
 
   host::fake::FakeSetup setup = host::fake::set_up(options);
-  hil::UmockdevTransport transport(personality == "hidraw" ? hil::Personality::hidraw
-                                                           : hil::Personality::usbfs);
+  hil::UmockdevTransport transport(
+      personality == "hidraw" ? hil::Personality::hidraw : hil::Personality::usbfs, interloper);
   hal::SteadyClock clock;
   host::fake::FakeRun fake(setup.device, setup.script, transport, clock, setup.run);
   Child child(program);

@@ -25,7 +25,8 @@ void check(gboolean good, GError* error) {
 
 }  // namespace
 
-UmockdevTransport::UmockdevTransport(Personality personality) : personality_(personality) {
+UmockdevTransport::UmockdevTransport(Personality personality, std::string interloper)
+    : personality_(personality), interloper_(std::move(interloper)) {
   testbed_ = umockdev_testbed_new();
   if (!umockdev_in_mock_environment()) {
     g_object_unref(testbed_);
@@ -93,7 +94,9 @@ void UmockdevTransport::plug() {
     const std::lock_guard lock(mutex_);
     std::unique_ptr<MockNode> made;
     if (personality_ == Personality::hidraw) {
-      made = std::make_unique<MockHidraw>(queue_, plugs_);
+      is_interloper_ = plugs_ % 2 == 1 && !interloper_.empty();
+      made = std::make_unique<MockHidraw>(queue_, plugs_,
+                                          is_interloper_ ? interloper_ : std::string(kSerial));
     } else {
       made = std::make_unique<MockUsbfs>(queue_, plugs_);
     }
@@ -171,7 +174,7 @@ void UmockdevTransport::serve(TimeNs deadline_ns) {
 
 bool UmockdevTransport::is_read() {
   const std::lock_guard lock(mutex_);
-  return current_ != nullptr && current_->is_read();
+  return current_ != nullptr && (current_->is_read() || is_interloper_);  // for it nobody waits
 }
 
 bool UmockdevTransport::is_taken() {

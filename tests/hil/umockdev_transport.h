@@ -19,8 +19,9 @@ enum class Personality : std::uint8_t { hidraw, usbfs };
 /// read by the program. umockdev calls back from a thread of its own.
 class UmockdevTransport final : public host::fake::Transport {
  public:
-  /// InputError where this is not run through umockdev-wrapper.
-  explicit UmockdevTransport(Personality personality);
+  /// `interloper`: serial number of another device, which hidraw shows at every second plugging;
+  /// empty: none. InputError where this is not run through umockdev-wrapper.
+  UmockdevTransport(Personality personality, std::string interloper);
   ~UmockdevTransport() override;
 
   std::string name() const override;
@@ -51,6 +52,8 @@ class UmockdevTransport final : public host::fake::Transport {
   static constexpr std::size_t kDeadNodes = 8;
 
   Personality personality_;
+  std::string interloper_;
+  bool is_interloper_ = false;  // it is plugged in
   UMockdevTestbed* testbed_;
   UMockdevIoctlBase* handler_;
   std::mutex mutex_;

@@ -192,6 +192,9 @@ TEST(FindDevice, RefusesToChoose) {
   devices[1].path = "/dev/hidraw4";
   EXPECT_EQ(find_device("1209:000a", "", devices)->interface_number, 0);  // of one device
   EXPECT_EQ(find_device("/dev/hidraw4", "", devices)->interface_number, 1);
+  devices[1].usage_page = 0xFF00;
+  devices[0].usage_page = 0x01;  // a keyboard
+  EXPECT_EQ(find_device("1209:000a", "", devices)->interface_number, 1);
   devices[1].usb_port = "1-2";
   EXPECT_THROW((void)find_device("1209:000a", "", devices), InputError);
   EXPECT_EQ(find_device("1-2", "", devices)->path, "1-2");
