@@ -122,6 +122,18 @@ std::unique_ptr<Recording> open_session_log(const std::string& path,
                                                                   std::move(format));
 }
 
+std::unique_ptr<hal::UsbmonCapture> open_captured_reports(const std::string& path,
+                                                          const hal::DeviceProfile& profile) {
+  auto source =
+      std::make_unique<hal::UsbmonCapture>(path, hal::UsbmonChoice{.vendor_id = profile.vendor_id,
+                                                                   .product_id = profile.product_id,
+                                                                   .bus = {},
+                                                                   .device = {},
+                                                                   .endpoint = {}});
+  open_or_throw(path, *source);
+  return source;
+}
+
 std::unique_ptr<Recording> open_capture(const std::string& path, const RecordingOptions& options) {
   if (options.profile.empty()) {
     throw InputError(path, "is a capture of USB traffic, which does not say what its reports mean",
@@ -130,13 +142,7 @@ std::unique_ptr<Recording> open_capture(const std::string& path, const Recording
   hal::DeviceProfile profile = load_device_profile(options.profile);
   require_position(profile, options.profile);
   complete_profile(profile, {}, path);
-  auto source =
-      std::make_unique<hal::UsbmonCapture>(path, hal::UsbmonChoice{.vendor_id = profile.vendor_id,
-                                                                   .product_id = profile.product_id,
-                                                                   .bus = {},
-                                                                   .device = {},
-                                                                   .endpoint = {}});
-  open_or_throw(path, *source);
+  auto source = open_captured_reports(path, profile);
   std::string format = fmt::format("capture of {}", profile.name);
   return std::make_unique<DeviceRecording<hal::UsbmonCapture>>(path, std::move(source), profile,
                                                                std::move(format));

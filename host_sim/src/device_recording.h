@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "condyle/hal/device_profile.h"
+#include "condyle/hal/usbmon_capture.h"
 #include "recording.h"
 
 namespace condyle::host {
@@ -19,6 +21,9 @@ bool looks_like_capture(std::string_view start);
 /// Reads the log's first device, by the profile that it holds or by `options.profile`.
 std::unique_ptr<Recording> open_session_log(const std::string& path,
                                             const RecordingOptions& options);
+/// The reports of the device of `profile` in the capture, opened.
+std::unique_ptr<hal::UsbmonCapture> open_captured_reports(const std::string& path,
+                                                          const hal::DeviceProfile& profile);
 /// Reads the capture of the device that `options.profile`, which must be given, describes.
 std::unique_ptr<Recording> open_capture(const std::string& path, const RecordingOptions& options);
 

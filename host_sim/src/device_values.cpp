@@ -6,9 +6,11 @@
 #include <filesystem>
 #include <memory>
 
+#include "byte_reader.h"
 #include "condyle/hal/device_facebow.h"
 #include "condyle/hal/session_log_source.h"
 #include "device_profile_file.h"
+#include "device_recording.h"
 #include "device_words.h"
 #include "input_error.h"
 #include "number_text.h"
@@ -31,7 +33,7 @@ void append_value(std::string& row, bool is_valid, double value) {
 }
 
 // Gives what became of the reports, in words.
-std::string write_rows(hal::SessionLogSource& source, const hal::DeviceProfile& profile,
+std::string write_rows(hal::ReportSource& source, const hal::DeviceProfile& profile,
                        OutputFile& file) {
   hal::DeviceFacebow device(source, profile);
   Sample sample;
@@ -43,10 +45,6 @@ std::string write_rows(hal::SessionLogSource& source, const hal::DeviceProfile& 
     if (status != hal::Status::ok) {
       std::string words = reports_words(profile, device.counts(), device.transport_counts());
       if (profile.device_time) words += "; " + clock_words(device.clock_fit());
-      if (source.not_recorded() > 0) {
-        words += fmt::format("; the recorder had no room for {} reports and events",
-                             source.not_recorded());
-      }
       return words;
     }
     row.clear();
@@ -60,13 +58,34 @@ std::string write_rows(hal::SessionLogSource& source, const hal::DeviceProfile& 
   }
 }
 
-}  // namespace
+bool has_values(const hal::DeviceProfile& profile) {
+  return profile.drive_N.has_value() || !profile.auxiliary.empty();
+}
 
-std::vector<std::string> write_device_values(const std::string& log,
-                                             const std::string& profile_path,
-                                             const std::string& folder,
-                                             std::vector<std::unique_ptr<OutputFile>>& files) {
-  std::vector<std::string> notes;
+// The file of the device called `name`; what the user should know of its reports is noted.
+void write_file(hal::ReportSource& source, const hal::DeviceProfile& profile,
+                const std::string& folder, const std::string& name,
+                std::vector<std::unique_ptr<OutputFile>>& files, std::vector<std::string>& notes) {
+  files.push_back(
+      std::make_unique<OutputFile>((std::filesystem::path(folder) / (name + ".csv")).string()));
+  files.back()->write(header_of(profile));
+  notes.push_back(name + ": " + write_rows(source, profile, *files.back()));
+  files.back()->close();
+}
+
+void write_captured_values(const std::string& capture, const std::string& profile_path,
+                           const std::string& folder,
+                           std::vector<std::unique_ptr<OutputFile>>& files,
+                           std::vector<std::string>& notes) {
+  hal::DeviceProfile profile = load_device_profile(profile_path);
+  if (!has_values(profile)) return;
+  complete_profile(profile, {}, capture);
+  write_file(*open_captured_reports(capture, profile), profile, folder, "facebow", files, notes);
+}
+
+void write_logged_values(const std::string& log, const std::string& profile_path,
+                         const std::string& folder, std::vector<std::unique_ptr<OutputFile>>& files,
+                         std::vector<std::string>& notes) {
   std::size_t sources = 1;
   for (std::size_t i = 0; i < sources; ++i) {
     hal::SessionLogSource source(log, i);
@@ -77,17 +96,35 @@ std::vector<std::string> write_device_values(const std::string& log,
         i == 0 && !profile_path.empty()
             ? load_device_profile(profile_path)
             : parse_device_profile(log + ": the profile of " + device.name, device.profile_toml);
-    if (!profile.drive_N && profile.auxiliary.empty()) continue;
+    if (!has_values(profile)) continue;
     complete_profile(profile, device.report_descriptor, log);
-    files.push_back(std::make_unique<OutputFile>(
-        (std::filesystem::path(folder) / (device.name + ".csv")).string()));
-    files.back()->write(header_of(profile));
-    notes.push_back(device.name + ": " + write_rows(source, profile, *files.back()));
-    files.back()->close();
+    write_file(source, profile, folder, device.name, files, notes);
+    if (source.not_recorded() > 0) {
+      notes.back() += fmt::format("; the recorder had no room for {} reports and events",
+                                  source.not_recorded());
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> write_device_values(const std::string& recording,
+                                             const std::string& profile_path,
+                                             const std::string& folder,
+                                             std::vector<std::unique_ptr<OutputFile>>& files) {
+  constexpr std::string_view file = "file:";
+  const std::string path = recording.starts_with(file) ? recording.substr(file.size()) : recording;
+  std::vector<std::string> notes;
+  ByteReader reader(path);
+  const std::string_view start = reader.peek(8);
+  if (looks_like_capture(start)) {
+    write_captured_values(path, profile_path, folder, files, notes);
+  } else if (looks_like_session_log(start)) {
+    write_logged_values(path, profile_path, folder, files, notes);
   }
   if (files.empty()) {
     throw InputError(
-        log, "holds no value but position",
+        path, "holds no value but position",
         "leave --values out; a drive or auxiliary fields are in the profile of a device");
   }
   return notes;

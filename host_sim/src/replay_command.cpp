@@ -272,7 +272,7 @@ Command add_replay(CLI::App& app) {
   command->add_option("--out", options->out, "CSV file for the estimates");
   command->add_option(
       "--values", options->values,
-      "Folder for what the devices of a session log measured beside position: force, "
+      "Folder for what the devices of a session log or capture measured beside position: force, "
       "EMG (CSV)");
   command->add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
   return [options, axis, axis_option, faults] {
