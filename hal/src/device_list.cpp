@@ -1,56 +1,68 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "condyle/hal/device_list.h"
 
-#include <hidapi.h>
+#include <linux/input.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <filesystem>
+#include <cstdlib>
 #include <fstream>
+#include <iterator>
+#include <optional>
+#include <string_view>
 
-#include "hidapi_lock.h"
+#include "condyle/hal/report_descriptor.h"
 
 namespace condyle::hal {
 namespace {
 
 namespace fs = std::filesystem;
 
-// hidapi's texts are code points.
-std::string to_utf8(const wchar_t* text) {
-  std::string bytes;
-  for (; text != nullptr && *text != 0; ++text) {
-    auto point = static_cast<std::uint32_t>(*text);
-    if (point < 0x20 || (point >= 0x7F && point < 0xA0)) point = '?';  // no terminal may obey it
-    if (point < 0x80) {
-      bytes += static_cast<char>(point);
-      continue;
-    }
-    const unsigned following = point < 0x800 ? 1 : point < 0x10000 ? 2 : 3;
-    constexpr std::uint32_t kMarks[] = {0, 0xC0, 0xE0, 0xF0};
-    bytes += static_cast<char>(kMarks[following] | point >> 6 * following);
-    for (unsigned i = following; i-- > 0;) {
-      bytes += static_cast<char>(0x80U | (point >> 6 * i & 0x3FU));
-    }
+// Length of the UTF-8 character that `text` starts with; 0: none that a terminal may be sent.
+std::size_t character_length(std::string_view text) {
+  const auto byte = [&](std::size_t i) {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
+  };
+  if (byte(0) < 0x80) return byte(0) >= 0x20 && byte(0) != 0x7F ? 1 : 0;
+  const std::size_t length = byte(0) < 0xE0 ? 2 : byte(0) < 0xF0 ? 3 : 4;
+  if (byte(0) < 0xC2 || byte(0) > 0xF4) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0U) != 0x80) return 0;
   }
-  return bytes;
+  const unsigned start = byte(0) << 8U | byte(1);
+  // Control characters, what is longer than it need be, surrogates, beyond the last character.
+  const bool is_none = (start >= 0xC280 && start < 0xC2A0) || (start >= 0xE080 && start < 0xE0A0) ||
+                       (start >= 0xEDA0 && start < 0xEE00) || (start >= 0xF080 && start < 0xF090) ||
+                       start >= 0xF490;
+  return is_none ? 0 : length;
 }
 
-DeviceBus bus_of(hid_bus_type type) {
-  switch (type) {
-    case HID_API_BUS_USB:
-      return DeviceBus::usb;
-    case HID_API_BUS_BLUETOOTH:
-      return DeviceBus::bluetooth;
-    case HID_API_BUS_I2C:
-      return DeviceBus::i2c;
-    case HID_API_BUS_SPI:
-      return DeviceBus::spi;
-    case HID_API_BUS_UNKNOWN:
-      break;
+// A device may call itself anything; no terminal may obey it.
+std::string clean(std::string_view text) {
+  std::string good;
+  while (!text.empty()) {
+    const std::size_t length = character_length(text);
+    good += length > 0 ? text.substr(0, length) : "?";
+    text.remove_prefix(std::max<std::size_t>(length, 1));
   }
-  return DeviceBus::unknown;
+  return good;
+}
+
+DeviceBus bus_of(unsigned type) {
+  constexpr unsigned kSpi = 0x1C;  // BUS_SPI of newer kernels
+  switch (type) {
+    case BUS_USB:
+      return DeviceBus::usb;
+    case BUS_BLUETOOTH:
+      return DeviceBus::bluetooth;
+    case BUS_I2C:
+      return DeviceBus::i2c;
+    case kSpi:
+      return DeviceBus::spi;
+    default:
+      return DeviceBus::unknown;
+  }
 }
 
 DeviceAccess access_to(const std::string& path) {
@@ -58,54 +70,122 @@ DeviceAccess access_to(const std::string& path) {
   return access(path.c_str(), F_OK) == 0 ? DeviceAccess::not_permitted : DeviceAccess::not_there;
 }
 
-int read_number(const fs::path& file) {
-  int number = -1;
-  std::ifstream(file) >> number;
-  return number;
+// All reading below bears that a device goes away under it: what is gone is empty.
+
+std::string read_line(const fs::path& file) {
+  std::string line;
+  std::ifstream stream(file);
+  std::getline(stream, line);
+  return clean(line);
 }
 
-// The USB device behind a hidraw node, by the folders sysfs keeps it in: .../1-1.4/1-1.4:1.0/...
-void find_usb_device(HidDevice& device) {
+int read_number(const fs::path& file, int base) {
+  const std::string line = read_line(file);
+  char* end = nullptr;
+  const long number = std::strtol(line.c_str(), &end, base);
+  return end != line.c_str() ? static_cast<int>(number) : -1;
+}
+
+// The folder that holds `file`, from `folder` upwards; empty where there is none.
+fs::path find_above(fs::path folder, const char* file) {
   std::error_code error;
-  const fs::path hidraw = fs::path("/sys/class/hidraw") / fs::path(device.path).filename();
-  fs::path folder = fs::canonical(hidraw / "device", error);
-  while (!error && folder.has_relative_path() && !fs::exists(folder / "devnum", error)) {
+  while (folder.has_relative_path() && !fs::exists(folder / file, error)) {
     folder = folder.parent_path();
   }
-  const int bus = read_number(folder / "busnum"), number = read_number(folder / "devnum");
+  return folder.has_relative_path() ? folder : fs::path();
+}
+
+// What the kernel's HID layer says of the device; false where it says nothing.
+bool read_hid_device(const fs::path& folder, HidDevice& device) {
+  std::ifstream stream(folder / "uevent");
+  unsigned bus = 0, vendor_id = 0, product_id = 0;
+  bool is_known = false;
+  for (std::string line; std::getline(stream, line);) {
+    const std::string_view text = line;
+    const std::size_t mark = std::min(text.find('='), text.size());
+    const std::string_view name = text.substr(0, mark);
+    const std::string_view value = text.substr(std::min(mark + 1, text.size()));
+    if (name == "HID_ID") {
+      is_known = std::sscanf(line.c_str(), "HID_ID=%x:%x:%x", &bus, &vendor_id, &product_id) == 3;
+    } else if (name == "HID_NAME") {
+      device.product = clean(value);
+    } else if (name == "HID_UNIQ") {
+      device.serial = clean(value);
+    }
+  }
+  device.bus = bus_of(bus);
+  device.vendor_id = static_cast<std::uint16_t>(vendor_id);
+  device.product_id = static_cast<std::uint16_t>(product_id);
+  return is_known;
+}
+
+// What the USB device behind it says: .../1-1.4/1-1.4:1.0/0003:1209:0001.0001. A virtual device
+// says that it is on USB and has none.
+void read_usb_device(const fs::path& folder, HidDevice& device) {
+  const fs::path usb = find_above(folder, "devnum");
+  if (usb.empty()) return;
+  const int bus = read_number(usb / "busnum", 10), number = read_number(usb / "devnum", 10);
   if (bus < 0 || number < 0) return;
+  const fs::path interface = find_above(folder, "bInterfaceNumber");
+  device.manufacturer = read_line(usb / "manufacturer");
+  device.product = read_line(usb / "product");
+  if (!interface.empty()) {
+    device.interface_number = read_number(interface / "bInterfaceNumber", 16);
+  }
   char path[64];
   std::snprintf(path, sizeof path, "/dev/bus/usb/%03d/%03d", bus, number);
-  device.usb_port = folder.filename();
+  device.usb_port = usb.filename();
   device.usb_path = path;
   device.usb_access = access_to(path);
 }
 
+void read_usage(const fs::path& folder, HidDevice& device) {
+  std::ifstream file(folder / "report_descriptor", std::ios::binary);
+  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file),
+                                        std::istreambuf_iterator<char>()};
+  const auto descriptor = parse_report_descriptor(bytes).descriptor;
+  if (!descriptor || descriptor->applications.empty()) return;
+  const std::uint32_t usage = descriptor->applications.front().first;
+  device.usage_page = static_cast<std::uint16_t>(usage >> 16U);
+  device.usage = static_cast<std::uint16_t>(usage);
+}
+
+std::optional<HidDevice> read_device(const fs::path& hidraw) {
+  std::error_code error;
+  const fs::path folder = fs::canonical(hidraw / "device", error);
+  HidDevice device;
+  if (error || !read_hid_device(folder, device)) return std::nullopt;
+  if (device.bus == DeviceBus::usb) read_usb_device(folder, device);
+  read_usage(folder, device);
+  device.path = fs::path("/dev") / hidraw.filename();
+  device.access = access_to(device.path);
+  return device;
+}
+
 }  // namespace
 
-std::vector<HidDevice> list_hid_devices(std::uint16_t vendor_id, std::uint16_t product_id) {
-  std::vector<HidDevice> devices;
-  const std::lock_guard lock(hidapi_mutex());
-  hid_device_info* const list = hid_enumerate(vendor_id, product_id);
-  for (const hid_device_info* info = list; info != nullptr; info = info->next) {
-    if (info->path == nullptr) continue;  // it went away while the list was made
-    // hidapi repeats a device for each of its collections.
-    if (!devices.empty() && devices.back().path == info->path) continue;
-    HidDevice& device = devices.emplace_back();
-    device.vendor_id = info->vendor_id;
-    device.product_id = info->product_id;
-    device.usage_page = info->usage_page;
-    device.usage = info->usage;
-    device.manufacturer = to_utf8(info->manufacturer_string);
-    device.product = to_utf8(info->product_string);
-    device.serial = to_utf8(info->serial_number);
-    device.bus = bus_of(info->bus_type);
-    device.interface_number = device.bus == DeviceBus::usb ? info->interface_number : -1;
-    device.path = info->path;
-    device.access = access_to(device.path);
-    if (device.bus == DeviceBus::usb) find_usb_device(device);
+// Not hidapi's list: hidapi 0.13 ends the program when a HID device, any one, goes away while it
+// reads about it (the uevent file is gone before the node is, and its length is asked for unseen).
+std::vector<HidDevice> list_hid_devices(std::uint16_t vendor_id, std::uint16_t product_id,
+                                        const fs::path& hidraw_class) {
+  std::vector<fs::path> nodes;
+  std::error_code error;
+  for (fs::directory_iterator entry(hidraw_class, error), end; !error && entry != end;
+       entry.increment(error)) {
+    nodes.push_back(entry->path());
   }
-  hid_free_enumeration(list);
+  std::sort(nodes.begin(), nodes.end(), [](const fs::path& a, const fs::path& b) {
+    const auto& first = a.native();
+    const auto& second = b.native();  // hidraw2 before hidraw10
+    return first.size() != second.size() ? first.size() < second.size() : first < second;
+  });
+  std::vector<HidDevice> devices;
+  for (const fs::path& node : nodes) {
+    std::optional<HidDevice> device = read_device(node);
+    if (!device || (vendor_id != 0 && device->vendor_id != vendor_id)) continue;
+    if (product_id != 0 && device->product_id != product_id) continue;
+    devices.push_back(*std::move(device));
+  }
   return devices;
 }
 

@@ -12,12 +12,19 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <mutex>
 
 #include "condyle/hal/device_list.h"
-#include "hidapi_lock.h"
 
 namespace condyle::hal {
 namespace {
+
+// Held wherever hidapi is initialised or opens a device: hidapi 0.13 keeps one error text for the
+// whole process there, which it frees and replaces. Reading needs no lock.
+std::mutex& hidapi_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
 
 // Milliseconds to wait, rounded up so that the deadline is not missed from before.
 int wait_ms(TimeNs deadline_ns, TimeNs now_ns) {
@@ -27,19 +34,30 @@ int wait_ms(TimeNs deadline_ns, TimeNs now_ns) {
   return static_cast<int>(std::min((wait_ns - 1) / 1'000'000 + 1, kLongest_ms));
 }
 
-// From the device itself; empty where it does not tell.
-std::vector<std::uint8_t> ask_report_descriptor(const std::string& path) {
-  hidraw_report_descriptor descriptor{};
-  int size = 0;
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (file < 0) return {};
-  if (ioctl(file, HIDIOCGRDESCSIZE, &size) >= 0 && size > 0) {
-    descriptor.size = std::min<__u32>(static_cast<__u32>(size), HID_MAX_DESCRIPTOR_SIZE);
-    if (ioctl(file, HIDIOCGRDESC, &descriptor) < 0) descriptor.size = 0;
+// A device's node, opened beside hidapi.
+class Node {
+ public:
+  explicit Node(const std::string& path)
+      : file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
+  ~Node() {
+    if (file_ >= 0) ::close(file_);
   }
-  ::close(file);
-  return {descriptor.value, descriptor.value + descriptor.size};
-}
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+
+  /// The device's answer; empty where it gives none, which it does once it is unplugged.
+  std::vector<std::uint8_t> report_descriptor() const {
+    hidraw_report_descriptor descriptor{};
+    int size = 0;
+    if (file_ < 0 || ioctl(file_, HIDIOCGRDESCSIZE, &size) < 0 || size <= 0) return {};
+    descriptor.size = std::min<__u32>(static_cast<__u32>(size), HID_MAX_DESCRIPTOR_SIZE);
+    if (ioctl(file_, HIDIOCGRDESC, &descriptor) < 0) return {};
+    return {descriptor.value, descriptor.value + descriptor.size};
+  }
+
+ private:
+  int file_ = -1;
+};
 
 }  // namespace
 
@@ -60,7 +78,10 @@ Status HidapiSource::open() {
   for (const HidDevice& found : list_hid_devices(address_.vendor_id, address_.product_id)) {
     if (!fits(address_, found)) continue;
     path_ = found.path;
-    {
+    // hidapi 0.13 uses freed memory where a device can be opened and does not answer, so it is
+    // asked first; kept open over hidapi's own opening, it is not started twice.
+    const Node node(path_);
+    if (!node.report_descriptor().empty()) {
       const std::lock_guard lock(hidapi_mutex());
       device_ = hid_open_path(path_.c_str());
     }
@@ -106,7 +127,7 @@ std::vector<std::uint8_t> HidapiSource::report_descriptor() const {
   std::ifstream file("/sys/class/hidraw/" + name + "/device/report_descriptor", std::ios::binary);
   std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file),
                                   std::istreambuf_iterator<char>()};
-  return bytes.empty() ? ask_report_descriptor(path_) : bytes;
+  return bytes.empty() ? Node(path_).report_descriptor() : bytes;
 }
 
 }  // namespace condyle::hal

@@ -5,6 +5,10 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
 
 #include "hil/received_reports.h"
 
@@ -14,11 +18,16 @@ namespace {
 
 constexpr useconds_t kRetry_us = 2000;
 
+// By its path: hidapi 0.13's own list ends the program when a device goes away under it.
 hid_device* open_first() {
-  hid_device_info* const list = hid_enumerate(0x1209, 0x0001);
-  hid_device* const device = list != nullptr ? hid_open_path(list->path) : nullptr;
-  hid_free_enumeration(list);
-  return device;
+  std::error_code error;
+  for (const auto& node : std::filesystem::directory_iterator("/sys/class/hidraw", error)) {
+    std::ifstream file(node.path() / "device/uevent");
+    const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    if (text.find(":00001209:00000001") == std::string::npos) continue;
+    return hid_open_path(("/dev/" + node.path().filename().string()).c_str());
+  }
+  return nullptr;
 }
 
 }  // namespace

@@ -123,7 +123,8 @@ void UmockdevTransport::unplug() {
     node = std::exchange(current_, nullptr);
     node->unplug();
   }
-  link(node->names().node, dead_gate_);
+  // From here on it cannot be opened, as the kernel has it.
+  std::filesystem::remove(real_path(node->names().node));
   {
     const std::lock_guard lock(mutex_);
     node->hang_up();
@@ -155,7 +156,6 @@ void UmockdevTransport::bury_oldest() {
   if (dead_.size() < kDeadNodes) return;
   GError* error = nullptr;
   check(umockdev_testbed_detach_ioctl(testbed_, dead_.front().c_str(), &error), error);
-  std::filesystem::remove(real_path(dead_.front()));
   dead_.pop_front();
 }
 

@@ -62,7 +62,6 @@ class UmockdevTransport final : public host::fake::Transport {
   host::fake::ReportQueue queue_;
   unsigned plugs_ = 0;
   MockNode* current_ = nullptr;
-  PtyGate dead_gate_;
   std::deque<std::string> dead_;
   std::map<std::string, std::unique_ptr<MockNode>> nodes_;  // all that ever were
 };

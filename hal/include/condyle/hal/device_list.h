@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -46,8 +47,11 @@ struct HidDevice {
   DeviceAccess usb_access = DeviceAccess::not_there;  ///< to `usb_path`
 };
 
-/// The HID devices there are, in the kernel's order; 0: any vendor or product. Allocates.
-std::vector<HidDevice> list_hid_devices(std::uint16_t vendor_id = 0, std::uint16_t product_id = 0);
+/// The HID devices there are, in the order of their nodes; 0: any vendor or product. A device that
+/// is coming or going may be left out. `hidraw_class`: where sysfs keeps them. Allocates.
+std::vector<HidDevice> list_hid_devices(
+    std::uint16_t vendor_id = 0, std::uint16_t product_id = 0,
+    const std::filesystem::path& hidraw_class = "/sys/class/hidraw");
 
 /// Whether `address` means this device.
 bool fits(const DeviceAddress& address, const HidDevice& device);
