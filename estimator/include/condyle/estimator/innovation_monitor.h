@@ -144,15 +144,50 @@ class NoiseColour {
   Autocorrelation<Scalar, kMostLags> correlation_;
 };
 
-/// Watches the innovations and positions of one axis. Constant memory.
+/// Of the innovations of one axis: e, NIS and rho. Constant memory.
 template <class Scalar>
-class InnovationMonitor {
+class InnovationMoments {
  public:
   /// Fewest pairs that anything is said from.
   static constexpr Scalar kFewestPairs = 200;
   /// Innovations are said to be correlated from this rho on, if it is also four standard deviations
   /// of chance. On unsmoothed simulated chewing |rho| stays below 0.07.
   static constexpr Scalar kCorrelated = Scalar(0.1);
+
+  /// Adds a standardised innovation, no unit; NaN where there was none.
+  void add(Scalar standardised) {
+    innovation_.add(std::clamp(standardised, Scalar(-3), Scalar(3)));
+    if (!std::isfinite(standardised)) return;
+    count_ = std::min(count_ + Scalar(1), kMemory);
+    nis_ += (standardised * standardised - nis_) / count_;
+  }
+
+  /// Innovations so far, at most kMemory.
+  Scalar count() const { return count_; }
+  /// Mean NIS; 0 before the first.
+  Scalar mean_nis() const { return nis_; }
+  /// rho.
+  Scalar correlation() const { return innovation_.value(); }
+  /// True where neighbouring innovations are correlated: the stated intervals do not hold.
+  bool is_correlated() const {
+    const Scalar rho = innovation_.value();
+    return innovation_.pairs() >= kFewestPairs && rho > kCorrelated &&
+           rho * rho * innovation_.pairs() > Scalar(16);
+  }
+
+ private:
+  static constexpr Scalar kMemory = 100'000;
+
+  Autocorrelation<Scalar, 1> innovation_;
+  Scalar count_ = 0, nis_ = 0;
+};
+
+/// Watches the innovations and positions of one axis. Constant memory.
+template <class Scalar>
+class InnovationMonitor {
+ public:
+  /// Fewest pairs that anything is said from.
+  static constexpr Scalar kFewestPairs = InnovationMoments<Scalar>::kFewestPairs;
   /// Positions are said to be filtered where some c_k differs from white noise's by this much, if
   /// that is also five standard deviations of chance.
   static constexpr Scalar kFilteredNeighbours = Scalar(0.057), kFilteredFarther = Scalar(0.2);
@@ -161,24 +196,15 @@ class InnovationMonitor {
   /// `step_s` after the one before; NaN where there was none.
   void add(Scalar standardised, Scalar position_m, Scalar step_s) {
     noise_.add(position_m, step_s);
-    innovation_.add(std::clamp(standardised, Scalar(-3), Scalar(3)));
-    if (!std::isfinite(standardised)) return;
-    count_ = std::min(count_ + Scalar(1), kMemory);
-    nis_ += (standardised * standardised - nis_) / count_;
+    innovations_.add(standardised);
   }
 
-  /// Mean NIS; 0 before the first.
-  Scalar mean_nis() const { return nis_; }
-  /// rho.
-  Scalar innovation_correlation() const { return innovation_.value(); }
+  /// As InnovationMoments.
+  Scalar mean_nis() const { return innovations_.mean_nis(); }
+  Scalar innovation_correlation() const { return innovations_.correlation(); }
+  bool is_correlated() const { return innovations_.is_correlated(); }
   /// c_lag.
   Scalar noise_correlation(int lag = 1) const { return noise_.value(lag); }
-  /// True where neighbouring innovations are correlated: the stated intervals do not hold.
-  bool is_correlated() const {
-    const Scalar rho = innovation_.value();
-    return innovation_.pairs() >= kFewestPairs && rho > kCorrelated &&
-           rho * rho * innovation_.pairs() > Scalar(16);
-  }
   /// The samples apart at which c_k differs most from white noise's, in standard deviations of
   /// chance, so that the noise is not white; 0 where there is none.
   int filtered_lag() const {
@@ -199,11 +225,8 @@ class InnovationMonitor {
   bool is_filtered() const { return filtered_lag() > 0; }
 
  private:
-  static constexpr Scalar kMemory = 100'000;
-
-  Autocorrelation<Scalar, 1> innovation_;
+  InnovationMoments<Scalar> innovations_;
   NoiseColour<Scalar> noise_;
-  Scalar count_ = 0, nis_ = 0;
 };
 
 }  // namespace condyle

@@ -4,6 +4,8 @@
 // it.
 #pragma once
 
+#include "condyle/estimator/change_parameters.h"
+#include "condyle/estimator/joint_parameters.h"
 #include "condyle/estimator/parameters.h"
 
 namespace condyle {
@@ -43,6 +45,8 @@ struct RecommendedParameters {
   NoiseParameters noise;
   MotionPriorParameters prior;
   OutlierParameters outliers;
+  JointParameters joint;    ///< used where a drive is measured
+  WatchParameters changes;  ///< used where changes of damping are looked for
 };
 
 /// Calls `visit(section, key, values, count, unit, range)` for each numeric field of `parameters`
@@ -71,6 +75,8 @@ constexpr void visit_recommended_fields(Parameters& parameters, Visitor&& visit)
   one("outliers", "gate_sd", outliers.gate_sd, "standard deviations", Range{1, 1000});
   one("outliers", "reset_after", outliers.reset_after, "samples", Range{1, 1000});
   one("outliers", "longest_gap_s", outliers.longest_gap_s, "s", Range{1e-3, 10});
+  visit_joint_fields(parameters.joint, visit);
+  visit_change_fields(parameters.changes, visit);
 }
 
 /// True where every field of `parameters` lies in its range (see `visit_recommended_fields`) and

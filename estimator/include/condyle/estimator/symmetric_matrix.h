@@ -53,4 +53,46 @@ class SymmetricMatrix3 {
   std::array<Scalar, 6> packed_{};
 };
 
+/// Symmetric matrix of any fixed size, likewise: the upper triangle, row by row.
+template <class Scalar, int size>
+class SymmetricMatrix {
+ public:
+  /// Entry (row, column), each 0 to size - 1; (i, j) and (j, i) are the same scalar.
+  constexpr Scalar& operator()(int row, int column) { return packed_[offset(row, column)]; }
+  /// Entry (row, column), read only.
+  constexpr const Scalar& operator()(int row, int column) const {
+    return packed_[offset(row, column)];
+  }
+  /// Sets row and column `index` to zero.
+  constexpr void clear_entry(int index) {
+    for (int i = 0; i < size; ++i) (*this)(index, i) = Scalar(0);
+  }
+  /// Gives row and column `to` those of `from`, as of a state that takes another's place, and
+  /// clears these.
+  constexpr void move_entry(int from, int to) {
+    (*this)(to, to) = (*this)(from, from);
+    for (int i = 0; i < size; ++i) {
+      if (i != to && i != from) (*this)(to, i) = (*this)(from, i);
+    }
+    clear_entry(from);
+  }
+  /// The same matrix with all entries.
+  Eigen::Matrix<Scalar, size, size> dense() const {
+    Eigen::Matrix<Scalar, size, size> matrix;
+    for (int i = 0; i < size; ++i) {
+      for (int j = 0; j < size; ++j) matrix(i, j) = (*this)(i, j);
+    }
+    return matrix;
+  }
+
+ private:
+  static constexpr std::size_t offset(int row, int column) {
+    const int low = row < column ? row : column;
+    const int high = row < column ? column : row;
+    return static_cast<std::size_t>(low * (2 * size - 1 - low) / 2 + high);
+  }
+
+  std::array<Scalar, static_cast<std::size_t>(size*(size + 1) / 2)> packed_{};
+};
+
 }  // namespace condyle

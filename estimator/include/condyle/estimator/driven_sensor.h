@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// The recommended estimator as a virtual sensor that also identifies friction and mass, where the
+// drive is measured. Where it is not (DriveParameters::is_measured), the identification can be
+// given the assumed mass times the estimated acceleration instead, as the published cascade is:
+// that is to show that it then tells nothing, however small its covariance becomes.
+#pragma once
+
+#include "condyle/estimator/drive_timeline.h"
+#include "condyle/estimator/recommended_sensor.h"
+
+namespace condyle {
+
+/// A RecommendedEstimate, and what is known of the followed point when it is given.
+template <class Scalar>
+struct DrivenEstimate : RecommendedEstimate<Scalar> {
+  JointEstimate<Scalar> joint;
+};
+
+/// As RecommendedSensor; the identification follows one of its axes. It takes the positions that
+/// the recommended estimator took, with the noise that that one found.
+template <class Scalar, int kAxes, int kMostLag = 16>
+class DrivenSensor {
+ public:
+  using Estimate = DrivenEstimate<Scalar>;
+
+  /// As RecommendedSensor; `axis` 0 to kAxes - 1 is the drive's.
+  DrivenSensor(const RecommendedParameters& parameters, int lag, const FollowedPoint& followed,
+               int axis)
+      : axis_(axis),
+        is_measured_(parameters.joint.drive.is_measured),
+        motion_(parameters, lag, followed),
+        timeline_(parameters.joint) {}
+
+  /// A drive (N) that was measured apart from the samples, stamped on their clock. To be given no
+  /// later than the first sample after it.
+  void add_drive(TimeNs time_ns, double drive_N) {
+    if (is_measured_) timeline_.add_drive(time_ns, static_cast<Scalar>(drive_N));
+  }
+
+  /// As RecommendedSensor; a drive that `sample` holds is taken.
+  Estimate process(const Sample& sample, EventSet sample_events) {
+    if (sample.time_valid && sample.drive_valid) add_drive(sample.time_ns, sample.drive_N);
+    return complete({motion_.process(sample, sample_events), {}});
+  }
+
+  /// As RecommendedSensor.
+  [[nodiscard]] bool drain(Estimate& estimate) {
+    if (!motion_.drain(estimate)) return false;
+    estimate = complete(estimate);
+    return true;
+  }
+
+  const DriveTimelineCounts& counts() const { return timeline_.counts(); }
+
+ private:
+  Estimate complete(Estimate estimate) {
+    const AxisEstimate<Scalar>& axis = estimate.axes[axis_];
+    const bool is_taken = estimate.is_ready && estimate.time_valid &&
+                          std::isfinite(axis.innovation_m) &&
+                          !estimate.events.has(Event::outlier_rejected);
+    if (is_taken && !is_measured_) timeline_.add_drive(estimate.time_ns, axis.force_N.value);
+    if (is_taken)
+      timeline_.add_position(estimate.time_ns, axis.measured_position_m, axis.noise_sd_m);
+    estimate.joint = timeline_.estimate();
+    return estimate;
+  }
+
+  int axis_;
+  bool is_measured_;
+  RecommendedSensor<Scalar, kAxes, kMostLag> motion_;
+  DriveTimeline<Scalar> timeline_;
+};
+
+}  // namespace condyle
