@@ -32,6 +32,10 @@ Command add_evaluate(CLI::App& app);
 Command add_friction(CLI::App& app);
 /// `condyle observability`
 Command add_observability(CLI::App& app);
+/// `condyle protocol`
+Command add_protocol(CLI::App& app);
+/// `condyle changes`
+Command add_changes(CLI::App& app);
 /// `condyle record`
 Command add_record(CLI::App& app);
 /// `condyle inspect`

@@ -62,7 +62,11 @@ bool parse_point_column(std::string_view name, std::size_t& coordinate, std::str
 class CsvRecording final : public Recording {
  public:
   CsvRecording(std::unique_ptr<ByteReader> reader, const RecordingOptions& options)
-      : reader_(std::move(reader)), rows_(*reader_), rule_(options.faults) {
+      : reader_(std::move(reader)),
+        rows_(*reader_),
+        rule_(options.faults),
+        reads_drive_alone_(options.reads_drive_alone),
+        drive_column_(options.drive_column) {
     read_header(options.ignored_columns);
   }
 
@@ -123,7 +127,7 @@ class CsvRecording final : public Recording {
       column.role = Column::Role::ignored;
     } else if (name == "time_s") {
       column.role = Column::Role::time;
-    } else if (name == "drive_N") {
+    } else if (name == drive_column_) {
       column.role = Column::Role::drive;
       info_.has_drive = true;
     } else if (name == "position_m" || name == "position_mm") {
@@ -158,6 +162,11 @@ class CsvRecording final : public Recording {
     };
     if (!has(Column::Role::time)) {
       throw InputError(place(), "no column time_s", "name the column with the time in seconds");
+    }
+    if (reads_drive_alone_) {
+      if (info_.has_drive) return;
+      throw InputError(place(), fmt::format("no column {}", drive_column_),
+                       "give the column with the measured drive that name");
     }
     const auto points = std::count(seen_.begin(), seen_.end(), true);
     const bool first_point = seen_[0] && seen_[1] && seen_[2];
@@ -223,6 +232,8 @@ class CsvRecording final : public Recording {
   std::unique_ptr<ByteReader> reader_;
   RowReader rows_;
   FaultRule rule_;
+  bool reads_drive_alone_;
+  std::string drive_column_;
   RecordingInfo info_;
   std::vector<Column> columns_;
   std::vector<std::string_view> fields_;  // of the row being read

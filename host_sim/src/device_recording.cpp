@@ -122,6 +122,25 @@ std::unique_ptr<Recording> open_session_log(const std::string& path,
                                                                   std::move(format));
 }
 
+std::unique_ptr<Recording> open_logged_drive(const std::string& path) {
+  std::size_t sources = 1;
+  for (std::size_t i = 0; i < sources; ++i) {
+    auto source = std::make_unique<hal::SessionLogSource>(path, i);
+    open_or_throw(path, *source);
+    sources = source->header().sources.size();
+    const hal::SessionSource& device = source->header().sources[i];
+    hal::DeviceProfile profile =
+        parse_device_profile(path + ": the profile of " + device.name, device.profile_toml);
+    if (!profile.drive_N) continue;
+    complete_profile(profile, device.report_descriptor, path);
+    std::string format = fmt::format("session log of {}", profile.name);
+    return std::make_unique<DeviceRecording<hal::SessionLogSource>>(path, std::move(source),
+                                                                    profile, std::move(format));
+  }
+  throw InputError(path, "no device in it measured a drive",
+                   "name a session log with a [drive] in one of its profiles");
+}
+
 std::unique_ptr<hal::UsbmonCapture> open_captured_reports(const std::string& path,
                                                           const hal::DeviceProfile& profile) {
   auto source =

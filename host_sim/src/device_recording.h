@@ -21,6 +21,8 @@ bool looks_like_capture(std::string_view start);
 /// Reads the log's first device, by the profile that it holds or by `options.profile`.
 std::unique_ptr<Recording> open_session_log(const std::string& path,
                                             const RecordingOptions& options);
+/// Reads the log's first device whose profile has a drive.
+std::unique_ptr<Recording> open_logged_drive(const std::string& path);
 /// The reports of the device of `profile` in the capture, opened.
 std::unique_ptr<hal::UsbmonCapture> open_captured_reports(const std::string& path,
                                                           const hal::DeviceProfile& profile);

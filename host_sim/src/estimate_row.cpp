@@ -55,4 +55,14 @@ EstimateRow row_of(const RecommendedEstimate<double>& estimate, Axis followed) {
   return row;
 }
 
+EstimateRow row_of(const DrivenEstimate<double>& estimate, Axis followed) {
+  const RecommendedEstimate<double>& motion = estimate;
+  EstimateRow row = row_of(motion, followed);
+  row.has_joint = true;
+  row.joint = estimate.joint;
+  row.friction_Ns_m = estimate.joint.friction_Ns_m.quantity;
+  row.mass_kg = estimate.joint.mass_kg.quantity;
+  return row;
+}
+
 }  // namespace condyle::host

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "condyle/estimator/driven_sensor.h"
 #include "condyle/estimator/published_cascade.h"
 #include "condyle/estimator/recommended_estimator.h"
 #include "condyle/estimator/sample.h"
@@ -26,6 +27,8 @@ struct EstimateRow {
   int axis_count = 0;             ///< 1 or 3
   AxisEstimate<double> followed;  ///< the axis whose values lead
   AxisEstimate<double> axes[3];   ///< all of them, x, y, z
+  bool has_joint = false;         ///< friction and mass are identified from a measured drive
+  JointEstimate<double> joint;
 };
 
 /// Axes whose innovations `row` has: 3, or 1.
@@ -46,5 +49,7 @@ EstimateRow row_of(const Sample& sample, FollowedCoordinate followed,
 
 /// The recommended estimator's row, `followed` being the axis whose values lead.
 EstimateRow row_of(const RecommendedEstimate<double>& estimate, Axis followed);
+/// The same with what the drive tells.
+EstimateRow row_of(const DrivenEstimate<double>& estimate, Axis followed);
 
 }  // namespace condyle::host

@@ -8,7 +8,7 @@
 namespace condyle::host {
 namespace {
 
-std::string header(int axis_count) {
+std::string header(int axis_count, bool has_joint) {
   std::string line =
       "time_s,position_m,velocity_m_s,force_N,friction_Ns_m,mass_kg,position_sd_m,velocity_sd_m_s,"
       "force_sd_N,friction_sd_Ns_m,mass_sd_kg,motion_nis,friction_nis,mass_nis,force_provenance,"
@@ -26,14 +26,21 @@ std::string header(int axis_count) {
         "{0}_velocity_provenance,{0}_acceleration_provenance",
         "xyz"[axis]);
   }
+  if (has_joint) {
+    line +=
+        ",friction_information,mass_information,friction_limit,mass_limit,friction_bound_Ns_m,"
+        "mass_bound_kg,observability,stiffness_N_m,stiffness_sd_N_m,stiffness_provenance,offset_N,"
+        "offset_sd_N,offset_provenance,coulomb_N,coulomb_sd_N,coulomb_provenance,drive_delay_s,"
+        "drive_delay_sd_s,drive_delay_provenance,joint_mean_nis,joint_correlation";
+  }
   return line + '\n';
 }
 
 }  // namespace
 
-EstimatesFile::EstimatesFile(const std::string& path, int axis_count)
-    : file_(path), axis_count_(axis_count) {
-  file_.write(header(axis_count));
+EstimatesFile::EstimatesFile(const std::string& path, int axis_count, bool has_joint)
+    : file_(path), axis_count_(axis_count), has_joint_(has_joint) {
+  file_.write(header(axis_count, has_joint));
 }
 
 void EstimatesFile::append_field(double value) {
@@ -69,6 +76,7 @@ void EstimatesFile::write_row(const EstimateRow& row) {
     first = false;
   }
   if (axis_count_ > 0) append_axes(row);
+  if (has_joint_) append_joint(row.joint);
   row_ += '\n';
   file_.write(row_);
 }
@@ -93,6 +101,24 @@ void EstimatesFile::append_axes(const EstimateRow& row) {
       append_field(provenance_name(quantity->provenance));
     }
   }
+}
+
+void EstimatesFile::append_joint(const JointEstimate<double>& joint) {
+  append_field(joint.friction_Ns_m.information);
+  append_field(joint.mass_kg.information);
+  append_field(limit_name(joint.friction_Ns_m.limit));
+  append_field(limit_name(joint.mass_kg.limit));
+  append_field(joint.friction_Ns_m.filter_sd);
+  append_field(joint.mass_kg.filter_sd);
+  append_field(joint.observability);
+  for (const IdentifiedValue<double>* value :
+       {&joint.stiffness_N_m, &joint.offset_N, &joint.coulomb_N, &joint.delay_s}) {
+    append_field(value->quantity.value);
+    append_field(value->quantity.standard_deviation);
+    append_field(provenance_name(value->quantity.provenance));
+  }
+  append_field(joint.mean_nis);
+  append_field(joint.innovation_correlation);
 }
 
 }  // namespace condyle::host

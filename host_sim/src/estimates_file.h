@@ -12,8 +12,9 @@ namespace condyle::host {
 class EstimatesFile {
  public:
   /// `axis_count`: 0 for the published cascade; else the recommended estimator's 1 or 3, whose
-  /// columns follow those that both have.
-  EstimatesFile(const std::string& path, int axis_count);
+  /// columns follow those that both have. `has_joint`: the rows have a joint estimate, whose
+  /// columns come last.
+  EstimatesFile(const std::string& path, int axis_count, bool has_joint);
   void write_row(const EstimateRow& row);
   /// Writes out what is buffered.
   void close() { file_.close(); }
@@ -24,9 +25,11 @@ class EstimatesFile {
   void append_field(double value);
   void append_field(const char* word);
   void append_axes(const EstimateRow& row);
+  void append_joint(const JointEstimate<double>& joint);
 
   OutputFile file_;
   int axis_count_;
+  bool has_joint_;
   std::string row_;
 };
 

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "drive_options.h"
 #include "estimator_option.h"
 #include "evaluation/estimator_evaluation.h"
 #include "evaluation/evaluation_figures.h"
@@ -24,18 +25,27 @@ struct EvaluateOptions {
   std::string out;
   std::string figures;
   EvaluationPlan plan;
+  DriveOptions drive;
+  bool withholds_drive = false;
 };
 
 EstimatorSettings choose_settings(const EvaluateOptions& options, const Scenario& scenario) {
   const EstimatorOption& estimator = options.estimator;
   estimator.refuse_if_published("--lag", estimator.lag > 0);
+  estimator.refuse_if_published("--drive-...", options.drive.is_given() || options.withholds_drive);
+  if ((options.drive.is_given() || options.withholds_drive) && !(scenario.drive.rate_Hz > 0)) {
+    throw InputError(options.scenario, "has no drive that could be described",
+                     "give it a [drive] with rate_Hz");
+  }
   const double step_s = 1 / scenario.facebow.rate_Hz;
   if (estimator.is_published()) {
     LoadedParameters loaded = estimator.load_published();
     if (!loaded.gives_sample_time) loaded.values.sample_time_s = step_s;
     return loaded.values;
   }
-  const RecommendedParameters parameters = estimator.load_recommended();
+  RecommendedParameters parameters = estimator.load_recommended();
+  options.drive.apply(parameters.joint);
+  parameters.joint.drive.is_measured = !options.withholds_drive;
   refuse_long_step(parameters, step_s, options.scenario, "its step", "raise rate_Hz");
   return RecommendedSettings{parameters, estimator.lag};
 }
@@ -110,6 +120,10 @@ Command add_evaluate(CLI::App& app) {
   command->add_option("SCENARIO", options->scenario, "TOML file; host_sim/scenarios has some")
       ->required();
   options->estimator.add_to(*command);
+  options->drive.add_to(*command);
+  command->add_flag("--withhold-drive", options->withholds_drive,
+                    "Give the identification the assumed mass times the estimated acceleration "
+                    "instead, which tells nothing of friction and mass");
   command->add_option("--runs", options->plan.runs, "Number of runs")
       ->check(number_in({2, 1e6}))
       ->capture_default_str();

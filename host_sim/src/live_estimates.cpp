@@ -9,7 +9,8 @@
 
 namespace condyle::host {
 
-LiveEstimates::LiveEstimates(const std::string& path, int axis_count) : file_(path, axis_count) {
+LiveEstimates::LiveEstimates(const std::string& path, int axis_count, bool has_joint)
+    : file_(path, axis_count, has_joint) {
   thread_ = std::thread([this] { run(); });
 }
 

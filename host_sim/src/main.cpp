@@ -40,6 +40,8 @@ int run(int argc, char** argv) {
   commands.emplace_back("evaluate", add_evaluate(app));
   commands.emplace_back("friction", add_friction(app));
   commands.emplace_back("observability", add_observability(app));
+  commands.emplace_back("protocol", add_protocol(app));
+  commands.emplace_back("changes", add_changes(app));
   commands.emplace_back("record", add_record(app));
   commands.emplace_back("inspect", add_inspect(app));
   commands.emplace_back("doctor", add_doctor(app));

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "commands.h"
-#include "condyle/estimator/recommended_sensor.h"
+#include "condyle/estimator/driven_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/device_facebow.h"
 #include "device_words.h"
@@ -160,8 +160,6 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
     companions.push_back(std::make_unique<RecordedCompanion>(devices[i], log, i, clock));
     companions.back()->companion.start();
   }
-  RecommendedSensor<double, kAxes> sensor(
-      parameters, 0, FollowedPoint{.point = options.point, .body_point_m = {}});
   firmware::RunSettings settings;
   settings.followed = {options.point, options.axis};
   settings.nominal_step_ns = profile.rate_Hz > 0 ? nanoseconds(1 / profile.rate_Hz) : 0;
@@ -171,21 +169,30 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
   firmware::RunCounts counts;
   Latency latency;
   Monitor monitor(facebow, devices.front(), companions, clock);
-  (void)firmware::run(
-      facebow, clock, sensor, settings, counts,
-      [&](const Sample&, const RecommendedEstimate<double>& estimate) {
-        latency.add(clock.now_ns() - facebow.last_arrival_ns());
-        if (estimates != nullptr && estimate.is_ready) {
-          estimates->add(row_of(estimate, options.axis));
-        }
-      },
-      [&] {
-        monitor.look();
-        return stop_requested() || log.status().failure != hal::SessionLogFailure::none ||
-               (options.samples > 0 && counts.samples >= options.samples) ||
-               (options.idle_s > 0 && seconds(monitor.idle_ns()) >= options.idle_s) ||
-               (options.duration_s > 0 && seconds(monitor.elapsed_ns()) >= options.duration_s);
-      });
+  const auto run = [&](auto sensor) {
+    (void)firmware::run(
+        facebow, clock, sensor, settings, counts,
+        [&](const Sample&, const auto& estimate) {
+          latency.add(clock.now_ns() - facebow.last_arrival_ns());
+          if (estimates != nullptr && estimate.is_ready) {
+            estimates->add(row_of(estimate, options.axis));
+          }
+        },
+        [&] {
+          monitor.look();
+          return stop_requested() || log.status().failure != hal::SessionLogFailure::none ||
+                 (options.samples > 0 && counts.samples >= options.samples) ||
+                 (options.idle_s > 0 && seconds(monitor.idle_ns()) >= options.idle_s) ||
+                 (options.duration_s > 0 && seconds(monitor.elapsed_ns()) >= options.duration_s);
+        });
+  };
+  const FollowedPoint followed{.point = options.point, .body_point_m = {}};
+  if (profile.drive_N) {
+    run(DrivenSensor<double, kAxes>(parameters, 0, followed,
+                                    kAxes == 3 ? static_cast<int>(options.axis) : 0));
+  } else {
+    run(RecommendedSensor<double, kAxes>(parameters, 0, followed));
+  }
   monitor.end_line();
   const TimeNs elapsed_ns = monitor.elapsed_ns();
   facebow.close();
@@ -258,7 +265,8 @@ int record(const RecordOptions& options) {
   std::unique_ptr<LiveEstimates> estimates;
   if (!options.estimates.empty()) {
     estimates =
-        std::make_unique<LiveEstimates>(options.estimates, kind == SampleKind::one_axis ? 1 : 3);
+        std::make_unique<LiveEstimates>(options.estimates, kind == SampleKind::one_axis ? 1 : 3,
+                                        devices.front().profile.drive_N.has_value());
   }
   hal::SessionLogWriter log;
   const hal::SessionLogFailure failure = log.open(options.out, header);

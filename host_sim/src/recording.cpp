@@ -111,6 +111,10 @@ std::unique_ptr<Recording> open_recording(const std::string& source,
   const bool is_log = looks_like_session_log(start), is_capture = looks_like_capture(start);
   only_for(!options.profile.empty() && !is_log && !is_capture, "--profile",
            "session logs and captures");
+  if (options.reads_drive_alone && (is_log || is_capture || !is_text(start))) {
+    throw InputError(path, "is no CSV",
+                     "give the drive as CSV with time_s and drive_N, or as a session log");
+  }
   if (is_log || is_capture) {
     only_for(options.movement != 1, "--movement", "Zebris XML");
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");

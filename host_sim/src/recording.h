@@ -25,6 +25,8 @@ struct RecordingOptions {
   std::optional<double> units_per_metre;     ///< 1000: mm; for formats that do not state their unit
   int movement = 1;                          ///< which movement of a Zebris XML file, from 1
   std::string profile;                       ///< TOML file with the profile of a device
+  bool reads_drive_alone = false;            ///< drive without position; CSV only
+  std::string drive_column = "drive_N";      ///< name of the drive's column; CSV only
 };
 
 /// What a recording says of itself.

@@ -7,11 +7,12 @@
 #include <optional>
 
 #include "commands.h"
+#include "condyle/estimator/driven_sensor.h"
 #include "condyle/estimator/published_sensor.h"
-#include "condyle/estimator/recommended_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/clock.h"
 #include "device_values.h"
+#include "drive_options.h"
 #include "estimates_file.h"
 #include "estimator_option.h"
 #include "figures.h"
@@ -21,6 +22,7 @@
 #include "progress.h"
 #include "replay_facebow.h"
 #include "replay_summary.h"
+#include "replayed_drive.h"
 
 namespace condyle::host {
 namespace {
@@ -37,6 +39,8 @@ struct ReplayOptions {
   std::vector<double> jaw_point_mm;  // empty: a point of the instrument
   double speed = 0;
   RecordingOptions reading;
+  std::string drive;  // a recording of its own
+  DriveOptions drive_stated;
 };
 
 PublishedParameters choose_published_parameters(const ReplayOptions& options,
@@ -75,12 +79,14 @@ std::string recording_text(const ReplayOptions& options, const RecordingInfo& in
 template <class Sensor, class RowOfStep>
 int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
                    const firmware::RunSettings& settings, Sensor& sensor, int axis_count,
-                   const RowOfStep& row_of_step, ReplaySummary& summary) {
+                   bool has_joint, const RowOfStep& row_of_step, ReplaySummary& summary) {
   // Opened first, so that an output that cannot be written is said before the work.
   std::unique_ptr<OutputFolder> figure_folder;
   if (!options.figures.empty()) figure_folder = std::make_unique<OutputFolder>(options.figures);
   std::unique_ptr<EstimatesFile> estimates;
-  if (!options.out.empty()) estimates = std::make_unique<EstimatesFile>(options.out, axis_count);
+  if (!options.out.empty()) {
+    estimates = std::make_unique<EstimatesFile>(options.out, axis_count, has_joint);
+  }
   FigureData figure_data;
   firmware::RunCounts counts;
   {
@@ -135,6 +141,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   };
   line("recording", recording_text(options, facebow.info()));
   for (const std::string& note : facebow.info().notes) line("note", note);
+  for (const std::string& note : summary.drive_notes()) line("note", note);
   text += summary.text();
   if (estimates) line("estimates", options.out);
   for (const auto& figure : figures) {
@@ -155,7 +162,7 @@ int replay_published(const ReplayOptions& options, ReplayFacebow& facebow, hal::
   PublishedSensor<double> sensor(parameters, options.followed);
   PublishedSummary summary(parameters);
   return replay_through(
-      options, facebow, clock, settings, sensor, 0,
+      options, facebow, clock, settings, sensor, 0, false,
       [&](const Sample& sample, const PublishedEstimate<double>& estimate) {
         return std::optional(row_of(sample, options.followed, estimate));
       },
@@ -167,7 +174,7 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
                        firmware::RunSettings settings) {
   const RecordingInfo& info = facebow.info();
   const bool has_own = options.estimator.parameters.empty() && !info.parameters_toml.empty();
-  const RecommendedParameters parameters =
+  RecommendedParameters parameters =
       has_own ? parse_recommended_parameters(options.recording + ": its parameters",
                                              info.parameters_toml)
               : options.estimator.load_recommended();
@@ -180,20 +187,34 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
   if (!options.jaw_point_mm.empty()) {
     followed.body_point_m = 1e-3 * Eigen::Map<const Eigen::Vector3d>(options.jaw_point_mm.data());
   }
-  RecommendedSensor<double, kAxes> sensor(parameters, options.estimator.lag, followed);
+  options.drive_stated.apply(parameters.joint);
   RecommendedSummary summary(parameters, options.estimator.lag, options.followed.axis, fits);
-  return replay_through(
-      options, facebow, clock, settings, sensor, kAxes,
-      [&](const Sample&, const RecommendedEstimate<double>& estimate) {
-        return estimate.is_ready ? std::optional(row_of(estimate, options.followed.axis))
-                                 : std::nullopt;
-      },
-      summary);
+  const auto run = [&](auto& sensor, bool has_joint) {
+    return replay_through(
+        options, facebow, clock, settings, sensor, kAxes, has_joint,
+        [&](const Sample&, const auto& estimate) {
+          return estimate.is_ready ? std::optional(row_of(estimate, options.followed.axis))
+                                   : std::nullopt;
+        },
+        summary);
+  };
+  if (!options.drive.empty() || info.has_drive) {
+    std::optional<DriveChannel> channel;
+    if (!options.drive.empty()) channel.emplace(options.drive, options.reading.faults);
+    ReplayedDriveSensor<DrivenSensor<double, kAxes>> sensor(
+        channel ? &*channel : nullptr, parameters.joint.drive.delay_s, parameters,
+        options.estimator.lag, followed, kAxes == 3 ? static_cast<int>(options.followed.axis) : 0);
+    summary.set_drive([&] { return drive_notes(channel, sensor.counts()); });
+    return run(sensor, true);
+  }
+  RecommendedSensor<double, kAxes> sensor(parameters, options.estimator.lag, followed);
+  return run(sensor, false);
 }
 
 int replay(const ReplayOptions& options) {
-  refuse_same_files({options.recording, options.estimator.parameters, options.reading.profile},
-                    {options.out});
+  refuse_same_files(
+      {options.recording, options.estimator.parameters, options.reading.profile, options.drive},
+      {options.out});
   hal::SteadyClock clock;
   ReplayFacebow facebow(options.recording, options.reading, options.speed, clock);
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
@@ -217,6 +238,16 @@ int replay(const ReplayOptions& options) {
   settings.expects_drive = info.has_drive;
   options.estimator.refuse_if_published("--lag", options.estimator.lag > 0);
   options.estimator.refuse_if_published("--jaw-point-mm", !options.jaw_point_mm.empty());
+  options.estimator.refuse_if_published("--drive",
+                                        !options.drive.empty() || options.drive_stated.is_given());
+  if (!options.drive.empty() && info.has_drive) {
+    throw InputError(options.recording, "has a drive of its own",
+                     "leave out --drive, or its column with --ignore-column drive_N");
+  }
+  if (options.drive.empty() && options.drive_stated.is_given() && !info.has_drive) {
+    throw InputError(options.recording, "has no drive that could be described",
+                     "give one with --drive FILE");
+  }
   if (options.estimator.is_published()) {
     return replay_published(options, facebow, clock, settings);
   }
@@ -269,6 +300,10 @@ Command add_replay(CLI::App& app) {
   command->add_option("--speed", options->speed, "0 as fast as possible, 1 real time")
       ->check(number_in({0, 1e6}))
       ->capture_default_str();
+  command->add_option("--drive", options->drive,
+                      "Total force along the followed axis, recorded apart: CSV with time_s and "
+                      "drive_N, or a session log");
+  options->drive_stated.add_to(*command);
   command->add_option("--out", options->out, "CSV file for the estimates");
   command->add_option(
       "--values", options->values,

@@ -37,6 +37,40 @@ const char* force_words(Provenance force, Provenance acceleration) {
              : ": assumed mass times measured acceleration";
 }
 
+// Why a value is not measured.
+const char* limit_words(JointLimit limit) {
+  switch (limit) {
+    case JointLimit::none:
+      return "";
+    case JointLimit::no_drive:
+      return ": no drive was measured while the position was";
+    case JointLimit::too_early:
+      return ": too few positions to judge the model by";
+    case JointLimit::model:
+      return ": drive and model do not explain the motion; another force acts, or the noise is not "
+             "as stated";
+    case JointLimit::information:
+      return ": the motion tells less of it than the prior does";
+    case JointLimit::resolution:
+      return ": the motion tells too little of it for the stated resolution; record longer";
+    case JointLimit::friction_or_delay:
+      return ": this motion cannot tell friction from a delay of the drive; measure the delay, or "
+             "let "
+             "the rhythm vary";
+    case JointLimit::mass_or_stiffness:
+      return ": this motion cannot tell mass from stiffness; let the rhythm vary";
+    case JointLimit::viscous_or_coulomb:
+      return ": this motion cannot tell viscous from Coulomb friction; let its speed vary";
+    case JointLimit::gain:
+      return ": the uncertainty of the drive's gain is too large for the stated resolution";
+    case JointLimit::delay:
+      return ": the uncertainty of the drive's delay, which acts like friction, is too large";
+    case JointLimit::missing:
+      return ": the drive may miss too much of the force (--drive-missing SHARE, if that is known)";
+  }
+  return "";
+}
+
 }  // namespace
 
 void ReplaySummary::add(const EstimateRow& row) {
@@ -299,10 +333,43 @@ std::string RecommendedSummary::text() const {
   const InnovationMonitor<double>& followed = monitors_[followed_index()];
   text += last_values_text(is_trusted(followed.mean_nis()) && !followed.is_correlated() &&
                            !followed.is_filtered());
+  if (last_.has_joint) return text + joint_text();
   text +=
       "Friction and mass are not computed: position alone does not determine them. What the "
       "published cascade shows for\nthem (--estimator published) is decided by its tuning.\n";
   return text;
+}
+
+std::string RecommendedSummary::joint_text() const {
+  const JointEstimate<double>& joint = last_.joint;
+  const auto words = [](const IdentifiedValue<double>& value, const char* unit) {
+    const char* const reason = limit_words(value.limit);
+    const std::string shown = value.limit == JointLimit::none
+                                  ? with_interval(value.quantity, 1, unit, "95 %")
+                                  : fmt::format("{:.4g} {}, assumed", value.quantity.value, unit);
+    return fmt::format("{}{}; information share {:.2f}", shown, reason, value.information);
+  };
+  std::string text;
+  add_line(text, "  friction", words(joint.friction_Ns_m, "Ns/m"));
+  add_line(text, "  mass", words(joint.mass_kg, "kg"));
+  add_line(text, "  stiffness", words(joint.stiffness_N_m, "N/m"));
+  add_line(text, "  offset", words(joint.offset_N, "N"));
+  if (parameters_.joint.coulomb_N.sd > 0) {
+    add_line(text, "  Coulomb", words(joint.coulomb_N, "N"));
+  }
+  if (parameters_.joint.delay == DelayModel::fitted) {
+    add_line(text, "  delay", words(joint.delay_s, "s"));
+  }
+  add_line(
+      text, "drive model",
+      fmt::format("mean NIS {:.3g}, correlation of neighbouring innovations {:.2f} (1 and 0 if "
+                  "drive and model explain the motion); observability {:.3f} (information share of "
+                  "the least known combination)",
+                  joint.mean_nis, joint.innovation_correlation, joint.observability));
+  return text +
+         "Friction is the effective damping along the followed axis, of joint, muscle and tissue "
+         "together. It and the mass rest on\nwhat was stated of the drive: its noise, gain, delay "
+         "and the share of the force it may miss.\n";
 }
 
 std::string RecommendedSummary::axes_where(bool (InnovationMonitor<double>::*is)() const) const {

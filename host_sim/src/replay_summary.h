@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "condyle/estimator/innovation_monitor.h"
 #include "condyle/estimator/point_follower.h"
@@ -20,6 +22,11 @@ class ReplaySummary {
   virtual void add(const EstimateRow& row);
   /// The summary in words, with units, uncertainties and provenance.
   virtual std::string text() const = 0;
+  /// What the user should know of the drive, asked for when the text is made.
+  void set_drive(std::function<std::vector<std::string>()> notes) { drive_ = std::move(notes); }
+  std::vector<std::string> drive_notes() const {
+    return drive_ ? drive_() : std::vector<std::string>();
+  }
   /// Something to warn about beside the summary; empty where there is nothing.
   virtual std::string warning() const { return {}; }
 
@@ -47,6 +54,7 @@ class ReplaySummary {
   EstimateRow last_;
 
  private:
+  std::function<std::vector<std::string>()> drive_;
   // The mean NIS of so many strays by 14 % (standard deviation), of fewer by more.
   static constexpr std::uint64_t kFewestInnovations = 100;
 
@@ -98,6 +106,8 @@ class RecommendedSummary final : public ReplaySummary {
  private:
   std::string per_axis(const char* format, double (*value)(const RecommendedSummary&, int)) const;
   std::string filtered_text() const;
+  // What the drive told of friction, mass, stiffness and offset.
+  std::string joint_text() const;
   // How well the points kept their distances; why there is no estimate.
   std::string body_text() const;
   std::string nothing_text() const;

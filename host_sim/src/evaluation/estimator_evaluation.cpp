@@ -49,7 +49,35 @@ Scenario vary(const Scenario& scenario, const EvaluationPlan& plan, std::uint64_
   return varied;
 }
 
+void add_identified(const IdentifiedValue<double>& value, double truth,
+                    IdentifiedStatistics& statistics) {
+  const double error = value.fitted - truth;
+  statistics.error.add(error);
+  statistics.square.add(error * error);
+  statistics.fitted_sd.add(value.fitted_sd);
+  ++statistics.limits[static_cast<std::size_t>(value.limit)];
+  if (value.limit != JointLimit::none) return;
+  ++statistics.shown;
+  if (std::abs(error) < kNormalQuantile95 * value.fitted_sd) ++statistics.covered;
+}
+
+void add_identified(const IdentifiedRun& run, Evaluation& evaluation) {
+  const JointEstimate<double>& last = run.last;
+  ++evaluation.identified;
+  add_identified(last.friction_Ns_m, run.friction_Ns_m, evaluation.identified_friction);
+  add_identified(last.mass_kg, run.mass_kg, evaluation.identified_mass);
+  Eigen::Matrix2d covariance;
+  covariance << std::pow(last.friction_Ns_m.filter_sd, 2), last.friction_mass_covariance,
+      last.friction_mass_covariance, std::pow(last.mass_kg.filter_sd, 2);
+  RunSquares nees;
+  nees.add(normalised_square<2>(
+      {last.friction_Ns_m.fitted - run.friction_Ns_m, last.mass_kg.fitted - run.mass_kg},
+      covariance));
+  evaluation.identified_nees.add_run(nees);
+}
+
 void add_run(EvaluationRun&& run, Evaluation& evaluation) {
+  if (run.identified) add_identified(*run.identified, evaluation);
   for (std::size_t i = 0; i < kEvaluatedQuantities; ++i) {
     evaluation.errors[i].add_run(run.errors[i]);
     evaluation.not_computed[i] += run.not_computed[i];

@@ -30,6 +30,16 @@ struct InnovationStatistics {
   Moments correlation;  ///< of neighbours, one value a run
 };
 
+/// What was said of friction or of mass at the ends of the runs.
+struct IdentifiedStatistics {
+  Moments error;      ///< of what the filter fitted, shown or not; its square is the bias' part
+  Moments square;     ///< of these errors
+  Moments fitted_sd;  ///< that it stated
+  std::uint64_t shown = 0;                           ///< as measured
+  std::uint64_t covered = 0;                         ///< of these, by the 95 % interval
+  std::array<std::uint64_t, kJointLimits> limits{};  ///< why not
+};
+
 /// All runs.
 struct Evaluation {
   std::array<ErrorStatistics, kEvaluatedQuantities> errors;
@@ -38,6 +48,9 @@ struct Evaluation {
   int innovation_axes = 0;  ///< 1 or 3
   std::array<InnovationStatistics, 3> innovations;
   ConsistencyStatistics nees{3, ConsistencyStatistics::Independent::runs};
+  std::uint64_t identified = 0;  ///< runs with a drive
+  IdentifiedStatistics identified_friction, identified_mass;
+  ConsistencyStatistics identified_nees{2, ConsistencyStatistics::Independent::runs};
   std::uint64_t samples = 0;
   EventCounts events;
   ResponseSlope friction_slope, mass_slope;

@@ -5,9 +5,9 @@
 #include <deque>
 #include <utility>
 
+#include "condyle/estimator/driven_sensor.h"
 #include "condyle/estimator/innovation_monitor.h"
 #include "condyle/estimator/published_sensor.h"
-#include "condyle/estimator/recommended_sensor.h"
 #include "estimate_row.h"
 
 namespace condyle::host {
@@ -44,13 +44,18 @@ class RunComparison {
   // `truth`: at the instant that `row` estimates.
   void add(const EstimateRow& row, const SubjectTruth& truth) {
     ++run_.samples;
+    if (row.has_joint) {
+      if (!run_.identified) run_.identified.emplace();
+      run_.identified->last = row.joint;
+    }
     run_.events.add(row.events);
     run_.velocity_m_s.add(truth.time_s, row.velocity_m_s.value - truth.velocity_m_s,
                           row.velocity_m_s.standard_deviation);
-    if (is_there(row.mass_kg)) {  // a sample that was not taken has no verdict either
-      run_.verdict = row.verdict;
-      run_.friction.estimate = row.friction_Ns_m.value;
+    if (is_there(row.friction_Ns_m)) run_.friction.estimate = row.friction_Ns_m.value;
+    if (is_there(row.mass_kg)) {
       run_.mass.estimate = row.mass_kg.value;
+      // A sample that was not taken has no verdict either.
+      if (!row.has_joint) run_.verdict = row.verdict;
     }
     if (truth.time_s < left_out_s_) return;
     const auto estimates = quantities_of(row);
@@ -70,6 +75,10 @@ class RunComparison {
   EvaluationRun result() && {
     run_.friction.truth = friction_.mean();
     run_.mass.truth = mass_.mean();
+    if (run_.identified) {
+      run_.identified->friction_Ns_m = run_.friction.truth;
+      run_.identified->mass_kg = run_.mass.truth;
+    }
     return std::move(run_);
   }
 
@@ -111,6 +120,10 @@ EvaluationRun run_through(const Scenario& scenario, std::uint64_t seed, double n
   SimulatedData data;
   while (simulation.advance(data)) {
     if (should_stop && should_stop()) break;
+    if constexpr (requires { sensor.add_drive(TimeNs{}, 0.0); }) {
+      for (const Reading& reading : data.drive)
+        sensor.add_drive(reading.time_ns, reading.values[0]);
+    }
     for (const Sample& sample : data.samples) {
       last_truth = data.truths.back();
       truths.push_back(last_truth);
@@ -127,14 +140,25 @@ template <int kAxes>
 EvaluationRun run_recommended(const Scenario& scenario, std::uint64_t seed,
                               const RecommendedSettings& settings,
                               const std::function<bool()>& should_stop) {
-  RecommendedSensor<double, kAxes> sensor(settings.parameters, settings.lag);
   SubjectTruth last_truth;
-  return run_through(
-      scenario, seed, 1 / scenario.facebow.rate_Hz, should_stop, sensor,
-      [&](const Sample&, const RecommendedEstimate<double>& estimate) {
-        return estimate.is_ready ? std::optional(row_of(estimate, scenario.axis)) : std::nullopt;
-      },
-      last_truth);
+  const auto run = [&](auto sensor) {
+    return run_through(
+        scenario, seed, 1 / scenario.facebow.rate_Hz, should_stop, sensor,
+        [&](const Sample&, const auto& estimate) -> std::optional<EstimateRow> {
+          if (!estimate.is_ready) return std::nullopt;
+          EstimateRow row = row_of(estimate, scenario.axis);
+          for (Quantity<double>* quantity : {&row.friction_Ns_m, &row.mass_kg}) {
+            if (quantity->provenance == Provenance::assumed) *quantity = {};
+          }
+          return row;
+        },
+        last_truth);
+  };
+  if (scenario.drive.rate_Hz > 0) {
+    return run(DrivenSensor<double, kAxes>(settings.parameters, settings.lag, {},
+                                           kAxes == 3 ? static_cast<int>(scenario.axis) : 0));
+  }
+  return run(RecommendedSensor<double, kAxes>(settings.parameters, settings.lag));
 }
 
 EvaluationRun run_published(const Scenario& scenario, std::uint64_t seed,

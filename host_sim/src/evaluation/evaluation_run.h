@@ -6,7 +6,8 @@
 // of the run is left out. Position, velocity and acceleration are compared with those of the
 // followed coordinate, the only one whose truth the simulation has; the force with effective mass x
 // acceleration; friction and mass with the effective ones at the followed point. What is not
-// computed is not compared: it is counted. Innovations are those of every axis (stage 1's of the
+// computed, or is said to be assumed though a drive was measured, is not compared: it is counted.
+// Innovations are those of every axis (stage 1's of the
 // published cascade) that were not rejected.
 //
 // Published cascade only: its acceleration is stage 1's net force over the assumed mass; NEES is
@@ -21,6 +22,7 @@
 #include <variant>
 
 #include "condyle/estimator/events.h"
+#include "condyle/estimator/joint_identification.h"
 #include "condyle/estimator/matching_verdict.h"
 #include "condyle/estimator/parameters.h"
 #include "condyle/estimator/recommended_parameters.h"
@@ -71,6 +73,12 @@ struct RunInnovations {
   double correlation = std::numeric_limits<double>::quiet_NaN();  ///< of neighbours
 };
 
+/// What was known at the end of a run where the drive was measured.
+struct IdentifiedRun {
+  JointEstimate<double> last;
+  double friction_Ns_m = 0, mass_kg = 0;  ///< mean truths
+};
+
 /// What one run gave.
 struct EvaluationRun {
   std::array<RunErrors, kEvaluatedQuantities> errors;
@@ -78,8 +86,9 @@ struct EvaluationRun {
   int innovation_axes = 0;                                         ///< 1 or 3
   std::array<RunInnovations, 3> innovations;
   RunSquares nees;
-  ResponsePair friction, mass;     ///< mean truth, last estimate
-  std::optional<Verdict> verdict;  ///< none: the estimator gives none
+  ResponsePair friction, mass;              ///< mean truth, last estimate
+  std::optional<Verdict> verdict;           ///< none: the estimator gives none
+  std::optional<IdentifiedRun> identified;  ///< none: no drive was measured
   // Of the whole run:
   ErrorOverTime velocity_m_s;
   std::uint64_t samples = 0;

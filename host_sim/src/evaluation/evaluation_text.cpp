@@ -28,6 +28,11 @@ constexpr const char* kPublishedNotes =
     "smoother than that. With the drive unknown there is\nno information on friction and mass, so "
     "their bound is their prior.\n";
 
+constexpr const char* kIdentifiedNotes =
+    "Friction and mass: identified from the measured drive; shown where they are measured, by what "
+    "the parameters state of\nthe drive. Errors and standard deviations at the end of each run, of "
+    "what was fitted, shown or not.\n";
+
 constexpr const char* kRecommendedNotes =
     "Friction and mass are not estimated: position alone does not determine them.\n";
 
@@ -108,6 +113,21 @@ std::string innovations_text(const Evaluation& evaluation) {
                     "whiteness", correlations);
 }
 
+std::string identified_text(const char* name, const char* unit, const IdentifiedStatistics& of,
+                            std::uint64_t runs) {
+  std::string limits;
+  for (std::size_t i = 1; i < of.limits.size(); ++i) {
+    if (of.limits[i] == 0) continue;
+    limits += fmt::format("{}{} {}", limits.empty() ? "" : ", ",
+                          limit_name(static_cast<JointLimit>(i)), of.limits[i]);
+  }
+  return fmt::format(
+      "{:<12}shown in {} of {} runs, the 95 % interval holds the truth in {}{}; bias {:.3g}, error "
+      "rms {:.3g}, stated sd {:.3g} {}\n",
+      name, of.shown, runs, of.covered, limits.empty() ? "" : "; withheld: " + limits,
+      of.error.mean(), std::sqrt(of.square.mean()), of.fitted_sd.mean(), unit);
+}
+
 std::string slope_text(const char* name, const SlopeReport& r) {
   if (!std::isfinite(r.slope)) {
     return fmt::format("{:<12}no response slope: the truth did not vary\n", name);
@@ -127,6 +147,12 @@ std::string evaluation_text(const Evaluation& evaluation) {
   if (evaluation.is_computed(kMassError)) {
     text += slope_text("mass", evaluation.mass_slope.report(kConfidence));
   }
+  if (evaluation.identified > 0) {
+    text +=
+        identified_text("friction", "Ns/m", evaluation.identified_friction, evaluation.identified) +
+        identified_text("mass", "kg", evaluation.identified_mass, evaluation.identified) +
+        consistency_text("NEES of both", evaluation.identified_nees.report(kConfidence));
+  }
   const auto& verdicts = evaluation.verdicts;
   if (verdicts[0] + verdicts[1] + verdicts[2] > 0) {
     text += fmt::format("{:<12}{} matched, {} not matched, {} diverged\n", "verdicts", verdicts[1],
@@ -135,7 +161,9 @@ std::string evaluation_text(const Evaluation& evaluation) {
   text += fmt::format("{:<12}{} in {} samples\n", "events", event_text(evaluation.events),
                       evaluation.samples);
   text += kNotes;
-  text += has_friction ? kPublishedNotes : kRecommendedNotes;
+  text += evaluation.identified > 0 ? kIdentifiedNotes
+          : has_friction            ? kPublishedNotes
+                                    : kRecommendedNotes;
   return text;
 }
 

@@ -56,6 +56,8 @@ struct DriveModel {
   double noise_N = 0.01;
   double gain = 1;           ///< what it shows of the true force
   double missing_share = 0;  ///< share of the muscles' force that passes it by
+  /// Of the muscles' force, what passes it by in phase with velocity: force per velocity.
+  double missing_in_phase_Ns_m = 0;
   double delay_s = 0;
 };
 

@@ -10,26 +10,16 @@ namespace condyle::host {
 namespace {
 
 constexpr double kGravity_m_s2 = 9.80665;
-constexpr double kForceLengthWidth = 0.45;
-constexpr double kHillShape = 0.25;
-constexpr double kLengtheningPlateau = 1.4;
-constexpr double kMaximumLengthsPerSecond = 10;
-constexpr double kActivationTime_s = 0.010;
-constexpr double kDeactivationTime_s = 0.040;
 constexpr double kDegree = 0.017453292519943295;
 
 }  // namespace
 
 double Jaw::followed_position_m(double q) const {
-  if (motion == JawMotion::translation) return q;
-  return incisor_radius_m *
-         (elementary::sin(incisor_angle_rad - q) - elementary::sin(incisor_angle_rad));
+  return geometry().position_m(q);
 }
 
 double Jaw::followed_slope(double q) const {
-  return motion == JawMotion::translation
-             ? 1
-             : -incisor_radius_m * elementary::cos(incisor_angle_rad - q);
+  return geometry().slope(q);
 }
 
 double Jaw::followed_curvature(double q) const {
@@ -39,10 +29,7 @@ double Jaw::followed_curvature(double q) const {
 }
 
 double Jaw::coordinate_at(double position_m) const {
-  if (motion == JawMotion::translation) return position_m;
-  double q = -position_m / incisor_radius_m;
-  for (int i = 0; i < 20; ++i) q -= (followed_position_m(q) - position_m) / followed_slope(q);
-  return q;
+  return geometry().coordinate_at(position_m);
 }
 
 double Jaw::weight(double q) const {
@@ -52,23 +39,11 @@ double Jaw::weight(double q) const {
 }
 
 double force_length_factor(const Muscle& muscle, double q) {
-  const double stretch = -muscle.arm * q / muscle.optimal_length_m / kForceLengthWidth;
-  return elementary::exp(-stretch * stretch);
+  return condyle::force_length_factor(muscle.parameters(), q);
 }
 
 double force_velocity_factor(const Muscle& muscle, double q_rate) {
-  const double w = -muscle.arm * q_rate / muscle.optimal_length_m / kMaximumLengthsPerSecond;
-  if (w <= -1) return 0;
-  if (w <= 0) return (1 + w) / (1 - w / kHillShape);
-  // Same slope at w = 0: 1 + 1/shape.
-  const double slope = 1 + 1 / kHillShape;
-  const double rise = kLengtheningPlateau - 1;
-  return 1 + rise * slope * w / (rise + slope * w);
-}
-
-double activation_rate(double activation, double excitation) {
-  const double gap = excitation - activation;
-  return gap / (gap > 0 ? kActivationTime_s : kDeactivationTime_s);
+  return condyle::force_velocity_factor(muscle.parameters(), q_rate);
 }
 
 Jaw tabulated_hinge_jaw(const std::string& name) {

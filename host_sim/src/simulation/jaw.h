@@ -11,19 +11,15 @@
 // With J = dz/dq the body obeys  inertia q'' = sum of generalised forces;  a force F along z counts
 // J F. Effective mass at the followed point: inertia / J^2.
 //
-// Muscle n: force F_n = activation x F_max x force-length x force-velocity (eq 1's F_n);
-// generalised force K_n r_n F_n with r_n its moment arm (m; sign: positive drives q up) or
-// cos(alpha_n).
-//   force-length    exp(-((l - 1) / 0.45)^2),  l = 1 - r_n q / l_opt   (Gaussian of Thelen 2003)
-//   force-velocity  Hill's hyperbola in Thelen's (2003) normalised form, with w = l' / 10 per
-//   second,
-//                   shape 0.25, lengthening plateau 1.4
-//   activation      a' = (e - a) / tau, tau 10 ms rising, 40 ms falling
-// D. G. Thelen, J. Biomech. Eng. 125 (2003) 70-77, doi 10.1115/1.1531112.
+// Muscle n: force F_n = activation x F_max x force-length x force-velocity (eq 1's F_n), the
+// factors those of condyle/estimator/muscle_force.h; generalised force K_n r_n F_n with r_n its
+// moment arm (m; sign: positive drives q up) or cos(alpha_n).
 #pragma once
 
 #include <string>
 #include <vector>
+
+#include "condyle/estimator/muscle_force.h"
 
 namespace condyle::host {
 
@@ -34,10 +30,11 @@ struct Muscle {
   double arm = 0.03;               ///< r_n: moment arm (m) of a hinge, cos(alpha) of a translation
   double optimal_length_m = 0.04;  ///< fibre length of greatest force
   double gain = 1;                 ///< K_n
+
+  MuscleParameters parameters() const { return {maximum_force_N, arm, optimal_length_m}; }
 };
 
-/// How the jaw moves.
-enum class JawMotion { hinge, translation };
+using condyle::JawMotion;
 
 /// A jaw.
 struct Jaw {
@@ -50,6 +47,7 @@ struct Jaw {
       0.05;  ///< from the TMJ axis, along the line to the incisor point
   std::vector<Muscle> muscles;
 
+  JawGeometry geometry() const { return {motion, incisor_radius_m, incisor_angle_rad}; }
   /// Inertia that q'' meets: kg m^2 of a hinge, kg of a translation.
   double inertia() const { return motion == JawMotion::hinge ? inertia_kg_m2 : mass_kg; }
   /// Followed coordinate z (m) at q.
@@ -73,8 +71,7 @@ struct Jaw {
 double force_length_factor(const Muscle& muscle, double q);
 /// Force-velocity factor at rate q', 0 (fastest shortening) to 1.4 (lengthening).
 double force_velocity_factor(const Muscle& muscle, double q_rate);
-/// Rate of change of activation (1/s) towards `excitation`, both 0 to 1.
-double activation_rate(double activation, double excitation);
+using condyle::activation_rate;
 
 /// The two subjects tabulated in the literature, opening and closing by muscles:
 /// "artisynth" (lower ends of the published ranges of muscle force) or "anybody" (upper ends).

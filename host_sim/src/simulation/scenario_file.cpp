@@ -202,6 +202,8 @@ void read_instruments(TomlReader& file, Scenario& scenario) {
   file.number("drive", "noise_N", scenario.drive.noise_N, "N", {0, 1e3});
   file.number("drive", "gain", scenario.drive.gain, "1", {-10, 10});
   file.number("drive", "missing_share", scenario.drive.missing_share, "share", kShare);
+  file.number("drive", "missing_in_phase_Ns_m", scenario.drive.missing_in_phase_Ns_m, "Ns/m",
+              {-100, 100});
   file.number("drive", "delay_s", scenario.drive.delay_s, "s", {0, 1});
   file.number("emg", "rate_Hz", scenario.emg.rate_Hz, "Hz", {0, 5000});
   file.number("emg", "noise", scenario.emg.noise, "share of the maximum", {0, 10});

@@ -94,7 +94,8 @@ void Simulation::read_channels(SimulatedData& data) {
     const DriveModel& model = scenario_.drive;
     const double muscle_N = truth.force_N[static_cast<std::size_t>(Cause::muscle)];
     const double load_N = truth.force_N[static_cast<std::size_t>(Cause::load)];
-    const double seen_N = (1 - model.missing_share) * muscle_N + load_N;
+    const double seen_N = (1 - model.missing_share) * muscle_N + load_N -
+                          model.missing_in_phase_Ns_m * truth.velocity_m_s;
     reading.values[0] = model.gain * seen_N + model.noise_N * drive_noise_.normal();
     data.drive.push_back(reading);
   });

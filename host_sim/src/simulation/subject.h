@@ -70,8 +70,7 @@ enum class Cause { muscle, weight, friction, support, contact, food, load, offse
 inline constexpr std::size_t kCauses = 8;
 /// Name of a cause as it stands in column names.
 const char* cause_name(Cause cause);
-/// Most muscles that a jaw may have.
-inline constexpr std::size_t kMostMuscles = 8;
+using condyle::kMostMuscles;
 
 /// The true state of a subject at one instant.
 struct SubjectTruth {

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// The change detector over the cycles of a recording.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "condyle/estimator/change_detector.h"
+#include "condyle/estimator/cycle_timeline.h"
+
+namespace condyle::host {
+
+/// A cycle, and what the detector said after it.
+struct WatchedCycle {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  TimeNs end_ns = 0;
+  CycleReport<double> report;
+  double statistic_up = kNone, statistic_down = kNone, threshold = kNone;  ///< if it counted
+  ChangeState state = ChangeState::learning;
+  bool is_watched = true;  ///< false: the point had been lost by then
+};
+
+/// An alarm.
+struct DetectedChange {
+  DampingChange<double> change;            ///< its cycle numbers are not used
+  std::size_t alarm = 0, first_after = 0;  ///< cycles of the recording
+  bool is_increase = false;
+  /// What the drive, as it is stated, may make of no change at all (Ns/m): what it misses, before
+  /// and after, and its delay where the rhythm changed with the damping.
+  double of_drive_Ns_m = 0;
+  /// False: that may be as much as the change, whose size is uncertain.
+  bool is_told() const;
+};
+
+/// What is taken for granted.
+struct WatchSettings {
+  ChangeParameters detector;          ///< but for its false_alarm_cycles
+  double false_alarm_interval_h = 0;  ///< of chewing, between two false alarms
+  DriveParameters drive;              ///< its missing share and the uncertainty of its delay
+  double mass_kg = 0;                 ///< of the baseline
+};
+
+/// A recording's cycles and changes. After an alarm the detector learns anew.
+struct ChangeWatch {
+  std::vector<WatchedCycle> cycles;
+  std::vector<DetectedChange> changes;
+  /// First cycle of those in which the point was lost for good: three of ten. It, and those after
+  /// it, are not watched.
+  std::optional<std::size_t> lost_from;
+  double false_alarm_cycles = 0;  ///< as many as the interval holds; may be out of range
+  std::size_t counted = 0, judged = 0;
+  double mean_duration_s = 0;         ///< of the counted ones, like the following
+  double mean_Ns_m = 0, sd_Ns_m = 0;  ///< weighted mean; what is said of a cycle, rms
+  double spread = 1;                  ///< ChangeDetector's, at the end
+  double of_drive_Ns_m = 0;           ///< as in DetectedChange, without a change of the rhythm
+};
+
+/// Runs the detector; nothing is judged where `false_alarm_cycles` is out of range.
+ChangeWatch watch_cycles(const std::vector<TimedCycle<double>>& cycles,
+                         const WatchSettings& settings);
+
+/// Number of cycles of `outcome`.
+std::size_t count_of(const ChangeWatch& watch, CycleOutcome outcome);
+
+/// Cycles until the alarm, of 400 simulated changes.
+struct DetectionDelay {
+  std::size_t after_cycles = 0;        ///< from which it had learned
+  std::optional<double> median, most;  ///< half of them, nine of ten; else longer than kLongest
+  static constexpr int kLongest = 1000;
+};
+
+/// How soon a change of `change_Ns_m` would be found among cycles as alike as those of `watch`, if
+/// it comes after half of them, at least the detector's baseline_cycles and at most 390.
+DetectionDelay expected_delay(const ChangeWatch& watch, const ChangeParameters& detector,
+                              double change_Ns_m);
+
+}  // namespace condyle::host

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// A recording of a relaxed jaw in a head that moves, with the head's acceleration.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "condyle/estimator/head_motion.h"
+#include "recording.h"
+
+namespace condyle::host {
+
+/// Which stretch of which recording, and what is known of its instruments.
+struct HeadMotionSource {
+  std::string recording;
+  std::string acceleration;  ///< CSV with time_s and acceleration_m_s2; empty: a column of it
+  RecordingOptions reading;
+  FollowedCoordinate followed;
+  bool axis_given = false;
+  std::optional<double> begin_s, end_s;  ///< from the recording's first time (s)
+  double delay_s = 0;                    ///< how late the acceleration is stamped (s)
+  std::optional<double> noise_sd_m, acceleration_noise_sd_m_s2;  ///< else from sixth differences
+};
+
+/// The filter's values over time, for pictures.
+struct HeadMotionPoint {
+  double time_s = 0;
+  double damping_rate_per_s = 0, damping_rate_sd = 0;
+  double stiffness_per_mass_per_s2 = 0, stiffness_sd = 0;
+};
+
+/// A head motion that was identified.
+struct IdentifiedHeadMotion {
+  std::string recording;
+  std::vector<double> time_s, position_m;                      ///< from the recording's first time
+  std::vector<double> acceleration_time_s, acceleration_m_s2;  ///< likewise, without the delay
+  double noise_sd_m = 0;
+  HeadMotionParameters parameters;  ///< with the noise that was counted with
+  HeadMotionEstimate<double> estimate;
+  std::vector<HeadMotionPoint> course;  ///< some 500 points
+  std::size_t taken = 0, gaps = 0;      ///< positions with an acceleration; gaps of that
+};
+
+/// Reads and identifies it. An InputError where the recordings cannot be used.
+IdentifiedHeadMotion identify_head_motion(const HeadMotionSource& source,
+                                          const HeadMotionParameters& parameters);
+
+}  // namespace condyle::host

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+// Protocols for users without a force sensor: plan, fit and combine passive releases; the head's
+// motion is in head_motion_command.cpp.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <memory>
+
+#include "commands.h"
+#include "emg_command.h"
+#include "head_motion_command.h"
+#include "input_error.h"
+#include "number_option.h"
+#include "output_file.h"
+#include "release_plan.h"
+#include "release_report.h"
+
+namespace condyle::host {
+namespace {
+
+// What `release` and `combine` share.
+struct FitOptions {
+  ReleaseSource source;  // without the recording and its times
+  double noise_mm = 0;
+  ReleaseResolution resolution;
+  std::string axis = "z", unit, out, figures;
+  CLI::Option* axis_option = nullptr;
+
+  void add_to(CLI::App& command) {
+    command.add_option("--point", source.followed.point, "Point to follow")
+        ->check(CLI::Range(1, 3))
+        ->capture_default_str();
+    axis_option = command.add_option("--axis", axis, "Axis to follow")
+                      ->check(CLI::IsMember({"x", "y", "z"}))
+                      ->capture_default_str();
+    command.add_option("--unit", unit, "Unit of coordinates where the format states none")
+        ->check(CLI::IsMember({"mm", "m"}));
+    command
+        .add_option("--noise-mm", noise_mm,
+                    "Standard deviation of a measured position; without it, the residuals' own, "
+                    "which cannot tell a wrong model by its size")
+        ->check(number_in({1e-6, 100}));
+    command.add_option("--out", out, "JSON file for the values");
+    command.add_option("--figures", figures, "Folder for figures (SVG and PNG)");
+  }
+  ReleaseSource source_of(const std::string& recording, std::optional<double> begin_s,
+                          std::optional<double> end_s) const {
+    ReleaseSource result = source;
+    result.recording = recording;
+    result.begin_s = begin_s;
+    result.end_s = end_s;
+    result.followed.axis = static_cast<Axis>(axis[0] - 'x');
+    result.axis_given = axis_option->count() > 0;
+    if (!unit.empty()) result.reading.units_per_metre = unit == "mm" ? 1000 : 1;
+    return result;
+  }
+  ReleaseSettings settings() const {
+    ReleaseSettings result;
+    result.noise_sd_m = 1e-3 * noise_mm;
+    result.resolution = resolution;
+    return result;
+  }
+};
+
+// Writes what was asked for beside the text, then prints that.
+int finish(const FitOptions& options, const std::vector<std::string>& recordings,
+           const std::string& text, const std::string& json,
+           const std::vector<std::pair<std::string, const FittedRelease*>>& releases) {
+  refuse_same_files(recordings, {options.out});
+  std::unique_ptr<OutputFolder> folder;
+  std::vector<std::unique_ptr<OutputFile>> files;
+  if (!options.figures.empty()) {
+    folder = std::make_unique<OutputFolder>(options.figures);
+    files = draw_releases(options.figures, releases);
+  }
+  if (!options.out.empty()) {
+    files.push_back(std::make_unique<OutputFile>(options.out));
+    files.back()->write(json);
+    files.back()->close();
+  }
+  std::string all =
+      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) + text;
+  for (const auto& file : files) {
+    file->commit();
+    all += file->path() + "\n";
+  }
+  print_output(all);
+  return kExitOk;
+}
+
+const Range kTimeRange{0, 1e9};
+
+Command add_plan(CLI::App& app) {
+  auto plan = std::make_shared<ReleasePlan>();
+  CLI::App* const command = app.add_subcommand(
+      "plan-release", "Print the standard deviation to expect, and how long to record");
+  const auto add = [&](const char* name, double& value, const char* meaning, Range range) {
+    command->add_option(name, value, meaning)->check(number_in(range))->capture_default_str();
+  };
+  add("--rate-Hz", plan->rate_Hz, "Samples per second", {1, 1e4});
+  add("--noise-mm", plan->noise_mm, "Standard deviation of a measured position", {1e-6, 100});
+  add("--duration-s", plan->duration_s, "Length of the release", {1e-3, 60});
+  add("--opening-mm", plan->opening_mm, "From the rest position to where the jaw is let go",
+      {1e-3, 100});
+  add("--damping-rate-per-s", plan->damping_rate_per_s, "Expected kv/m", {0, 1e4});
+  add("--natural-frequency-Hz", plan->natural_frequency_Hz,
+      "Expected natural frequency, sqrt(ks/m) / (2 pi)", {1e-2, 1e3});
+  command
+      ->add_option("--wanted-damping-rate-sd-per-s", plan->wanted_damping_rate_sd_per_s,
+                   "Standard deviation of kv/m to reach")
+      ->check(number_in({1e-9, 1e9}));
+  return [plan] {
+    print_output(plan_text(*plan));
+    return kExitOk;
+  };
+}
+
+Command add_release(CLI::App& app) {
+  struct Options : FitOptions {
+    std::string recording;
+    std::optional<double> begin_s, end_s;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = app.add_subcommand(
+      "release", "Fit a passive release: kv/m, ks/m, damping ratio and natural frequency");
+  command->add_option("RECORDING", options->recording, "As for replay")->required();
+  options->add_to(*command);
+  command
+      ->add_option("--begin-s", options->begin_s,
+                   "First time at which nobody held the jaw, from the first sample; else it is "
+                   "looked for")
+      ->check(number_in(kTimeRange));
+  command
+      ->add_option("--end-s", options->end_s,
+                   "Last time, from the first sample; else 0.6 s after the begin")
+      ->check(number_in(kTimeRange));
+  command
+      ->add_option("--damping-rate-resolution-per-s", options->resolution.damping_rate_per_s,
+                   "Smallest difference of kv/m that matters to you; measured is what is known to "
+                   "half of it")
+      ->check(number_in({1e-9, 1e9}))
+      ->capture_default_str();
+  return [options] {
+    const FittedRelease release =
+        fit_release(options->source_of(options->recording, options->begin_s, options->end_s),
+                    options->settings());
+    return finish(*options, {options->recording}, release_text(release), release_json(release),
+                  {{"release", &release}});
+  };
+}
+
+Command add_combine(CLI::App& app) {
+  struct Options : FitOptions {
+    std::string first, second;
+    std::vector<double> begin_s, end_s;
+    ReleasePairSettings pair;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* const command = app.add_subcommand(
+      "combine", "Combine two releases, the second with a known load, into kv, ks and m");
+  command->add_option("FIRST", options->first, "Recording without the load")->required();
+  command->add_option("SECOND", options->second, "Recording with it")->required();
+  options->add_to(*command);
+  const auto add_times = [command](const char* name, std::vector<double>& value,
+                                   const char* meaning) {
+    command->add_option(name, value, meaning)->expected(2)->check(number_in(kTimeRange));
+  };
+  add_times("--begin-s", options->begin_s, "Begin of the first and of the second release");
+  add_times("--end-s", options->end_s, "Their ends");
+  const auto add_load = [command](const std::string& name, const char* unit, KnownLoad& load,
+                                  const char* meaning) {
+    CLI::Option* const value =
+        command->add_option("--added-" + name + "-" + unit, load.value, meaning)
+            ->check(number_in({-1e4, 1e4}));
+    command
+        ->add_option("--added-" + name + "-sd-" + unit, load.standard_deviation,
+                     "Its standard deviation")
+        ->check(number_in({0, 1e4}))
+        ->needs(value)
+        ->capture_default_str();
+  };
+  add_load("mass", "kg", options->pair.load.mass_kg,
+           "Mass fixed to the followed point; its weight counts only with --added-weight-N");
+  add_load("spring", "N-m", options->pair.load.stiffness_N_m,
+           "Spring between it and the head (N/m)");
+  add_load("weight", "N", options->pair.load.weight_N,
+           "Constant force on it, in the direction in which the position grows");
+  command
+      ->add_option("--friction-resolution-Ns-m", options->pair.friction_resolution_Ns_m,
+                   "Smallest difference of kv that matters to you")
+      ->check(number_in({1e-9, 1e6}))
+      ->capture_default_str();
+  return [options] {
+    const ReleaseLoad& load = options->pair.load;
+    if (load.mass_kg.value == 0 && load.stiffness_N_m.value == 0 && load.weight_N.value == 0) {
+      throw InputError("combine", "no load is given, and without one no scale is known",
+                       "give --added-mass-kg, --added-spring-N-m or --added-weight-N");
+    }
+    if (load.stiffness_N_m.value != 0 && load.weight_N.value != 0) {
+      throw InputError("--added-weight-N",
+                       "cannot be used together with --added-spring-N-m, whose "
+                       "own rest position is not known",
+                       "use one of them");
+    }
+    const auto fit = [&](const std::string& recording, std::size_t i) {
+      const auto at = [i](const std::vector<double>& times) {
+        return times.empty() ? std::nullopt : std::optional(times[i]);
+      };
+      return fit_release(options->source_of(recording, at(options->begin_s), at(options->end_s)),
+                         options->settings());
+    };
+    const FittedRelease first = fit(options->first, 0), second = fit(options->second, 1);
+    const auto pair = combine_releases(first.fit, second.fit, options->pair);
+    return finish(*options, {options->first, options->second}, pair_text(first, second, pair),
+                  pair_json(first, second, pair),
+                  {{"first_release", &first}, {"second_release", &second}});
+  };
+}
+
+}  // namespace
+
+Command add_protocol(CLI::App& app) {
+  CLI::App* const command =
+      app.add_subcommand("protocol",
+                         "Protocols without a force sensor: passive releases, the head's motion as "
+                         "a drive, EMG");
+  command->require_subcommand(1);
+  std::vector<std::pair<const char*, Command>> parts;
+  parts.emplace_back("plan-release", add_plan(*command));
+  parts.emplace_back("release", add_release(*command));
+  parts.emplace_back("combine", add_combine(*command));
+  parts.emplace_back("plan-head-motion", add_plan_head_motion(*command));
+  parts.emplace_back("head-motion", add_head_motion(*command));
+  parts.emplace_back("emg", add_emg(*command));
+  return [command, parts] {
+    for (const auto& [name, part] : parts) {
+      if (command->got_subcommand(name)) return part();
+    }
+    return kExitBadInput;
+  };
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "replayed_drive.h"
+
+#include <fmt/format.h>
+
+namespace condyle::host {
+
+std::vector<std::string> drive_notes(const std::optional<DriveChannel>& channel,
+                                     const DriveTimelineCounts& counts) {
+  std::vector<std::string> notes;
+  if (channel) notes = channel->notes();
+  const auto add = [&notes](std::uint64_t count, const char* words) {
+    if (count > 0) notes.push_back(fmt::format("drive: {} {}", count, words));
+  };
+  add(counts.drive_gaps, "gaps, which interrupt the identification");
+  add(counts.drive_not_in_order, "samples out of order, left out");
+  add(counts.positions_too_early,
+      "positions before the drive began or in its gaps, not used with it");
+  add(counts.positions_in_contact, "positions where teeth or food may touch, not used with it");
+  add(counts.positions_at_rest, "positions of a point that hardly moved, used for its place alone");
+  add(counts.restarts,
+      "times it did not explain the motion for seconds, and the identification started anew");
+  add(counts.positions_dropped, "positions had no room while they waited for the drive");
+  return notes;
+}
+
+}  // namespace condyle::host
