@@ -246,6 +246,33 @@ TEST(Evaluate, ThePublishedCascadeFollowsNeitherFrictionNorMass) {
   EXPECT_LT(std::abs(slope_in(mass.output, "mass")), 0.05);
 }
 
+// The response slope is 1 where the whole drive is measured; where it is computed from the
+// position, nothing is shown, however small the covariance.
+TEST(Evaluate, FrictionAndMassRespondOnlyToAMeasuredDrive) {
+  std::vector<std::string> arguments = {"evaluate",
+                                        scenario("point_mass"),
+                                        "--runs",
+                                        "20",
+                                        "--friction-factors",
+                                        "0,22.7",
+                                        "--drive-missing",
+                                        "0",
+                                        "--drive-delay-sd-ms",
+                                        "0.5"};
+  const auto measured = run_condyle(arguments);
+  ASSERT_EQ(measured.exit_code, 0) << measured.errors;
+  EXPECT_NEAR(slope_in(measured.output, "friction"), 1, 0.02);
+  for (const char* quantity : {"friction    shown", "mass        shown"}) {
+    EXPECT_THAT(line_of(measured.output, quantity), HasSubstr("in 20 of 20 runs"));
+  }
+  arguments.push_back("--withhold-drive");
+  const auto withheld = run_condyle(arguments);
+  ASSERT_EQ(withheld.exit_code, 0) << withheld.errors;
+  for (const char* quantity : {"friction    shown", "mass        shown"}) {
+    EXPECT_THAT(line_of(withheld.output, quantity), HasSubstr("in 0 of 20 runs"));
+  }
+}
+
 TEST(Evaluate, StopsWhenInterrupted) {
   const CommandResult result = run_condyle({"evaluate", scenario("chewing"), "--runs", "100000"},
                                            {.interrupt_after_s = 0.5});

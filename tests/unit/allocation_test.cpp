@@ -4,6 +4,10 @@
 
 #include <memory>
 
+#include "condyle/estimator/change_detector.h"
+#include "condyle/estimator/cycle_sensor.h"
+#include "condyle/estimator/emg_envelope.h"
+#include "condyle/estimator/emg_timeline.h"
 #include "condyle/estimator/frozen_detector.h"
 #include "condyle/estimator/observability.h"
 #include "condyle/estimator/point_follower.h"
@@ -11,6 +15,7 @@
 #include "condyle/estimator/recommended_estimator.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/report_tracker.h"
+#include "consistency/driven_chewing.h"
 #include "unit/allocation_counter.h"
 
 namespace condyle {
@@ -110,6 +115,45 @@ TEST_F(Allocation, RecommendedEstimatorHasNone) {
   }
 }
 
+// Identification, cycles and detector, over gaps in the drive and an alarm.
+template <class Scalar>
+void expect_watch_without_allocation() {
+  RecommendedParameters parameters;
+  parameters.changes.identification_s = 10;
+  parameters.changes.cycles.largest_sd_Ns_m = 10;
+  parameters.changes.detector.baseline_cycles = 10;
+  testing_support::DrivenChewing chewing({}, 60, 1);
+  const long before = allocation_count();
+  CycleSensor<Scalar, 1> sensor(parameters, {}, 0);
+  ChangeDetector<Scalar> detector(parameters.changes.detector);
+  Sample sample;
+  int counted = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const auto measured = chewing.next();
+    sample.time_ns += i % 2000 == 1500 ? 400'000'000 : 16'666'667;
+    sample.coordinates[0] = measured.position_m;
+    sample.drive_N = measured.drive_N;
+    sample.drive_valid = i % 500 != 7;
+    const auto estimate = sensor.process(sample, {});
+    for (std::size_t j = 0; j < estimate.cycle_count; ++j) {
+      const CycleReport<Scalar>& cycle = estimate.cycles[j].report;
+      if (cycle.outcome != CycleOutcome::counted) continue;
+      ++counted;
+      const Scalar shift = counted > 40 ? Scalar(1) : Scalar(0);
+      (void)detector.add(cycle.friction_Ns_m + shift, cycle.standard_deviation);
+    }
+  }
+  EXPECT_EQ(allocation_count(), before);
+  EXPECT_GT(counted, 80);
+  EXPECT_EQ(detector.state(), ChangeState::increased);
+  EXPECT_GT(sensor.counts().drive_gaps, 0U);
+}
+
+TEST_F(Allocation, WatchingForChangesHasNone) {
+  expect_watch_without_allocation<double>();
+  expect_watch_without_allocation<float>();
+}
+
 TEST_F(Allocation, DecodingAndFollowingReportsHaveNone) {
   using namespace hal;
   const auto field = [](std::uint32_t offset_bits, FieldType type) {
@@ -146,6 +190,29 @@ TEST_F(Allocation, DecodingAndFollowingReportsHaveNone) {
   EXPECT_EQ(tracker.counts().received, 90U);
   EXPECT_EQ(tracker.counts().wrong_checksum, 10U);
   EXPECT_EQ(tracker.counts().lost, 9U) << "the last one nobody has missed yet";
+}
+
+template <class Scalar>
+void expect_emg_without_allocation() {
+  MuscleSet muscles;
+  muscles.count = 2;
+  muscles.muscle[1].arm = -0.03;
+  EmgTimeline<Scalar> timeline(EmgParameters{}, muscles);
+  EmgEnvelope<Scalar> envelope(EnvelopeParameters{});
+  const long before = allocation_count();
+  for (int i = 0; i < 2000; ++i) {
+    const auto excitation = envelope.add(Scalar(i % 7) - Scalar(3)).excitation / Scalar(100);
+    timeline.add_emg(1'000'000 * TimeNs{i}, {excitation, excitation});
+    if (i % 10 == 0) timeline.add_position(1'000'000 * TimeNs{i}, Scalar(-0.001), Scalar(5e-5));
+  }
+  const auto estimate = timeline.estimate();
+  EXPECT_EQ(allocation_count(), before);
+  EXPECT_EQ(estimate.outcome, EmgOutcome::updated);
+}
+
+TEST_F(Allocation, IdentificationFromEmgHasNone) {
+  expect_emg_without_allocation<double>();
+  expect_emg_without_allocation<float>();
 }
 
 TEST_F(Allocation, ObservabilityHasNone) {

@@ -155,12 +155,19 @@ TEST(Facebow, ClockSmoothingAndQuantumDoWhatTheySay) {
 TEST(Companions, ShowForceAndExcitationWithTheirFaults) {
   Scenario s = load_scenario(CONDYLE_SOURCE_DIR "/host_sim/scenarios/point_mass.toml");
   s.duration_s = 5;
-  s.drive = {.rate_Hz = 60, .noise_N = 0, .gain = 1.1, .missing_share = 0.2, .delay_s = 0.005};
+  s.drive = {.rate_Hz = 60,
+             .noise_N = 0,
+             .gain = 1.1,
+             .missing_share = 0.2,
+             .missing_in_phase_Ns_m = 0.5,
+             .delay_s = 0.005};
   const SimulatedData data = simulate(s);
   ASSERT_GE(data.drive.size(), 299U);
   for (std::size_t i = 0; i < data.truths.size() && i < data.drive.size(); ++i) {
     ASSERT_NEAR(seconds(data.drive[i].time_ns), data.truths[i].time_s + 0.005, 1e-9);
-    ASSERT_NEAR(data.drive[i].values[0], 1.1 * 0.8 * data.truths[i].drive_N(), 1e-5);
+    const SubjectTruth& truth = data.truths[i];
+    ASSERT_NEAR(data.drive[i].values[0], 1.1 * (0.8 * truth.drive_N() - 0.5 * truth.velocity_m_s),
+                1e-5);
   }
   Scenario muscles = chewing(5);
   muscles.emg = {.rate_Hz = 100, .noise = 0};

@@ -231,9 +231,9 @@ TEST(Jaw, GeometryIsConsistent) {
 
 TEST(Muscle, FactorsHaveTheirKnownPoints) {
   const Muscle muscle{.arm = -0.037};
-  EXPECT_EQ(force_length_factor(muscle, 0), 1);
+  EXPECT_EQ(force_length_factor(muscle, 0.0), 1);
   EXPECT_LT(force_length_factor(muscle, 0.4), 0.6);
-  EXPECT_EQ(force_velocity_factor(muscle, 0), 1);
+  EXPECT_EQ(force_velocity_factor(muscle, 0.0), 1);
   const double fastest = 0.04 * 10 / 0.037;  // opening rate that stretches 10 lengths per second
   EXPECT_EQ(force_velocity_factor(muscle, -fastest), 0);
   EXPECT_EQ(force_velocity_factor(muscle, -2 * fastest), 0);
@@ -241,8 +241,8 @@ TEST(Muscle, FactorsHaveTheirKnownPoints) {
   EXPECT_NEAR(force_velocity_factor(muscle, 1e-6) - force_velocity_factor(muscle, -1e-6),
               2e-6 * 5 / fastest, 1e-9)
       << "one slope at rest";
-  EXPECT_DOUBLE_EQ(activation_rate(0, 1), 100);
-  EXPECT_DOUBLE_EQ(activation_rate(1, 0), -25);
+  EXPECT_DOUBLE_EQ(activation_rate(0.0, 1.0), 100);
+  EXPECT_DOUBLE_EQ(activation_rate(1.0, 0.0), -25);
 }
 
 }  // namespace

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+// What head motion tells of a jaw is known as well as is said, nearly as well as can be, and
+// withheld or covered where a muscle helps.
+#include "condyle/estimator/head_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+#include "consistency/head_motion_samples.h"
+#include "evaluation/chi_square.h"
+
+namespace condyle {
+namespace {
+
+using testing_support::HeadMotionTruth;
+using testing_support::NoddingHead;
+
+constexpr double kGainSd = 0.02, kSeeds = 200;
+
+HeadMotionParameters relaxed() {
+  HeadMotionParameters parameters;
+  parameters.gain_sd = kGainSd;
+  parameters.delay_sd_s = 0;
+  parameters.muscle_share = 0;
+  return parameters;
+}
+
+HeadMotionEstimate<double> identify(const HeadMotionTruth& truth,
+                                    const HeadMotionParameters& parameters, double rate_Hz,
+                                    double duration_s, unsigned seed) {
+  NoddingHead head(truth, rate_Hz, seed);
+  HeadMotionIdentification<double> stage(parameters);
+  for (int i = 0; i < duration_s * rate_Hz; ++i) {
+    const auto sample = head.next();
+    stage.accelerate(1 / rate_Hz, sample.acceleration_m_s2);
+    stage.measure(1, sample.position_m, truth.position_sd_m);
+  }
+  return stage.estimate();
+}
+
+struct Score {
+  double nees = 0, covered = 0, mean_sd = 0;
+  void add(const IdentifiedValue<double>& value, double truth) {
+    const double deviation = (value.fitted - truth) / value.fitted_sd;
+    nees += deviation * deviation / kSeeds;
+    covered += std::abs(deviation) < kNormalQuantile95 ? 1 : 0;
+    mean_sd += value.fitted_sd / kSeeds;
+  }
+};
+
+struct Case {
+  double damping_rate_per_s, rate_Hz;
+};
+
+class HeadMotion : public testing::TestWithParam<Case> {};
+
+// 200 seeds of 10 s, each with a gain of its own. A consistent estimate leaves the bounds of each
+// average once in 100 times, that of the coverage once in 1000.
+TEST_P(HeadMotion, IsKnownAsWellAsIsSaid) {
+  const auto [damping_rate_per_s, rate_Hz] = GetParam();
+  Score damping, stiffness;
+  double nis = 0, measured = 0;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    std::mt19937_64 random(1000 + seed);
+    HeadMotionTruth truth;
+    truth.damping_rate_per_s = damping_rate_per_s;
+    truth.gain = 1 + kGainSd * std::normal_distribution<double>()(random);
+    const auto estimate = identify(truth, relaxed(), rate_Hz, 10, seed);
+    damping.add(estimate.damping_rate_per_s, damping_rate_per_s);
+    stiffness.add(estimate.stiffness_per_mass_per_s2, truth.stiffness_per_mass_per_s2);
+    nis += estimate.mean_nis / kSeeds;
+    measured += estimate.damping_rate_per_s.limit == JointLimit::none ? 1 : 0;
+  }
+  for (const auto& [name, score] : {std::pair{"kv/m", damping}, std::pair{"ks/m", stiffness}}) {
+    std::cout << "             " << name << ": NEES " << score.nees << ", covered "
+              << 100 * score.covered / kSeeds << " %, sd " << score.mean_sd << '\n';
+    EXPECT_TRUE(host::mean_chi_square_bounds(1, kSeeds, 0.99).contains(score.nees)) << name;
+    EXPECT_TRUE(
+        host::proportion_interval(static_cast<int>(score.covered), static_cast<int>(kSeeds), 0.999)
+            .contains(0.95))
+        << name;
+  }
+  std::cout << "             mean NIS " << nis << ", kv/m measured in " << 100 * measured / kSeeds
+            << " %\n";
+  EXPECT_NEAR(nis, 1, 0.03);
+}
+INSTANTIATE_TEST_SUITE_P(Jaws, HeadMotion,
+                         testing::Values(Case{0.1, 60}, Case{2, 60}, Case{8, 60}, Case{8, 200},
+                                         Case{40, 60}, Case{80, 200}));
+
+// The Cramer-Rao bound of (kv/m, ks/m) with everything else unknown, the errors of the acceleration
+// included: these move the positions by Sigma beyond their own noise.
+Eigen::Vector2d bound(const HeadMotionTruth& truth, double rate_Hz, int n, unsigned seed) {
+  NoddingHead head(truth, rate_Hz, seed);
+  Eigen::VectorXd a(n);
+  for (int i = 0; i < n; ++i) a[i] = head.next().true_acceleration_m_s2;
+  // Positions from p0, v0, lambda, kappa, g, c.
+  using Unknowns = Eigen::Matrix<double, 6, 1>;
+  const auto positions = [&](const Unknowns& k, const Eigen::VectorXd& felt) {
+    const DrivenRates<double> rates{k[2], k[4], k[3], k[5]};
+    const auto response = driven_response(rates, 1 / rate_Hz);
+    Eigen::VectorXd p(n);
+    p[0] = k[0];
+    double v = k[1];
+    for (int i = 1; i < n; ++i) {
+      const auto step = driven_step<double>(rates, response, p[i - 1], v, -felt[i - 1], -felt[i]);
+      p[i] = step.position[kSolution];
+      v = step.velocity[kSolution];
+    }
+    return p;
+  };
+  const double rest_m = (truth.offset_m_s2 - a[0]) / truth.stiffness_per_mass_per_s2;
+  Unknowns k, step;
+  k << rest_m, 0, truth.damping_rate_per_s, truth.stiffness_per_mass_per_s2, 1, truth.offset_m_s2;
+  step << 1e-4, 1e-3, 1e-3, 1e-2, 1e-4, 1e-2;
+  Eigen::MatrixXd J(n, 6), H(n, n);
+  for (int i = 0; i < 6; ++i) {
+    Unknowns more = k, less = k;
+    more[i] += step[i];
+    less[i] -= step[i];
+    J.col(i) = (positions(more, a) - positions(less, a)) / (2 * step[i]);
+  }
+  Unknowns driven = Unknowns::Zero();
+  driven.segment<3>(2) = k.segment<3>(2);
+  for (int i = 0; i < n; ++i) H.col(i) = positions(driven, Eigen::VectorXd::Unit(n, i));
+  const double position2 = truth.position_sd_m * truth.position_sd_m;
+  const double acceleration2 = truth.acceleration_sd_m_s2 * truth.acceleration_sd_m_s2;
+  const Eigen::MatrixXd S =
+      position2 * Eigen::MatrixXd::Identity(n, n) + acceleration2 * H * H.transpose();
+  Eigen::MatrixXd I = J.transpose() * S.llt().solve(J);
+  const HeadMotionParameters prior = relaxed();
+  const double deviations[] = {HUGE_VAL,
+                               0.1,
+                               prior.damping_rate_per_s.sd,
+                               prior.stiffness_per_mass_per_s2.sd,
+                               prior.gain_sd,
+                               prior.offset_sd_m_s2};
+  for (int i = 0; i < 6; ++i) I(i, i) += 1 / (deviations[i] * deviations[i]);
+  const Eigen::MatrixXd covariance = I.inverse();
+  return covariance.diagonal().segment<2>(2).cwiseSqrt();
+}
+
+TEST(HeadMotionBound, IsNearlyReached) {
+  for (const double damping_rate_per_s : {2.0, 8.0, 40.0}) {
+    HeadMotionTruth truth;
+    truth.damping_rate_per_s = damping_rate_per_s;
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+      const Eigen::Vector2d least = bound(truth, 60, 600, seed);
+      const auto estimate = identify(truth, relaxed(), 60, 10, seed);
+      const double damping = estimate.damping_rate_per_s.filter_sd / least[0];
+      const double stiffness = estimate.stiffness_per_mass_per_s2.filter_sd / least[1];
+      std::cout << "             kv/m " << damping_rate_per_s << ": sd over the bound " << damping
+                << ", ks/m " << stiffness << " (bounds " << least.transpose() << ")\n";
+      EXPECT_NEAR(damping, 1, 0.1);
+      EXPECT_NEAR(stiffness, 1, 0.1);
+    }
+  }
+}
+
+// A delay within its stated uncertainty, a new one in each of 200 runs.
+TEST(HeadMotionGranted, CoversTheDelayThatIsStated) {
+  HeadMotionParameters parameters = relaxed();
+  parameters.delay_sd_s = 0.003;
+  Score damping, stiffness;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    std::mt19937_64 random(2000 + seed);
+    HeadMotionTruth truth;
+    truth.delay_s = parameters.delay_sd_s * std::normal_distribution<double>()(random);
+    const auto estimate = identify(truth, parameters, 60, 20, seed);
+    damping.add(estimate.damping_rate_per_s, truth.damping_rate_per_s);
+    stiffness.add(estimate.stiffness_per_mass_per_s2, truth.stiffness_per_mass_per_s2);
+  }
+  std::cout << "             covered kv/m " << 100 * damping.covered / kSeeds << " %, ks/m "
+            << 100 * stiffness.covered / kSeeds << " %; NEES " << damping.nees << ", "
+            << stiffness.nees << '\n';
+  EXPECT_GT(damping.covered / kSeeds, 0.9);
+  EXPECT_GT(stiffness.covered / kSeeds, 0.9);
+}
+
+// Muscles that answer to velocity, position, both, acceleration or in bursts, as much as is stated
+// (rms), 100 runs each: whatever is called measured is covered, as is nearly every interval where
+// the innovations do not show the force.
+TEST(HeadMotionGranted, CoversOrWithholdsWhatMusclesAdd) {
+  constexpr double a_m_s2 = 1.27, v_m_s = 0.08, p_m = 0.0054;  // rms of the relaxed motion
+  using Muscles = double (*)(double, double, double);
+  const std::pair<const char*, Muscles> kinds[] = {
+      {"damping", [](double, double v, double) { return -a_m_s2 / v_m_s * v; }},
+      {"driving", [](double, double v, double) { return a_m_s2 / v_m_s * v; }},
+      {"spring", [](double, double, double p) { return -a_m_s2 / p_m * p; }},
+      {"both", [](double, double v, double p) { return 0.7 * a_m_s2 * (v / v_m_s - p / p_m); }},
+      {"acceleration", [](double a, double, double) { return a; }},
+      {"bursts", [](double, double v, double) { return v > 0 ? a_m_s2 : -a_m_s2; }}};
+  constexpr int kRuns = 100, kDefaultRuns = 5;
+  for (const double share : {0.02, 0.1}) {
+    for (const auto& [name, muscles] : kinds) {
+      int covered = 0, withheld = 0, wrong = 0, by_default = 0;
+      for (unsigned seed = 1; seed <= kRuns; ++seed) {
+        HeadMotionTruth truth;
+        truth.muscles = [force = muscles, share](double a, double v, double p) {
+          return share * force(a, v, p);
+        };
+        HeadMotionParameters parameters = relaxed();
+        parameters.damping_rate_resolution_per_s = 2;
+        parameters.muscle_share = share;
+        const auto estimate = identify(truth, parameters, 60, 20, seed).damping_rate_per_s;
+        const bool holds = std::abs(estimate.fitted - truth.damping_rate_per_s) <
+                           kNormalQuantile95 * estimate.fitted_sd;
+        covered += holds ? 1 : 0;
+        withheld += estimate.limit != JointLimit::none ? 1 : 0;
+        wrong += estimate.limit == JointLimit::none && !holds ? 1 : 0;
+        if (seed > kDefaultRuns) continue;
+        parameters.muscle_share = HeadMotionParameters{}.muscle_share;
+        by_default +=
+            identify(truth, parameters, 60, 30, seed).damping_rate_per_s.limit != JointLimit::none
+                ? 1
+                : 0;
+      }
+      std::cout << "             " << share << " as " << name << ": covered " << covered
+                << ", withheld " << withheld << ", wrong " << wrong << " of " << kRuns << '\n';
+      EXPECT_LE(wrong, kRuns / 10) << name;
+      EXPECT_GE(covered, kRuns * 9 / 10) << name;
+      EXPECT_EQ(by_default, kDefaultRuns) << name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace condyle
