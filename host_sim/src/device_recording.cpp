@@ -12,6 +12,7 @@
 #include "device_profile_file.h"
 #include "device_words.h"
 #include "input_error.h"
+#include "session_markers.h"
 
 namespace condyle::host {
 namespace {
@@ -61,6 +62,9 @@ class DeviceRecording : public Recording {
     if constexpr (std::is_same_v<Source, hal::SessionLogSource>) {
       if (source_->condition().outcome != hal::McapRead::end) {
         info_.notes.push_back(path_ + ": " + hal::describe(source_->condition()));
+      }
+      for (std::string& note : marker_notes(read_markers(path_))) {
+        info_.notes.push_back(std::move(note));
       }
       if (source_->not_recorded() > 0) {
         info_.notes.push_back(fmt::format("the recorder had no room for {} reports and events",
@@ -129,6 +133,7 @@ std::unique_ptr<Recording> open_logged_drive(const std::string& path) {
     open_or_throw(path, *source);
     sources = source->header().sources.size();
     const hal::SessionSource& device = source->header().sources[i];
+    if (!hal::is_device(device)) continue;
     hal::DeviceProfile profile =
         parse_device_profile(path + ": the profile of " + device.name, device.profile_toml);
     if (!profile.drive_N) continue;

@@ -14,6 +14,7 @@
 #include "device_words.h"
 #include "input_error.h"
 #include "number_text.h"
+#include "session_markers.h"
 
 namespace condyle::host {
 namespace {
@@ -92,6 +93,7 @@ void write_logged_values(const std::string& log, const std::string& profile_path
     if (source.open() != hal::Status::ok) throw InputError(log, source.problem(), "");
     sources = source.header().sources.size();
     const hal::SessionSource& device = source.header().sources[i];
+    if (!hal::is_device(device)) continue;
     hal::DeviceProfile profile =
         i == 0 && !profile_path.empty()
             ? load_device_profile(profile_path)
@@ -104,6 +106,13 @@ void write_logged_values(const std::string& log, const std::string& profile_path
                                   source.not_recorded());
     }
   }
+  const std::vector<SessionMarker> markers = read_markers(log);
+  if (markers.empty()) return;
+  const std::filesystem::path path = std::filesystem::path(folder) / "markers.csv";
+  files.push_back(std::make_unique<OutputFile>(path.string()));
+  files.back()->write(markers_csv(markers));
+  files.back()->close();
+  notes.push_back(fmt::format("markers: {}", markers.size()));
 }
 
 }  // namespace

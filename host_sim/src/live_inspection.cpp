@@ -126,7 +126,7 @@ nlohmann::ordered_json LiveInspection::json() const {
     if (watch.count() > 2) {
       report["rate_Hz"] = watch.rate_Hz();
       report["jitter_s"] = watch.jitter_s();
-      report["p99_interval_s"] = 1e-9 * watch.intervals().quantile_ns(0.99);
+      report["p99_interval_s"] = seconds(watch.intervals().quantile_ns(0.99));
       report["longest_interval_s"] = seconds(watch.intervals().largest_ns());
     }
     const auto last = watch.last().data();

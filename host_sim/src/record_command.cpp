@@ -11,11 +11,11 @@
 
 #include "commands.h"
 #include "condyle/estimator/driven_sensor.h"
+#include "condyle/firmware/latency_histogram.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/device_facebow.h"
 #include "device_words.h"
 #include "input_error.h"
-#include "latency.h"
 #include "live_estimates.h"
 #include "number_option.h"
 #include "parameter_file.h"
@@ -108,10 +108,19 @@ class Monitor {
   bool is_terminal_ = isatty(STDERR_FILENO) != 0, has_line_ = false;
 };
 
+std::string latency_words(const firmware::LatencyHistogram& latency) {
+  if (latency.count() == 0) return "no samples";
+  const auto us = [](TimeNs time_ns) { return static_cast<double>(time_ns) * 1e-3; };
+  return fmt::format("p50 {:.3g} us, p99 {:.3g} us, at most {:.3g} us from arrival to estimate",
+                     us(latency.quantile_ns(0.5)), us(latency.quantile_ns(0.99)),
+                     us(latency.largest_ns()));
+}
+
 std::string summary(const RecordOptions& options, const hal::DeviceProfile& profile,
                     const hal::DeviceFacebow& facebow, const hal::SessionLogStatus& log,
                     const std::vector<std::unique_ptr<RecordedCompanion>>& companions,
-                    const LiveEstimates* estimates, const Latency& latency, TimeNs elapsed_ns) {
+                    const LiveEstimates* estimates, const firmware::LatencyHistogram& latency,
+                    TimeNs elapsed_ns) {
   std::string text =
       fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
   const auto line = [&text](const char* label, const std::string& words) {
@@ -121,7 +130,7 @@ std::string summary(const RecordOptions& options, const hal::DeviceProfile& prof
   line("duration", fmt::format("{:.3f} s", seconds(elapsed_ns)));
   line("reports", reports_words(profile, facebow.counts(), facebow.transport_counts()));
   if (profile.device_time) line("clock", clock_words(facebow.clock_fit()));
-  line("latency", latency.words());
+  line("latency", latency_words(latency));
   for (const auto& companion : companions) {
     const hal::DeviceFacebow& beside = companion->companion.device();
     line("beside it", companion->profile.name);
@@ -167,7 +176,7 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
   settings.patience_ns = 20'000'000;
   settings.reopen_pause_ns = 20'000'000;
   firmware::RunCounts counts;
-  Latency latency;
+  firmware::LatencyHistogram latency;
   Monitor monitor(facebow, devices.front(), companions, clock);
   const auto run = [&](auto sensor) {
     (void)firmware::run(

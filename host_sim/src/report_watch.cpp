@@ -155,7 +155,7 @@ std::string rate_words(const ReportWatch& watch) {
       "{:.1f} Hz: every {:.3f} ms, standard deviation {:.3f} ms; p99 {:.3f} ms, at "
       "most {:.3f} ms",
       watch.rate_Hz(), 1e3 / watch.rate_Hz(), 1e3 * watch.jitter_s(),
-      1e-6 * watch.intervals().quantile_ns(0.99),
+      1e-6 * static_cast<double>(watch.intervals().quantile_ns(0.99)),
       1e-6 * static_cast<double>(watch.intervals().largest_ns()));
 }
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "condyle/firmware/latency_histogram.h"
 #include "condyle/hal/raw_report.h"
-#include "latency.h"
 
 namespace condyle::host {
 
@@ -38,7 +38,7 @@ class ReportWatch {
   /// Standard deviation of the time from one arrival to the next (s).
   double jitter_s() const;
   /// Of the times from one arrival to the next.
-  const Latency& intervals() const { return intervals_; }
+  const firmware::LatencyHistogram& intervals() const { return intervals_; }
 
   /// True where the byte was not the same in all reports.
   bool has_changed(std::size_t byte) const { return byte < largest_ && has_changed_[byte]; }
@@ -65,7 +65,7 @@ class ReportWatch {
   std::size_t smallest_ = 0, largest_ = 0;
   TimeNs first_ns_ = 0;
   double mean_ns_ = 0, square_sum_ns2_ = 0;  // of the intervals (Welford)
-  Latency intervals_;
+  firmware::LatencyHistogram intervals_;
   std::array<bool, hal::kMaxReportSize> has_changed_{};
   std::array<std::array<Candidate, kForms>, kWatched> candidates_{};
 };

@@ -13,17 +13,17 @@ namespace {
 using testing::HasSubstr;
 
 // Reports of 16 bytes, 2 ms apart; `fill` sets the bytes of number k.
-ReportWatch watch_of(int count, const std::function<void(int, hal::RawReport&)>& fill) {
-  ReportWatch watch;
-  for (int k = 0; k < count; ++k) {
-    hal::RawReport report;
-    report.host_time_ns = k * TimeNs{2'000'000};
-    report.size = 16;
-    fill(k, report);
-    watch.add(report);
+struct Watched : ReportWatch {
+  Watched(int count, const std::function<void(int, hal::RawReport&)>& fill) {
+    for (int k = 0; k < count; ++k) {
+      hal::RawReport report;
+      report.host_time_ns = k * TimeNs{2'000'000};
+      report.size = 16;
+      fill(k, report);
+      add(report);
+    }
   }
-  return watch;
-}
+};
 
 void put(hal::RawReport& report, std::size_t at, std::size_t width, bool is_big_endian,
          std::uint64_t value) {
@@ -45,7 +45,7 @@ class SteadyForms : public testing::TestWithParam<Form> {};
 TEST_P(SteadyForms, AreFoundAmongNoise) {
   const Form form = GetParam();
   std::mt19937 random(1);
-  const ReportWatch watch = watch_of(2000, [&](int k, hal::RawReport& report) {
+  const Watched watch(2000, [&](int k, hal::RawReport& report) {
     for (std::size_t i = 0; i < 16; ++i) report.bytes[i] = static_cast<std::uint8_t>(random());
     put(report, 3, form.width, form.is_big_endian,
         form.first + form.step * static_cast<std::uint64_t>(k));
@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(ReportWatch, SteadyForms,
 
 TEST(ReportWatch, FindsNoCounterInNoiseOrRest) {
   std::mt19937 random(2);
-  const ReportWatch watch = watch_of(2000, [&](int, hal::RawReport& report) {
+  const Watched watch(2000, [&](int, hal::RawReport& report) {
     for (std::size_t i = 0; i < 8; ++i) report.bytes[i] = static_cast<std::uint8_t>(random());
   });
   EXPECT_TRUE(watch.steady_fields().empty());
@@ -76,7 +76,7 @@ TEST(ReportWatch, FindsNoCounterInNoiseOrRest) {
 TEST(ReportWatch, BearsLostReports) {
   std::mt19937 random(3);
   std::uint64_t counter = 0;
-  const ReportWatch watch = watch_of(2000, [&](int, hal::RawReport& report) {
+  const Watched watch(2000, [&](int, hal::RawReport& report) {
     counter += random() % 20 == 0 ? 3U : 1U;
     put(report, 0, 4, false, counter);
   });
@@ -87,7 +87,7 @@ TEST(ReportWatch, BearsLostReports) {
 // Jitter with a known spread: +-0.1 ms about equidistant times gives intervals with a standard
 // deviation of 0.2 ms where the signs alternate.
 TEST(ReportWatch, MeasuresRateAndJitter) {
-  const ReportWatch watch = watch_of(1001, [](int k, hal::RawReport& report) {
+  const Watched watch(1001, [](int k, hal::RawReport& report) {
     report.host_time_ns += k % 2 == 0 ? -100'000 : 100'000;
   });
   EXPECT_NEAR(watch.rate_Hz(), 500, 0.1);
@@ -97,7 +97,7 @@ TEST(ReportWatch, MeasuresRateAndJitter) {
 }
 
 TEST(ReportWatch, SaysWhereItIsTooEarly) {
-  const ReportWatch watch = watch_of(2, [](int, hal::RawReport&) {});
+  const Watched watch(2, [](int, hal::RawReport&) {});
   EXPECT_EQ(rate_words(watch), "too few to tell how often they come");
   EXPECT_EQ(changed_words(watch), "none");
   EXPECT_EQ(ReportWatch().rate_Hz(), 0);

@@ -27,13 +27,21 @@ inline constexpr std::size_t kMaxSessionSources = 8;
 /// Longest text of an event in bytes; a longer one is cut and ends in "...".
 inline constexpr std::size_t kMaxEventText = 512;
 
-/// A recorded device.
+/// Name of a source that is no device: its events are the session's markers, and it has no profile.
+inline constexpr const char* kMarkerSource = "markers";
+
+/// A recorded device, or the session's markers.
 struct SessionSource {
   std::string name;  ///< "facebow": letters, digits, - and _, 1 to 32 of them
   std::uint16_t vendor_id = 0, product_id = 0;
   std::string profile_toml;                     ///< how its reports are decoded
   std::vector<std::uint8_t> report_descriptor;  ///< as it sent it; may be empty
 };
+
+/// False for the markers.
+inline bool is_device(const SessionSource& source) {
+  return !source.profile_toml.empty() || source.name != kMarkerSource;
+}
 
 /// What a log says of its session. Nothing in it names a person, a machine or a user.
 struct SessionHeader {

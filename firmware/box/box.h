@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "box/box_log.h"
+#include "box/box_status.h"
+#include "box/configuration.h"
+#include "box/engine.h"
+#include "box/estimate_history.h"
+#include "box/facebow_reports.h"
+#include "box/http_server.h"
+#include "box/publisher.h"
+#include "box/session_recorder.h"
+#include "condyle/hal/clock.h"
+
+namespace condyle::box {
+
+/// The service: one facebow, its estimates, its outlets, its recordings.
+class Box {
+ public:
+  /// Opens what the configuration names and listens; an InputError where that cannot be. The
+  /// facebow need not be there.
+  Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log);
+  ~Box();
+  Box(const Box&) = delete;
+  Box& operator=(const Box&) = delete;
+
+  /// Works until `should_stop`, on this thread and others; then ends a session that is being
+  /// recorded, and all else. Call it once.
+  void run(const std::function<bool()>& should_stop);
+
+  std::uint16_t http_port() const { return http_.port(); }
+  BoxStatus status() const;
+
+ private:
+  bool find_facebow(const std::function<bool()>& should_stop);
+  void look_after(TimeNs now_ns);
+  void watch_device();
+  void watch_wall_clock();
+  void feed_watchdog(TimeNs now_ns);
+  void measure_rate(TimeNs now_ns);
+  HttpServer::Service service();
+
+  Configuration configuration_;
+  hal::Clock& clock_;
+  BoxLog& log_;
+  TimeNs begin_ns_;
+  FacebowReports facebow_;
+  SessionRecorder recorder_;
+  EstimateHistory history_;
+  Publisher publisher_;
+  // There once the facebow was found.
+  std::unique_ptr<WatchedSource> source_;
+  std::unique_ptr<Engine> engine_;
+  std::atomic<bool> is_found_ = false;
+
+  mutable std::mutex mutex_;
+  std::string problem_, memory_;  // guarded by the mutex
+  std::atomic<double> rate_Hz_ = 0, last_clock_step_s_ = 0;
+  std::atomic<std::uint64_t> clock_steps_ = 0;
+
+  // Of the thread in run().
+  bool was_open_ = true;
+  TimeNs rate_begin_ns_ = 0, next_watchdog_ns_ = 0, wall_offset_ns_ = 0;
+  std::uint64_t rate_samples_ = 0, last_heartbeat_ = 0;
+
+  HttpServer http_;  // last: its thread asks all the others
+};
+
+}  // namespace condyle::box

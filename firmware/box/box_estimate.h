@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "condyle/estimator/driven_sensor.h"
+#include "condyle/firmware/ring.h"
+
+namespace condyle::box {
+
+/// An estimate on its way to the outlets.
+struct BoxEstimate {
+  std::uint64_t run = 0;     ///< the estimator started anew with it; a recording is a run
+  std::uint64_t number = 0;  ///< of the estimate in its run, from 1 on
+  TimeNs arrival_ns = 0;     ///< of the report that led to it
+  bool has_joint = false;    ///< the facebow measures a drive: `estimate.joint` holds
+  DrivenEstimate<double> estimate;
+};
+
+/// 8 s at 500 Hz.
+using EstimateRing = firmware::Ring<BoxEstimate, 4096>;
+
+}  // namespace condyle::box

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "condyle/hal/clock.h"
+
+namespace condyle::box {
+
+/// Lines for the journal, on the error output. Of each kind at most five in a minute are said; how
+/// many were not is said with the next. Any thread but the real-time one.
+class BoxLog {
+ public:
+  explicit BoxLog(hal::Clock& clock, std::FILE* out = stderr) : clock_(clock), out_(out) {}
+
+  /// Priorities as the journal takes them (sd-daemon(3)).
+  enum class Level : std::uint8_t { error = 3, warning = 4, notice = 5, info = 6 };
+
+  /// `kind`: what is counted together, such as "device".
+  void say(Level level, std::string_view kind, const std::string& text);
+
+ private:
+  static constexpr int kMost = 5;
+  static constexpr TimeNs kMinute_ns = 60 * kNanosecondsPerSecond;
+
+  struct Kind {
+    TimeNs begin_ns = 0;
+    int said = 0;
+    std::uint64_t withheld = 0;
+  };
+
+  hal::Clock& clock_;
+  std::FILE* out_;
+  std::mutex mutex_;
+  std::map<std::string, Kind, std::less<>> kinds_;
+};
+
+}  // namespace condyle::box

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "box/configuration.h"
+
+#include <arpa/inet.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+
+#include "input_error.h"
+#include "parameter_file.h"
+#include "text_file.h"
+#include "toml_reader.h"
+
+namespace condyle::box {
+namespace {
+
+using host::InputError;
+using host::TomlReader;
+
+constexpr std::size_t kShortestToken = 16, kLongestToken = 256;
+constexpr int kMostLag = 16;
+
+bool is_address(const std::string& text) {
+  in_addr v4{};
+  in6_addr v6{};
+  return inet_pton(AF_INET, text.c_str(), &v4) == 1 || inet_pton(AF_INET6, text.c_str(), &v6) == 1;
+}
+
+class Reader {
+ public:
+  explicit Reader(const std::string& path)
+      : toml_(path), folder_(std::filesystem::path(path).parent_path()) {}
+
+  Configuration read() {
+    read_source("facebow", result_.facebow);
+    result_.facebow.name = "facebow";
+    std::int64_t point = result_.followed.point;
+    toml_.integer("facebow", "point", point, 1, 3);
+    result_.followed.point = static_cast<int>(point);
+    auto axis = static_cast<std::size_t>(result_.followed.axis);
+    toml_.choice("facebow", "axis", axis, {"x", "y", "z"});
+    result_.followed.axis = static_cast<Axis>(axis);
+    read_companions();
+    read_estimator();
+    read_recording();
+    read_udp();
+    read_http();
+    toml_.finish();
+    return result_;
+  }
+
+ private:
+  std::string file(const std::string& name) const {
+    return name.empty() ? name : (folder_ / name).lexically_normal().string();
+  }
+
+  void read_source(const std::string& section, SourceSettings& source) {
+    std::string text;
+    if (!toml_.text(section, "source", text)) {
+      throw InputError(toml_.place(section, "source"), section + " has no source",
+                       "give one, such as source = \"hid:facebow.toml\"");
+    }
+    const std::size_t colon = text.find(':');
+    const std::string kind = text.substr(0, colon);
+    using Kind = SourceSettings::Kind;
+    if (kind == "hid") {
+      source.kind = Kind::hid;
+    } else if (kind == "usb") {
+      source.kind = Kind::usb;
+    } else if (kind == "file") {
+      source.kind = Kind::file;
+    } else if (kind == "synth") {
+      source.kind = Kind::synth;
+    } else {
+      throw InputError(toml_.place(section, "source"), "\"" + text + "\" is no source",
+                       "write hid:PROFILE, usb:PROFILE, file:LOG or synth:PROFILE");
+    }
+    if (colon == std::string::npos || colon + 1 == text.size()) {
+      throw InputError(toml_.place(section, "source"), "\"" + text + "\" names no file",
+                       "write it behind the colon");
+    }
+    source.file = file(text.substr(colon + 1));
+    toml_.text(section, "serial", source.serial);
+    if (!source.serial.empty() && (source.kind == Kind::file || source.kind == Kind::synth)) {
+      throw InputError(toml_.place(section, "serial"), "only devices have a serial number",
+                       "leave it out");
+    }
+  }
+
+  void read_companions() {
+    for (const std::string& name : toml_.sections_in("companion")) {
+      SourceSettings companion;
+      companion.name = name;
+      read_source("companion." + name, companion);
+      if (companion.kind != SourceSettings::Kind::hid &&
+          companion.kind != SourceSettings::Kind::usb) {
+        throw InputError(toml_.place("companion." + name, "source"), "a companion is a device",
+                         "use hid: or usb:");
+      }
+      result_.companions.push_back(companion);
+    }
+    // Facebow and markers have a place in the log too.
+    if (result_.companions.size() > 6) {
+      throw InputError(toml_.place("companion", ""), "there are too many companions",
+                       "a log has room for 6");
+    }
+  }
+
+  void read_estimator() {
+    std::string parameters;
+    if (toml_.text("estimator", "parameters", parameters)) {
+      const std::string path = file(parameters);
+      result_.parameters_toml = host::read_text_file(path);
+      result_.parameters = host::parse_recommended_parameters(path, result_.parameters_toml);
+    }
+    std::int64_t lag = 0, priority = result_.priority;
+    toml_.integer("estimator", "lag_samples", lag, 0, kMostLag);
+    toml_.integer("estimator", "priority", priority, 0, 98);
+    result_.lag = static_cast<int>(lag);
+    result_.priority = static_cast<int>(priority);
+  }
+
+  void read_recording() {
+    std::string folder;
+    if (toml_.text("recording", "folder", folder)) result_.folder = file(folder);
+    double reserve_MB = static_cast<double>(result_.reserve_bytes) * 1e-6;
+    toml_.number("recording", "reserve_MB", reserve_MB, "MB", {1, 1e7});
+    result_.reserve_bytes = static_cast<std::uint64_t>(reserve_MB * 1e6);
+  }
+
+  void read_address(const std::string& section, std::string& address) {
+    if (toml_.text(section, "address", address) && !is_address(address)) {
+      throw InputError(toml_.place(section, "address"), "\"" + address + "\" is no address",
+                       "write numbers, such as 127.0.0.1 or ::1");
+    }
+  }
+
+  void read_port(const std::string& section, std::uint16_t& port) {
+    std::int64_t number = port;
+    toml_.integer(section, "port", number, 0, 65535);
+    port = static_cast<std::uint16_t>(number);
+  }
+
+  void read_udp() {
+    read_address("udp", result_.udp_address);
+    read_port("udp", result_.udp_port);
+  }
+
+  void read_http() {
+    read_address("http", result_.http_address);
+    read_port("http", result_.http_port);
+    std::int64_t listeners = result_.most_listeners;
+    toml_.integer("http", "most_listeners", listeners, 1, 1000);
+    result_.most_listeners = static_cast<std::uint16_t>(listeners);
+    std::string token_file;
+    if (toml_.text("http", "token_file", token_file)) read_token(file(token_file));
+    if (result_.token.empty() && !is_loopback(result_.http_address)) {
+      throw InputError(toml_.place("http", "address"),
+                       "other machines could reach " + result_.http_address + " without a token",
+                       "name a file with one as token_file, or use 127.0.0.1");
+    }
+  }
+
+  void read_token(const std::string& path) {
+    struct stat status {};
+    if (stat(path.c_str(), &status) == 0 && (status.st_mode & (S_IRWXO | S_IWGRP)) != 0) {
+      throw InputError(path, "others may read the token or change it", "chmod 640 " + path);
+    }
+    std::string token = host::read_text_file(path);
+    while (!token.empty() && (token.back() == '\n' || token.back() == '\r')) token.pop_back();
+    const bool is_printable =
+        token.find_first_not_of(
+            "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~+/=") ==
+        std::string::npos;
+    if (token.size() < kShortestToken || token.size() > kLongestToken || !is_printable) {
+      throw InputError(path, "holds no usable token",
+                       "write one line of 16 to 256 letters, digits and -._~+/=");
+    }
+    result_.token = token;
+  }
+
+  TomlReader toml_;
+  std::filesystem::path folder_;
+  Configuration result_;
+};
+
+}  // namespace
+
+bool is_loopback(std::string_view address) {
+  const std::string text(address);
+  in_addr v4{};
+  if (inet_pton(AF_INET, text.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24U) == 127;
+  in6_addr v6{};
+  return inet_pton(AF_INET6, text.c_str(), &v6) == 1 && IN6_IS_ADDR_LOOPBACK(&v6) != 0;
+}
+
+Configuration load_configuration(const std::string& path) {
+  return Reader(path).read();
+}
+
+}  // namespace condyle::box

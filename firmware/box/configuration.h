@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the user sets in the box's one file. box.toml documents it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "condyle/estimator/recommended_parameters.h"
+#include "condyle/estimator/sample.h"
+
+namespace condyle::box {
+
+/// Where reports come from, written KIND:FILE.
+struct SourceSettings {
+  enum class Kind : std::uint8_t {
+    hid,    ///< a device through the kernel's driver; FILE is its profile
+    usb,    ///< a device through libusb; likewise
+    file,   ///< FILE is a session log, played at the speed it was recorded with
+    synth,  ///< a chewing movement, made up, in reports as the profile FILE describes them
+  };
+  std::string name;  ///< "facebow", or a companion's
+  Kind kind = Kind::synth;
+  std::string file;
+  std::string serial;  ///< of a device; empty: any
+};
+
+/// All settings, with their defaults.
+struct Configuration {
+  SourceSettings facebow;
+  FollowedCoordinate followed;
+  std::vector<SourceSettings> companions;
+
+  RecommendedParameters parameters;
+  std::string parameters_toml;  ///< as the file gives them, for the log
+  int lag = 0;                  ///< samples
+
+  int priority = 50;  ///< SCHED_FIFO; 0: an ordinary thread
+
+  std::string folder;                         ///< for recordings; empty: there are none
+  std::uint64_t reserve_bytes = 256'000'000;  ///< of the disk that are never filled
+
+  std::string udp_address = "127.0.0.1";
+  std::uint16_t udp_port = 0;  ///< 0: nothing is sent
+  std::string http_address = "127.0.0.1";
+  std::uint16_t http_port = 8750;     ///< 0: any that is free
+  std::string token;                  ///< empty: none is asked for
+  std::uint16_t most_listeners = 16;  ///< to estimates over HTTP, at the same time
+};
+
+/// Reads a configuration; an InputError names place, problem and mend. Files it names are taken
+/// from the folder it is in.
+Configuration load_configuration(const std::string& path);
+
+/// True for numeric addresses that no other machine can reach.
+bool is_loopback(std::string_view address);
+
+}  // namespace condyle::box

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// The real-time thread: from the facebow's reports to estimates in a ring.
+//
+// From a report in hand to its estimate in the ring the thread takes no lock, no memory and no
+// other input or output; raw reports go into the session log's own ring on the way. All that others
+// want to know is in counters that they read without asking. Only between runs, and while the
+// facebow is away, does the thread do anything else.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "box/box_estimate.h"
+#include "box/configuration.h"
+#include "box/watched_source.h"
+#include "condyle/firmware/latency_histogram.h"
+#include "condyle/firmware/run_loop.h"
+#include "condyle/hal/device_facebow.h"
+#include "condyle/hal/session_log.h"
+
+namespace condyle::box {
+
+/// What became of the reports of all runs.
+struct EngineCounts {
+  std::uint64_t samples = 0, estimates = 0;
+  std::uint64_t received = 0, lost = 0, duplicated = 0, unknown_losses = 0, bad = 0;
+  std::uint64_t disconnections = 0, stalls = 0, transfer_errors = 0, oversized = 0;
+};
+
+/// How the estimator does, by its last estimate.
+struct EstimatorHealth {
+  bool is_ready = false;         ///< there was an estimate in this run
+  double noise_sd_m = 0;         ///< of the followed axis
+  double mean_nis = 0;           ///< per axis, over about the last 200 samples; 1 where all is well
+  std::uint64_t rejected = 0;    ///< outliers, in all runs
+  std::uint64_t not_finite = 0;  ///< states or variances that were unusable, in all runs
+};
+
+/// Reads the facebow and estimates, run after run.
+class Engine {
+ public:
+  /// `source`, on `clock`, gives the reports that `profile` describes; nobody else reads it.
+  Engine(WatchedSource& source, const hal::DeviceProfile& profile,
+         const Configuration& configuration, hal::Clock& clock);
+  ~Engine() { stop(); }
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  void start();
+  /// Ends the run and the thread. May be called twice.
+  void stop();
+
+  /// Ends the run and begins another with a fresh estimator, whose reports go to `log` as its
+  /// source 0, or nowhere. Returns the number of the new run once the thread has let go of the old
+  /// one's log. One thread at a time.
+  std::uint64_t begin_run(hal::SessionLogWriter* log);
+
+  /// For the one thread that publishes.
+  EstimateRing& estimates() { return estimates_; }
+
+  // For any thread:
+  EngineCounts counts() const;
+  EstimatorHealth health() const;
+  /// From a report in hand to its estimate in the ring.
+  const firmware::LatencyHistogram& latency() const { return latency_; }
+  /// Goes up at least every 50 ms while the thread is well.
+  std::uint64_t heartbeat() const { return heartbeat_.load(std::memory_order_relaxed); }
+  /// "SCHED_FIFO 50", or why not; empty until the thread runs.
+  std::string scheduling() const;
+  /// The source is a recording that has come to its end.
+  bool has_ended() const { return has_ended_.load(std::memory_order_relaxed); }
+  std::uint64_t run() const { return run_.load(std::memory_order_acquire); }
+
+ private:
+  static constexpr std::size_t kCounts = sizeof(EngineCounts) / sizeof(std::uint64_t);
+
+  void loop();
+  void do_run(hal::SessionLogWriter* log);
+  template <class Sensor>
+  void estimate_run(hal::DeviceFacebow& facebow, Sensor& sensor);
+  template <class Estimate>
+  void publish(const hal::DeviceFacebow& facebow, const Estimate& estimate);
+  bool has_to_leave();
+  void note_counts(const hal::DeviceFacebow& facebow, std::uint64_t samples);
+  void keep_totals();
+
+  WatchedSource& source_;
+  hal::DeviceProfile profile_;
+  RecommendedParameters parameters_;
+  FollowedCoordinate followed_;
+  int lag_, priority_;
+  hal::Clock& clock_;
+
+  EstimateRing estimates_;
+  firmware::LatencyHistogram latency_;
+
+  // Asked of the thread.
+  std::atomic<bool> stops_ = false;
+  std::atomic<std::uint64_t> wanted_run_ = 1;
+  std::atomic<hal::SessionLogWriter*> wanted_log_ = nullptr;
+  // Said by the thread.
+  std::atomic<std::uint64_t> run_ = 0, heartbeat_ = 0;
+  std::atomic<bool> has_ended_ = false, is_scheduled_ = false;
+  std::array<std::atomic<std::uint64_t>, kCounts> counts_{};
+  std::atomic<bool> is_ready_ = false;
+  std::atomic<double> noise_sd_m_ = 0, mean_nis_ = 0;
+  std::atomic<std::uint64_t> rejected_ = 0, not_finite_ = 0;
+  std::string scheduling_;  // written before is_scheduled_
+
+  // The thread's own.
+  EngineCounts totals_, present_;
+  BoxEstimate out_;
+  std::thread thread_;
+};
+
+}  // namespace condyle::box

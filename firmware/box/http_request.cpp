@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "box/http_request.h"
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include "box/configuration.h"
+
+namespace condyle::box {
+namespace {
+
+using Json = nlohmann::json;
+
+HttpRouting refusal(int status, const char* words) {
+  return {.action = HttpAction::refuse, .status = status, .words = words, .text = {}, .after = {}};
+}
+
+// Takes as long for every wrong token of the same length.
+bool is_same(const std::string& a, const std::string& b) {
+  if (a.size() != b.size()) return false;
+  unsigned difference = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    difference |=
+        static_cast<unsigned>(static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]));
+  }
+  return difference == 0;
+}
+
+bool names_this_machine(std::string host) {
+  if (host.starts_with('[')) {
+    const std::size_t end = host.find(']');
+    return end != std::string::npos && is_loopback(host.substr(1, end - 1));
+  }
+  host = host.substr(0, host.find(':'));
+  return host == "localhost" || is_loopback(host);
+}
+
+bool is_json(const std::string& content_type) {
+  std::string type = content_type.substr(0, content_type.find(';'));
+  while (!type.empty() && type.back() == ' ') type.pop_back();
+  return type == "application/json";
+}
+
+std::optional<std::uint64_t> number(const std::string& text) {
+  std::uint64_t value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [place, error] = std::from_chars(text.data(), end, value);
+  if (text.empty() || error != std::errc() || place != end) return {};
+  return value;
+}
+
+HttpRouting route_estimates(const HttpRequest& request) {
+  HttpRouting routing{
+      .action = HttpAction::estimates, .status = 200, .words = {}, .text = {}, .after = {}};
+  const std::string asked = request.after ? *request.after : request.last_event_id;
+  if (!request.after && asked.empty()) return routing;
+  routing.after = number(asked);
+  if (!routing.after) return refusal(400, "after and Last-Event-ID are numbers of estimates");
+  return routing;
+}
+
+// The text that the body's one key holds.
+HttpRouting route_command(const HttpRequest& request, HttpAction action, const char* key,
+                          bool is_needed) {
+  if (request.is_too_long) return refusal(413, "a request has at most 4096 bytes");
+  if (!is_json(request.content_type)) {
+    return refusal(415, "send JSON, with Content-Type: application/json");
+  }
+  const Json json = Json::parse(request.body, nullptr, false);
+  if (!json.is_object()) return refusal(400, "the body is no JSON object");
+  HttpRouting routing{.action = action, .status = 200, .words = {}, .text = {}, .after = {}};
+  for (const auto& [name, value] : json.items()) {
+    if (name != key || !value.is_string()) {
+      HttpRouting wrong = refusal(400, "");
+      wrong.words = std::string("the body may hold ") +
+                    (key[0] == '\0' ? "nothing" : std::string("one text, \"") + key + "\"");
+      return wrong;
+    }
+    routing.text = value.get<std::string>();
+  }
+  if (is_needed && routing.text.empty()) {
+    HttpRouting missing = refusal(400, "");
+    missing.words = std::string("the body has no \"") + key + "\"";
+    return missing;
+  }
+  return routing;
+}
+
+}  // namespace
+
+HttpRouting route(const HttpRequest& request, const HttpAccess& access) {
+  if (!access.token.empty()) {
+    if (!is_same(request.authorization, "Bearer " + access.token)) {
+      return refusal(401, "send the box's token as Authorization: Bearer TOKEN");
+    }
+  } else if (!names_this_machine(request.host)) {
+    return refusal(403, "the Host is not this machine");
+  }
+  const bool is_get = request.method == "GET", is_post = request.method == "POST";
+  const std::string& path = request.path;
+  const bool is_command =
+      path == "/v1/session/start" || path == "/v1/session/stop" || path == "/v1/session/marker";
+  if (path != "/v1/status" && path != "/v1/estimates" && !is_command) {
+    return refusal(
+        404, "there is /v1/status, /v1/estimates, and /v1/session/ with start, stop and marker");
+  }
+  if (is_command ? !is_post : !is_get) {
+    return refusal(405, is_command ? "use POST" : "use GET");
+  }
+  if (path == "/v1/status") {
+    return {.action = HttpAction::status, .status = 200, .words = {}, .text = {}, .after = {}};
+  }
+  if (path == "/v1/estimates") return route_estimates(request);
+  if (path == "/v1/session/start")
+    return route_command(request, HttpAction::start, "subject", false);
+  if (path == "/v1/session/stop") return route_command(request, HttpAction::stop, "", false);
+  return route_command(request, HttpAction::mark, "text", true);
+}
+
+}  // namespace condyle::box

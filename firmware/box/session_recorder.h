@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "box/box_log.h"
+#include "box/configuration.h"
+#include "box/engine.h"
+#include "box/facebow_reports.h"
+#include "condyle/hal/session_log.h"
+#include "session_device.h"
+
+namespace condyle::box {
+
+/// How the session goes.
+struct SessionState {
+  enum class Phase : std::uint8_t { idle, recording, paused };
+  Phase phase = Phase::idle;
+  std::string subject;
+  std::string file;     ///< being written, or written last
+  int part = 0;         ///< of the session; a pause begins another
+  std::string problem;  ///< why it is paused, or what was wrong with the last file
+  std::uint64_t markers = 0;
+  std::uint64_t pauses = 0;
+  hal::SessionLogStatus log;     ///< of that file
+  std::uint64_t free_bytes = 0;  ///< of the disk
+};
+
+/// Sessions as the user starts and ends them. Each is a run of the engine, so that a replay of its
+/// log gives the same estimates. Where the disk is full the recording pauses; nothing is deleted;
+/// once there is room it goes on in another file. Any thread but the real-time one.
+class SessionRecorder {
+ public:
+  /// What a command led to: an HTTP status, and a sentence for the user.
+  struct Answer {
+    int status = 200;
+    std::string words;
+  };
+
+  /// An InputError where a companion's profile cannot be used.
+  SessionRecorder(const Configuration& configuration, hal::Clock& clock, BoxLog& log);
+  ~SessionRecorder();
+
+  /// Once the facebow was found. Both must outlive the recorder's use.
+  void attach(Engine& engine, const FacebowReports& facebow);
+
+  Answer start(const std::string& subject);
+  Answer stop();
+  Answer mark(const std::string& text);
+  /// To be called every now and then: pauses, and ends pauses.
+  void check();
+
+  SessionState state() const;
+
+ private:
+  struct Part;
+
+  Answer begin_part();
+  void end_part();
+  void pause(const std::string& why);
+  std::uint64_t free_bytes() const;
+  hal::SessionHeader header() const;
+
+  const Configuration& configuration_;
+  hal::Clock& clock_;
+  BoxLog& box_log_;
+  mutable std::mutex mutex_;
+  Engine* engine_ = nullptr;
+  const FacebowReports* facebow_ = nullptr;
+  std::vector<host::SessionDevice> companions_;
+  std::unique_ptr<Part> part_;
+  SessionState state_;
+  std::string stem_;  // of the session's files
+  TimeNs next_attempt_ns_ = 0;
+};
+
+}  // namespace condyle::box
