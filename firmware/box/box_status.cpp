@@ -28,6 +28,7 @@ Json device_json(const BoxStatus& status) {
   json["reports_lost"] = counts.lost;
   json["reports_bad"] = counts.bad;
   json["reports_duplicated"] = counts.duplicated;
+  json["counter_restarts"] = counts.sequence_restarts;
   json["gaps_of_unknown_length"] = counts.unknown_losses;
   json["stalls"] = counts.stalls;
   json["transfer_errors"] = counts.transfer_errors;

@@ -37,7 +37,8 @@ Engine::Engine(WatchedSource& source, const hal::DeviceProfile& profile,
       followed_(configuration.followed),
       lag_(configuration.lag),
       priority_(configuration.priority),
-      clock_(clock) {}
+      clock_(clock),
+      all_runs_(profile) {}
 
 void Engine::start() {
   thread_ = std::thread([this] { loop(); });
@@ -125,6 +126,7 @@ void Engine::estimate_run(hal::DeviceFacebow& facebow, Sensor& sensor) {
         // Estimates that waited for the end of the run come without a report.
         if (samples == counts.samples) return;
         samples = counts.samples;
+        track(facebow);
         latency_.add(clock_.now_ns() - facebow.last_arrival_ns());
       },
       [&] {
@@ -159,19 +161,27 @@ void Engine::publish(const hal::DeviceFacebow& facebow, const Estimate& estimate
   }
 }
 
+void Engine::track(const hal::DeviceFacebow& facebow) {
+  const std::uint64_t connections = source_.connections();
+  if (connections_ != 0 && connections != connections_) all_runs_.reconnect();
+  connections_ = connections;
+  (void)all_runs_.accept(facebow.last_report(), facebow.last_arrival_ns());
+}
+
 void Engine::note_counts(const hal::DeviceFacebow& facebow, std::uint64_t samples) {
   const hal::ReportCounts& reports = facebow.counts();
   const hal::TransportCounts transport = facebow.transport_counts();
   present_ = {.samples = samples,
               .estimates = out_.number,
               .received = reports.received,
-              .lost = reports.lost,
               .duplicated = reports.duplicated,
-              .unknown_losses = reports.unknown_losses,
               .bad = reports.too_short + reports.wrong_checksum + reports.counter_out_of_range +
                      reports.unusable_profile};
   EngineCounts all = sum(totals_, present_);
-  // The source counts on from run to run.
+  // These count on from run to run.
+  all.lost = all_runs_.counts().lost;
+  all.unknown_losses = all_runs_.counts().unknown_losses;
+  all.sequence_restarts = all_runs_.counts().sequence_restarts;
   all.disconnections = transport.disconnections;
   all.stalls = transport.stalls;
   all.transfer_errors = transport.transfer_errors;

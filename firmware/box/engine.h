@@ -20,6 +20,7 @@
 #include "condyle/firmware/latency_histogram.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/device_facebow.h"
+#include "condyle/hal/report_tracker.h"
 #include "condyle/hal/session_log.h"
 
 namespace condyle::box {
@@ -28,6 +29,7 @@ namespace condyle::box {
 struct EngineCounts {
   std::uint64_t samples = 0, estimates = 0;
   std::uint64_t received = 0, lost = 0, duplicated = 0, unknown_losses = 0, bad = 0;
+  std::uint64_t sequence_restarts = 0;
   std::uint64_t disconnections = 0, stalls = 0, transfer_errors = 0, oversized = 0;
 };
 
@@ -85,6 +87,7 @@ class Engine {
   template <class Estimate>
   void publish(const hal::DeviceFacebow& facebow, const Estimate& estimate);
   bool has_to_leave();
+  void track(const hal::DeviceFacebow& facebow);
   void note_counts(const hal::DeviceFacebow& facebow, std::uint64_t samples);
   void keep_totals();
 
@@ -111,7 +114,9 @@ class Engine {
   std::atomic<std::uint64_t> rejected_ = 0, not_finite_ = 0;
   std::string scheduling_;  // written before is_scheduled_
 
-  // The thread's own.
+  // The thread's own. What is lost between two runs is lost too: one tracker goes through all.
+  hal::ReportTracker all_runs_;
+  std::uint64_t connections_ = 0;
   EngineCounts totals_, present_;
   BoxEstimate out_;
   std::thread thread_;

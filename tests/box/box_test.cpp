@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: Apache-2.0
+// The service on a synthetic facebow, asked over HTTP.
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <random>
+#include <vector>
+
+#include "box/running_box.h"
+#include "replay/command.h"
+#include "replay/table.h"
+
+namespace condyle::box {
+namespace {
+
+using testing::HasSubstr;
+using testing_support::ask;
+using testing_support::Connection;
+using testing_support::EventStream;
+using testing_support::get;
+using testing_support::post;
+using testing_support::RunningBox;
+using testing_support::wait_for;
+using Json = nlohmann::json;
+
+TEST(Box, SaysHowItDoes) {
+  RunningBox running;
+  running.start();
+  ASSERT_TRUE(running.is_estimating());
+  const Json status = running.status();
+  EXPECT_EQ(status["format"], "condyle-box-status-1");
+  EXPECT_THAT(status["note"].get<std::string>(), HasSubstr("no diagnosis"));
+  EXPECT_EQ(status["device"]["name"], "condyle fake facebow");
+  EXPECT_EQ(status["device"]["connected"], true);
+  EXPECT_GT(status["device"]["reports_received"], 0);
+  EXPECT_EQ(status["device"]["reports_lost"], 0);
+  EXPECT_EQ(status["estimator"]["estimating"], true);
+  EXPECT_GT(status["real_time"]["report_to_estimate"]["max_s"], 0.0);
+  EXPECT_EQ(status["session"]["phase"], "idle");
+  EXPECT_TRUE(wait_for([&] {
+    const double rate_Hz = running.box->status().rate_Hz;
+    return rate_Hz > 400 && rate_Hz < 600;
+  }));
+}
+
+// Every number that went out live is in the replay of the recording, bit for bit, and no other.
+TEST(Box, AReplayIsTheLiveSessionAgain) {
+  RunningBox running;
+  running.start();
+  ASSERT_TRUE(running.is_estimating());
+  EventStream stream(running.port);
+  ASSERT_EQ(post(running.port, "/v1/session/start", R"({"subject":"S-07"})").status, 200);
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  ASSERT_EQ(post(running.port, "/v1/session/marker", R"({"text":"first, \"bite\""})").status, 200);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const testing_support::HttpAnswer stopped = post(running.port, "/v1/session/stop", "{}");
+  ASSERT_EQ(stopped.status, 200);
+  const std::string log = Json::parse(stopped.body)["done"];
+  EXPECT_THAT(log, testing::EndsWith("Z-S-07.mcap"));
+
+  std::map<std::int64_t, Json> live;  // of the second run
+  EventStream::Event event;
+  while (stream.next(event)) {
+    ASSERT_EQ(event.name, "");
+    Json estimate = Json::parse(event.data);
+    if (estimate["run"] == 3) break;
+    if (estimate["run"] == 2) live.emplace(estimate["number"], estimate);
+  }
+  const std::string csv = running.folder / "again.csv", values = running.folder / "values";
+  const auto replayed =
+      testing_support::run_condyle({"replay", log, "--out", csv, "--values", values});
+  ASSERT_EQ(replayed.exit_code, 0) << replayed.errors;
+  EXPECT_THAT(replayed.output, HasSubstr("s: first, \"bite\"\n"));
+  EXPECT_THAT(testing_support::read_file(values + "/markers.csv"),
+              HasSubstr(",\"first, \"\"bite\"\"\"\n"));
+  const testing_support::Table table = testing_support::read_table(csv);
+  ASSERT_GT(table.rows, 400U);
+  ASSERT_EQ(table.rows, live.size());
+  for (const char* axis : {"x", "y", "z"}) {
+    for (const char* name : {"position_m", "velocity_m_s", "acceleration_m_s2", "position_sd_m",
+                             "velocity_sd_m_s", "acceleration_sd_m_s2"}) {
+      const std::vector<double> again = table.numbers(std::string(axis) + "_" + name);
+      std::int64_t number = 0;
+      for (const double value : again) {
+        ASSERT_EQ(live.at(++number)[axis][name].get<double>(), value) << axis << name << number;
+      }
+    }
+  }
+}
+
+TEST(Box, SaysWhyASessionCannotBe) {
+  RunningBox running;
+  running.start();
+  ASSERT_TRUE(running.is_estimating());
+  EXPECT_EQ(post(running.port, "/v1/session/stop", "{}").status, 409);
+  EXPECT_EQ(post(running.port, "/v1/session/marker", R"({"text":"x"})").status, 409);
+  EXPECT_EQ(post(running.port, "/v1/session/start", R"({"subject":"J. Doe"})").status, 400);
+  EXPECT_EQ(post(running.port, "/v1/session/start", "{}").status, 200);
+  EXPECT_EQ(post(running.port, "/v1/session/start", "{}").status, 409);
+  EXPECT_EQ(post(running.port, "/v1/session/marker", R"({"text":")" + std::string(600, 'x') + "\"}")
+                .status,
+            400);
+  EXPECT_EQ(running.status()["session"]["phase"], "recording");
+  EXPECT_EQ(post(running.port, "/v1/session/stop", "{}").status, 200);
+
+  RunningBox full;
+  full.configuration.reserve_bytes = std::uint64_t{1} << 60U;
+  full.start();
+  ASSERT_TRUE(full.is_estimating());
+  const auto answer = post(full.port, "/v1/session/start", "{}");
+  EXPECT_EQ(answer.status, 507);
+  EXPECT_THAT(answer.body, HasSubstr("the disk has less than"));
+  EXPECT_THAT(full.status()["session"]["problem"].get<std::string>(), HasSubstr("the disk"));
+
+  RunningBox without;
+  without.configuration.folder.clear();
+  without.start();
+  ASSERT_TRUE(without.is_estimating());
+  EXPECT_EQ(post(without.port, "/v1/session/start", "{}").status, 409);
+}
+
+// A real failure of the file system, though of one file: it may not grow beyond a limit.
+TEST(Box, PausesWhereTheDiskIsFullAndGoesOn) {
+  RunningBox running;
+  running.start();
+  ASSERT_TRUE(running.is_estimating());
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{20'000, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  ASSERT_EQ(post(running.port, "/v1/session/start", "{}").status, 200);
+  EXPECT_TRUE(wait_for([&] { return running.status()["session"]["phase"] == "paused"; }));
+  EXPECT_THAT(running.status()["session"]["problem"].get<std::string>(), HasSubstr("disk is full"));
+  EXPECT_EQ(running.status()["session"]["pauses"], 1);
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_TRUE(wait_for([&] { return running.status()["session"]["phase"] == "recording"; }));
+  EXPECT_EQ(running.status()["session"]["part"], 2);
+  EXPECT_TRUE(wait_for([&] { return running.status()["session"]["reports_written"] > 100; }));
+  EXPECT_EQ(post(running.port, "/v1/session/stop", "{}").status, 200);
+  int logs = 0;
+  for (const auto& file : std::filesystem::directory_iterator(running.folder.path())) {
+    ++logs;
+    const auto replayed = testing_support::run_condyle({"replay", file.path().string()});
+    EXPECT_EQ(replayed.exit_code, 0) << replayed.errors;
+  }
+  EXPECT_EQ(logs, 2);
+}
+
+TEST(Box, WaitsForAFacebowThatIsNotThere) {
+  RunningBox running;
+  running.configuration.facebow.kind = SourceSettings::Kind::usb;
+  running.start();
+  EXPECT_TRUE(wait_for([&] { return running.status()["device"]["problem"] != ""; }));
+  const Json status = running.status();
+  EXPECT_EQ(status["device"]["found"], false);
+  EXPECT_THAT(status["device"]["problem"].get<std::string>(), HasSubstr("1209:0001"));
+  EXPECT_EQ(post(running.port, "/v1/session/start", "{}").status, 503);
+}
+
+TEST(Box, SendsDatagrams) {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ASSERT_EQ(bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  socklen_t size = sizeof address;
+  getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
+  RunningBox running;
+  running.configuration.udp_port = ntohs(address.sin_port);
+  running.start();
+  std::int64_t last = 0;
+  for (int i = 0; i < 50; ++i) {
+    char line[8192];
+    const ssize_t length = recv(socket, line, sizeof line, 0);
+    ASSERT_GT(length, 0);
+    const Json estimate = Json::parse(line, line + length);
+    EXPECT_GT(estimate["number"], last);
+    last = estimate["number"];
+  }
+  ::close(socket);
+}
+
+TEST(Box, TellsAListenerWhereItIs) {
+  RunningBox running;
+  running.start();
+  ASSERT_TRUE(running.is_estimating());
+  std::uint64_t last = 0;
+  {
+    EventStream stream(running.port, "?after=0");
+    EventStream::Event event;
+    for (std::uint64_t i = 1; i <= 100; ++i) {
+      ASSERT_TRUE(stream.next(event));
+      ASSERT_EQ(event.id, i);
+    }
+    last = event.id;
+  }
+  EventStream again(running.port, "?after=" + std::to_string(last));
+  EventStream::Event event;
+  ASSERT_TRUE(again.next(event));
+  EXPECT_EQ(event.id, last + 1);
+}
+
+// Whoever listens, however badly: nothing is dropped before the outlets, and who reads misses
+// nothing.
+TEST(Box, SlowAndDyingListenersHoldUpNobody) {
+  RunningBox running;
+  running.configuration.udp_port = 9;  // where nobody listens
+  running.start();
+  ASSERT_TRUE(running.is_estimating());
+  EventStream reads(running.port, "?after=0");
+  const Connection never_reads(running.port);
+  ASSERT_TRUE(never_reads.send("GET /v1/estimates HTTP/1.1\r\nHost: localhost\r\n\r\n"));
+  std::minstd_rand random(1);
+  EventStream::Event event;
+  std::uint64_t last = 0;
+  for (int i = 0; i < 60; ++i) {
+    Connection dies(running.port);
+    ASSERT_TRUE(dies.send("GET /v1/estimates?after=0 HTTP/1.1\r\nHost: localhost\r\n\r\n"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(random() % 40));
+    dies.abort();
+    for (int k = 0; k < 10; ++k) {
+      ASSERT_TRUE(reads.next(event));
+      ASSERT_EQ(event.name, "");
+      ASSERT_EQ(event.id, ++last);
+    }
+  }
+  const Json status = running.status();
+  EXPECT_EQ(status["outlets"]["dropped"], 0);
+  EXPECT_EQ(status["device"]["reports_lost"], 0);
+  EXPECT_TRUE(wait_for([&] { return running.status()["outlets"]["http_listeners"] <= 2; }));
+}
+
+TEST(Box, RefusesMoreListenersThanAllowed) {
+  RunningBox running;
+  running.configuration.most_listeners = 2;
+  running.start();
+  ASSERT_TRUE(running.is_estimating());
+  EventStream first(running.port), second(running.port);
+  EventStream::Event event;
+  ASSERT_TRUE(first.next(event) && second.next(event));
+  const Connection third(running.port);
+  (void)third.send("GET /v1/estimates HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+  EXPECT_THAT(third.receive(), HasSubstr(" 503 "));
+}
+
+TEST(Box, OutlivesWhatIsNoHttp) {
+  RunningBox running;
+  running.start();
+  const std::string host = "Host: localhost\r\n";
+  const std::vector<std::string> requests = {
+      "\r\n\r\n",
+      "GET\r\n\r\n",
+      "GET /v1/status\r\n\r\n",
+      "GET /v1/status HTTP/9.9\r\n" + host + "\r\n",
+      std::string("\0\xff\x01\r\n\r\n", 7),
+      "GET /" + std::string(100'000, 'x') + " HTTP/1.1\r\n" + host + "\r\n",
+      "GET /v1/status HTTP/1.1\r\n" + host + "X: " + std::string(100'000, 'x') + "\r\n\r\n",
+      "POST /v1/session/stop HTTP/1.1\r\n" + host + "Content-Length: -5\r\n\r\n",
+      "POST /v1/session/stop HTTP/1.1\r\n" + host + "Content-Length: 99999999999999999999\r\n\r\n",
+      "POST /v1/session/stop HTTP/1.1\r\n" + host +
+          "Content-Type: application/json\r\nContent-Length: 5000\r\n\r\n" + std::string(5000, 'x'),
+      "POST /v1/session/stop HTTP/1.1\r\n" + host +
+          "Content-Type: application/json\r\nTransfer-Encoding: chunked\r\n\r\nzz\r\n",
+      "GET /v1/status HTTP/1.1\r\n\r\n"};
+  for (const std::string& request : requests) {
+    Connection connection(running.port);
+    ASSERT_TRUE(connection.is_open());
+    (void)connection.send(request);
+    const std::string answer = connection.receive(0.3);
+    if (answer.starts_with("HTTP/1.")) {
+      // 505 is what HTTP asks for where the version is not known.
+      EXPECT_TRUE(answer[9] == '4' || answer.substr(9, 3) == "505")
+          << request.substr(0, 60) << answer;
+    }
+  }
+  std::minstd_rand random(1);
+  for (int i = 0; i < 200; ++i) {
+    std::string noise(random() % 2000, '\0');
+    for (char& byte : noise) byte = static_cast<char>(random() >> 8U);
+    (void)Connection(running.port).send(noise);
+  }
+  // Chunked, so that its size is not said before.
+  std::string chunked = "POST /v1/session/stop HTTP/1.1\r\n" + host +
+                        "Connection: close\r\nContent-Type: application/json\r\n"
+                        "Transfer-Encoding: chunked\r\n\r\n";
+  for (int i = 0; i < 100; ++i) chunked += "3e8\r\n" + std::string(1000, '{') + "\r\n";
+  EXPECT_EQ(ask(running.port, chunked + "0\r\n\r\n").status, 413);
+  EXPECT_EQ(get(running.port, "/v1/status").status, 200);
+}
+
+TEST(Box, AsksForItsToken) {
+  RunningBox running;
+  running.configuration.token = "0123456789abcdef";
+  running.start();
+  EXPECT_EQ(get(running.port, "/v1/status").status, 401);
+  EXPECT_EQ(get(running.port, "/v1/status", "Authorization: Bearer 0123456789abcdee\r\n").status,
+            401);
+  EXPECT_EQ(get(running.port, "/v1/status", "Authorization: Bearer 0123456789abcdef\r\n").status,
+            200);
+}
+
+TEST(Box, OutlivesAThousandConnections) {
+  RunningBox running;
+  running.start();
+  ASSERT_TRUE(running.is_estimating());
+  rlimit files{};
+  getrlimit(RLIMIT_NOFILE, &files);
+  files.rlim_cur = std::min<rlim_t>(files.rlim_max, 4096);
+  setrlimit(RLIMIT_NOFILE, &files);
+  if (files.rlim_cur < 2200) GTEST_SKIP() << "too few files may be open";
+  std::vector<Connection> idle;
+  for (int i = 0; i < 1000; ++i) {
+    idle.emplace_back(running.port);
+    ASSERT_TRUE(idle.back().is_open());
+  }
+  EXPECT_EQ(get(running.port, "/v1/status").status, 503);
+  for (Connection& connection : idle) connection.abort();
+  EXPECT_TRUE(wait_for([&] { return get(running.port, "/v1/status").status == 200; }));
+  EXPECT_EQ(running.status()["outlets"]["dropped"], 0);
+}
+
+}  // namespace
+}  // namespace condyle::box

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "box/configuration.h"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "input_error.h"
+#include "unit/temporary_folder.h"
+
+namespace condyle::box {
+namespace {
+
+using testing::HasSubstr;
+
+class ConfigurationFile : public testing::Test {
+ protected:
+  Configuration load(const std::string& text) const {
+    return load_configuration(folder_.write("box.toml", text));
+  }
+  std::string problem(const std::string& text) const {
+    try {
+      (void)load(text);
+    } catch (const host::InputError& error) {
+      return error.what();
+    }
+    return {};
+  }
+  testing_support::TemporaryFolder folder_;
+  const std::string source_ = "[facebow]\nsource = \"synth:bow.toml\"\n";
+};
+
+TEST_F(ConfigurationFile, TheOneShippedIsTheDefaults) {
+  const Configuration shipped = load_configuration(CONDYLE_SOURCE_DIR "/firmware/box/box.toml");
+  EXPECT_EQ(shipped.facebow.kind, SourceSettings::Kind::synth);
+  // With all of its comments that are settings taken for such.
+  std::string text = testing_support::read_file(CONDYLE_SOURCE_DIR "/firmware/box/box.toml");
+  std::string all;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const bool is_setting = line.starts_with("# ") && line.find(" = ") < 20 &&
+                            line.find("serial") == std::string::npos &&
+                            line.find("source") == std::string::npos &&
+                            line.find("\"\"") == std::string::npos;
+    all += (is_setting ? line.substr(2) : line) + "\n";
+  }
+  const Configuration same = load(all);
+  EXPECT_EQ(same.followed.point, shipped.followed.point);
+  EXPECT_EQ(same.followed.axis, shipped.followed.axis);
+  EXPECT_EQ(same.lag, shipped.lag);
+  EXPECT_EQ(same.priority, shipped.priority);
+  EXPECT_EQ(same.reserve_bytes, shipped.reserve_bytes);
+  EXPECT_EQ(same.udp_address, shipped.udp_address);
+  EXPECT_EQ(same.udp_port, shipped.udp_port);
+  EXPECT_EQ(same.http_address, shipped.http_address);
+  EXPECT_EQ(same.http_port, shipped.http_port);
+  EXPECT_EQ(same.most_listeners, shipped.most_listeners);
+}
+
+TEST_F(ConfigurationFile, TakesFilesFromItsOwnFolder) {
+  const Configuration read = load(
+      "[facebow]\nsource = \"usb:profiles/bow.toml\"\nserial = \"7\"\npoint = 3\naxis = \"y\"\n"
+      "[companion.force]\nsource = \"hid:/etc/force.toml\"\n[recording]\nfolder = \"logs\"\n");
+  EXPECT_EQ(read.facebow.kind, SourceSettings::Kind::usb);
+  EXPECT_EQ(read.facebow.file, folder_ / "profiles/bow.toml");
+  EXPECT_EQ(read.facebow.serial, "7");
+  EXPECT_EQ(read.followed.point, 3);
+  EXPECT_EQ(read.followed.axis, Axis::y);
+  ASSERT_EQ(read.companions.size(), 1U);
+  EXPECT_EQ(read.companions[0].name, "force");
+  EXPECT_EQ(read.companions[0].file, "/etc/force.toml");
+  EXPECT_EQ(read.folder, folder_ / "logs");
+}
+
+TEST_F(ConfigurationFile, SaysWhatIsWrongAndWhere) {
+  const std::string many = [] {
+    std::string text;
+    for (char name = 'a'; name < 'h'; ++name) {
+      text += std::string("[companion.") + name + "]\nsource = \"hid:x\"\n";
+    }
+    return text;
+  }();
+  const std::pair<std::string, const char*> cases[] = {
+      {"", "give one, such as"},
+      {"[facebow]\nsource = \"serial:x\"\n", "box.toml:2:10: \"serial:x\" is no source"},
+      {"[facebow]\nsource = \"hid:\"\n", "names no file"},
+      {"[facebow]\nsource = \"hid\"\n", "names no file"},
+      {"[facebow]\nsource = \"synth:x\"\nserial = \"1\"\n", "only devices have a serial number"},
+      {source_ + "point = 4\n", "point"},
+      {source_ + "[companion.a]\nsource = \"file:x\"\n", "a companion is a device"},
+      {source_ + many, "too many companions"},
+      {source_ + "[estimator]\nlag_samples = 17\n", "lag_samples"},
+      {source_ + "[estimator]\npriority = 99\n", "priority"},
+      {source_ + "[udp]\naddress = \"localhost\"\n", "is no address"},
+      {source_ + "[udp]\nport = 65536\n", "port"},
+      {source_ + "[http]\naddress = \"0.0.0.0\"\n", "without a token"},
+      {source_ + "[http]\nadress = \"::1\"\n", "adress"},
+      {source_ + "[recording]\nreserve_MB = -1\n", "reserve_MB"},
+      {source_ + "[http\n", "box.toml:3"}};
+  for (const auto& [text, words] : cases) EXPECT_THAT(problem(text), HasSubstr(words)) << text;
+}
+
+TEST_F(ConfigurationFile, TakesOnlyATokenThatOthersCannotRead) {
+  const std::string text = source_ + "[http]\naddress = \"0.0.0.0\"\ntoken_file = \"token\"\n";
+  const std::string token = folder_.write("token", "0123456789abcdef\n");
+  const auto permit = [&token](unsigned mode) {
+    std::filesystem::permissions(token, std::filesystem::perms(mode));
+  };
+  permit(0644);
+  EXPECT_THAT(problem(text), HasSubstr("chmod 640"));
+  permit(0600);
+  EXPECT_EQ(load(text).token, "0123456789abcdef");
+  for (const char* wrong : {"", "short", "0123456789abcdef\nmore", "0123456789 abcdef"}) {
+    (void)folder_.write("token", wrong);
+    EXPECT_THAT(problem(text), HasSubstr("no usable token")) << wrong;
+  }
+}
+
+TEST(Loopback, IsWhatNoOtherMachineReaches) {
+  for (const char* address : {"127.0.0.1", "127.255.1.2", "::1"}) {
+    EXPECT_TRUE(is_loopback(address)) << address;
+  }
+  for (const char* address : {"", "0.0.0.0", "128.0.0.1", "::", "localhost", "127.1", "fe80::1"}) {
+    EXPECT_FALSE(is_loopback(address)) << address;
+  }
+}
+
+}  // namespace
+}  // namespace condyle::box

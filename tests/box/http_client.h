@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// The plainest HTTP client, which can also be a bad one.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace condyle::testing_support {
+
+/// A connection to 127.0.0.1.
+class Connection {
+ public:
+  explicit Connection(std::uint16_t port);
+  ~Connection();
+  Connection(Connection&& other) noexcept;
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  bool is_open() const { return socket_ >= 0; }
+  /// False where the other end takes no more.
+  bool send(const std::string& bytes) const;
+  /// Whatever comes next, up to 64 KiB; "" at the end, and after `patience_s` without anything.
+  std::string receive(double patience_s = 10) const;
+  /// With a reset, as a program that is killed does it.
+  void abort();
+
+ private:
+  int socket_ = -1;
+};
+
+/// What was answered.
+struct HttpAnswer {
+  int status = 0;  ///< 0: nothing
+  std::string head, body;
+};
+
+/// Sends `request` as it is and reads the answer to its end.
+HttpAnswer ask(std::uint16_t port, const std::string& request);
+/// `headers`: lines that each end in "\r\n".
+HttpAnswer get(std::uint16_t port, const std::string& path, const std::string& headers = "");
+HttpAnswer post(std::uint16_t port, const std::string& path, const std::string& json,
+                const std::string& headers = "");
+
+/// Server-sent events.
+class EventStream {
+ public:
+  /// `query`: "?after=3".
+  explicit EventStream(std::uint16_t port, const std::string& query = "");
+
+  struct Event {
+    std::string name;  ///< empty: an estimate
+    std::uint64_t id = 0;
+    std::string data;
+  };
+  /// The next one; false at the end, or after ten seconds without any.
+  bool next(Event& event);
+
+ private:
+  bool read_line(std::string& line);
+
+  Connection connection_;
+  std::string raw_, text_;  // as it came, and without the transfer's chunks
+  bool has_head_ = false;
+};
+
+}  // namespace condyle::testing_support

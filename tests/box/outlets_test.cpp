@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// What estimates and messages look like outside, and how much of them is kept.
+#include <gmock/gmock.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "box/box_log.h"
+#include "box/estimate_history.h"
+#include "box/estimate_text.h"
+
+namespace condyle::box {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(EstimateHistory, TellsAReaderWhatItMissed) {
+  EstimateHistory history(3);
+  EXPECT_EQ(history.after(0).number, 0U);
+  for (int i = 1; i <= 5; ++i) history.add("line " + std::to_string(i));
+  EXPECT_EQ(history.newest(), 5U);
+  const EstimateHistory::Line late = history.after(0);
+  EXPECT_EQ(late.number, 3U);
+  EXPECT_EQ(late.missed, 2U);
+  EXPECT_EQ(*late.text, "line 3");
+  EXPECT_EQ(history.after(4).missed, 0U);
+  EXPECT_EQ(*history.after(4).text, "line 5");
+  EXPECT_EQ(history.after(5).number, 0U);
+  EXPECT_EQ(history.after(500).number, 0U);
+}
+
+TEST(EstimateLine, KeepsEveryBitAndSaysWhatIsNotKnown) {
+  BoxEstimate box;
+  box.run = 2;
+  box.number = 9;
+  box.has_joint = true;
+  box.estimate.axis_count = 1;
+  box.estimate.time_valid = true;
+  box.estimate.time_ns = 9'007'199'254'740'993;  // no double
+  box.estimate.axes[0].velocity_m_s = {0.1 + 0.2, 1e-3 / 3, Provenance::measured};
+  box.estimate.events.add(Event::time_gap);
+  box.estimate.joint.friction_Ns_m.quantity = {0.05, 0.5, Provenance::assumed};
+  box.estimate.joint.friction_Ns_m.limit = JointLimit::missing;
+  const std::string line = estimate_line(box);
+  EXPECT_EQ(line.find('\n'), std::string::npos);
+  const nlohmann::json json = nlohmann::json::parse(line);
+  EXPECT_EQ(json["time_ns"], 9'007'199'254'740'993);
+  EXPECT_EQ(json["axis"]["velocity_m_s"].get<double>(), 0.1 + 0.2);
+  EXPECT_EQ(json["axis"]["velocity_sd_m_s"].get<double>(), 1e-3 / 3);
+  EXPECT_EQ(json["axis"]["velocity_provenance"], "measured");
+  EXPECT_TRUE(json["axis"]["position_m"].is_null());
+  EXPECT_EQ(json["axis"]["position_provenance"], "");
+  EXPECT_EQ(json["joint"]["friction_provenance"], "assumed");
+  EXPECT_EQ(json["joint"]["friction_limit"], "missing");
+  EXPECT_EQ(json["events"], nlohmann::json::array({"time_gap"}));
+
+  box.has_joint = false;
+  box.estimate.time_valid = false;
+  const nlohmann::json without = nlohmann::json::parse(estimate_line(box));
+  EXPECT_FALSE(without.contains("joint"));
+  EXPECT_TRUE(without["time_s"].is_null());
+}
+
+TEST(BoxLog, SaysTheSameThingSeldom) {
+  hal::ManualClock clock;
+  char text[4096] = {};
+  std::FILE* const file = fmemopen(text, sizeof text, "w");
+  ASSERT_NE(file, nullptr);
+  BoxLog log(clock, file);
+  for (int i = 0; i < 1000; ++i) {
+    clock.sleep_until(clock.now_ns() + 1'000'000);
+    log.say(BoxLog::Level::warning, "device", "away " + std::to_string(i));
+  }
+  log.say(BoxLog::Level::info, "session", "two\nlines");
+  clock.sleep_until(70 * kNanosecondsPerSecond);
+  log.say(BoxLog::Level::warning, "device", "away again");
+  std::fclose(file);
+  const std::string said = text;
+  EXPECT_THAT(said, HasSubstr("<4>device: away 4\n"));
+  EXPECT_THAT(said, testing::Not(HasSubstr("away 5")));
+  EXPECT_THAT(said, HasSubstr("<6>session: two lines\n"));
+  EXPECT_THAT(said, HasSubstr("<4>device: away again (995 such lines were withheld before)\n"));
+}
+
+}  // namespace
+}  // namespace condyle::box

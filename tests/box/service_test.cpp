@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program as the service manager runs it.
+#include <gmock/gmock.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+
+#include "box/http_client.h"
+#include "box/running_box.h"
+#include "replay/command.h"
+
+namespace condyle::box {
+namespace {
+
+using testing::HasSubstr;
+using testing_support::post;
+
+// A datagram socket as the manager's.
+class NoticeSocket {
+ public:
+  explicit NoticeSocket(const std::string& path)
+      : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    const timeval patience{20, 0};
+    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    is_bound_ = bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  }
+  ~NoticeSocket() { ::close(socket_); }
+  NoticeSocket(const NoticeSocket&) = delete;
+  NoticeSocket& operator=(const NoticeSocket&) = delete;
+
+  bool is_bound() const { return is_bound_; }
+  std::string receive() const {
+    char text[256];
+    const ssize_t size = recv(socket_, text, sizeof text, 0);
+    return std::string(text, size > 0 ? static_cast<std::size_t>(size) : 0);
+  }
+
+ private:
+  int socket_;
+  bool is_bound_ = false;
+};
+
+// condyle-box, its errors in a file.
+class Program {
+ public:
+  Program(const std::string& configuration, const std::string& errors,
+          const std::string& notify_socket) {
+    process_ = fork();
+    if (process_ == 0) {
+      (void)std::freopen(errors.c_str(), "w", stderr);
+      setenv("NOTIFY_SOCKET", notify_socket.c_str(), 1);
+      setenv("WATCHDOG_USEC", "1000000", 1);
+      execl(CONDYLE_BOX, CONDYLE_BOX, "--config", configuration.c_str(), nullptr);
+      _exit(127);
+    }
+  }
+  ~Program() {
+    if (process_ > 0) (void)end(SIGKILL);
+  }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  // Its exit code; -1 where a signal ended it.
+  int end(int signal) {
+    int status = 0;
+    kill(process_, signal);
+    waitpid(process_, &status, 0);
+    process_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+ private:
+  pid_t process_ = -1;
+};
+
+// From the line that tells it; 0 where it does not come.
+std::uint16_t told_port(const std::string& errors) {
+  const std::string words = "listening on 127.0.0.1 port ";
+  std::uint16_t port = 0;
+  testing_support::wait_for([&] {
+    if (!std::filesystem::exists(errors)) return false;
+    const std::string text = testing_support::read_file(errors);
+    const std::size_t at = text.find(words);
+    if (at == std::string::npos || text.find('\n', at) == std::string::npos) return false;
+    port = static_cast<std::uint16_t>(std::atoi(text.c_str() + at + words.size()));
+    return true;
+  });
+  return port;
+}
+
+TEST(Service, TellsItsManagerAndKeepsItsRecordingWhenItIsEnded) {
+  const testing_support::TemporaryFolder folder;
+  const std::string configuration =
+      folder.write("box.toml", "[facebow]\nsource = \"synth:" CONDYLE_SOURCE_DIR
+                               "/hal/profiles/condyle_facebow.toml\"\n[recording]\nfolder = \".\"\n"
+                               "reserve_MB = 1\n[http]\nport = 0\n");
+  const NoticeSocket manager(folder / "notify");
+  ASSERT_TRUE(manager.is_bound());
+  Program program(configuration, folder / "errors", folder / "notify");
+  const std::uint16_t port = told_port(folder / "errors");
+  ASSERT_NE(port, 0);
+  EXPECT_EQ(manager.receive(), "READY=1");
+  EXPECT_EQ(manager.receive(), "WATCHDOG=1");
+  EXPECT_EQ(manager.receive(), "WATCHDOG=1");
+  ASSERT_TRUE(testing_support::wait_for(
+      [&] { return post(port, "/v1/session/start", "{}").status == 200; }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(600));
+  EXPECT_EQ(program.end(SIGTERM), 0);
+  std::string notice;
+  do notice = manager.receive();
+  while (notice == "WATCHDOG=1");
+  EXPECT_EQ(notice, "STOPPING=1");
+  const std::string errors = testing_support::read_file(folder / "errors");
+  EXPECT_THAT(errors, HasSubstr("<5>session: ended "));
+  EXPECT_THAT(errors, HasSubstr(", 0 lost\n"));
+  for (const auto& file : std::filesystem::directory_iterator(folder.path())) {
+    if (file.path().extension() != ".mcap") continue;
+    const auto replayed = testing_support::run_condyle({"replay", file.path().string()});
+    EXPECT_EQ(replayed.exit_code, 0) << replayed.errors;
+    EXPECT_THAT(replayed.output, testing::Not(HasSubstr("note        " + file.path().string())));
+  }
+}
+
+TEST(Service, ChecksItsConfigurationAndMeasuresItsLatency) {
+  const testing_support::TemporaryFolder folder;
+  const std::string good =
+      folder.write("good.toml", "[facebow]\nsource = \"synth:" CONDYLE_SOURCE_DIR
+                                "/hal/profiles/condyle_facebow.toml\"\n");
+  const std::string bad = folder.write("bad.toml", "[facebow]\nsource = \"x\"\n");
+  const std::string out = folder / "out";
+  const auto run = [&](const std::string& arguments) {
+    const int status =
+        std::system((std::string(CONDYLE_BOX) + " " + arguments + " >" + out + " 2>&1").c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  };
+  EXPECT_EQ(run("--check --config " + good), 0);
+  EXPECT_EQ(run("--check --config " + bad), 2);
+  EXPECT_THAT(testing_support::read_file(out), HasSubstr("bad.toml:2:10"));
+  for (const char* wrong : {"", "--config", "--nothing", "--config a b", "--latency-test 1"}) {
+    EXPECT_EQ(run(wrong), 2) << wrong;
+  }
+  EXPECT_EQ(run("--latency-test x --config " + good), 2);
+  ASSERT_EQ(run("--latency-test 1 --config " + good), 0);
+  const std::string told = testing_support::read_file(out);
+  EXPECT_THAT(told, HasSubstr("wake-up by the kernel: "));
+  EXPECT_THAT(told, HasSubstr("from report to estimate: "));
+  EXPECT_THAT(told, HasSubstr("0 estimates dropped"));
+}
+
+}  // namespace
+}  // namespace condyle::box

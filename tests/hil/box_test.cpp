@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// The measurement box over the fake facebow.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <iostream>
+
+#include "hil/play.h"
+#include "replay/command.h"
+#include "unit/temporary_folder.h"
+
+namespace condyle::hil {
+namespace {
+
+class BoxOnFacebow : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    if (!has_umockdev()) GTEST_SKIP() << "umockdev is not installed";
+  }
+  Played play_to_box(std::int64_t count, std::vector<std::string> options) const {
+    const bool is_usb = std::string(GetParam()) == "libusb";
+    const std::string configuration = folder_.write(
+        "box.toml", std::string("[facebow]\nsource = \"") + (is_usb ? "usb:" : "hid:") +
+                        CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml\"\n" +
+                        "[recording]\nfolder = \".\"\nreserve_MB = 1\n[http]\nport = 0\n");
+    options.insert(options.end(),
+                   {"--count", std::to_string(count), "--settle-s", "1", "--linger-s", "0.3"});
+    return play(GetParam(), options, {CONDYLE_DRIVE_BOX, CONDYLE_BOX, configuration, "2.5"});
+  }
+  std::string log() const {
+    for (const auto& file : std::filesystem::directory_iterator(folder_.path())) {
+      if (file.path().extension() == ".mcap") return file.path().string();
+    }
+    return {};
+  }
+  testing_support::TemporaryFolder folder_;
+};
+
+// Nothing is lost unreported, of a hundred thousand reports with more than fifty faults.
+TEST_P(BoxOnFacebow, AccountsForEveryReportInConstantMemory) {
+  const Played played = play_to_box(
+      100'000, {"--by-consumption", "--fault", "unplug/5500=0.05", "--fault", "truncated/9000",
+                "--fault", "garbage/11000", "--fault", "wrong_checksum/13000", "--fault",
+                "wrong_id/17000", "--fault", "pause/19000=0.2", "--fault", "burst/23000"});
+  ASSERT_EQ(played.exit_code, 0) << played.text;
+  ASSERT_TRUE(played.reader.contains("device")) << played.text;
+  const nlohmann::json& device = played.reader["device"];
+  const std::int64_t received = device["reports_received"], lost = device["reports_lost"];
+  EXPECT_EQ(received + lost, played.account_count("made")) << played.text;
+  EXPECT_EQ(device["gaps_of_unknown_length"], 0);
+  EXPECT_EQ(device["disconnections"], played.fault_count("unplug") + 1);
+  std::int64_t faults = 0;
+  for (const auto& [name, times] : played.account["faults"].items()) faults += times.get<int>();
+  EXPECT_GE(faults, 50) << played.text;
+  EXPECT_EQ(played.reader["session"]["reports_lost"], 0);
+  EXPECT_EQ(played.reader["outlets"]["dropped"], 0) << played.text;
+  EXPECT_LT(played.reader["grown_bytes"], 2'000'000);
+  std::cout << "             " << GetParam() << ": " << received << " received, " << lost
+            << " lost, " << faults << " faults, memory grew by " << played.reader["grown_bytes"]
+            << " bytes after the first reports, p99 "
+            << 1e6 * played.reader["real_time"]["report_to_estimate"]["p99_s"].get<double>()
+            << " us\n";
+  const auto replayed = testing_support::run_condyle({"replay", log()});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.errors;
+}
+
+INSTANTIATE_TEST_SUITE_P(Umockdev, BoxOnFacebow, testing::Values("hidraw", "libusb"),
+                         [](const auto& test) { return std::string(test.param); });
+
+}  // namespace
+}  // namespace condyle::hil

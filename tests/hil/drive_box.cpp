@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// Starts condyle-box, records a session through its HTTP interface until no more reports come, and
+// prints its last status and how its memory grew as one line of JSON.
+// usage: drive_box CONDYLE_BOX CONFIGURATION IDLE_S
+// The configuration lets the box choose its port. Exit: the box's, or 3 where it did not do as
+// told.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+
+#include "box/http_client.h"
+
+namespace {
+
+using namespace condyle::testing_support;
+using Json = nlohmann::json;
+
+constexpr int kExitNotAsTold = 3;
+constexpr std::int64_t kReportsToSettle = 30'000;  // by then everything that grows has grown
+
+void sleep_s(double time_s) {
+  std::this_thread::sleep_for(std::chrono::duration<double>(time_s));
+}
+
+class BoxProgram {
+ public:
+  BoxProgram(const char* program, const char* configuration) {
+    int ends[2];
+    if (pipe(ends) != 0) std::abort();
+    process_ = fork();
+    if (process_ == 0) {
+      dup2(ends[1], STDERR_FILENO);
+      close(ends[0]);
+      execl(program, program, "--config", configuration, nullptr);
+      _exit(127);
+    }
+    close(ends[1]);
+    // What it says is passed on; one line of it tells the port.
+    reader_ = std::thread([this, file = fdopen(ends[0], "r")] {
+      char line[1024];
+      while (std::fgets(line, sizeof line, file) != nullptr) {
+        std::fputs(line, stderr);
+        if (const char* const port = std::strstr(line, " port ")) port_ = std::atoi(port + 6);
+      }
+      std::fclose(file);
+    });
+  }
+
+  std::uint16_t port() const {
+    for (int i = 0; i < 2000 && port_ == 0; ++i) sleep_s(0.01);
+    return static_cast<std::uint16_t>(port_);
+  }
+  // Bytes in RAM.
+  std::int64_t memory_bytes() const {
+    std::ifstream file("/proc/" + std::to_string(process_) + "/statm");
+    std::int64_t whole = 0, resident = 0;
+    file >> whole >> resident;
+    return resident * sysconf(_SC_PAGESIZE);
+  }
+  int end() {
+    int status = 0;
+    kill(process_, SIGTERM);
+    waitpid(process_, &status, 0);
+    reader_.join();
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+
+ private:
+  pid_t process_ = -1;
+  std::atomic<int> port_ = 0;
+  std::thread reader_;
+};
+
+Json status_of(std::uint16_t port) {
+  return Json::parse(get(port, "/v1/status").body, nullptr, false);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 4) {
+    std::fprintf(stderr, "usage: drive_box CONDYLE_BOX CONFIGURATION IDLE_S\n");
+    return 2;
+  }
+  const double idle_s = std::strtod(argv[3], nullptr);
+  BoxProgram program(argv[1], argv[2]);
+  const std::uint16_t port = program.port();
+  bool is_as_told = false;
+  for (int i = 0; i < 1000 && !is_as_told; ++i) {
+    is_as_told = post(port, "/v1/session/start", R"({"subject":"HIL"})").status == 200;
+    if (!is_as_told) sleep_s(0.02);
+  }
+  std::int64_t received = 0, settled_bytes = 0, last_bytes = 0;
+  for (double silent_s = 0; is_as_told && silent_s < idle_s;) {
+    sleep_s(0.1);
+    const Json status = status_of(port);
+    if (!status.is_object()) {
+      is_as_told = false;
+      break;
+    }
+    const std::int64_t now = status["device"]["reports_received"];
+    // Before the first one the device is still being plugged in.
+    silent_s = now == received && now > 0 ? silent_s + 0.1 : 0;
+    received = now;
+    last_bytes = program.memory_bytes();
+    if (received >= kReportsToSettle && settled_bytes == 0) settled_bytes = last_bytes;
+  }
+  is_as_told = is_as_told && post(port, "/v1/session/stop", "{}").status == 200;
+  Json status = status_of(port);
+  const int exit_code = program.end();
+  status["grown_bytes"] = settled_bytes > 0 ? last_bytes - settled_bytes : 0;
+  std::printf("%s\n", status.dump().c_str());
+  return exit_code == 0 && !is_as_told ? kExitNotAsTold : exit_code;
+}
