@@ -9,8 +9,6 @@
 namespace condyle::box {
 namespace {
 
-using Json = nlohmann::json;
-
 HttpRouting refusal(int status, const char* words) {
   return {.action = HttpAction::refuse, .status = status, .words = words, .text = {}, .after = {}};
 }
@@ -66,7 +64,7 @@ HttpRouting route_command(const HttpRequest& request, HttpAction action, const c
   if (!is_json(request.content_type)) {
     return refusal(415, "send JSON, with Content-Type: application/json");
   }
-  const Json json = Json::parse(request.body, nullptr, false);
+  const nlohmann::json json = nlohmann::json::parse(request.body, nullptr, false);
   if (!json.is_object()) return refusal(400, "the body is no JSON object");
   HttpRouting routing{.action = action, .status = 200, .words = {}, .text = {}, .after = {}};
   for (const auto& [name, value] : json.items()) {

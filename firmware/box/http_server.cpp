@@ -30,7 +30,7 @@ std::string header(MHD_Connection* connection, const char* name) {
   return value != nullptr ? value : "";
 }
 
-MHD_Result send(MHD_Connection* connection, int status, const std::string& body) {
+MHD_Result send_json(MHD_Connection* connection, int status, const std::string& body) {
   MHD_Response* const response = MHD_create_response_from_buffer(
       body.size(), const_cast<char*>(body.data()), MHD_RESPMEM_MUST_COPY);
   if (response == nullptr) return MHD_NO;
@@ -138,8 +138,8 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
     if (state.connections > kMostServed) {
       ++state.requests;
       ++state.refused;
-      return send(connection, MHD_HTTP_SERVICE_UNAVAILABLE,
-                  answer_json({MHD_HTTP_SERVICE_UNAVAILABLE, "too many connections"}));
+      return send_json(connection, MHD_HTTP_SERVICE_UNAVAILABLE,
+                       answer_json({MHD_HTTP_SERVICE_UNAVAILABLE, "too many connections"}));
     }
     // Refused before it is sent, where it says so.
     const std::string length = header(connection, MHD_HTTP_HEADER_CONTENT_LENGTH);
@@ -147,8 +147,9 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
         (!length.empty() && std::strtoul(length.c_str(), nullptr, 10) > kLongestBody)) {
       ++state.requests;
       ++state.refused;
-      return send(connection, MHD_HTTP_CONTENT_TOO_LARGE,
-                  answer_json({MHD_HTTP_CONTENT_TOO_LARGE, "a request has at most 4096 bytes"}));
+      return send_json(
+          connection, MHD_HTTP_CONTENT_TOO_LARGE,
+          answer_json({MHD_HTTP_CONTENT_TOO_LARGE, "a request has at most 4096 bytes"}));
     }
     return MHD_YES;
   }
@@ -183,7 +184,7 @@ MHD_Result HttpServer::State::answer(MHD_Connection* connection, const HttpReque
     case HttpAction::refuse:
       break;
     case HttpAction::status:
-      return send(connection, MHD_HTTP_OK, service.status());
+      return send_json(connection, MHD_HTTP_OK, service.status());
     case HttpAction::estimates:
       return listen(connection, routing.after);
     case HttpAction::start:
@@ -197,7 +198,7 @@ MHD_Result HttpServer::State::answer(MHD_Connection* connection, const HttpReque
       break;
   }
   if (answer.status >= 400) ++refused;
-  return send(connection, answer.status, answer_json(answer));
+  return send_json(connection, answer.status, answer_json(answer));
 }
 
 MHD_Result HttpServer::State::listen(MHD_Connection* connection,
@@ -212,8 +213,8 @@ MHD_Result HttpServer::State::listen(MHD_Connection* connection,
     const std::lock_guard lock(mutex);
     if (listeners.size() >= most_listeners) {
       ++refused;
-      return send(connection, MHD_HTTP_SERVICE_UNAVAILABLE,
-                  answer_json({MHD_HTTP_SERVICE_UNAVAILABLE, "too many listeners"}));
+      return send_json(connection, MHD_HTTP_SERVICE_UNAVAILABLE,
+                       answer_json({MHD_HTTP_SERVICE_UNAVAILABLE, "too many listeners"}));
     }
     listeners.push_back(std::move(listener));
   }

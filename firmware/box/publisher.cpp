@@ -78,7 +78,7 @@ void Publisher::take_all() {
   while (ring_->pop(estimate)) {
     std::string line = estimate_line(estimate);
     if (socket_ >= 0) {
-      const bool is_sent = send(socket_, line.data(), line.size(), MSG_DONTWAIT | MSG_NOSIGNAL) ==
+      const bool is_sent = ::send(socket_, line.data(), line.size(), MSG_DONTWAIT | MSG_NOSIGNAL) ==
                            static_cast<ssize_t>(line.size());
       ++(is_sent ? datagrams_ : datagrams_failed_);
     }

@@ -38,6 +38,8 @@ Command add_protocol(CLI::App& app);
 Command add_changes(CLI::App& app);
 /// `condyle record`
 Command add_record(CLI::App& app);
+/// `condyle session`
+Command add_session(CLI::App& app);
 /// `condyle inspect`
 Command add_inspect(CLI::App& app);
 /// `condyle doctor`

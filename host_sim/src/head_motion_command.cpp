@@ -49,7 +49,7 @@ struct Stated {
   }
 };
 
-struct Options {
+struct HeadMotionOptions {
   HeadMotionSource source;
   Stated stated;
   double delay_ms = 0;
@@ -59,7 +59,7 @@ struct Options {
   CLI::Option* axis_option = nullptr;
 };
 
-int run(Options& options) {
+int run(HeadMotionOptions& options) {
   HeadMotionSource& source = options.source;
   source.followed.axis = static_cast<Axis>(options.axis[0] - 'x');
   source.axis_given = options.axis_option->count() > 0;
@@ -131,7 +131,7 @@ Command add_plan_head_motion(CLI::App& protocol) {
 }
 
 Command add_head_motion(CLI::App& protocol) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<HeadMotionOptions>();
   CLI::App* const command = protocol.add_subcommand(
       "head-motion",
       "Identify kv/m and ks/m of a relaxed jaw from how the head's acceleration moves it");

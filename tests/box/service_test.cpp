@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "box/http_client.h"
 #include "box/running_box.h"
 #include "replay/command.h"
 
@@ -18,7 +17,6 @@ namespace condyle::box {
 namespace {
 
 using testing::HasSubstr;
-using testing_support::post;
 
 // A datagram socket as the manager's.
 class NoticeSocket {
@@ -110,10 +108,20 @@ TEST(Service, TellsItsManagerAndKeepsItsRecordingWhenItIsEnded) {
   EXPECT_EQ(manager.receive(), "READY=1");
   EXPECT_EQ(manager.receive(), "WATCHDOG=1");
   EXPECT_EQ(manager.receive(), "WATCHDOG=1");
-  ASSERT_TRUE(testing_support::wait_for(
-      [&] { return post(port, "/v1/session/start", "{}").status == 200; }));
+  const auto session = [port](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "session");
+    arguments.insert(arguments.end(), {"--box", "http://127.0.0.1:" + std::to_string(port)});
+    return testing_support::run_condyle(arguments);
+  };
+  ASSERT_TRUE(testing_support::wait_for([&] {
+    return session({"start", "--subject", "S-1"}).exit_code == 0;
+  }));
+  EXPECT_EQ(session({"mark", "swallowed"}).exit_code, 0);
+  EXPECT_THAT(session({"status"}).output, HasSubstr("\"markers\": 1,"));
+  EXPECT_THAT(session({"start"}).errors, HasSubstr("is being recorded; stop it first"));
   std::this_thread::sleep_for(std::chrono::milliseconds(600));
   EXPECT_EQ(program.end(SIGTERM), 0);
+  EXPECT_THAT(session({"stop"}).errors, HasSubstr("no box answers"));
   std::string notice;
   do notice = manager.receive();
   while (notice == "WATCHDOG=1");
@@ -126,6 +134,7 @@ TEST(Service, TellsItsManagerAndKeepsItsRecordingWhenItIsEnded) {
     const auto replayed = testing_support::run_condyle({"replay", file.path().string()});
     EXPECT_EQ(replayed.exit_code, 0) << replayed.errors;
     EXPECT_THAT(replayed.output, testing::Not(HasSubstr("note        " + file.path().string())));
+    EXPECT_THAT(replayed.output, HasSubstr("s: swallowed\n"));
   }
 }
 

@@ -33,14 +33,15 @@ int repeats() {
 }
 
 Played play(const std::string& personality, const std::vector<std::string>& options,
-            const std::vector<std::string>& program) {
+            const std::vector<std::string>& program, int longest_s) {
   // umockdev's library is loaded before the address sanitizer's, which minds.
   std::string command =
       "ASAN_OPTIONS=\"verify_asan_link_order=0:$ASAN_OPTIONS\" "
       "TSAN_OPTIONS=\"suppressions=" CONDYLE_SOURCE_DIR
       "/tests/hil/thread_sanitizer.txt:$TSAN_OPTIONS\" "
-      "timeout -k 5 120 umockdev-wrapper " +
-      quoted(CONDYLE_UMOCKDEV_FACEBOW) + " " + personality;
+      "timeout -k 5 " +
+      std::to_string(longest_s) + " umockdev-wrapper " + quoted(CONDYLE_UMOCKDEV_FACEBOW) + " " +
+      personality;
   for (const std::string& option : options) command += " " + quoted(option);
   command += " --";
   for (const std::string& word : program) command += " " + quoted(word);

@@ -30,9 +30,9 @@ struct Played {
 bool has_umockdev();
 
 /// Runs `program` (with its arguments) over the fake facebow with `personality` "hidraw" or
-/// "libusb" and the options of umockdev_facebow, for at most two minutes.
+/// "libusb" and the options of umockdev_facebow, for at most `longest_s`.
 Played play(const std::string& personality, const std::vector<std::string>& options,
-            const std::vector<std::string>& program);
+            const std::vector<std::string>& program, int longest_s = 120);
 
 /// How often tests of what chance may change are to be repeated: CONDYLE_HIL_REPEATS, or 1.
 int repeats();

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <httplib.h>
+
+#include <CLI/CLI.hpp>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "input_error.h"
+#include "text_file.h"
+
+namespace condyle::host {
+namespace {
+
+struct SessionOptions {
+  std::string box = "http://127.0.0.1:8750";
+  std::string token_file;
+  std::string subject, text;
+};
+
+std::string token_of(const std::string& file) {
+  std::string token = file.empty() ? "" : read_text_file(file);
+  while (!token.empty() && (token.back() == '\n' || token.back() == '\r')) token.pop_back();
+  return token;
+}
+
+httplib::Client client_of(const SessionOptions& options) {
+  httplib::Client client(options.box);
+  if (!client.is_valid()) {
+    throw InputError("--box", "\"" + options.box + "\" is no address of a box",
+                     "write it like http://127.0.0.1:8750");
+  }
+  client.set_connection_timeout(5);
+  client.set_read_timeout(30);
+  const std::string token = token_of(options.token_file);
+  if (!token.empty()) client.set_bearer_token_auth(token);
+  return client;
+}
+
+int tell(const SessionOptions& options, const httplib::Result& result) {
+  if (!result) {
+    throw InputError(options.box, "no box answers: " + httplib::to_string(result.error()),
+                     "start condyle-box, or say with --box where it is");
+  }
+  const nlohmann::json answer = nlohmann::json::parse(result->body, nullptr, false);
+  const bool is_done = result->status == 200;
+  const char* const key = is_done ? "done" : "problem";
+  const std::string words = answer.is_object() && answer.contains(key) && answer[key].is_string()
+                                ? answer[key].get<std::string>()
+                                : "HTTP status " + std::to_string(result->status);
+  if (!is_done) throw InputError(options.box, words, "");
+  print_output(words + "\n");
+  return kExitOk;
+}
+
+int post(const SessionOptions& options, const char* path, const nlohmann::json& body) {
+  httplib::Client client = client_of(options);
+  return tell(options,
+              client.Post(path, body.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+                          "application/json"));
+}
+
+int print_status(const SessionOptions& options) {
+  httplib::Client client = client_of(options);
+  const httplib::Result result = client.Get("/v1/status");
+  if (!result || result->status != 200) return tell(options, result);
+  print_output(result->body);
+  return kExitOk;
+}
+
+}  // namespace
+
+Command add_session(CLI::App& app) {
+  auto options = std::make_shared<SessionOptions>();
+  CLI::App* const command =
+      app.add_subcommand("session", "Start, mark and stop recordings of a measurement box");
+  command->add_option("--box", options->box, "Where the box listens")->capture_default_str();
+  command->add_option("--token-file", options->token_file, "File with the box's token");
+  CLI::App* const start = command->add_subcommand("start", "Begin to record");
+  start->add_option("--subject", options->subject, "Pseudonymous code of the subject");
+  CLI::App* const mark = command->add_subcommand("mark", "Note something that happens now");
+  mark->add_option("TEXT", options->text, "What happens")->required();
+  CLI::App* const stop = command->add_subcommand("stop", "End the recording");
+  CLI::App* const status = command->add_subcommand("status", "Show how the box does, as JSON");
+  command->require_subcommand(1);
+  for (CLI::App* const part : {start, mark, stop, status}) part->fallthrough();
+  return [options, start, mark, stop] {
+    if (start->parsed())
+      return post(*options, "/v1/session/start", {{"subject", options->subject}});
+    if (mark->parsed()) return post(*options, "/v1/session/marker", {{"text", options->text}});
+    if (stop->parsed()) return post(*options, "/v1/session/stop", nlohmann::json::object());
+    return print_status(*options);
+  };
+}
+
+}  // namespace condyle::host
