@@ -31,7 +31,9 @@ Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log)
       log_(log),
       begin_ns_(clock.now_ns()),
       facebow_(configuration_.facebow, clock),
-      recorder_(configuration_, clock, log),
+      device_name_(facebow_.profile().name),
+      nominal_rate_Hz_(facebow_.profile().rate_Hz),
+      recorder_(configuration_, facebow_, clock, log),
       history_(kHistoryLines),
       publisher_(history_, configuration_.udp_address, configuration_.udp_port, clock),
       http_(configuration_, history_, service(), log) {
@@ -70,7 +72,7 @@ void Box::run(const std::function<bool()>& should_stop) {
       problem_.clear();
     }
     log_.say(BoxLog::Level::info, "real-time", engine_->scheduling() + ", memory " + memory);
-    recorder_.attach(*engine_, facebow_);
+    recorder_.attach(*engine_);
     is_found_.store(true, std::memory_order_release);
     while (!should_stop()) {
       look_after(clock_.now_ns());
@@ -158,8 +160,8 @@ BoxStatus Box::status() const {
   BoxStatus status;
   status.running_ns = clock_.now_ns() - begin_ns_;
   status.source = kinds[static_cast<int>(configuration_.facebow.kind)];
-  status.device = facebow_.profile().name;
-  status.nominal_rate_Hz = facebow_.profile().rate_Hz;
+  status.device = device_name_;
+  status.nominal_rate_Hz = nominal_rate_Hz_;
   status.records = !configuration_.folder.empty();
   status.session = recorder_.state();
   status.publisher = publisher_.counts();

@@ -51,6 +51,8 @@ class Box {
   BoxLog& log_;
   TimeNs begin_ns_;
   FacebowReports facebow_;
+  const std::string device_name_;  // copies, for other threads: finding it changes the profile
+  const double nominal_rate_Hz_;
   SessionRecorder recorder_;
   EstimateHistory history_;
   Publisher publisher_;

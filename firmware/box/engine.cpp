@@ -27,6 +27,22 @@ EngineCounts sum(const EngineCounts& a, const EngineCounts& b) {
   return std::bit_cast<EngineCounts>(result);
 }
 
+// A virtual sensor that the sanitizer watches.
+template <class Sensor>
+class RealTimeSensor {
+ public:
+  using Estimate = typename Sensor::Estimate;
+
+  explicit RealTimeSensor(Sensor& sensor) : sensor_(sensor) {}
+  Estimate process(const Sample& sample, EventSet events) CONDYLE_NONBLOCKING {
+    return sensor_.process(sample, events);
+  }
+  [[nodiscard]] bool drain(Estimate& estimate) { return sensor_.drain(estimate); }
+
+ private:
+  Sensor& sensor_;
+};
+
 }  // namespace
 
 Engine::Engine(WatchedSource& source, const hal::DeviceProfile& profile,
@@ -118,9 +134,10 @@ void Engine::estimate_run(hal::DeviceFacebow& facebow, Sensor& sensor) {
   settings.patience_ns = kPatience_ns;
   settings.reopen_pause_ns = kPatience_ns;
   firmware::RunCounts counts;
+  RealTimeSensor<Sensor> watched(sensor);
   std::uint64_t samples = 0;
   const hal::Status status = firmware::run(
-      facebow, clock_, sensor, settings, counts,
+      facebow, clock_, watched, settings, counts,
       [&](const Sample&, const auto& estimate) {
         if (estimate.is_ready) publish(facebow, estimate);
         // Estimates that waited for the end of the run come without a report.
@@ -138,7 +155,8 @@ void Engine::estimate_run(hal::DeviceFacebow& facebow, Sensor& sensor) {
 }
 
 template <class Estimate>
-void Engine::publish(const hal::DeviceFacebow& facebow, const Estimate& estimate) {
+void Engine::publish(const hal::DeviceFacebow& facebow,
+                     const Estimate& estimate) CONDYLE_NONBLOCKING {
   static_cast<Estimate&>(out_.estimate) = estimate;
   out_.has_joint = std::is_same_v<Estimate, DrivenEstimate<double>>;
   out_.arrival_ns = facebow.last_arrival_ns();
@@ -161,7 +179,7 @@ void Engine::publish(const hal::DeviceFacebow& facebow, const Estimate& estimate
   }
 }
 
-void Engine::track(const hal::DeviceFacebow& facebow) {
+void Engine::track(const hal::DeviceFacebow& facebow) CONDYLE_NONBLOCKING {
   const std::uint64_t connections = source_.connections();
   if (connections_ != 0 && connections != connections_) all_runs_.reconnect();
   connections_ = connections;

@@ -18,6 +18,7 @@
 #include "box/configuration.h"
 #include "box/watched_source.h"
 #include "condyle/firmware/latency_histogram.h"
+#include "condyle/firmware/nonblocking.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/device_facebow.h"
 #include "condyle/hal/report_tracker.h"
@@ -85,9 +86,9 @@ class Engine {
   template <class Sensor>
   void estimate_run(hal::DeviceFacebow& facebow, Sensor& sensor);
   template <class Estimate>
-  void publish(const hal::DeviceFacebow& facebow, const Estimate& estimate);
+  void publish(const hal::DeviceFacebow& facebow, const Estimate& estimate) CONDYLE_NONBLOCKING;
   bool has_to_leave();
-  void track(const hal::DeviceFacebow& facebow);
+  void track(const hal::DeviceFacebow& facebow) CONDYLE_NONBLOCKING;
   void note_counts(const hal::DeviceFacebow& facebow, std::uint64_t samples);
   void keep_totals();
 

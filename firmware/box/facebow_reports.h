@@ -29,6 +29,8 @@ class FacebowReports {
   const hal::DeviceProfile& profile() const { return profile_; }
   const std::string& profile_text() const { return profile_text_; }
   const std::vector<std::uint8_t>& descriptor() const { return descriptor_; }
+  /// Where it is a device; else null.
+  const host::SessionDevice* device() const { return device_.get(); }
   /// Of a synthetic facebow; null of any other.
   const SyntheticSource* synthetic() const { return synthetic_.get(); }
 

@@ -40,13 +40,16 @@ struct SessionRecorder::Part {
   std::vector<std::unique_ptr<host::RecordedCompanion>> companions;
 };
 
-SessionRecorder::SessionRecorder(const Configuration& configuration, hal::Clock& clock, BoxLog& log)
-    : configuration_(configuration), clock_(clock), box_log_(log) {
+SessionRecorder::SessionRecorder(const Configuration& configuration, const FacebowReports& facebow,
+                                 hal::Clock& clock, BoxLog& log)
+    : configuration_(configuration), facebow_(facebow), clock_(clock), box_log_(log) {
   for (const SourceSettings& settings : configuration.companions) {
     companions_.push_back(
         host::name_device(settings.file, settings.serial,
                           settings.kind == SourceSettings::Kind::usb ? "libusb" : "hidapi", clock));
+    if (facebow.device() != nullptr) host::refuse_twins(*facebow.device(), companions_.back());
   }
+  host::refuse_twins(companions_);
   if (!configuration.folder.empty() && !std::filesystem::is_directory(configuration.folder)) {
     throw host::InputError(configuration.folder, "is no folder to record into",
                            "make it, or name another as [recording] folder");
@@ -58,10 +61,9 @@ SessionRecorder::~SessionRecorder() {
   end_part();
 }
 
-void SessionRecorder::attach(Engine& engine, const FacebowReports& facebow) {
+void SessionRecorder::attach(Engine& engine) {
   const std::lock_guard lock(mutex_);
   engine_ = &engine;
-  facebow_ = &facebow;
 }
 
 SessionRecorder::Answer SessionRecorder::start(const std::string& subject) {
@@ -94,9 +96,9 @@ hal::SessionHeader SessionRecorder::header() const {
   header.parameters_toml = configuration_.parameters_toml;
   header.start_monotonic_ns = clock_.now_ns();
   header.start_wall_ns = wall_ns();
-  const hal::DeviceProfile& profile = facebow_->profile();
+  const hal::DeviceProfile& profile = facebow_.profile();
   header.sources.push_back({"facebow", profile.vendor_id, profile.product_id,
-                            facebow_->profile_text(), facebow_->descriptor()});
+                            facebow_.profile_text(), facebow_.descriptor()});
   for (std::size_t i = 0; i < companions_.size(); ++i) {
     const host::SessionDevice& device = companions_[i];
     header.sources.push_back({configuration_.companions[i].name, device.profile.vendor_id,

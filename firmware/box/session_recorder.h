@@ -41,12 +41,13 @@ class SessionRecorder {
     std::string words;
   };
 
-  /// An InputError where a companion's profile cannot be used.
-  SessionRecorder(const Configuration& configuration, hal::Clock& clock, BoxLog& log);
+  /// An InputError where a companion's profile cannot be used, or it may be the facebow itself.
+  SessionRecorder(const Configuration& configuration, const FacebowReports& facebow,
+                  hal::Clock& clock, BoxLog& log);
   ~SessionRecorder();
 
-  /// Once the facebow was found. Both must outlive the recorder's use.
-  void attach(Engine& engine, const FacebowReports& facebow);
+  /// Once the facebow was found; the engine must outlive the recorder's use.
+  void attach(Engine& engine);
 
   Answer start(const std::string& subject);
   Answer stop();
@@ -66,11 +67,11 @@ class SessionRecorder {
   hal::SessionHeader header() const;
 
   const Configuration& configuration_;
+  const FacebowReports& facebow_;
   hal::Clock& clock_;
   BoxLog& box_log_;
   mutable std::mutex mutex_;
   Engine* engine_ = nullptr;
-  const FacebowReports* facebow_ = nullptr;
   std::vector<host::SessionDevice> companions_;
   std::unique_ptr<Part> part_;
   SessionState state_;

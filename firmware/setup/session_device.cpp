@@ -26,18 +26,20 @@ SessionDevice name_device(const std::string& profile_path, const std::string& se
   return named;
 }
 
+void refuse_twins(const SessionDevice& first, const SessionDevice& second) {
+  const hal::DeviceAddress &a = first.address, &b = second.address;
+  const bool are_apart = a.vendor_id != b.vendor_id || a.product_id != b.product_id ||
+                         (a.interface_number >= 0 && b.interface_number >= 0 &&
+                          a.interface_number != b.interface_number) ||
+                         (!a.serial.empty() && !b.serial.empty() && a.serial != b.serial);
+  if (are_apart) return;
+  throw InputError(second.name, "may mean the same device as " + first.name,
+                   "give both a serial number");
+}
+
 void refuse_twins(const std::vector<SessionDevice>& devices) {
   for (std::size_t i = 0; i < devices.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) {
-      const hal::DeviceAddress &a = devices[i].address, &b = devices[k].address;
-      const bool are_apart = a.vendor_id != b.vendor_id || a.product_id != b.product_id ||
-                             (a.interface_number >= 0 && b.interface_number >= 0 &&
-                              a.interface_number != b.interface_number) ||
-                             (!a.serial.empty() && !b.serial.empty() && a.serial != b.serial);
-      if (are_apart) continue;
-      throw InputError(devices[i].name, "may mean the same device as " + devices[k].name,
-                       "give both a serial number: --serial NUMBER, --companion FILE@NUMBER");
-    }
+    for (std::size_t k = 0; k < i; ++k) refuse_twins(devices[k], devices[i]);
   }
 }
 

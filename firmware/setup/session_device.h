@@ -27,8 +27,9 @@ struct SessionDevice {
 SessionDevice name_device(const std::string& profile_path, const std::string& serial,
                           const std::string& backend, hal::Clock& clock);
 
-/// An InputError where two of `devices` are the same one, as far as ids, interfaces and serial
-/// numbers tell.
+/// An InputError where both may be the same one, as far as ids, interfaces and serial numbers tell.
+void refuse_twins(const SessionDevice& first, const SessionDevice& second);
+/// The same for any two of `devices`.
 void refuse_twins(const std::vector<SessionDevice>& devices);
 
 /// Asks the device for its descriptor and completes the profile from it; closes it again. From here

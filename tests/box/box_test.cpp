@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "box/running_box.h"
+#include "input_error.h"
 #include "replay/command.h"
 #include "replay/table.h"
 
@@ -162,6 +163,16 @@ TEST(Box, WaitsForAFacebowThatIsNotThere) {
   EXPECT_EQ(status["device"]["found"], false);
   EXPECT_THAT(status["device"]["problem"].get<std::string>(), HasSubstr("1209:0001"));
   EXPECT_EQ(post(running.port, "/v1/session/start", "{}").status, 503);
+}
+
+TEST(Box, RefusesACompanionThatMayBeTheFacebow) {
+  RunningBox running;
+  running.configuration.facebow.kind = SourceSettings::Kind::usb;
+  running.configuration.companions = {running.configuration.facebow};
+  EXPECT_THROW(running.start(), host::InputError);
+  running.configuration.facebow.serial = "1";
+  running.configuration.companions[0].serial = "2";
+  EXPECT_NO_THROW(running.start());
 }
 
 TEST(Box, SendsDatagrams) {

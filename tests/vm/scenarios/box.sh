@@ -17,12 +17,12 @@ reserve_MB = 1
 [http]
 port = 0
 END
-faults="unplug/$((count / 20))=0.3 truncated/$((count / 10)) wrong_checksum/$((count / 10))
-  wrong_id/$((count / 8)) pause/$((count / 5))=0.1"
-set -- --count "$count" --settle-s 3 --linger-s 1 --rate-Hz 500
+faults="unplug/$((count / 25))=0.3 truncated/$((count / 9)) wrong_checksum/$((count / 11))
+  wrong_id/$((count / 7)) pause/$((count / 5))=0.1"
+set -- --count "$count" --settle-s 1 --linger-s 1 --rate-Hz 500
 for fault in $faults; do set -- "$@" --fault "$fault"; done
 condyle fake --transport "$transport" "$@" >device.json 2>device.log &
-drive_box /programs/condyle-box box.toml 4 >status.json 2>box.log ||
+drive_box /programs/condyle-box box.toml 6 >status.json 2>box.log ||
   { cat box.log device.log; echo "the box did not do as told"; exit 1; }
 wait $! || { cat device.log; exit 1; }
 cat device.json box.log
@@ -30,7 +30,7 @@ tr ',' '\n' <status.json | grep -E 'reports_|connect|scheduling|memory|p50|p99|m
 field() { sed -n "s/.*\"$2\":\([^,}]*\).*/\1/p" "$1"; }
 check() { eval "[ $* ]" || { echo "not so: $*"; exit 1; }; }
 check "$(field device.json balances)" = true
-check "$(field device.json plugged_in)" -ge 19
+check "$(field device.json plugged_in)" -ge 24
 check $(($(field status.json reports_received) + $(tr ',' '\n' <status.json | sed -n 's/.*"reports_lost":\([0-9]*\).*/\1/p' | head -n 1))) -eq "$count"
 check "$(field status.json gaps_of_unknown_length)" -eq 0
 check "$(field status.json dropped)" -eq 0
