@@ -62,7 +62,11 @@ void Box::run(const std::function<bool()>& should_stop) {
   if (find_facebow(should_stop)) {
     source_ = std::make_unique<WatchedSource>(facebow_.source(), clock_);
     engine_ = std::make_unique<Engine>(*source_, facebow_.profile(), configuration_, clock_);
-    publisher_.start(engine_->estimates(), [this] { http_.tick(); });
+    // On the publisher's thread, because this one may have to wait for a slow disk.
+    publisher_.start(engine_->estimates(), [this] {
+      http_.tick();
+      feed_watchdog(clock_.now_ns());
+    });
     engine_->start();
     while (engine_->scheduling().empty()) clock_.sleep_until(clock_.now_ns() + 1'000'000);
     const std::string memory = lock_memory();
@@ -80,10 +84,10 @@ void Box::run(const std::function<bool()>& should_stop) {
     }
   }
   notify_service_manager("STOPPING=1");
+  http_.stop();  // first: it could begin a session
   (void)recorder_.stop();
   if (engine_) engine_->stop();
   publisher_.stop();
-  http_.stop();
 }
 
 // A box is often switched on before the facebow is plugged in.
@@ -99,6 +103,7 @@ bool Box::find_facebow(const std::function<bool()>& should_stop) {
     }
     const TimeNs next_ns = clock_.now_ns() + kSearchPause_ns;
     while (!should_stop() && clock_.now_ns() < next_ns) {
+      http_.tick();
       feed_watchdog(clock_.now_ns());
       clock_.sleep_until(clock_.now_ns() + kPeriod_ns);
     }
@@ -111,7 +116,6 @@ void Box::look_after(TimeNs now_ns) {
   watch_device();
   watch_wall_clock();
   measure_rate(now_ns);
-  feed_watchdog(now_ns);
 }
 
 void Box::watch_device() {

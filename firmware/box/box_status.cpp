@@ -40,7 +40,7 @@ Json estimator_json(const BoxStatus& status) {
   const EstimatorHealth& health = status.health;
   Json json;
   json["run"] = status.run;
-  json["estimating"] = health.is_ready;
+  json["estimating"] = health.is_ready && status.is_open && !status.has_ended;
   json["samples"] = status.counts.samples;
   json["estimates"] = status.counts.estimates;
   json["noise_sd_m"] = health.is_ready ? Json(health.noise_sd_m) : Json();
@@ -78,12 +78,17 @@ Json session_json(const BoxStatus& status) {
   json["problem"] = session.problem;
   json["markers"] = session.markers;
   json["pauses"] = session.pauses;
-  json["reports_written"] = session.log.reports_written;
-  json["reports_lost"] = session.log.reports_lost;
-  json["events_written"] = session.log.events_written;
-  json["events_lost"] = session.log.events_lost;
+  json["paused_s"] = seconds(session.paused_ns);
+  json["reports_written"] = session.reports_written;
+  json["reports_lost"] = session.reports_lost;
+  json["events_written"] = session.events_written;
+  json["events_lost"] = session.events_lost;
   json["bytes_written"] = session.log.bytes_written;
   json["bytes_synchronised"] = session.log.bytes_synchronised;
+  json["companions"] = Json::array();
+  for (const SessionState::Beside& companion : session.companions) {
+    json["companions"].push_back({{"name", companion.name}, {"connected", companion.is_connected}});
+  }
   json["disk_free_bytes"] = status.records ? Json(session.free_bytes) : Json();
   return json;
 }

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 
+#include "condyle/hal/session_log.h"
 #include "input_error.h"
 #include "parameter_file.h"
 #include "text_file.h"
@@ -89,6 +90,12 @@ class Reader {
 
   void read_companions() {
     for (const std::string& name : toml_.sections_in("companion")) {
+      if (!hal::is_subject_code(name) || name.empty() || name == "facebow" ||
+          name == hal::kMarkerSource) {
+        throw InputError(toml_.place("companion", name),
+                         "\"" + name + "\" is no name for a companion",
+                         "use at most 32 letters, digits, - and _; facebow and markers are taken");
+      }
       SourceSettings companion;
       companion.name = name;
       read_source("companion." + name, companion);
@@ -108,7 +115,7 @@ class Reader {
 
   void read_estimator() {
     std::string parameters;
-    if (toml_.text("estimator", "parameters", parameters)) {
+    if (toml_.text("estimator", "parameters", parameters) && !parameters.empty()) {
       const std::string path = file(parameters);
       result_.parameters_toml = host::read_text_file(path);
       result_.parameters = host::parse_recommended_parameters(path, result_.parameters_toml);
@@ -150,10 +157,12 @@ class Reader {
     read_address("http", result_.http_address);
     read_port("http", result_.http_port);
     std::int64_t listeners = result_.most_listeners;
-    toml_.integer("http", "most_listeners", listeners, 1, 1000);
+    toml_.integer("http", "most_listeners", listeners, 1, 100);
     result_.most_listeners = static_cast<std::uint16_t>(listeners);
     std::string token_file;
-    if (toml_.text("http", "token_file", token_file)) read_token(file(token_file));
+    if (toml_.text("http", "token_file", token_file) && !token_file.empty()) {
+      read_token(file(token_file));
+    }
     if (result_.token.empty() && !is_loopback(result_.http_address)) {
       throw InputError(toml_.place("http", "address"),
                        "other machines could reach " + result_.http_address + " without a token",

@@ -14,7 +14,7 @@ using Kind = SourceSettings::Kind;
 FacebowReports::FacebowReports(const SourceSettings& settings, hal::Clock& clock)
     : name_(settings.file) {
   if (settings.kind == Kind::file) {
-    log_ = std::make_unique<hal::SessionLogSource>(settings.file, 0, &clock);
+    log_ = std::make_unique<PlayedLog>(settings.file, clock);
     const hal::Status status = log_->open();
     if (status != hal::Status::ok) {
       throw InputError(settings.file,
@@ -29,6 +29,11 @@ FacebowReports::FacebowReports(const SourceSettings& settings, hal::Clock& clock
   } else if (settings.kind == Kind::synth) {
     profile_text_ = host::read_text_file(settings.file);
     profile_ = host::parse_device_profile(settings.file, profile_text_);
+    if (profile_.kind != SampleKind::three_points || profile_.vendor_id != 0x1209 ||
+        profile_.product_id != 0x0001) {
+      throw InputError(settings.file, "does not describe what a synthetic facebow sends",
+                       "name condyle_facebow.toml, which comes with condyle");
+    }
     synthetic_ =
         std::make_unique<SyntheticSource>(profile_.rate_Hz > 0 ? profile_.rate_Hz : 200, clock);
   } else {

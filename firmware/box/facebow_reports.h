@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "box/configuration.h"
+#include "box/played_log.h"
 #include "box/synthetic_source.h"
-#include "condyle/hal/session_log_source.h"
 #include "session_device.h"
 
 namespace condyle::box {
@@ -40,7 +40,7 @@ class FacebowReports {
   std::vector<std::uint8_t> descriptor_;
   // One of these.
   std::unique_ptr<host::SessionDevice> device_;
-  std::unique_ptr<hal::SessionLogSource> log_;
+  std::unique_ptr<PlayedLog> log_;
   std::unique_ptr<SyntheticSource> synthetic_;
 };
 

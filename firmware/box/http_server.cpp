@@ -9,6 +9,7 @@
 #include <atomic>
 #include <charconv>
 #include <cstring>
+#include <exception>
 #include <list>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -22,7 +23,7 @@ namespace {
 constexpr unsigned kMostConnections = 1200, kMostServed = 200;
 constexpr unsigned kTimeout_s = 10;
 constexpr std::size_t kBlock = 16 * 1024, kConnectionMemory = 32 * 1024;
-constexpr int kTicksToKeepAlive = 1000;  // 5 s
+constexpr TimeNs kSilence_ns = 5 * kNanosecondsPerSecond;  // before it is said that we are here
 constexpr const char* kDisclaimer = "research use only; this is no diagnosis";
 
 std::string header(MHD_Connection* connection, const char* name) {
@@ -72,7 +73,7 @@ struct HttpServer::State {
     std::size_t sent = 0;
     // Guarded by the mutex:
     bool is_suspended = false, is_to_keep_alive = false;
-    int silent_ticks = 0;
+    TimeNs silent_since_ns = 0;
   };
 
   State(const Configuration& configuration, const EstimateHistory& estimates, Service given,
@@ -116,6 +117,7 @@ struct HttpServer::State {
   ssize_t give(Listener& listener, char* buffer, std::size_t size);
   bool next_text(Listener& listener);
 
+  hal::SteadyClock clock;
   const EstimateHistory& history;
   Service service;
   BoxLog& log;
@@ -173,7 +175,14 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
   }
   request.body = std::move(pending.body);
   request.is_too_long = pending.is_too_long;
-  return state.answer(connection, request);
+  // Nothing may be thrown through the C library.
+  try {
+    return state.answer(connection, request);
+  } catch (const std::exception& error) {
+    state.log.say(BoxLog::Level::error, "http", error.what());
+    return send_json(connection, MHD_HTTP_INTERNAL_SERVER_ERROR,
+                     answer_json({MHD_HTTP_INTERNAL_SERVER_ERROR, error.what()}));
+  }
 }
 
 MHD_Result HttpServer::State::answer(MHD_Connection* connection, const HttpRequest& request) {
@@ -207,7 +216,9 @@ MHD_Result HttpServer::State::listen(MHD_Connection* connection,
   Listener* const one = listener.get();
   one->state = this;
   one->connection = connection;
-  one->place = after.value_or(history.newest());
+  // A number from before a restart of the box is none of these lines: all that are kept are new.
+  const std::uint64_t newest = history.newest();
+  one->place = !after ? newest : *after > newest ? 0 : *after;
   one->text = fmt::format(": condyle {}: {}\n\n", CONDYLE_VERSION, kDisclaimer);
   {
     const std::lock_guard lock(mutex);
@@ -266,7 +277,7 @@ ssize_t HttpServer::State::give(Listener& listener, char* buffer, std::size_t si
     return static_cast<ssize_t>(listener.text.size());
   }
   listener.is_suspended = true;
-  listener.silent_ticks = 0;
+  listener.silent_since_ns = clock.now_ns();
   MHD_suspend_connection(listener.connection);
   return 0;
 }
@@ -310,10 +321,11 @@ HttpServer::~HttpServer() {
 
 void HttpServer::tick() {
   const std::uint64_t newest = state_->history.newest();
+  const TimeNs now_ns = state_->clock.now_ns();
   const std::lock_guard lock(state_->mutex);
   for (const auto& listener : state_->listeners) {
     if (!listener->is_suspended) continue;
-    listener->is_to_keep_alive = ++listener->silent_ticks >= kTicksToKeepAlive;
+    listener->is_to_keep_alive = now_ns - listener->silent_since_ns >= kSilence_ns;
     if (newest <= listener->place && !listener->is_to_keep_alive) continue;
     listener->is_suspended = false;
     MHD_resume_connection(listener->connection);

@@ -15,6 +15,12 @@ namespace condyle::box {
 namespace {
 
 constexpr TimeNs kPause_ns = 5 * kNanosecondsPerSecond;
+// A companion takes so long to be opened.
+constexpr TimeNs kOpening_ns = kNanosecondsPerSecond;
+
+int http_status(hal::SessionLogFailure failure) {
+  return failure == hal::SessionLogFailure::disk_full ? 507 : 500;
+}
 
 TimeNs wall_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -38,6 +44,8 @@ struct SessionRecorder::Part {
   hal::SessionLogWriter log;
   std::size_t marker_source = 0;
   std::vector<std::unique_ptr<host::RecordedCompanion>> companions;
+  std::vector<bool> were_there;
+  TimeNs begin_ns = 0;
 };
 
 SessionRecorder::SessionRecorder(const Configuration& configuration, const FacebowReports& facebow,
@@ -58,7 +66,7 @@ SessionRecorder::SessionRecorder(const Configuration& configuration, const Faceb
 
 SessionRecorder::~SessionRecorder() {
   const std::lock_guard lock(mutex_);
-  end_part();
+  (void)end_part();
 }
 
 void SessionRecorder::attach(Engine& engine) {
@@ -80,7 +88,8 @@ SessionRecorder::Answer SessionRecorder::start(const std::string& subject) {
   state_ = {};
   state_.subject = subject;
   stem_ = file_stem(subject);
-  const Answer answer = begin_part();
+  Answer answer = describe_companions();
+  if (answer.status == 200) answer = begin_part();
   if (answer.status != 200) {
     state_.problem = answer.words;
     return answer;
@@ -108,60 +117,94 @@ hal::SessionHeader SessionRecorder::header() const {
   return header;
 }
 
+// One that is away would be missed only when the session is over.
+SessionRecorder::Answer SessionRecorder::describe_companions() {
+  for (host::SessionDevice& companion : companions_) {
+    try {
+      host::describe(companion, [] { return true; });
+    } catch (const host::InputError& error) {
+      return {503, error.what()};
+    }
+  }
+  return {};
+}
+
+// Two sessions may begin in the same second, or the wall clock may have been set back.
+std::string SessionRecorder::free_name() const {
+  for (int number = state_.part + 1;; ++number) {
+    const std::filesystem::path file =
+        std::filesystem::path(configuration_.folder) /
+        (number == 1 ? stem_ + ".mcap" : fmt::format("{}-{}.mcap", stem_, number));
+    if (!std::filesystem::exists(file)) return file.string();
+  }
+}
+
 SessionRecorder::Answer SessionRecorder::begin_part() {
   if (free_bytes() < configuration_.reserve_bytes) {
     return {507, fmt::format("the disk has less than {:.0f} MB left",
                              static_cast<double>(configuration_.reserve_bytes) * 1e-6)};
   }
   auto part = std::make_unique<Part>();
-  const int number = state_.part + 1;
-  const std::string file =
-      (std::filesystem::path(configuration_.folder) /
-       (number == 1 ? stem_ + ".mcap" : fmt::format("{}-{}.mcap", stem_, number)))
-          .string();
+  const std::string file = free_name();
   const hal::SessionHeader facts = header();
   const hal::SessionLogFailure failure = part->log.open(file, facts);
   if (failure == hal::SessionLogFailure::bad_header) return {500, hal::header_problem(facts)};
   if (failure != hal::SessionLogFailure::none) {
-    return {507, file + ": " + hal::session_log_failure_name(failure)};
+    return {http_status(failure), file + ": " + hal::session_log_failure_name(failure)};
   }
-  for (std::size_t i = 0; i < companions_.size(); ++i) {
-    part->companions.push_back(
-        std::make_unique<host::RecordedCompanion>(companions_[i], part->log, i + 1, clock_));
-    part->companions.back()->companion.start();
+  try {
+    for (std::size_t i = 0; i < companions_.size(); ++i) {
+      part->companions.push_back(
+          std::make_unique<host::RecordedCompanion>(companions_[i], part->log, i + 1, clock_));
+      part->companions.back()->companion.start();
+      part->were_there.push_back(true);
+    }
+  } catch (const std::exception& error) {
+    return {500, error.what()};
   }
+  part->begin_ns = clock_.now_ns();
   part->marker_source = companions_.size() + 1;
   part_ = std::move(part);
   state_.phase = SessionState::Phase::recording;
   state_.file = file;
-  state_.part = number;
+  ++state_.part;
   state_.problem.clear();
   engine_->begin_run(&part_->log);
   return {200, file};
 }
 
-void SessionRecorder::end_part() {
-  if (!part_) return;
+hal::SessionLogFailure SessionRecorder::end_part() {
+  if (!part_) return hal::SessionLogFailure::none;
   engine_->begin_run(nullptr);
   for (const auto& companion : part_->companions) companion->companion.stop();
   const hal::SessionLogFailure failure = part_->log.close();
-  state_.log = part_->log.status();
+  const hal::SessionLogStatus& log = state_.log = part_->log.status();
+  state_.reports_written += log.reports_written;
+  state_.reports_lost += log.reports_lost;
+  state_.events_written += log.events_written;
+  state_.events_lost += log.events_lost;
   if (failure != hal::SessionLogFailure::none) {
     state_.problem = state_.file + ": " + hal::session_log_failure_name(failure) +
                      "; what reached the disk before is whole";
     box_log_.say(BoxLog::Level::error, "session", state_.problem);
   }
   part_.reset();
+  return failure;
 }
 
 SessionRecorder::Answer SessionRecorder::stop() {
   const std::lock_guard lock(mutex_);
   if (state_.phase == SessionState::Phase::idle) return {409, "no session is being recorded"};
-  end_part();
+  if (state_.phase == SessionState::Phase::paused) {
+    state_.paused_ns += clock_.now_ns() - paused_since_ns_;
+    state_.problem = "ended while " + state_.problem;
+  }
+  const hal::SessionLogFailure failure = end_part();
   state_.phase = SessionState::Phase::idle;
   box_log_.say(BoxLog::Level::notice, "session",
-               fmt::format("ended {}: {} reports, {} lost", state_.file, state_.log.reports_written,
-                           state_.log.reports_lost));
+               fmt::format("ended {}: {} reports, {} lost, {:.0f} s paused", state_.file,
+                           state_.reports_written, state_.reports_lost, seconds(state_.paused_ns)));
+  if (failure != hal::SessionLogFailure::none) return {http_status(failure), state_.problem};
   return {200, state_.file};
 }
 
@@ -170,6 +213,7 @@ SessionRecorder::Answer SessionRecorder::mark(const std::string& text) {
   if (text.empty() || text.size() > hal::kMaxEventText) {
     return {400, fmt::format("a marker has 1 to {} bytes of text", hal::kMaxEventText)};
   }
+  if (state_.phase == SessionState::Phase::paused) return {409, state_.problem};
   if (!part_) return {409, "no session is being recorded"};
   if (!part_->log.write_event(part_->marker_source, clock_.now_ns(), hal::SessionEvent::note,
                               text)) {
@@ -180,7 +224,8 @@ SessionRecorder::Answer SessionRecorder::mark(const std::string& text) {
 }
 
 void SessionRecorder::pause(const std::string& why) {
-  end_part();
+  (void)end_part();
+  paused_since_ns_ = clock_.now_ns();
   state_.phase = SessionState::Phase::paused;
   ++state_.pauses;
   state_.problem = "recording is paused: " + why;
@@ -201,8 +246,24 @@ void SessionRecorder::check() {
     next_attempt_ns_ = clock_.now_ns() + kPause_ns;
     const Answer answer = begin_part();
     if (answer.status == 200) {
+      state_.paused_ns += clock_.now_ns() - paused_since_ns_;
       box_log_.say(BoxLog::Level::notice, "session", "recording goes on in " + state_.file);
+    } else {
+      state_.problem = "recording is paused: " + answer.words;
     }
+  }
+  watch_companions();
+}
+
+void SessionRecorder::watch_companions() {
+  if (!part_ || clock_.now_ns() - part_->begin_ns < kOpening_ns) return;
+  for (std::size_t i = 0; i < part_->companions.size(); ++i) {
+    const bool is_there = part_->companions[i]->companion.is_open();
+    if (is_there == part_->were_there[i]) continue;
+    part_->were_there[i] = is_there;
+    box_log_.say(
+        is_there ? BoxLog::Level::notice : BoxLog::Level::warning, "companion",
+        configuration_.companions[i].name + (is_there ? " is back" : " went away; looking for it"));
   }
 }
 
@@ -219,7 +280,17 @@ std::uint64_t SessionRecorder::free_bytes() const {
 SessionState SessionRecorder::state() const {
   const std::lock_guard lock(mutex_);
   SessionState state = state_;
-  if (part_) state.log = part_->log.status();
+  if (part_) {
+    state.log = part_->log.status();
+    state.reports_written += state.log.reports_written;
+    state.reports_lost += state.log.reports_lost;
+    state.events_written += state.log.events_written;
+    state.events_lost += state.log.events_lost;
+    for (std::size_t i = 0; i < part_->companions.size(); ++i) {
+      state.companions.push_back(
+          {configuration_.companions[i].name, part_->companions[i]->companion.is_open()});
+    }
+  }
   state.free_bytes = free_bytes();
   return state;
 }

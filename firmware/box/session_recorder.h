@@ -26,8 +26,17 @@ struct SessionState {
   std::string problem;  ///< why it is paused, or what was wrong with the last file
   std::uint64_t markers = 0;
   std::uint64_t pauses = 0;
-  hal::SessionLogStatus log;     ///< of that file
+  TimeNs paused_ns = 0;       ///< of pauses that have ended: what came then is in no file
+  hal::SessionLogStatus log;  ///< of that file
+  // Of all of the session's files:
+  std::uint64_t reports_written = 0, reports_lost = 0, events_written = 0, events_lost = 0;
   std::uint64_t free_bytes = 0;  ///< of the disk
+  /// An instrument beside the facebow, while a file is being written.
+  struct Beside {
+    std::string name;
+    bool is_connected = false;
+  };
+  std::vector<Beside> companions;
 };
 
 /// Sessions as the user starts and ends them. Each is a run of the engine, so that a replay of its
@@ -61,7 +70,10 @@ class SessionRecorder {
   struct Part;
 
   Answer begin_part();
-  void end_part();
+  Answer describe_companions();
+  std::string free_name() const;
+  hal::SessionLogFailure end_part();
+  void watch_companions();
   void pause(const std::string& why);
   std::uint64_t free_bytes() const;
   hal::SessionHeader header() const;
@@ -76,7 +88,7 @@ class SessionRecorder {
   std::unique_ptr<Part> part_;
   SessionState state_;
   std::string stem_;  // of the session's files
-  TimeNs next_attempt_ns_ = 0;
+  TimeNs next_attempt_ns_ = 0, paused_since_ns_ = 0;
 };
 
 }  // namespace condyle::box

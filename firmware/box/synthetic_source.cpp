@@ -36,7 +36,7 @@ hal::Status SyntheticSource::open() {
 }
 
 TimeNs SyntheticSource::due_ns() const {
-  return begin_ns_ + nanoseconds((counter_ + 1.0) / rate_Hz_);
+  return begin_ns_ + nanoseconds((static_cast<double>(counter_) + 1) / rate_Hz_);
 }
 
 hal::Status SyntheticSource::read(TimeNs deadline_ns, hal::RawReport& report) {
@@ -52,7 +52,7 @@ hal::Status SyntheticSource::read(TimeNs deadline_ns, hal::RawReport& report) {
   const double x = kSideways_m * std::sin(phase);
   const double z = -0.5 * kOpening_m * (1 - std::cos(phase));
   host::fake::ReportContent content;
-  content.counter = counter_;
+  content.counter = static_cast<std::uint32_t>(counter_);
   content.time_us = static_cast<std::uint32_t>(static_cast<std::uint64_t>(due - begin_ns_) / 1000);
   const double positions_m[] = {x, 0, z, x + kBeside_m, kBehind_m, z, x - kBeside_m, kBehind_m, z};
   for (std::size_t i = 0; i < content.coordinates.size(); ++i) {

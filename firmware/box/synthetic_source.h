@@ -31,7 +31,8 @@ class SyntheticSource final : public hal::ReportSource {
   hal::Clock& clock_;
   bool is_open_ = false;
   TimeNs begin_ns_ = 0;
-  std::uint32_t counter_ = 0, random_ = 1;
+  std::uint64_t counter_ = 0;
+  std::uint32_t random_ = 1;
   firmware::LatencyHistogram wake_up_;
 };
 

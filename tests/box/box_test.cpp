@@ -110,6 +110,10 @@ TEST(Box, SaysWhyASessionCannotBe) {
   EXPECT_EQ(running.status()["session"]["phase"], "recording");
   EXPECT_EQ(post(running.port, "/v1/session/stop", "{}").status, 200);
 
+  // In the same second.
+  EXPECT_EQ(post(running.port, "/v1/session/start", "{}").status, 200);
+  EXPECT_EQ(post(running.port, "/v1/session/stop", "{}").status, 200);
+
   RunningBox full;
   full.configuration.reserve_bytes = std::uint64_t{1} << 60U;
   full.start();
@@ -143,6 +147,8 @@ TEST(Box, PausesWhereTheDiskIsFullAndGoesOn) {
   setrlimit(RLIMIT_FSIZE, &before);
   EXPECT_TRUE(wait_for([&] { return running.status()["session"]["phase"] == "recording"; }));
   EXPECT_EQ(running.status()["session"]["part"], 2);
+  EXPECT_GT(running.status()["session"]["paused_s"], 1.0);
+  EXPECT_EQ(post(running.port, "/v1/session/marker", R"({"text":"x"})").status, 200);
   EXPECT_TRUE(wait_for([&] { return running.status()["session"]["reports_written"] > 100; }));
   EXPECT_EQ(post(running.port, "/v1/session/stop", "{}").status, 200);
   int logs = 0;
@@ -216,6 +222,42 @@ TEST(Box, TellsAListenerWhereItIs) {
   EventStream::Event event;
   ASSERT_TRUE(again.next(event));
   EXPECT_EQ(event.id, last + 1);
+}
+
+// The number of a line from before a restart is none of this box.
+TEST(Box, TellsAListenerOfAnEarlierBoxAllItHas) {
+  RunningBox running;
+  running.start();
+  ASSERT_TRUE(running.is_estimating());
+  EventStream stream(running.port, "?after=18446744073709551615");
+  EventStream::Event event;
+  ASSERT_TRUE(stream.next(event));
+  EXPECT_EQ(event.id, 1U);
+}
+
+// At the speed it was recorded with, from now on; twice the same estimates.
+TEST(Box, PlaysASessionLog) {
+  testing_support::TemporaryFolder folder;
+  std::string log;
+  {
+    RunningBox running;
+    running.start();
+    ASSERT_TRUE(running.is_estimating());
+    ASSERT_EQ(post(running.port, "/v1/session/start", "{}").status, 200);
+    std::this_thread::sleep_for(std::chrono::milliseconds(800));
+    log = Json::parse(post(running.port, "/v1/session/stop", "{}").body)["done"];
+    std::filesystem::copy_file(log, folder / "log.mcap");
+  }
+  RunningBox again;
+  again.configuration.facebow = {"facebow", SourceSettings::Kind::file, folder / "log.mcap", ""};
+  const TimeNs begin_ns = again.clock.now_ns();
+  again.start();
+  EXPECT_TRUE(wait_for([&] { return again.status()["device"]["ended"] == true; }));
+  EXPECT_GT(again.clock.now_ns() - begin_ns, 700'000'000);
+  const Json status = again.status();
+  EXPECT_GT(status["device"]["reports_received"], 350);
+  EXPECT_EQ(status["estimator"]["estimating"], false);
+  EXPECT_LT(status["real_time"]["report_to_estimate"]["p50_s"], 0.01);
 }
 
 // Whoever listens, however badly: nothing is dropped before the outlets, and who reads misses

@@ -128,7 +128,7 @@ TEST(Service, TellsItsManagerAndKeepsItsRecordingWhenItIsEnded) {
   EXPECT_EQ(notice, "STOPPING=1");
   const std::string errors = testing_support::read_file(folder / "errors");
   EXPECT_THAT(errors, HasSubstr("<5>session: ended "));
-  EXPECT_THAT(errors, HasSubstr(", 0 lost\n"));
+  EXPECT_THAT(errors, HasSubstr(", 0 lost, 0 s paused\n"));
   for (const auto& file : std::filesystem::directory_iterator(folder.path())) {
     if (file.path().extension() != ".mcap") continue;
     const auto replayed = testing_support::run_condyle({"replay", file.path().string()});

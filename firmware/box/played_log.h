@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "condyle/hal/clock.h"
+#include "condyle/hal/session_log_source.h"
+
+namespace condyle::box {
+
+/// A session log's facebow, played from now on at the speed it was recorded with. Its reports have
+/// the times of the clock it is played on.
+class PlayedLog final : public hal::ReportSource {
+ public:
+  PlayedLog(const std::string& path, hal::Clock& clock)
+      : clock_(clock), recorded_(clock), log_(path, 0, &recorded_) {}
+
+  hal::Status open() override { return log_.open(); }
+  hal::Status read(TimeNs deadline_ns, hal::RawReport& report) override;
+  void close() override { log_.close(); }
+  hal::TransportCounts counts() const override { return log_.counts(); }
+
+  /// After open.
+  const hal::SessionHeader& header() const { return log_.header(); }
+  std::string problem() const { return log_.problem(); }
+
+ private:
+  // The clock of the recording.
+  class RecordedClock final : public hal::Clock {
+   public:
+    explicit RecordedClock(hal::Clock& clock) : clock_(clock) {}
+    TimeNs now_ns() override { return clock_.now_ns() + ahead_ns; }
+    void sleep_until(TimeNs time_ns) override { clock_.sleep_until(time_ns - ahead_ns); }
+
+    TimeNs ahead_ns = 0;  // of the clock it is played on
+
+   private:
+    hal::Clock& clock_;
+  };
+
+  hal::Clock& clock_;
+  RecordedClock recorded_;
+  hal::SessionLogSource log_;
+  bool has_begun_ = false;
+};
+
+}  // namespace condyle::box
