@@ -3,12 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cstdlib>
 
 #include "box/real_time.h"
 #include "box/service_notice.h"
 #include "input_error.h"
+#include "wall_clock.h"
 
 namespace condyle::box {
 namespace {
@@ -16,12 +16,6 @@ namespace {
 constexpr std::size_t kHistoryLines = 15'000;  // 30 s at 500 Hz
 constexpr TimeNs kPeriod_ns = 50'000'000, kSearchPause_ns = kNanosecondsPerSecond;
 constexpr TimeNs kWallStep_ns = 200'000'000;
-
-TimeNs wall_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 }  // namespace
 
@@ -40,7 +34,7 @@ Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log)
   if (!is_available(facebow_.profile().kind, configuration_.followed)) {
     throw host::InputError("[facebow] point", "the facebow has one point", "leave it out");
   }
-  wall_offset_ns_ = wall_ns() - clock_.now_ns();
+  wall_offset_ns_ = host::wall_ns() - clock_.now_ns();
 }
 
 Box::~Box() {
@@ -127,7 +121,7 @@ void Box::watch_device() {
 }
 
 void Box::watch_wall_clock() {
-  const TimeNs offset_ns = wall_ns() - clock_.now_ns();
+  const TimeNs offset_ns = host::wall_ns() - clock_.now_ns();
   const TimeNs step_ns = offset_ns - wall_offset_ns_;
   if (std::abs(step_ns) < kWallStep_ns) return;
   wall_offset_ns_ = offset_ns;

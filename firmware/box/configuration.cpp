@@ -175,8 +175,7 @@ class Reader {
     if (stat(path.c_str(), &status) == 0 && (status.st_mode & (S_IRWXO | S_IWGRP)) != 0) {
       throw InputError(path, "others may read the token or change it", "chmod 640 " + path);
     }
-    std::string token = host::read_text_file(path);
-    while (!token.empty() && (token.back() == '\n' || token.back() == '\r')) token.pop_back();
+    const std::string token = host::read_text_line(path);
     const bool is_printable =
         token.find_first_not_of(
             "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~+/=") ==

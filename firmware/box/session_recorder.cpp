@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 #include <sys/statvfs.h>
 
-#include <chrono>
 #include <ctime>
 #include <filesystem>
 #include <utility>
 
 #include "input_error.h"
+#include "wall_clock.h"
 
 namespace condyle::box {
 namespace {
@@ -20,12 +20,6 @@ constexpr TimeNs kOpening_ns = kNanosecondsPerSecond;
 
 int http_status(hal::SessionLogFailure failure) {
   return failure == hal::SessionLogFailure::disk_full ? 507 : 500;
-}
-
-TimeNs wall_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
 }
 
 std::string file_stem(const std::string& subject) {
@@ -104,7 +98,7 @@ hal::SessionHeader SessionRecorder::header() const {
   header.subject_code = state_.subject;
   header.parameters_toml = configuration_.parameters_toml;
   header.start_monotonic_ns = clock_.now_ns();
-  header.start_wall_ns = wall_ns();
+  header.start_wall_ns = host::wall_ns();
   const hal::DeviceProfile& profile = facebow_.profile();
   header.sources.push_back({"facebow", profile.vendor_id, profile.product_id,
                             facebow_.profile_text(), facebow_.descriptor()});

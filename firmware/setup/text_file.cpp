@@ -15,4 +15,10 @@ std::string read_text_file(const std::string& path) {
   return std::string(content);
 }
 
+std::string read_text_line(const std::string& path) {
+  std::string text = read_text_file(path);
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
+  return text;
+}
+
 }  // namespace condyle::host

@@ -4,7 +4,6 @@
 
 #include <unistd.h>
 
-#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -21,6 +20,7 @@
 #include "parameter_file.h"
 #include "session_device.h"
 #include "text_file.h"
+#include "wall_clock.h"
 
 namespace condyle::host {
 namespace {
@@ -35,12 +35,6 @@ struct RecordOptions {
   double duration_s = 0, idle_s = 0;
   std::uint64_t samples = 0;
 };
-
-TimeNs wall_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 // Says how the recording goes while it does.
 class Monitor {

@@ -19,12 +19,6 @@ struct SessionOptions {
   std::string subject, text;
 };
 
-std::string token_of(const std::string& file) {
-  std::string token = file.empty() ? "" : read_text_file(file);
-  while (!token.empty() && (token.back() == '\n' || token.back() == '\r')) token.pop_back();
-  return token;
-}
-
 httplib::Client client_of(const SessionOptions& options) {
   httplib::Client client(options.box);
   if (!client.is_valid()) {
@@ -33,8 +27,9 @@ httplib::Client client_of(const SessionOptions& options) {
   }
   client.set_connection_timeout(5);
   client.set_read_timeout(30);
-  const std::string token = token_of(options.token_file);
-  if (!token.empty()) client.set_bearer_token_auth(token);
+  if (!options.token_file.empty()) {
+    client.set_bearer_token_auth(read_text_line(options.token_file));
+  }
   return client;
 }
 

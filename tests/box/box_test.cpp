@@ -367,6 +367,7 @@ TEST(Box, OutlivesAThousandConnections) {
   getrlimit(RLIMIT_NOFILE, &files);
   files.rlim_cur = std::min<rlim_t>(files.rlim_max, 4096);
   setrlimit(RLIMIT_NOFILE, &files);
+  // Both ends of each connection are in this process.
   if (files.rlim_cur < 2200) GTEST_SKIP() << "too few files may be open";
   std::vector<Connection> idle;
   for (int i = 0; i < 1000; ++i) {

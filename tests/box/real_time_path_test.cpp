@@ -99,6 +99,7 @@ void wait_for_reports(const ProbedSource& source, long count) {
 }
 
 TEST(RealTimePath, TakesNoMemoryNoLockAndNoBlockingCall) {
+  // Then nothing here counts.
   if (MALLOC_IS_TAKEN) GTEST_SKIP() << "the sanitizer replaces malloc itself";
   // The counting itself counts.
   const long before = blocking_calls;

@@ -21,6 +21,7 @@ constexpr int kLongest_s = 300;
 class BoxOnFacebow : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
+    // Without it there is no device to play to.
     if (!has_umockdev()) GTEST_SKIP() << "umockdev is not installed";
   }
   Played play_to_box(std::int64_t count, std::vector<std::string> options) const {
