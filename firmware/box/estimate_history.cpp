@@ -24,7 +24,7 @@ EstimateHistory::Line EstimateHistory::after(std::uint64_t place) const {
   if (place >= newest_) return {};
   const std::uint64_t oldest = newest_ - lines_.size() + 1;
   const std::uint64_t number = std::max(place + 1, oldest);
-  return {number, number - place - 1, lines_[number - oldest]};
+  return {number, number - place - 1, lines_[static_cast<std::size_t>(number - oldest)]};
 }
 
 }  // namespace condyle::box

@@ -37,9 +37,9 @@ std::string histogram_text(const char* name, const firmware::LatencyHistogram& h
   }
   while (!lines.empty() && lines.back().second == 0) lines.pop_back();
   for (const auto& [begin_ns, times] : lines) {
-    const std::uint64_t width = 50 * times / largest;
+    const auto width = static_cast<std::size_t>(50 * times / largest);
     text += fmt::format("  from {:>10.3f} us {:>10} {}\n", us(static_cast<TimeNs>(begin_ns)), times,
-                        std::string(times > 0 ? std::max<std::uint64_t>(width, 1) : 0, '#'));
+                        std::string(times > 0 ? std::max<std::size_t>(width, 1) : 0, '#'));
   }
   return text;
 }

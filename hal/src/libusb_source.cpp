@@ -154,8 +154,8 @@ bool LibusbSource::wait(TimeNs longest_ns) {
   // Rounded up, so that a wait of less than a microsecond is one.
   const TimeNs longest_us = (longest_ns + 999) / 1000;
   timeval time{};
-  time.tv_sec = longest_us / 1'000'000;
-  time.tv_usec = longest_us % 1'000'000;
+  time.tv_sec = static_cast<time_t>(longest_us / 1'000'000);
+  time.tv_usec = static_cast<suseconds_t>(longest_us % 1'000'000);
   const int failure = libusb_handle_events_timeout_completed(context_, &time, nullptr);
   if (failure == LIBUSB_ERROR_INTERRUPTED) return false;
   if (failure != 0) {  // no event will come any more

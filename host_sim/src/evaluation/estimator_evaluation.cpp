@@ -35,7 +35,7 @@ std::array<double, kEvaluatedQuantities> bound_of_stage_1(const PublishedParamet
 }
 
 // The subject of variant `variant` of `plan`.
-Scenario vary(const Scenario& scenario, const EvaluationPlan& plan, std::uint64_t variant) {
+Scenario vary(const Scenario& scenario, const EvaluationPlan& plan, std::size_t variant) {
   const double friction = plan.friction_factors[variant % plan.friction_factors.size()];
   const double mass = plan.mass_factors[variant / plan.friction_factors.size()];
   Scenario varied = scenario;
@@ -128,7 +128,7 @@ Evaluation evaluate_estimator(const Scenario& scenario, const EstimatorSettings&
   run_monte_carlo(
       plan.runs, 0,
       [&](std::uint64_t index) {
-        return evaluate_run(vary(scenario, plan, index % variants),
+        return evaluate_run(vary(scenario, plan, static_cast<std::size_t>(index % variants)),
                             plan.first_seed + index / variants, settings, should_stop);
       },
       [&](EvaluationRun&& run) { add_run(std::move(run), evaluation); },

@@ -47,7 +47,7 @@ class MonteCarloQueue {
   void put(std::uint64_t index, std::optional<Result> result, std::exception_ptr failure) {
     {
       const std::lock_guard lock(mutex_);
-      places_[index % places_.size()] = {std::move(result), std::move(failure), true};
+      place_of(index) = {std::move(result), std::move(failure), true};
     }
     result_put_.notify_one();
   }
@@ -59,7 +59,7 @@ class MonteCarloQueue {
     Place place;
     {
       std::unique_lock lock(mutex_);
-      Place& next = places_[merged_ % places_.size()];
+      Place& next = place_of(merged_);
       const auto is_filled = [&next] { return next.filled; };
       while (while_waiting && !result_put_.wait_for(lock, kPatience, is_filled)) {
         lock.unlock();
@@ -81,6 +81,10 @@ class MonteCarloQueue {
     std::exception_ptr failure;
     bool filled = false;
   };
+  Place& place_of(std::uint64_t index) {
+    return places_[static_cast<std::size_t>(index % places_.size())];
+  }
+
   std::mutex mutex_;
   std::condition_variable_any place_freed_;
   std::condition_variable result_put_;
@@ -103,7 +107,7 @@ std::uint64_t run_monte_carlo(std::uint64_t runs, std::uint64_t first_seed, cons
   if (runs == 0) return 0;
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   const std::uint64_t wanted = control.threads > 0 ? control.threads : cores;
-  const std::size_t threads = std::min(wanted, runs);
+  const auto threads = static_cast<std::size_t>(std::min(wanted, runs));
 
   MonteCarloQueue<Result> queue(runs, 2 * threads);
   const auto run_until_stopped = [&](std::stop_token stop) {

@@ -5,6 +5,7 @@
 #include <linux/input.h>
 #include <linux/uhid.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <string_view>
@@ -20,7 +21,7 @@ constexpr const char* kNode = "/dev/uhid";
 template <std::size_t size>
 void put_text(__u8 (&field)[size], std::string_view text) {
   static_assert(size > 0);
-  std::memcpy(field, text.data(), std::min(text.size(), size - 1));
+  std::copy_n(text.data(), std::min(text.size(), size - 1), field);
 }
 
 [[noreturn]] void fail_open(int error) {

@@ -51,11 +51,10 @@ class LatencyHistogram {
   }
 
  private:
-  static constexpr std::uint64_t bin_of(std::uint64_t latency_ns) {
-    if (latency_ns < 32) return latency_ns;
-    std::uint64_t octave = 1;
+  static constexpr std::size_t bin_of(std::uint64_t latency_ns) {
+    std::size_t octave = 0;
     while (latency_ns >> octave >= 32) ++octave;
-    return std::min<std::uint64_t>(16 * octave + (latency_ns >> octave), kBins - 1);
+    return std::min(16 * octave + static_cast<std::size_t>(latency_ns >> octave), kBins - 1);
   }
   static void raise(std::atomic<std::uint64_t>& counter) {
     counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
