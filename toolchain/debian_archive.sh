@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+# Sourced by scripts that take packages of any architecture from the Debian mirror this machine uses,
+# without touching what is installed here.
+
+# start_archive ARCHITECTURE FOLDER: apt's own state in FOLDER/apt, of a machine where nothing is
+# installed: what is asked for comes with all that it depends on.
+start_archive() {
+  archive_architecture=$1
+  archive=$2/apt
+  rm -rf "$archive"
+  mkdir -p "$archive/lists/partial" "$archive/cache/archives/partial"
+  : >"$archive/status"
+  archive_apt -o APT::Update::Error-Mode=any update ||
+    echo "some lists of the Debian mirror cannot be fetched: going on with the others" >&2
+}
+
+# fetch_packages PACKAGE...: into $archive/cache/archives. Skips with 77 where they cannot be had.
+fetch_packages() {
+  archive_apt install --download-only --yes "$@" >/dev/null ||
+    { echo "skipped: the Debian mirror cannot be reached, or lacks a package"; exit 77; }
+}
+
+archive_apt() {
+  apt-get -qq -o Dir::State="$archive" -o Dir::State::status="$archive/status" \
+    -o Dir::Cache="$archive/cache" -o APT::Architecture="$archive_architecture" \
+    -o APT::Architectures="$archive_architecture" -o APT::Sandbox::User="$(id -un)" \
+    -o Acquire::Languages=none -o Acquire::Retries=3 -o APT::Install-Recommends=false "$@"
+}
