@@ -19,5 +19,6 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/condyle-config-version.cm
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/condyle-config.cmake
   ${PROJECT_BINARY_DIR}/condyle-config-version.cmake DESTINATION ${package_directory})
-install(DIRECTORY hal/profiles hal/udev DESTINATION ${CMAKE_INSTALL_DATADIR}/condyle)
+install(DIRECTORY hal/profiles DESTINATION ${CMAKE_INSTALL_DATADIR}/condyle COMPONENT common)
+install(DIRECTORY hal/udev DESTINATION ${CMAKE_INSTALL_DATADIR}/condyle)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+# Debian packages, by CPack: condyle (the command), condyle-box (the service) and condyle-common (what
+# both need). toolchain/make_packages makes them.
+set(CONDYLE_MAINTAINER "The condyle authors <condyle@example.org>" CACHE STRING
+  "Who answers for the packages: NAME <ADDRESS>; the default is a placeholder")
+
+set(documents share/doc)
+foreach(component command box common)
+  set(package condyle-${component})
+  if(component STREQUAL command)
+    set(package condyle)
+  endif()
+  string(TOUPPER ${component} upper)
+  set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${package})
+  install(FILES toolchain/debian/copyright DESTINATION ${documents}/${package}
+    COMPONENT ${component} EXCLUDE_FROM_ALL)
+  install(FILES ${PROJECT_BINARY_DIR}/changelog.Debian.gz DESTINATION ${documents}/${package}
+    COMPONENT ${component} EXCLUDE_FROM_ALL)
+endforeach()
+configure_file(toolchain/debian/changelog.in ${PROJECT_BINARY_DIR}/changelog.Debian @ONLY)
+find_program(gzip gzip)
+if(gzip)
+  execute_process(COMMAND ${gzip} -9nfk ${PROJECT_BINARY_DIR}/changelog.Debian)
+endif()
+
+# Where Debian has them, whatever the prefix; so not part of a plain `cmake --install`.
+if(CONDYLE_BUILD_BOX)
+  install(FILES firmware/box/box.toml DESTINATION /etc/condyle COMPONENT box EXCLUDE_FROM_ALL)
+  install(FILES firmware/box/condyle-box.service DESTINATION /lib/systemd/system
+    COMPONENT box EXCLUDE_FROM_ALL)
+  install(FILES firmware/box/condyle-box.sysusers DESTINATION /usr/lib/sysusers.d
+    RENAME condyle-box.conf COMPONENT box EXCLUDE_FROM_ALL)
+endif()
+install(FILES hal/udev/70-condyle-facebow.rules DESTINATION /lib/udev/rules.d
+  COMPONENT common EXCLUDE_FROM_ALL)
+install(FILES README.md DESTINATION ${documents}/condyle-common COMPONENT common EXCLUDE_FROM_ALL)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_COMPONENTS_ALL common)
+if(CONDYLE_BUILD_COMMAND)
+  list(APPEND CPACK_COMPONENTS_ALL command)
+  list(APPEND CPACK_CONDYLE_COMPONENTS COMMAND)
+  list(APPEND CPACK_CONDYLE_PROGRAMS ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/condyle)
+endif()
+if(CONDYLE_BUILD_BOX)
+  list(APPEND CPACK_COMPONENTS_ALL box)
+  list(APPEND CPACK_CONDYLE_COMPONENTS BOX)
+  list(APPEND CPACK_CONDYLE_PROGRAMS ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/condyle-box)
+endif()
+set(CPACK_PROJECT_CONFIG_FILE ${PROJECT_SOURCE_DIR}/toolchain/debian/libraries.cmake)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_SET_DESTDIR ON)
+set(CPACK_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
+set(CPACK_PACKAGE_CONTACT ${CONDYLE_MAINTAINER})
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+if(CMAKE_CROSSCOMPILING)
+  set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE ${CONDYLE_DEBIAN_ARCHITECTURE})
+  set(CPACK_CONDYLE_SYSROOT ${CONDYLE_SYSROOT})
+  set(CPACK_CONDYLE_TRIPLET ${CMAKE_LIBRARY_ARCHITECTURE})
+else()
+  execute_process(COMMAND dpkg --print-architecture OUTPUT_VARIABLE CPACK_DEBIAN_PACKAGE_ARCHITECTURE
+    OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+endif()
+set(same_version "condyle-common (= ${PROJECT_VERSION}-1)")
+
+set(CPACK_DEBIAN_COMMON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_COMMON_DESCRIPTION "virtual sensor for jaw motion: device profiles
+Files that the command condyle and the service condyle-box share: what the
+reports of facebows (optical jaw trackers) mean, a udev rule for reading them
+without being root, and the guide. Research use only.")
+
+set(CPACK_DEBIAN_COMMAND_DESCRIPTION "virtual sensor for jaw motion: the command
+Estimates velocity, force, friction and mass of the lower jaw from positions
+that a facebow (an optical jaw tracker) measures, in recordings or live, and
+says of each value whether it was measured, derived or assumed. Research use
+only; it diagnoses nothing.")
+set(CPACK_DEBIAN_COMMAND_PACKAGE_DEPENDS ${same_version})
+set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS gnuplot-nox)
+
+set(CPACK_DEBIAN_BOX_DESCRIPTION "virtual sensor for jaw motion: the measurement box
+A service for a small computer next to a facebow (an optical jaw tracker). It
+sends estimates of the jaw's motion as they come, over UDP and HTTP, and
+records sessions, unattended. Research use only; it diagnoses nothing.")
+set(CPACK_DEBIAN_BOX_PACKAGE_DEPENDS "${same_version}, systemd | systemd-standalone-sysusers")
+set(CPACK_DEBIAN_BOX_PACKAGE_RECOMMENDS condyle)
+set(control ${PROJECT_SOURCE_DIR}/toolchain/debian/box)
+set(CPACK_DEBIAN_BOX_PACKAGE_CONTROL_EXTRA
+  "${control}/conffiles;${control}/postinst;${control}/prerm;${control}/postrm")
+include(CPack)
