@@ -17,8 +17,9 @@ reserve_MB = 1
 [http]
 port = 0
 END
-faults="unplug/$((count / 25))=0.3 truncated/$((count / 9)) wrong_checksum/$((count / 11))
-  wrong_id/$((count / 7)) pause/$((count / 5))=0.1"
+# Never the last report: nothing after it would tell that it is missing.
+faults="unplug/$((count / 25))=0.3 truncated/$(((count - 2) / 9)) wrong_checksum/$(((count - 2) / 11))
+  wrong_id/$(((count - 2) / 7)) pause/$((count / 5))=0.1"
 set -- --count "$count" --settle-s 1 --linger-s 1 --rate-Hz 500
 for fault in $faults; do set -- "$@" --fault "$fault"; done
 condyle fake --transport "$transport" "$@" >device.json 2>device.log &
