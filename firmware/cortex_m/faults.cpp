@@ -15,6 +15,7 @@ struct KeptMemory {
   static constexpr std::uint32_t kMagic = 0x636F6E64;  // else it is what power-on left there
   std::uint32_t magic;
   ResetCause next_cause;
+  std::uint32_t starts;  // since power-on
   FaultRecord fault;
 };
 static_assert(std::is_trivially_copyable_v<KeptMemory>);
@@ -33,10 +34,17 @@ void begin_run() {
   if (kept_memory.magic == KeptMemory::kMagic) {
     g_cause = kept_memory.next_cause;
     g_fault = kept_memory.fault;
+  } else {
+    kept_memory.starts = 0;
   }
+  ++kept_memory.starts;
   kept_memory.fault = {};
   kept_memory.next_cause = ResetCause::outside;
   kept_memory.magic = KeptMemory::kMagic;
+}
+
+std::uint32_t start_count() {
+  return kept_memory.starts;
 }
 
 ResetCause reset_cause() {

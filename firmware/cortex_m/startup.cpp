@@ -87,4 +87,9 @@ std::size_t stack_used_bytes() {
   return (reinterpret_cast<std::uintptr_t>(stack_end) - reinterpret_cast<std::uintptr_t>(deepest));
 }
 
+std::size_t stack_size_bytes() {
+  return reinterpret_cast<std::uintptr_t>(stack_end) -
+         reinterpret_cast<std::uintptr_t>(stack_begin);
+}
+
 }  // namespace condyle::cortex_m

@@ -27,7 +27,7 @@ enum class NodeAnswer {
 class NodeClient {
  public:
   /// Bytes of reports that may be on their way: what a target's receiver holds.
-  static constexpr std::size_t kWindow = 1024;
+  static constexpr std::size_t kWindow = 896;
 
   /// `name` of the line, for messages.
   NodeClient(hal::ByteStream& line, hal::Clock& clock, std::string name)

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <new>
 #include <optional>
+#include <type_traits>
 
 #include "condyle/estimator/published_sensor.h"
 #include "condyle/estimator/recommended_sensor.h"
@@ -33,8 +34,9 @@ class NodeTarget {
   ~NodeTarget() = default;  // not virtual: targets are never deleted through this interface
 };
 
-/// The estimator at the end of a line, with numbers of type `Scalar`.
-template <class Scalar>
+/// The estimator at the end of a line, with numbers of type `Scalar`. `Wrapped<Sensor>` stands for
+/// the sensor: itself, or one that a test makes fail.
+template <class Scalar, template <class> class Wrapped = std::type_identity_t>
 class EstimatorNode final : private hal::ReportSource {
  public:
   static constexpr TimeNs kPatience_ns = 20'000'000;
@@ -58,9 +60,9 @@ class EstimatorNode final : private hal::ReportSource {
   }
 
  private:
-  using Published = PublishedSensor<Scalar>;
+  using Published = Wrapped<PublishedSensor<Scalar>>;
   template <int kAxes>
-  using Recommended = RecommendedSensor<Scalar, kAxes, hal::kMaxLinkLag>;
+  using Recommended = Wrapped<RecommendedSensor<Scalar, kAxes, hal::kMaxLinkLag>>;
   using Type = hal::MessageType;
   using Reason = hal::RefusalReason;
 
@@ -119,13 +121,11 @@ class EstimatorNode final : private hal::ReportSource {
   }
 
   void answer_layout() {
-    hal::LayoutMessage message;
     has_layout_ = false;
-    if (!take(message)) return;
-    if (const auto problem = hal::find_layout_problem(message.layout)) {
+    if (!take(layout_)) return;
+    if (const auto problem = hal::find_layout_problem(layout_.layout)) {
       return refuse({Reason::unusable_layout}, problem);
     }
-    layout_ = message.layout;
     has_layout_ = true;
     accept(Type::layout);
   }
@@ -133,14 +133,14 @@ class EstimatorNode final : private hal::ReportSource {
   void answer_start() {
     if (!has_layout_) return refuse({Reason::not_expected});
     if (!take(start_)) return;
-    if (layout_.coordinates.empty() || !is_available(layout_.kind, start_.followed)) {
+    if (layout_.layout.coordinates.empty() || !is_available(layout_.layout.kind, start_.followed)) {
       return refuse({Reason::coordinate_not_followed});
     }
     accept(Type::start);
     const FollowedPoint point{.point = start_.followed.point, .body_point_m = {}};
     if (start_.estimator == hal::EstimatorChoice::published) {
       run_with(*new (sensor_) Published(start_.published, start_.followed));
-    } else if (layout_.kind == SampleKind::one_axis) {
+    } else if (layout_.layout.kind == SampleKind::one_axis) {
       run_with(*new (sensor_) Recommended<1>(start_.recommended, start_.lag, point));
     } else {
       run_with(*new (sensor_) Recommended<3>(start_.recommended, start_.lag, point));
@@ -167,7 +167,7 @@ class EstimatorNode final : private hal::ReportSource {
   template <class Sensor>
   void run_with(Sensor& sensor) {
     static_assert(sizeof(Sensor) <= sizeof sensor_);
-    facebow_.emplace(static_cast<hal::ReportSource&>(*this), layout_);
+    facebow_.emplace(static_cast<hal::ReportSource&>(*this), layout_.layout);
     counts_ = {};
     has_ended_ = is_unanswered_ = false;
     RunSettings settings;
@@ -244,7 +244,7 @@ class EstimatorNode final : private hal::ReportSource {
   hal::Clock& clock_;
   NodeTarget& target_;
 
-  hal::ReportLayout layout_;
+  hal::LayoutMessage layout_;
   hal::StartMessage start_;
   bool has_layout_ = false;
   bool has_ended_ = false;                     // by finish

@@ -26,6 +26,8 @@ struct FaultRecord {
   std::uint32_t bfar = 0;  ///< says something where bit 15 of cfsr is set
 };
 
+/// How often the image was started since power-on, this time included.
+std::uint32_t start_count();
 /// Why the image was started last.
 ResetCause reset_cause();
 /// True where a fault or the watchdog ended the run before; `record` then says where.
@@ -70,5 +72,7 @@ void watchdog_feed();
 
 /// The deepest the stack has been since the start, interrupts included.
 std::size_t stack_used_bytes();
+/// All of it.
+std::size_t stack_size_bytes();
 
 }  // namespace condyle::cortex_m
