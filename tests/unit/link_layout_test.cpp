@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-
 #include "unit/link_round_trip.h"
 
 namespace condyle::hal {
@@ -112,10 +110,10 @@ TEST(LinkMessages, AnEmptyLayoutArrivesInOneThatWasUsed) {
 
 TEST(LinkMessages, RefusesLayoutsThatAreNone) {
   LayoutMessage message = fullest_layout();
-  message.layout.rate_Hz = NAN;
+  message.layout.rate_Hz = kNaN;
   expect_refused(message, RefusalReason::not_finite, 0);
   message = fullest_layout();
-  message.layout.coordinates[0].field.scale = INFINITY;
+  message.layout.coordinates[0].field.scale = kInfinity;
   expect_refused(message, RefusalReason::not_finite, 10);
   message = fullest_layout();
   message.layout.kind = static_cast<SampleKind>(4);

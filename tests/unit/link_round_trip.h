@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <span>
 
 #include "condyle/hal/link_messages.h"
@@ -15,6 +16,9 @@ using hal::get;
 using hal::put;
 using hal::Refusal;
 using hal::RefusalReason;
+
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// `message` as it is sent.
 template <class Message>

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
 #include <vector>
 
 #include "unit/link_round_trip.h"
@@ -103,17 +102,17 @@ TEST(LinkMessages, RefusesStartsThatCannotRun) {
   refused(
       published, [](auto& m) { m.published.sample_time_s = 0; }, range, 7);
   refused(
-      published, [](auto& m) { m.published.mass.initial_kg = NAN; }, RefusalReason::not_finite);
+      published, [](auto& m) { m.published.mass.initial_kg = kNaN; }, RefusalReason::not_finite);
   refused(
       recommended, [](auto& m) { m.recommended.assumed_mass_kg = -1; }, range, 10);
   refused(
-      recommended, [](auto& m) { m.recommended.changes.cycles.travel_m = INFINITY; },
+      recommended, [](auto& m) { m.recommended.changes.cycles.travel_m = kInfinity; },
       RefusalReason::not_finite);
   refused(
       recommended, [](auto& m) { m.recommended.outliers.huber_sd = 99; },
       RefusalReason::parameters_do_not_fit);
   StartMessage untouched = start(recommended);
-  untouched.recommended.assumed_mass_kg = NAN;
+  untouched.recommended.assumed_mass_kg = kNaN;
   untouched.estimator = published;
   StartMessage received;
   EXPECT_EQ(get(written(untouched), received).reason, RefusalReason::none) << "is not sent";
