@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The machine that a test program runs on: a PC (hosted.cpp), or a bare-metal image whose debugger,
-// here QEMU, has files (semihosted.cpp). No heap.
+// here QEMU, has files (semihosted.cpp, semihosting.cpp). No heap.
 #pragma once
 
 #include <cstddef>

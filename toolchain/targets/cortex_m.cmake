@@ -9,8 +9,7 @@ string(JOIN " " CMAKE_CXX_FLAGS_INIT
   ${CONDYLE_CORE_FLAGS} -mthumb -mfloat-abi=hard
   -fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-use-cxa-atexit
   -fno-unwind-tables -fno-asynchronous-unwind-tables
-  -ffunction-sections -fdata-sections
-  -fstack-usage -fcallgraph-info=su)  # for tests/cross/stack_bound
+  -ffunction-sections -fdata-sections)
 # Eigen's own assertion prints, which reaches malloc; a trap is a fault, and a fault is kept and reported.
 set(CMAKE_CXX_FLAGS_DEBUG_INIT
   "\"-Deigen_assert(condition)=((condition) ? static_cast<void>(0) : __builtin_trap())\"")
