@@ -7,6 +7,7 @@ foreach(name
     device_facebow
     field_check
     layout_check
+    link_archive
     link_frame
     link_messages
     report_counter

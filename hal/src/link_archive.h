@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writer and reader of messages have the same functions, so that one list of a message's values
-// serves both. Library-private.
+// serves both. What is longer than a call stands in link_archive.cpp, once: on a target room is
+// short. Library-private.
 #pragma once
 
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -42,17 +42,9 @@ class LinkWriter {
     store(std::bit_cast<BitsOf<Number>>(value));
   }
   void finite(const double& value) { number(value); }
-  void text(const FixedText& value) {
-    for (const char character : value) store(static_cast<std::uint8_t>(character));
-  }
+  void text(const FixedText& value);
   void message_type(const MessageType& value) { store(static_cast<std::uint8_t>(value)); }
-  void events(const EventSet& events) {
-    std::uint32_t bits = 0;
-    for (std::size_t i = 0; i < kEventCount; ++i) {
-      bits |= std::uint32_t{events.has(static_cast<Event>(i))} << i;
-    }
-    store(bits);
-  }
+  void events(const EventSet& events);
   void within(const double& value, Range) { number(value); }
   template <class Value, class Exchange>
   void optional(const std::optional<Value>& value, Exchange exchange) {
@@ -65,10 +57,7 @@ class LinkWriter {
     integer<std::uint8_t>(values.size());
     for (const Value& value : values) exchange(value);
   }
-  void rest(const std::span<const std::uint8_t>& bytes, std::size_t most) {
-    ok_ = ok_ && bytes.size() <= most;
-    for (const std::uint8_t byte : bytes) store(byte);
-  }
+  void rest(const std::span<const std::uint8_t>& bytes, std::size_t most);
   /// What holds of a message that is read.
   void require(bool, RefusalReason) {}
   bool ok() const { return ok_; }
@@ -82,12 +71,9 @@ class LinkWriter {
  private:
   template <class Bits>
   void store(Bits bits) {
-    ok_ = ok_ && bytes_.size() - size_ >= sizeof bits;
-    if (!ok_) return;
-    for (std::size_t i = 0; i < sizeof bits; ++i) {
-      bytes_[size_++] = static_cast<std::uint8_t>(std::uint64_t{bits} >> 8 * i & 0xFFU);
-    }
+    write(bits, sizeof bits);
   }
+  void write(std::uint64_t bits, std::size_t size);
 
   std::span<std::uint8_t> bytes_;
   std::size_t size_ = 0;
@@ -124,31 +110,11 @@ class LinkReader {
   void number(Number& value) {
     value = std::bit_cast<Number>(load<BitsOf<Number>>());
   }
-  void finite(double& value) {
-    number(value);
-    require(std::isfinite(value), RefusalReason::not_finite);
-  }
-  void text(FixedText& value) {
-    for (char& character : value) character = static_cast<char>(load<std::uint8_t>());
-    require(is_plain(value), RefusalReason::unknown_value);
-  }
-  void message_type(MessageType& value) {
-    const auto read = load<std::uint8_t>();
-    require(is_message_type(read), RefusalReason::unknown_value);
-    value = static_cast<MessageType>(read);
-  }
-  void events(EventSet& events) {
-    const auto bits = load<std::uint32_t>();
-    require(bits >> kEventCount == 0, RefusalReason::unknown_value);
-    events = {};
-    for (std::size_t i = 0; i < kEventCount; ++i) {
-      events.add(static_cast<Event>(i), (bits >> i & 1U) != 0);
-    }
-  }
-  void within(double& value, Range range) {
-    finite(value);
-    require(range.contains(value), RefusalReason::out_of_range);
-  }
+  void finite(double& value);
+  void text(FixedText& value);
+  void message_type(MessageType& value);
+  void events(EventSet& events);
+  void within(double& value, Range range);
   template <class Value, class Exchange>
   void optional(std::optional<Value>& value, Exchange exchange) {
     bool has_value = false;
@@ -169,11 +135,7 @@ class LinkReader {
     }
   }
   /// All that is left, at most `most` bytes.
-  void rest(std::span<const std::uint8_t>& bytes, std::size_t most) {
-    begin_value();
-    require(rest_.size() <= most, RefusalReason::wrong_size);
-    bytes = std::exchange(rest_, {});
-  }
+  void rest(std::span<const std::uint8_t>& bytes, std::size_t most);
   /// Refuses the last value where `condition` does not hold.
   void require(bool condition, RefusalReason reason) {
     if (ok() && !condition) refusal_ = {reason, index_};
@@ -182,27 +144,15 @@ class LinkReader {
   bool ok() const { return refusal_.reason == RefusalReason::none; }
 
   /// Nothing may be left.
-  Refusal finish() {
-    begin_value();
-    require(rest_.empty(), RefusalReason::wrong_size);
-    return refusal_;
-  }
+  Refusal finish();
 
  private:
-  void begin_value() {
-    index_ = next_index_;
-    ++next_index_;
-  }
   template <class Bits>
   Bits load() {
-    begin_value();
-    require(rest_.size() >= sizeof(Bits), RefusalReason::wrong_size);
-    if (!ok()) return 0;
-    std::uint64_t bits = 0;
-    for (std::size_t i = 0; i < sizeof(Bits); ++i) bits |= std::uint64_t{rest_[i]} << 8 * i;
-    rest_ = rest_.subspan(sizeof(Bits));
-    return static_cast<Bits>(bits);
+    return static_cast<Bits>(read(sizeof(Bits)));
   }
+  std::uint64_t read(std::size_t size);
+  void begin_value();
 
   std::span<const std::uint8_t> rest_;
   std::uint16_t index_ = 0, next_index_ = 0;

@@ -36,15 +36,20 @@ inline Bytes encoded(hal::FrameEncoder& encoder, std::uint8_t type, const Bytes&
   return line;
 }
 
+/// `bytes` and their checksum.
+inline Bytes with_checksum(Bytes bytes) {
+  const std::uint16_t checksum = hal::link_checksum(bytes);
+  bytes.push_back(static_cast<std::uint8_t>(checksum & 0xFFU));
+  bytes.push_back(static_cast<std::uint8_t>(checksum >> 8U));
+  return bytes;
+}
+
 /// Type, sequence, payload and checksum.
 inline Bytes frame_bytes(std::uint8_t type, std::uint16_t sequence, const Bytes& payload) {
   Bytes bytes = {type, static_cast<std::uint8_t>(sequence & 0xFFU),
                  static_cast<std::uint8_t>(sequence >> 8U)};
   bytes.insert(bytes.end(), payload.begin(), payload.end());
-  const std::uint16_t checksum = hal::link_checksum(bytes);
-  bytes.push_back(static_cast<std::uint8_t>(checksum & 0xFFU));
-  bytes.push_back(static_cast<std::uint8_t>(checksum >> 8U));
-  return bytes;
+  return with_checksum(std::move(bytes));
 }
 
 /// `content` stuffed, between 0s.

@@ -113,7 +113,9 @@ TEST(LinkFrame, CountsEachKindOfDamage) {
   EXPECT_EQ(counts_of({0, 0, 0}).refused(), 0U) << "no frames at all";
   EXPECT_EQ(counts_of({0, 5, 1, 2}).bad_stuffing, 1U);
   EXPECT_EQ(counts_of(on_line({})).too_short, 1U);
-  EXPECT_EQ(counts_of(on_line({0, 0})).too_short, 1U) << "the checksum of nothing";
+  for (std::size_t size = 0; size < 3; ++size) {
+    EXPECT_EQ(counts_of(on_line(with_checksum(Bytes(size, 1)))).too_short, 1U) << size;
+  }
   const Bytes content = frame_bytes(1, 0, {4, 5, 6});
   EXPECT_EQ(counts_of(on_line(Bytes(content.begin() + 1, content.end()))).wrong_checksum, 1U);
   for (const std::size_t beyond : {1U, 2U, 3000U}) {

@@ -100,6 +100,14 @@ TEST(LinkMessages, TheFullestLayoutArrives) {
   expect_each_byte_counts(fullest_layout());
 }
 
+TEST(LinkMessages, EvenOneThatCannotBeUsedHasRoom) {
+  LayoutMessage message = fullest_layout();
+  ReportLayout& layout = message.layout;
+  layout.device_time->field = layout.sequence->field = layout.checksum->field = field_at(8);
+  ASSERT_TRUE(find_layout_problem(layout));
+  sent(message);
+}
+
 TEST(LinkMessages, AnEmptyLayoutArrivesInOneThatWasUsed) {
   LayoutMessage received = fullest_layout();
   ASSERT_EQ(get(written(LayoutMessage{}), received).reason, RefusalReason::none);
