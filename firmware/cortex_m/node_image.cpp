@@ -2,8 +2,8 @@
 // The estimator as an image: reports in, estimates out, over the board's UART. Numbers are of the
 // type that the core computes with, CONDYLE_SCALAR.
 //
-// CONDYLE_FAULT_AFTER: the image of a test, whose filter fails at that sample: it takes an undefined
-// instruction, or (CONDYLE_HANGS) goes round in circles.
+// CONDYLE_FAULT_AFTER: the image of a test, whose filter fails at that sample: it takes an
+// undefined instruction, or (CONDYLE_HANGS) goes round in circles.
 #include <type_traits>
 
 #include "condyle/cortex_m/board.h"
@@ -17,8 +17,7 @@ constexpr std::uint32_t kWatchdogPeriod_ms = 1000;
 
 class UartStream final : public hal::ByteStream {
  public:
-  hal::Status read(TimeNs deadline_ns, std::span<std::uint8_t> bytes,
-                   std::size_t& count) override {
+  hal::Status read(TimeNs deadline_ns, std::span<std::uint8_t> bytes, std::size_t& count) override {
     for (count = 0;;) {
       while (count < bytes.size() && uart_read(bytes[count])) ++count;
       if (count > 0) return hal::Status::ok;
@@ -48,20 +47,13 @@ hal::ResetCause words_of(ResetCause cause) {
   return hal::ResetCause::unknown;
 }
 
-// Numbers of the Armv7-M exceptions.
-hal::FaultKind kind_of(std::uint32_t exception) {
-  switch (exception) {
-    case 2:
-      return hal::FaultKind::non_maskable;
-    case 4:
-      return hal::FaultKind::memory_management;
-    case 5:
-      return hal::FaultKind::bus;
-    case 6:
-      return hal::FaultKind::usage;
-    default:
-      return hal::FaultKind::hard;
-  }
+// Faults that have no handler of their own arrive as a hard fault; CFSR says what they were.
+hal::FaultKind kind_of(const FaultRecord& record) {
+  constexpr std::uint32_t kMemoryManagement = 0xFF, kBus = 0xFF00, kNonMaskable = 2;
+  if (record.exception == kNonMaskable) return hal::FaultKind::non_maskable;
+  if (record.cfsr == 0) return hal::FaultKind::hard;
+  if ((record.cfsr & kMemoryManagement) != 0) return hal::FaultKind::memory_management;
+  return (record.cfsr & kBus) != 0 ? hal::FaultKind::bus : hal::FaultKind::usage;
 }
 
 class Target final : public firmware::NodeTarget {
@@ -79,13 +71,12 @@ class Target final : public firmware::NodeTarget {
     FaultRecord record;
     if (!last_fault(record)) return std::nullopt;
     const bool is_watchdog = reset_cause() == ResetCause::watchdog;
-    return hal::FaultMessage{
-        .kind = is_watchdog ? hal::FaultKind::watchdog : kind_of(record.exception),
-        .pc = record.pc,
-        .lr = record.lr,
-        .cfsr = record.cfsr,
-        .hfsr = record.hfsr,
-        .bfar = record.bfar};
+    return hal::FaultMessage{.kind = is_watchdog ? hal::FaultKind::watchdog : kind_of(record),
+                             .pc = record.pc,
+                             .lr = record.lr,
+                             .cfsr = record.cfsr,
+                             .hfsr = record.hfsr,
+                             .bfar = record.bfar};
   }
 
   void add_to(hal::HealthMessage& health) override {
