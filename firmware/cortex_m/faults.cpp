@@ -18,7 +18,7 @@ struct KeptMemory {
   std::uint32_t starts;  // since power-on
   FaultRecord fault;
 };
-static_assert(std::is_trivially_copyable_v<KeptMemory>);
+static_assert(std::is_trivially_copyable_v<KeptMemory> && sizeof(KeptMemory) <= 256);
 
 constinit ResetCause g_cause = ResetCause::power_on;
 constinit FaultRecord g_fault;

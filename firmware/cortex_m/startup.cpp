@@ -22,7 +22,6 @@ extern const Constructor init_array_begin[], init_array_end[];
   __builtin_trap();
 }
 
-// By addresses, not iterators: to the compiler, two arrays.
 [[noreturn, gnu::used]] void start_image() {
   const std::uint32_t* from = data_in_flash;
   for (std::uint32_t* to = data_begin; to != data_end;) *to++ = *from++;

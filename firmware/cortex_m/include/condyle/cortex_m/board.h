@@ -56,7 +56,7 @@ void clock_start();
 /// Since `clock_start`; wraps after 13 years. May be asked in interrupts.
 TimeNs now_ns();
 
-/// The board's clock as the run loop wants it. `clock_start` comes first.
+/// The board's clock as the run loop wants it; it waits awake. `clock_start` comes first.
 class BoardClock final : public hal::Clock {
  public:
   TimeNs now_ns() override { return cortex_m::now_ns(); }
