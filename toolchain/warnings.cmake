@@ -6,5 +6,6 @@ target_compile_options(condyle_warnings INTERFACE
   -Wno-missing-field-initializers  # designated initialisers leave the rest at their defaults
   -Wold-style-cast -Wcast-qual -Wformat=2 -Wnon-virtual-dtor -Woverloaded-virtual -Wundef
   $<$<CXX_COMPILER_ID:GNU>:-Wduplicated-cond -Wlogical-op>
-  $<$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},armv7l>:-Wno-psabi>  # notes on compilers before GCC 7
+  # 32-bit Arm: notes on compilers before GCC 7
+  "$<$<IN_LIST:${CMAKE_SYSTEM_PROCESSOR},armv7l;cortex-m4;cortex-m7>:-Wno-psabi>"
   $<$<BOOL:${CONDYLE_WARNINGS_AS_ERRORS}>:-Werror>)

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "box/real_time.h"
+#include "condyle/hal/profile_check.h"
 #include "condyle/hal/recorded_source.h"
 
 namespace condyle::box {
@@ -103,7 +104,7 @@ void Engine::do_run(hal::SessionLogWriter* log) {
   std::optional<hal::RecordedSource> recorded;
   if (log != nullptr) recorded.emplace(source_, *log, 0, clock_);
   hal::DeviceFacebow facebow(recorded ? static_cast<hal::ReportSource&>(*recorded) : source_,
-                             profile_);
+                             hal::layout_of(profile_));
   const FollowedPoint point{.point = followed_.point, .body_point_m = {}};
   const auto with_axes = [&]<int kAxes>(std::integral_constant<int, kAxes>) {
     if (profile_.drive_N) {

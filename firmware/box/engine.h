@@ -21,6 +21,7 @@
 #include "condyle/firmware/nonblocking.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/device_facebow.h"
+#include "condyle/hal/device_profile.h"
 #include "condyle/hal/report_tracker.h"
 #include "condyle/hal/session_log.h"
 

@@ -7,6 +7,7 @@
 
 #include "condyle/hal/clock.h"
 #include "condyle/hal/device_facebow.h"
+#include "condyle/hal/profile_check.h"
 
 namespace condyle::host {
 
@@ -17,7 +18,7 @@ class Companion {
  public:
   /// `source`: on `clock`; nobody else uses it between start and stop.
   Companion(hal::ReportSource& source, const hal::DeviceProfile& profile, hal::Clock& clock)
-      : device_(source, profile), clock_(clock) {}
+      : device_(source, hal::layout_of(profile)), clock_(clock) {}
   ~Companion() { stop(); }
   Companion(const Companion&) = delete;
   Companion& operator=(const Companion&) = delete;

@@ -12,7 +12,7 @@ constexpr std::uint32_t kUsageX = 0x0001'0030;  // Y and Z follow
 constexpr const char* kAxisNames[] = {"X", "Y", "Z"};
 
 struct Candidate {
-  const ReportLayout* report = nullptr;
+  const DescribedReport* report = nullptr;
   const DescriptorField* field = nullptr;
   std::uint32_t index = 0;  // in the field
 };
@@ -21,7 +21,7 @@ using Candidates = std::array<std::vector<Candidate>, 3>;
 Candidates find_candidates(const ReportDescriptor& descriptor,
                            std::optional<std::uint8_t> report_id) {
   Candidates found;
-  for (const ReportLayout& report : descriptor.reports) {
+  for (const DescribedReport& report : descriptor.reports) {
     if (report.direction != ReportDirection::input) continue;
     if (report_id && report.id != report_id) continue;
     for (const DescriptorField& field : report.fields) {
@@ -85,7 +85,7 @@ DescriptorProfile complete_from_descriptor(const DeviceProfile& base,
                                            const ReportDescriptor& descriptor) {
   const Candidates found = find_candidates(descriptor, base.report_id);
   if (std::string fault = find_fault(found); !fault.empty()) return {{}, fault};
-  const ReportLayout& report = *found[0][0].report;
+  const DescribedReport& report = *found[0][0].report;
   DeviceProfile profile = base;
   profile.kind = SampleKind::one_point;
   profile.report_id = report.id;

@@ -18,7 +18,7 @@ std::size_t longest_input(const std::vector<std::uint8_t>& bytes) {
   const DescriptorResult result = parse_report_descriptor(bytes);
   std::size_t longest = 0;
   if (!result.descriptor) return longest;
-  for (const ReportLayout& report : result.descriptor->reports) {
+  for (const DescribedReport& report : result.descriptor->reports) {
     if (report.direction != ReportDirection::input) continue;
     longest = std::max<std::size_t>(longest, (report.size_bits + 7) / 8);
   }

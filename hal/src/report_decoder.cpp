@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "condyle/hal/checksum.h"
-#include "condyle/hal/profile_check.h"
+#include "condyle/hal/layout_check.h"
 
 namespace condyle::hal {
 namespace {
@@ -36,29 +36,29 @@ bool normalise_quaternion(double* wxyz) {
 
 }  // namespace
 
-ReportDecoder::ReportDecoder(const DeviceProfile& profile)
-    : profile_(profile), is_usable_(!profile.descriptor_axes && !find_problem(profile)) {}
+ReportDecoder::ReportDecoder(const ReportLayout& layout)
+    : layout_(layout), is_usable_(!find_layout_problem(layout)) {}
 
 ReportFault ReportDecoder::decode(std::span<const std::uint8_t> bytes,
                                   DecodedReport& report) const {
   if (!is_usable_) return ReportFault::unusable_profile;
   if (bytes.empty()) return ReportFault::too_short;
-  if (profile_.report_id && bytes[0] != *profile_.report_id) return ReportFault::other_report;
-  if (bytes.size() < profile_.minimum_size_bytes) return ReportFault::too_short;
-  if (profile_.checksum && !is_intact(*profile_.checksum, bytes)) {
+  if (layout_.report_id && bytes[0] != *layout_.report_id) return ReportFault::other_report;
+  if (bytes.size() < layout_.minimum_size_bytes) return ReportFault::too_short;
+  if (layout_.checksum && !is_intact(*layout_.checksum, bytes)) {
     return ReportFault::wrong_checksum;
   }
   DecodedReport decoded;
-  if (!read_count(profile_.sequence, bytes, decoded.sequence) ||
-      !read_count(profile_.device_time, bytes, decoded.device_time)) {
+  if (!read_count(layout_.sequence, bytes, decoded.sequence) ||
+      !read_count(layout_.device_time, bytes, decoded.device_time)) {
     return ReportFault::counter_out_of_range;
   }
-  decoded.kind = profile_.kind;
-  decoded.position_valid = !profile_.coordinates.empty();
+  decoded.kind = layout_.kind;
+  decoded.position_valid = !layout_.coordinates.empty();
   if (!decoded.position_valid) {
     decoded.coordinates.fill(std::numeric_limits<double>::quiet_NaN());
   }
-  for (const CoordinateField& coordinate : profile_.coordinates) {
+  for (const CoordinateField& coordinate : layout_.coordinates) {
     const MeasuredValue measured = read_value(coordinate.field, bytes);
     decoded.coordinates[coordinate.index] = measured.value;
     decoded.position_valid = decoded.position_valid && measured.valid;
@@ -66,13 +66,13 @@ ReportFault ReportDecoder::decode(std::span<const std::uint8_t> bytes,
   if (decoded.position_valid && decoded.kind == SampleKind::pose) {
     decoded.position_valid = normalise_quaternion(&decoded.coordinates[3]);
   }
-  if (profile_.drive_N) {
-    const MeasuredValue drive = read_value(*profile_.drive_N, bytes);
+  if (layout_.drive_N) {
+    const MeasuredValue drive = read_value(*layout_.drive_N, bytes);
     decoded.drive_N = drive.value;
     decoded.drive_valid = drive.valid;
   }
-  for (const AuxiliaryField& auxiliary : profile_.auxiliary) {
-    decoded.auxiliary[decoded.auxiliary_count++] = read_value(auxiliary.field, bytes);
+  for (const ReportField& field : layout_.auxiliary) {
+    decoded.auxiliary[decoded.auxiliary_count++] = read_value(field, bytes);
   }
   report = decoded;
   return ReportFault::none;

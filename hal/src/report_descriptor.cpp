@@ -325,13 +325,13 @@ class Parser {
     }
   }
 
-  ReportLayout& report_of(ReportDirection direction) {
+  DescribedReport& report_of(ReportDirection direction) {
     const auto found = std::find_if(
-        descriptor_.reports.begin(), descriptor_.reports.end(), [&](const ReportLayout& report) {
+        descriptor_.reports.begin(), descriptor_.reports.end(), [&](const DescribedReport& report) {
           return report.direction == direction && report.id == global_.report_id;
         });
     if (found != descriptor_.reports.end()) return *found;
-    ReportLayout report;
+    DescribedReport report;
     report.id = global_.report_id;
     report.direction = direction;
     report.size_bits = global_.report_id ? 8 : 0;
@@ -341,7 +341,7 @@ class Parser {
 
   bool mixes_numbered(ReportDirection direction) const {
     return std::any_of(descriptor_.reports.begin(), descriptor_.reports.end(),
-                       [&](const ReportLayout& report) {
+                       [&](const DescribedReport& report) {
                          return report.direction == direction &&
                                 report.id.has_value() != global_.report_id.has_value();
                        });
@@ -360,7 +360,7 @@ class Parser {
                   " reports, which nobody could tell apart");
     }
     if (depth_ == 0) note("a field outside any collection");
-    ReportLayout& report = report_of(direction);
+    DescribedReport& report = report_of(direction);
     const std::uint32_t field_bits = global_.report_size * global_.report_count;
     if (field_bits > kMaxReportBits - report.size_bits) {
       return fail("the report is longer than " + std::to_string(kMaxReportBits / 8) + " bytes");

@@ -3,10 +3,10 @@
 
 namespace condyle::hal {
 
-ReportTracker::ReportTracker(const DeviceProfile& profile) {
-  const bool restarts = profile.restarts_on_reconnect;
-  if (profile.sequence) counter_.emplace(*profile.sequence, profile.rate_Hz, restarts);
-  if (profile.device_time) clock_.emplace(*profile.device_time, profile.rate_Hz, restarts);
+ReportTracker::ReportTracker(const ReportContent& content) {
+  const bool restarts = content.restarts_on_reconnect;
+  if (content.sequence) counter_.emplace(*content.sequence, content.rate_Hz, restarts);
+  if (content.device_time) clock_.emplace(*content.device_time, content.rate_Hz, restarts);
 }
 
 TrackedReport ReportTracker::accept(const DecodedReport& report, TimeNs host_time_ns) {

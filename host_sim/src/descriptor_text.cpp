@@ -116,7 +116,7 @@ std::string descriptor_words(const hal::ReportDescriptor& descriptor) {
   for (const hal::UsageRange& usage : descriptor.applications) {
     text += "application " + usage_words(usage) + '\n';
   }
-  for (const hal::ReportLayout& report : descriptor.reports) {
+  for (const hal::DescribedReport& report : descriptor.reports) {
     const std::string id = report.id ? fmt::format("report {}", *report.id) : "unnumbered report";
     text += fmt::format("{}, {}, {} bits ({} bytes{})\n", id, hal::direction_name(report.direction),
                         report.size_bits, (report.size_bits + 7) / 8,
@@ -129,7 +129,7 @@ std::string descriptor_words(const hal::ReportDescriptor& descriptor) {
 
 std::string descriptor_json(const hal::ReportDescriptor& descriptor) {
   auto reports = nlohmann::ordered_json::array();
-  for (const hal::ReportLayout& report : descriptor.reports) {
+  for (const hal::DescribedReport& report : descriptor.reports) {
     auto fields = nlohmann::ordered_json::array();
     for (const hal::DescriptorField& field : report.fields) fields.push_back(field_json(field));
     reports.push_back({{"id", report.id.value_or(0)},

@@ -7,6 +7,7 @@
 
 #include "condyle/hal/descriptor_profile.h"
 #include "condyle/hal/device_facebow.h"
+#include "condyle/hal/profile_check.h"
 #include "condyle/hal/session_log_source.h"
 #include "condyle/hal/usbmon_capture.h"
 #include "device_profile_file.h"
@@ -23,7 +24,10 @@ class DeviceRecording : public Recording {
  public:
   DeviceRecording(const std::string& path, std::unique_ptr<Source> source,
                   const hal::DeviceProfile& profile, std::string format)
-      : path_(path), source_(std::move(source)), profile_(profile), facebow_(*source_, profile_) {
+      : path_(path),
+        source_(std::move(source)),
+        profile_(profile),
+        facebow_(*source_, hal::layout_of(profile_)) {
     info_.format = std::move(format);
     info_.kind = profile.kind;
     info_.has_drive = profile.drive_N.has_value();

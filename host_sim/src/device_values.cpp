@@ -8,6 +8,7 @@
 
 #include "byte_reader.h"
 #include "condyle/hal/device_facebow.h"
+#include "condyle/hal/profile_check.h"
 #include "condyle/hal/session_log_source.h"
 #include "device_profile_file.h"
 #include "device_recording.h"
@@ -36,7 +37,7 @@ void append_value(std::string& row, bool is_valid, double value) {
 // Gives what became of the reports, in words.
 std::string write_rows(hal::ReportSource& source, const hal::DeviceProfile& profile,
                        OutputFile& file) {
-  hal::DeviceFacebow device(source, profile);
+  hal::DeviceFacebow device(source, hal::layout_of(profile));
   Sample sample;
   std::string row;
   for (;;) {

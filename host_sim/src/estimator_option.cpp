@@ -34,6 +34,24 @@ RecommendedParameters EstimatorOption::load_recommended() const {
   return parameters.empty() ? RecommendedParameters{} : load_recommended_parameters(parameters);
 }
 
+PublishedParameters load_published_for(const EstimatorOption& estimator,
+                                       std::optional<TimeNs> step_ns, const std::string& source) {
+  LoadedParameters loaded = estimator.load_published();
+  if (loaded.gives_sample_time) return loaded.values;
+  if (!step_ns) {
+    throw InputError(source, "no time passes between its samples",
+                     "give sample_time_s with --parameters");
+  }
+  loaded.values.sample_time_s = seconds(*step_ns);
+  if (!is_valid(loaded.values)) {
+    throw InputError(source,
+                     fmt::format("its median step of {:.4g} s is no usable sample time",
+                                 loaded.values.sample_time_s),
+                     "check the unit of time_s or give sample_time_s with --parameters");
+  }
+  return loaded.values;
+}
+
 void refuse_long_step(const RecommendedParameters& parameters, double step_s,
                       const std::string& source, const char* step, const char* mend) {
   const double longest_gap_s = parameters.outliers.longest_gap_s;

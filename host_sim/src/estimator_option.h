@@ -2,8 +2,10 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <optional>
 #include <string>
 
+#include "condyle/estimator/sample.h"
 #include "parameter_file.h"
 
 namespace condyle::host {
@@ -26,6 +28,11 @@ struct EstimatorOption {
   LoadedParameters load_published() const;
   RecommendedParameters load_recommended() const;
 };
+
+/// The published cascade's parameters for samples `step_ns` apart, where the file does not give
+/// sample_time_s. An InputError that names `source` where it is absent or no usable sample time.
+PublishedParameters load_published_for(const EstimatorOption& estimator,
+                                       std::optional<TimeNs> step_ns, const std::string& source);
 
 /// An InputError where a step of `step_s` is so long that each sample would lose the state. It
 /// names `source` and what of it is `step`; `mend` is one way out beside a longer gap.

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "condyle/hal/profile_check.h"
 #include "condyle/hal/report_descriptor.h"
 #include "connected_device.h"
 #include "descriptor_file.h"
@@ -138,7 +139,7 @@ int inspect_device(const InspectOptions& options) {
   if (profile) complete_profile(*profile, device.report_descriptor(), "the device");
   LiveInspection inspection(device.source(), descriptor.descriptor);
   std::optional<hal::DeviceFacebow> facebow;
-  if (profile) facebow.emplace(inspection, *profile);
+  if (profile) facebow.emplace(inspection, hal::layout_of(*profile));
   const auto words = [&] {
     return inspection.words() + (facebow ? profile_words(*profile, *facebow) : "");
   };

@@ -39,7 +39,7 @@ struct DescribedValue {
 std::vector<DescribedValue> described_values(const hal::ReportDescriptor& descriptor,
                                              std::uint8_t id, const hal::RawReport& report) {
   std::vector<DescribedValue> values;
-  for (const hal::ReportLayout& layout : descriptor.reports) {
+  for (const hal::DescribedReport& layout : descriptor.reports) {
     if (layout.direction != hal::ReportDirection::input || layout.id.value_or(0) != id) continue;
     for (const hal::DescriptorField& field : layout.fields) {
       if (field.is_constant() || !field.is_variable() || field.width_bits > 64) continue;

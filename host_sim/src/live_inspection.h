@@ -9,6 +9,7 @@
 #include <string>
 
 #include "condyle/hal/device_facebow.h"
+#include "condyle/hal/device_profile.h"
 #include "condyle/hal/report_descriptor.h"
 #include "report_watch.h"
 

@@ -13,6 +13,7 @@
 #include "condyle/firmware/latency_histogram.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/device_facebow.h"
+#include "condyle/hal/profile_check.h"
 #include "device_words.h"
 #include "input_error.h"
 #include "live_estimates.h"
@@ -150,7 +151,7 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
                 LiveEstimates* estimates, hal::Clock& clock) {
   const hal::DeviceProfile& profile = devices.front().profile;
   hal::RecordedSource source(devices.front().device->source(), log, 0, clock);
-  hal::DeviceFacebow facebow(source, profile);
+  hal::DeviceFacebow facebow(source, hal::layout_of(profile));
   // It was there a moment ago; whatever keeps it now, it is waited for as after an unplugging.
   bool has_failed = false;
   while (facebow.open() != hal::Status::ok && !stop_requested()) {

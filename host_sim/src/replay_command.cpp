@@ -43,24 +43,6 @@ struct ReplayOptions {
   DriveOptions drive_stated;
 };
 
-PublishedParameters choose_published_parameters(const ReplayOptions& options,
-                                                const ReplayFacebow& facebow) {
-  LoadedParameters loaded = options.estimator.load_published();
-  if (loaded.gives_sample_time) return loaded.values;
-  if (!facebow.median_step_ns()) {
-    throw InputError(options.recording, "no time passes between its samples",
-                     "give sample_time_s with --parameters");
-  }
-  loaded.values.sample_time_s = seconds(*facebow.median_step_ns());
-  if (!is_valid(loaded.values)) {
-    throw InputError(options.recording,
-                     fmt::format("its median step of {:.4g} s is no usable sample time",
-                                 loaded.values.sample_time_s),
-                     "check the unit of time_s or give sample_time_s with --parameters");
-  }
-  return loaded.values;
-}
-
 // Which recording, and what of it is followed.
 std::string recording_text(const ReplayOptions& options, const RecordingInfo& info) {
   const std::string point =
@@ -157,7 +139,8 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
 
 int replay_published(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
                      firmware::RunSettings settings) {
-  const PublishedParameters parameters = choose_published_parameters(options, facebow);
+  const PublishedParameters parameters =
+      load_published_for(options.estimator, facebow.median_step_ns(), options.recording);
   settings.nominal_step_ns = nanoseconds(parameters.sample_time_s);
   PublishedSensor<double> sensor(parameters, options.followed);
   PublishedSummary summary(parameters);

@@ -8,7 +8,7 @@
 #include <map>
 #include <string>
 
-#include "bench/filter_cases.h"
+#include "bench/recorded_cases.h"
 
 namespace condyle::bench {
 namespace {

@@ -4,8 +4,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
-#include <vector>
 
 #include "condyle/estimator/cascade_core.h"
 #include "condyle/estimator/recommended_estimator.h"
@@ -23,25 +23,32 @@ namespace condyle::bench {
 /// Chi-square with 1 degree of freedom: 1 % of good measurements lie above.
 inline constexpr double kGate = 6.63;
 
-/// Positions (m) of a chewing jaw with 0.1 mm of noise, and the time from the sample before (s).
+/// One sample, as a filter is given it.
 template <class Scalar>
-struct Recording {
-  explicit Recording(std::size_t samples) {
-    std::uint32_t random = 1;  // Numerical Recipes' generator
-    const auto noise = [&random] {
-      random = random * 1664525U + 1013904223U;
-      return static_cast<double>(random >> 8U) * 0x1p-24 - 0.5;
-    };
-    double time_s = 0;
-    for (std::size_t i = 0; i < samples; ++i) {
-      const double step_s = (1 + 0.1 * noise()) / 60;
-      time_s += step_s;
-      const double opening_m = 0.0075 * (1 - std::cos(2 * std::numbers::pi * 1.3 * time_s));
-      steps_s.push_back(static_cast<Scalar>(step_s));
-      positions_m.push_back(static_cast<Scalar>(-opening_m + 3.5e-4 * noise()));
-    }
+struct TimedStep {
+  Scalar position_m;
+  Scalar step_s;  ///< time from the sample before
+};
+
+/// A chewing jaw, with 0.1 mm of noise.
+class ChewingJaw {
+ public:
+  template <class Scalar>
+  TimedStep<Scalar> next() {
+    const double step_s = (1 + 0.1 * noise()) / 60;
+    time_s_ += step_s;
+    const double opening_m = 0.0075 * (1 - std::cos(2 * std::numbers::pi * 1.3 * time_s_));
+    return {static_cast<Scalar>(-opening_m + 3.5e-4 * noise()), static_cast<Scalar>(step_s)};
   }
-  std::vector<Scalar> positions_m, steps_s;
+
+ private:
+  double noise() {
+    random_ = random_ * 1664525U + 1013904223U;  // Numerical Recipes' generator
+    return static_cast<double>(random_ >> 8U) * 0x1p-24 - 0.5;
+  }
+
+  std::uint32_t random_ = 1;
+  double time_s_ = 0;
 };
 
 /// The published cascade alone: no standard deviations, NIS, gate, provenance.
@@ -121,20 +128,22 @@ CONDYLE_ONE_FUNCTION void one_step(Case& filter, typename Case::Scalar z,
   filter.step(z, step_s);
 }
 
-/// Calls `visit.operator()<Case>(name)` for each case, `name` with its scalar type.
-template <class Visitor>
-void for_each_case(Visitor&& visit) {
-  const auto in_both = [&visit]<template <class> class Case>() {
-    visit.template operator()<Case<double>>(std::string(Case<double>::kName) + "_double");
-    visit.template operator()<Case<float>>(std::string(Case<float>::kName) + "_float");
-  };
-  in_both.template operator()<PublishedBare>();
-  in_both.template operator()<PublishedChecked>();
-  in_both.template operator()<DenseBare>();
-  in_both.template operator()<DenseChecked>();
-  in_both.template operator()<RecommendedOneAxis>();
-  in_both.template operator()<RecommendedThreeAxes>();
-  in_both.template operator()<RecommendedLate>();
+/// Calls `visit.operator()<Case<Scalar>>(name)` for each of our filters.
+template <class Scalar, class Visitor>
+void for_each_filter(Visitor&& visit) {
+  const auto give = [&visit]<class Case>() { visit.template operator()<Case>(Case::kName); };
+  give.template operator()<PublishedBare<Scalar>>();
+  give.template operator()<PublishedChecked<Scalar>>();
+  give.template operator()<RecommendedOneAxis<Scalar>>();
+  give.template operator()<RecommendedThreeAxes<Scalar>>();
+  give.template operator()<RecommendedLate<Scalar>>();
+}
+
+/// The same for their dense twins.
+template <class Scalar, class Visitor>
+void for_each_dense_twin(Visitor&& visit) {
+  visit.template operator()<DenseBare<Scalar>>(DenseBare<Scalar>::kName);
+  visit.template operator()<DenseChecked<Scalar>>(DenseChecked<Scalar>::kName);
 }
 
 }  // namespace condyle::bench

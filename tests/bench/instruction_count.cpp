@@ -3,7 +3,7 @@
 // callgrind, which counts inside `one_step` only and writes a file for each case.
 #include <valgrind/callgrind.h>
 
-#include "bench/filter_cases.h"
+#include "bench/recorded_cases.h"
 
 int main() {
   using namespace condyle::bench;

@@ -19,7 +19,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::vector<std::uint8_t> report(profile.minimum_size_bytes);
     if (profile.report_id) report[0] = *profile.report_id;
     hal::DecodedReport decoded;
-    const hal::ReportFault fault = hal::ReportDecoder(profile).decode(report, decoded);
+    const hal::ReportFault fault =
+        hal::ReportDecoder(hal::layout_of(profile)).decode(report, decoded);
     if (fault != hal::ReportFault::none && fault != hal::ReportFault::wrong_checksum) std::abort();
   } catch (const host::InputError& error) {
     if (std::string_view(error.what()).empty()) std::abort();

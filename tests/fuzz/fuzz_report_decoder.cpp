@@ -102,7 +102,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   FuzzedDataProvider data(bytes, size);
   const DeviceProfile profile = data.ConsumeBool() ? shipped : ProfileMaker(data).make();
   const bool is_usable = !find_problem(profile);
-  const ReportDecoder decoder(profile);
+  const ReportDecoder decoder(layout_of(profile));
   ReportTracker tracker(profile);
   TrackedReport last;
   std::uint64_t reports = 0;

@@ -14,6 +14,7 @@
 #include "condyle/estimator/published_sensor.h"
 #include "condyle/estimator/recommended_estimator.h"
 #include "condyle/firmware/run_loop.h"
+#include "condyle/hal/profile_check.h"
 #include "condyle/hal/report_tracker.h"
 #include "consistency/driven_chewing.h"
 #include "unit/allocation_counter.h"
@@ -171,7 +172,7 @@ TEST_F(Allocation, DecodingAndFollowingReportsHaveNone) {
                               .first_byte = 6,
                               .end_byte = 16};
   profile.auxiliary.push_back({"emg", "V", field(96, FieldType::signed_integer)});
-  const ReportDecoder decoder(profile);
+  const ReportDecoder decoder(layout_of(profile));
   ReportTracker tracker(profile);
   std::array<std::uint8_t, 16> bytes{};
   const long before = allocation_count();

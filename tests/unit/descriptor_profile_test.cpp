@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "condyle/hal/profile_check.h"
 #include "condyle/hal/report_decoder.h"
 #include "device_profile_file.h"
 #include "unit/report_bits.h"
@@ -55,7 +56,7 @@ TEST(DescriptorProfile, FindsThePoint) {
   ASSERT_TRUE(result.profile) << result.reason;
   EXPECT_EQ(result.profile->report_id, 3);
   EXPECT_EQ(result.profile->minimum_size_bytes, 14U);
-  const ReportDecoder decoder(*result.profile);
+  const ReportDecoder decoder(layout_of(*result.profile));
   std::vector<std::uint8_t> bytes(14);
   bytes[0] = 3;
   for (std::size_t i = 0; i < 3; ++i) {

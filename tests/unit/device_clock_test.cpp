@@ -124,7 +124,7 @@ TEST(DeviceClock, GoesOnFromOneEndOfTimeToTheOther) {
 }
 
 TEST(DeviceClock, CountsItsJumps) {
-  DeviceProfile profile;
+  ReportContent profile;
   profile.device_time = ticking(32, kMicrosecond);
   ReportTracker tracker(profile);
   for (const std::uint64_t ticks : {100U, 200U, 0U, 100U}) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "condyle/hal/profile_check.h"
 #include "condyle/hal/report_decoder.h"
 #include "input_error.h"
 #include "unit/temporary_folder.h"
@@ -73,7 +74,7 @@ TEST(DeviceProfileFile, TakesCompanionsWithoutCoordinates) {
   EXPECT_THAT(problem_of(companion), HasSubstr("kind"));
   hal::DecodedReport report;
   const std::vector<std::uint8_t> bytes(20, 1);
-  const hal::ReportDecoder decoder(parse(companion + drive));
+  const hal::ReportDecoder decoder(hal::layout_of(parse(companion + drive)));
   ASSERT_EQ(decoder.decode(bytes, report), hal::ReportFault::none);
   EXPECT_FALSE(report.position_valid);
   EXPECT_TRUE(std::isnan(report.coordinates[0]));

@@ -169,7 +169,7 @@ TEST(FakeUsb, ReportDescriptorDescribesTheReport) {
   const auto result = hal::parse_report_descriptor(report_descriptor());
   ASSERT_TRUE(result.descriptor) << result.error.reason;
   ASSERT_EQ(result.descriptor->reports.size(), 1U);
-  const hal::ReportLayout& layout = result.descriptor->reports[0];
+  const hal::DescribedReport& layout = result.descriptor->reports[0];
   EXPECT_EQ(layout.id, kReportId);
   EXPECT_EQ(layout.direction, hal::ReportDirection::input);
   EXPECT_EQ(layout.size_bits, 8 * kReportSize);

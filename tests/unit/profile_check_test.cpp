@@ -25,7 +25,7 @@ ProfileProblem problem_of(const std::function<void(DeviceProfile&)>& spoil) {
   const auto problem = find_problem(profile);
   DecodedReport report;
   const std::vector<std::uint8_t> bytes(64, 1);
-  EXPECT_EQ(ReportDecoder(profile).decode(bytes, report), ReportFault::unusable_profile);
+  EXPECT_EQ(ReportDecoder(layout_of(profile)).decode(bytes, report), ReportFault::unusable_profile);
   return problem.value_or(ProfileProblem{ProfilePart::rate, 0, "no problem", ""});
 }
 

@@ -28,7 +28,7 @@ std::uint64_t wrapped(std::uint64_t count, const CountingField& field) {
 TEST(SequenceCounter, FindsEveryLossOfMillionsOfReports) {
   for (const CountingField& field : {counting(8), counting(12), counting(32), counting(64),
                                      counting(8, 100), counting(16, 1001)}) {
-    DeviceProfile profile;
+    ReportContent profile;
     profile.sequence = field;
     profile.rate_Hz = 500;
     ReportTracker tracker(profile);
@@ -121,7 +121,7 @@ RC_GTEST_PROP(SequenceCounter, NeverGoesBack, (const std::vector<std::uint64_t>&
 }
 
 TEST(ReportTracker, TellsUnknownReconnectionsFromPauses) {
-  DeviceProfile profile;
+  ReportContent profile;
   profile.sequence = counting(8);
   profile.rate_Hz = 500;
   profile.restarts_on_reconnect = true;
@@ -140,7 +140,7 @@ TEST(ReportTracker, TellsUnknownReconnectionsFromPauses) {
 }
 
 TEST(ReportTracker, CountsEveryOutcomeOnce) {
-  DeviceProfile profile;
+  ReportContent profile;
   profile.sequence = counting(16);
   ReportTracker tracker(profile);
   const auto accept = [&](std::uint64_t count) {
@@ -169,7 +169,7 @@ TEST(ReportTracker, CountsEveryOutcomeOnce) {
 }
 
 TEST(ReportTracker, WithoutCounterOrClockTakesTheHosts) {
-  ReportTracker tracker(DeviceProfile{});
+  ReportTracker tracker(ReportContent{});
   EXPECT_EQ(tracker.accept({}, 5 * kMs).sequence.outcome, SequenceOutcome::first);
   const TrackedReport second = tracker.accept({}, 7 * kMs);
   EXPECT_EQ(second.sequence.sequence, 1U);

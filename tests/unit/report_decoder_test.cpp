@@ -38,7 +38,7 @@ Bytes facebow_report() {
 }
 
 TEST(ReportDecoder, ReadsTheFacebowsReport) {
-  const ReportDecoder decoder(facebow());
+  const ReportDecoder decoder(layout_of(facebow()));
   DecodedReport decoded;
   ASSERT_EQ(decoder.decode(facebow_report(), decoded), ReportFault::none);
   EXPECT_EQ(decoded.kind, SampleKind::three_points);
@@ -52,7 +52,7 @@ TEST(ReportDecoder, ReadsTheFacebowsReport) {
 }
 
 TEST(ReportDecoder, MarksAPointThatWasNotSeen) {
-  const ReportDecoder decoder(facebow());
+  const ReportDecoder decoder(layout_of(facebow()));
   Bytes report = facebow_report();
   report[17] = 0;
   report[18] = 0x80;
@@ -65,7 +65,7 @@ TEST(ReportDecoder, MarksAPointThatWasNotSeen) {
 }
 
 TEST(ReportDecoder, NamesEveryFaultAndLeavesTheResultAlone) {
-  const ReportDecoder decoder(facebow());
+  const ReportDecoder decoder(layout_of(facebow()));
   DecodedReport decoded;
   decoded.drive_N = 42;
   const Bytes whole = facebow_report();
@@ -80,7 +80,8 @@ TEST(ReportDecoder, NamesEveryFaultAndLeavesTheResultAlone) {
     damaged[bit / 8] = static_cast<std::uint8_t>(damaged[bit / 8] ^ 1U << bit % 8);
     EXPECT_EQ(decoder.decode(damaged, decoded), ReportFault::wrong_checksum) << bit;
   }
-  EXPECT_EQ(ReportDecoder(DeviceProfile{}).decode(whole, decoded), ReportFault::unusable_profile);
+  EXPECT_EQ(ReportDecoder(layout_of(DeviceProfile{})).decode(whole, decoded),
+            ReportFault::unusable_profile);
   EXPECT_EQ(decoded.drive_N, 42) << "written only where there is a report";
 }
 
@@ -88,7 +89,7 @@ TEST(ReportDecoder, TakesLongerReports) {
   Bytes report = facebow_report();
   report.resize(64, 0xAA);
   DecodedReport decoded;
-  EXPECT_EQ(ReportDecoder(facebow()).decode(report, decoded), ReportFault::none);
+  EXPECT_EQ(ReportDecoder(layout_of(facebow())).decode(report, decoded), ReportFault::none);
 }
 
 TEST(ReportDecoder, RefusesACountBeyondItsWrap) {
@@ -99,9 +100,10 @@ TEST(ReportDecoder, RefusesACountBeyondItsWrap) {
     const Bytes report = facebow_report();
     const std::uint64_t value = read_raw((*counting)->field, report);
     (*counting)->wraps_at = value;
-    EXPECT_EQ(ReportDecoder(profile).decode(report, decoded), ReportFault::counter_out_of_range);
+    EXPECT_EQ(ReportDecoder(layout_of(profile)).decode(report, decoded),
+              ReportFault::counter_out_of_range);
     (*counting)->wraps_at = value + 1;
-    EXPECT_EQ(ReportDecoder(profile).decode(report, decoded), ReportFault::none);
+    EXPECT_EQ(ReportDecoder(layout_of(profile)).decode(report, decoded), ReportFault::none);
   }
 }
 
@@ -114,7 +116,7 @@ TEST(ReportDecoder, BringsAQuaternionToLengthOne) {
         .offset_bits = 8 * i, .width_bits = 8, .scale = i < 3 ? 1e-3 : 1 / 127.0};
     profile.coordinates.push_back({field, i});
   }
-  const ReportDecoder decoder(profile);
+  const ReportDecoder decoder(layout_of(profile));
   DecodedReport decoded;
   ASSERT_EQ(decoder.decode(Bytes{1, 2, 3, 90, 90, 0, 0}, decoded), ReportFault::none);
   EXPECT_TRUE(decoded.position_valid);
@@ -192,7 +194,7 @@ RC_GTEST_PROP(ReportDecoder, ReadsWhatWasEncoded, ()) {
   for (const AuxiliaryField& a : profile.auxiliary) auxiliary.push_back(write(a.field));
 
   DecodedReport decoded;
-  RC_ASSERT(ReportDecoder(profile).decode(bytes, decoded) == ReportFault::none);
+  RC_ASSERT(ReportDecoder(layout_of(profile)).decode(bytes, decoded) == ReportFault::none);
   RC_ASSERT(static_cast<double>(decoded.sequence.value()) == sequence);
   RC_ASSERT(static_cast<double>(decoded.device_time.value()) == time);
   RC_ASSERT(decoded.drive_valid);
@@ -208,7 +210,7 @@ RC_GTEST_PROP(ReportDecoder, ReadsWhatWasEncoded, ()) {
 RC_GTEST_PROP(ReportDecoder, TakesAnyBytes, (const Bytes& bytes)) {
   const DeviceProfile profile = any_profile();
   DecodedReport decoded;
-  const ReportFault fault = ReportDecoder(profile).decode(bytes, decoded);
+  const ReportFault fault = ReportDecoder(layout_of(profile)).decode(bytes, decoded);
   const bool is_other = profile.report_id && !bytes.empty() && bytes[0] != *profile.report_id;
   const bool is_short = bytes.size() < profile.minimum_size_bytes;
   RC_ASSERT(fault == (is_other   ? ReportFault::other_report

@@ -63,7 +63,7 @@ TEST(ReportDescriptor, ScalesAThreeAxisDeviceToMetres) {
                                       .input(6)
                                       .end());
   ASSERT_EQ(descriptor.reports.size(), 1U);
-  const ReportLayout& report = descriptor.reports[0];
+  const DescribedReport& report = descriptor.reports[0];
   EXPECT_EQ(report.id, 1);
   EXPECT_EQ(report.size_bits, 56U);
   const DescriptorField& field = report.fields.at(0);
@@ -303,7 +303,7 @@ RC_GTEST_PROP(ReportDescriptor, FindsEveryFieldWhereItWasPut, ()) {
   const auto result = parse_report_descriptor(descriptor.end().bytes);
   RC_ASSERT(result.descriptor.has_value());
   std::size_t found = 0;
-  for (const ReportLayout& report : result.descriptor->reports) {
+  for (const DescribedReport& report : result.descriptor->reports) {
     RC_ASSERT(report.size_bits == sizes[static_cast<int>(report.direction)][*report.id - 1]);
     auto next = expected.begin();
     for (const DescriptorField& field : report.fields) {
@@ -321,7 +321,7 @@ RC_GTEST_PROP(ReportDescriptor, FindsEveryFieldWhereItWasPut, ()) {
 
 // A decoded descriptor's fields fill their reports and do not overlap.
 void expect_consistent(const ReportDescriptor& descriptor) {
-  for (const ReportLayout& report : descriptor.reports) {
+  for (const DescribedReport& report : descriptor.reports) {
     std::uint32_t next = report.id ? 8 : 0;
     for (const DescriptorField& field : report.fields) {
       EXPECT_EQ(field.offset_bits, next);

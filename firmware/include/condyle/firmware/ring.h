@@ -4,13 +4,13 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
-#include <cstdint>
 #include <type_traits>
 
 namespace condyle::firmware {
 
 /// Values from one thread to one other, in order. Neither ever waits; where the reader is slow,
-/// what has no room is dropped and counted. No heap; `kCapacity` is a power of two.
+/// what has no room is dropped and counted. No heap; `kCapacity` is a power of two. The counts are
+/// of the size that every machine reads in one piece; they may wrap.
 template <class Value, std::size_t kCapacity>
 class Ring {
   static_assert(kCapacity > 0 && (kCapacity & (kCapacity - 1)) == 0);
@@ -19,7 +19,7 @@ class Ring {
  public:
   /// The writer's: false where `value` had no room.
   bool push(const Value& value) {
-    const std::uint64_t end = end_.load(std::memory_order_relaxed);
+    const std::size_t end = end_.load(std::memory_order_relaxed);
     if (end - begin_.load(std::memory_order_acquire) == kCapacity) {
       dropped_.store(dropped_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
       return false;
@@ -30,22 +30,27 @@ class Ring {
   }
   /// The reader's: false where there is none.
   bool pop(Value& value) {
-    const std::uint64_t begin = begin_.load(std::memory_order_relaxed);
+    const std::size_t begin = begin_.load(std::memory_order_relaxed);
     if (begin == end_.load(std::memory_order_acquire)) return false;
     value = values_[begin % kCapacity];
     begin_.store(begin + 1, std::memory_order_release);
     return true;
   }
 
+  /// True where the reader has nothing to take; the reader may ask.
+  bool empty() const {
+    return begin_.load(std::memory_order_relaxed) == end_.load(std::memory_order_acquire);
+  }
+
   /// Values that had no room; any thread may ask.
-  std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
+  std::size_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
  private:
   static constexpr std::size_t kCacheLine = 64;  // so that the threads do not share one
 
-  alignas(kCacheLine) std::atomic<std::uint64_t> end_ = 0;
-  std::atomic<std::uint64_t> dropped_ = 0;
-  alignas(kCacheLine) std::atomic<std::uint64_t> begin_ = 0;
+  alignas(kCacheLine) std::atomic<std::size_t> end_ = 0;
+  std::atomic<std::size_t> dropped_ = 0;
+  alignas(kCacheLine) std::atomic<std::size_t> begin_ = 0;
   alignas(kCacheLine) std::array<Value, kCapacity> values_{};
 };
 

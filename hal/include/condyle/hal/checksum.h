@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "condyle/hal/device_profile.h"
+#include "condyle/hal/report_layout.h"
 
 namespace condyle::hal {
 

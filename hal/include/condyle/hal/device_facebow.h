@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A facebow: reports from a source, read as a profile says, at the times of the host's clock. Live
+// A facebow: reports from a source, read as a layout says, at the times of the host's clock. Live
 // devices, session logs and captures all come through here, so that a replay is the live run again.
 #pragma once
 
@@ -14,14 +14,15 @@ namespace condyle::hal {
 /// See Facebow. Reading allocates nothing.
 class DeviceFacebow final : public Facebow {
  public:
-  /// `source` gives the reports of the device that `profile` describes.
-  DeviceFacebow(ReportSource& source, const DeviceProfile& profile)
-      : source_(source), decoder_(profile), tracker_(profile) {}
+  /// `source` gives the reports of the device that `layout` describes: layout_of(profile)
+  /// (profile_check.h), where there is a profile.
+  DeviceFacebow(ReportSource& source, const ReportLayout& layout)
+      : source_(source), decoder_(layout), tracker_(layout) {}
 
   Status open() override;
-  /// bad_report where one could not be read as the profile says; last_fault() tells why. Reports of
+  /// bad_report where one could not be read as the layout says; last_fault() tells why. Reports of
   /// other numbers and duplicates are passed over, and counted. Sample::time_ns is the device's
-  /// clock on the host's (clock_fit.h), or the arrival where the profile has no clock.
+  /// clock on the host's (clock_fit.h), or the arrival where the layout has no clock.
   Status read(TimeNs deadline_ns, Sample& sample) override;
   void close() override { source_.close(); }
 

@@ -3,68 +3,14 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/sample.h"
+#include "condyle/hal/report_layout.h"
 
 namespace condyle::hal {
-
-/// Order of the bytes of a field.
-enum class ByteOrder : std::uint8_t { little, big };
-
-/// How the bits of a field are to be read.
-enum class FieldType : std::uint8_t { unsigned_integer, signed_integer, floating_point };
-
-/// Raw values `lowest` to `highest`, both included.
-struct RawRange {
-  std::int64_t lowest = 0;
-  std::int64_t highest = 0;
-};
-
-/// A number inside a report. Bits are counted from the report's first byte (the report id, where
-/// reports are numbered), within a byte from its least significant bit, as HID 1.11 does.
-struct ReportField {
-  std::uint32_t offset_bits = 0;
-  std::uint32_t width_bits = 0;  ///< 1 to 64; 32 or 64 for floating_point
-  FieldType type = FieldType::signed_integer;
-  ByteOrder byte_order = ByteOrder::little;  ///< big: whole bytes only
-  double scale = 1;                          ///< value in SI = raw * scale + offset
-  double offset = 0;
-  /// Raw value that says "not measured"; of a floating_point field, the number itself. Raw values
-  /// of 64 unsigned bits count as two's complement, here and in `range`.
-  std::optional<std::int64_t> missing;
-  std::optional<RawRange> range;  ///< raw values outside it say "not measured"
-};
-
-/// A coordinate: a field, and where it goes.
-struct CoordinateField {
-  ReportField field;      ///< to metres, or for a quaternion to 1
-  std::size_t index = 0;  ///< in Sample::coordinates
-};
-
-/// A count or clock that starts again at 2^width_bits, or at `wraps_at` raw units.
-struct CountingField {
-  ReportField field;
-  std::uint64_t wraps_at = 0;  ///< 0: 2^width_bits
-};
-
-/// A cyclic redundancy check in the Rocksoft model (R. Williams, "A painless guide to CRC error
-/// detection algorithms", 1993), over bytes [first_byte, end_byte) of the report.
-struct Checksum {
-  ReportField field;
-  unsigned width_bits = 16;  ///< 8 or 16
-  std::uint32_t polynomial = 0;
-  std::uint32_t initial = 0;
-  bool reflects_input = false;
-  bool reflects_output = false;
-  std::uint32_t final_xor = 0;
-  std::size_t first_byte = 0;
-  std::size_t end_byte = 0;
-};
 
 /// A further measured value of a report.
 struct AuxiliaryField {
@@ -72,9 +18,6 @@ struct AuxiliaryField {
   std::string unit;  ///< of the value after scaling: "V"
   ReportField field;
 };
-
-/// Most auxiliary fields of a profile.
-inline constexpr std::size_t kMaxAuxiliary = 32;
 
 /// Where an axis of condyle's frame lies in the device's.
 struct DeviceAxis {
@@ -90,24 +33,14 @@ inline constexpr AxisConvention kSameAxes = {{{Axis::x}, {Axis::y}, {Axis::z}}};
 
 /// What a profile file says, of a facebow or of an instrument beside it. find_problem
 /// (profile_check.h) holds what makes it usable.
-struct DeviceProfile {
+struct DeviceProfile : ReportContent {
   std::string name;
   std::uint16_t vendor_id = 0;
   std::uint16_t product_id = 0;
-  int interface_number = -1;              ///< -1: the first HID interface
-  double rate_Hz = 0;                     ///< nominal; 0: not known
-  std::optional<std::uint8_t> report_id;  ///< absent: reports are not numbered
-  std::size_t minimum_size_bytes = 0;     ///< of a report, report id included
-  SampleKind kind = SampleKind::one_point;
-  std::vector<CoordinateField> coordinates;
+  int interface_number = -1;  ///< -1: the first HID interface
   /// Set: the coordinates are to be found in the device's report descriptor (descriptor_profile.h).
   std::optional<AxisConvention> descriptor_axes;
-  std::optional<CountingField> device_time;  ///< field.scale: seconds a unit
-  std::optional<CountingField> sequence;     ///< one more a report
-  std::optional<Checksum> checksum;
-  std::optional<ReportField> drive_N;
-  std::vector<AuxiliaryField> auxiliary;
-  bool restarts_on_reconnect = false;  ///< its counter and clock start anew when plugged in
+  std::vector<AuxiliaryField> auxiliary;  ///< at most kMaxAuxiliary
 
   /// False of a facebow's companions: force sensors, EMG amplifiers.
   bool measures_position() const { return descriptor_axes || !coordinates.empty(); }

@@ -7,20 +7,9 @@
 #include <string>
 
 #include "condyle/hal/device_profile.h"
+#include "condyle/hal/layout_check.h"
 
 namespace condyle::hal {
-
-/// The part of a profile that a problem is in.
-enum class ProfilePart : std::uint8_t {
-  rate,
-  minimum_size,
-  coordinates,  ///< `index`: in DeviceProfile::coordinates, if it is in there
-  device_time,
-  sequence,
-  checksum,
-  drive,
-  auxiliary,  ///< `index`: in DeviceProfile::auxiliary, if it is in there
-};
 
 /// Why a profile cannot be used.
 struct ProfileProblem {
@@ -30,11 +19,14 @@ struct ProfileProblem {
   std::string mend;    ///< "raise minimum_size_bytes, or move the field"
 };
 
-/// The first problem of `profile`: a field outside the report or across another one, coordinates
-/// missing or given twice, a scale of zero, ... A profile without any coordinate is one of another
-/// instrument, which has a drive or auxiliary fields instead. With `descriptor_axes` set, what the
-/// descriptor is to supply is not asked for: the coordinates, and the minimum size where it is 0.
+/// The first problem of `profile`: one of its layout (find_layout_problem), or auxiliary fields
+/// that cannot be told apart. With `descriptor_axes` set, what the descriptor is to supply is not
+/// asked for: the coordinates, and the minimum size where it is 0.
 std::optional<ProfileProblem> find_problem(const DeviceProfile& profile);
+
+/// What a decoder needs of `profile`. Of one that cannot be used, or not before the descriptor has
+/// supplied its coordinates: a layout that cannot be used either.
+ReportLayout layout_of(const DeviceProfile& profile);
 
 /// Name of coordinate `index` of a sample of `kind`: "x", "y2", "qw".
 const char* coordinate_name(SampleKind kind, std::size_t index);

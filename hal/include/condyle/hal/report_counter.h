@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "condyle/estimator/sample.h"
-#include "condyle/hal/device_profile.h"
+#include "condyle/hal/report_layout.h"
 
 namespace condyle::hal {
 
@@ -31,7 +31,7 @@ struct SequenceStep {
 /// that went back. Longer losses are told from the host's time, as unknown, if the rate is known.
 class SequenceCounter {
  public:
-  /// `rate_Hz`: of the reports; 0: not known. `restarts_on_reconnect`: see DeviceProfile.
+  /// `rate_Hz`: of the reports; 0: not known. `restarts_on_reconnect`: see ReportContent.
   SequenceCounter(const CountingField& field, double rate_Hz, bool restarts_on_reconnect);
 
   /// The next count, below the counter's modulus.

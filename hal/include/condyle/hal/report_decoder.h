@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the bytes of a report to what was measured, as a device profile says.
+// From the bytes of a report to what was measured, as a layout says. No heap, no exceptions.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 #include <optional>
 #include <span>
 
-#include "condyle/hal/device_profile.h"
 #include "condyle/hal/report_field.h"
+#include "condyle/hal/report_layout.h"
 
 namespace condyle::hal {
 
@@ -17,10 +17,10 @@ namespace condyle::hal {
 enum class [[nodiscard]] ReportFault : std::uint8_t{
     none,
     other_report,          ///< numbered differently; not an error
-    too_short,             ///< below the profile's minimum size
+    too_short,             ///< below the layout's minimum size
     wrong_checksum,        ///< damaged on the way
     counter_out_of_range,  ///< sequence or clock at or beyond its `wraps_at`
-    unusable_profile,      ///< find_problem (profile_check.h) says why
+    unusable_profile,      ///< find_layout_problem (layout_check.h) says why
 };
 
 /// Name of a fault as it stands in messages.
@@ -40,24 +40,25 @@ struct DecodedReport {
   std::optional<std::uint64_t> device_time;  ///< raw ticks
   std::optional<std::uint64_t> sequence;     ///< raw count
   std::size_t auxiliary_count = 0;
-  std::array<MeasuredValue, kMaxAuxiliary> auxiliary{};  ///< in the profile's order, SI
+  std::array<MeasuredValue, kMaxAuxiliary> auxiliary{};  ///< in the layout's order, SI
 };
 
-/// Reads the reports of one profile. Decoding allocates nothing and changes nothing here.
+/// Reads the reports of one layout. Decoding allocates nothing and changes nothing here.
 class ReportDecoder {
  public:
-  explicit ReportDecoder(const DeviceProfile& profile);
+  /// `layout`: layout_of(profile) (profile_check.h), where there is a profile.
+  explicit ReportDecoder(const ReportLayout& layout);
 
   /// Reads `bytes`, whatever they are. `report` is written only with ReportFault::none. A
   /// quaternion is brought to length 1; where it is off by more than 1 %, the position is not
   /// valid.
   ReportFault decode(std::span<const std::uint8_t> bytes, DecodedReport& report) const;
 
-  /// The profile it was built with.
-  const DeviceProfile& profile() const { return profile_; }
+  /// The layout it was built with.
+  const ReportLayout& layout() const { return layout_; }
 
  private:
-  DeviceProfile profile_;
+  ReportLayout layout_;
   bool is_usable_;
 };
 

@@ -66,7 +66,7 @@ struct DescriptorField {
 };
 
 /// One report: what arrives, or is sent, in one piece.
-struct ReportLayout {
+struct DescribedReport {
   std::optional<std::uint8_t> id;  ///< absent where reports are not numbered
   ReportDirection direction = ReportDirection::input;
   std::uint32_t size_bits = 0;  ///< report id included
@@ -75,7 +75,7 @@ struct ReportLayout {
 
 /// A decoded descriptor.
 struct ReportDescriptor {
-  std::vector<ReportLayout> reports;     ///< in the order in which they first appear
+  std::vector<DescribedReport> reports;  ///< in the order in which they first appear
   std::vector<UsageRange> applications;  ///< usages of the application collections
   std::vector<std::string> notes;        ///< oddities that change nothing in the fields
 };

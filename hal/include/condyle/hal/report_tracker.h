@@ -30,14 +30,14 @@ struct ReportCounts {
 
 /// A report's place and time.
 struct TrackedReport {
-  SequenceStep sequence;  ///< of a profile without counter: the reports received
-  ClockStep clock;        ///< of a profile without clock: the host's time
+  SequenceStep sequence;  ///< of a layout without counter: the reports received
+  ClockStep clock;        ///< of a layout without clock: the host's time
 };
 
 /// Follows counter and clock of one device, and counts.
 class ReportTracker {
  public:
-  explicit ReportTracker(const DeviceProfile& profile);
+  explicit ReportTracker(const ReportContent& content);
 
   /// A report that was decoded. A duplicated one keeps the time of the one before and is not to be
   /// used.

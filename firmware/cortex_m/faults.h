@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Between startup and the rest of the board.
+#pragma once
+
+namespace condyle::cortex_m {
+
+/// Reads what the run before left; once, at startup.
+void begin_run();
+
+}  // namespace condyle::cortex_m
+
+extern "C" {
+/// Of every exception that has no handler of its own: keeps a record and restarts.
+void fault_handler();
+void systick_handler();
+void uart_handler();
+[[noreturn]] void reset_handler();
+}

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// The estimator as an image: reports in, estimates out, over the board's UART. Numbers are of the
+// type that the core computes with, CONDYLE_SCALAR.
+//
+// CONDYLE_FAULT_AFTER: the image of a test, whose filter fails at that sample: it takes an
+// undefined instruction, or (CONDYLE_HANGS) goes round in circles.
+#include <type_traits>
+
+#include "condyle/cortex_m/board.h"
+#include "condyle/firmware/estimator_node.h"
+
+namespace condyle::cortex_m {
+namespace {
+
+constexpr std::uint32_t kBitsPerSecond = 921600;
+constexpr std::uint32_t kWatchdogPeriod_ms = 1000;
+
+class UartStream final : public hal::ByteStream {
+ public:
+  hal::Status read(TimeNs deadline_ns, std::span<std::uint8_t> bytes, std::size_t& count) override {
+    for (count = 0;;) {
+      while (count < bytes.size() && uart_read(bytes[count])) ++count;
+      if (count > 0) return hal::Status::ok;
+      if (now_ns() >= deadline_ns) return hal::Status::timeout;
+      uart_wait();  // SysTick ends it too, ten times a second
+    }
+  }
+  hal::Status write(std::span<const std::uint8_t> bytes) override {
+    uart_write(bytes.data(), bytes.size());
+    return hal::Status::ok;
+  }
+};
+
+hal::ResetCause words_of(ResetCause cause) {
+  switch (cause) {
+    case ResetCause::power_on:
+      return hal::ResetCause::power_on;
+    case ResetCause::restart:
+      return hal::ResetCause::software;
+    case ResetCause::fault:
+      return hal::ResetCause::fault;
+    case ResetCause::watchdog:
+      return hal::ResetCause::watchdog;
+    case ResetCause::outside:
+      return hal::ResetCause::reset_pin;
+  }
+  return hal::ResetCause::unknown;
+}
+
+// Faults that have no handler of their own arrive as a hard fault; CFSR says what they were.
+hal::FaultKind kind_of(const FaultRecord& record) {
+  constexpr std::uint32_t kMemoryManagement = 0xFF, kBus = 0xFF00, kNonMaskable = 2;
+  if (record.exception == kNonMaskable) return hal::FaultKind::non_maskable;
+  if (record.cfsr == 0) return hal::FaultKind::hard;
+  if ((record.cfsr & kMemoryManagement) != 0) return hal::FaultKind::memory_management;
+  return (record.cfsr & kBus) != 0 ? hal::FaultKind::bus : hal::FaultKind::usage;
+}
+
+class Target final : public firmware::NodeTarget {
+ public:
+  hal::GreetingMessage greeting() override {
+    hal::GreetingMessage greeting;
+    greeting.software_version = hal::fixed_text(CONDYLE_VERSION);
+    greeting.core_name = hal::fixed_text(CONDYLE_CORE_NAME);
+    greeting.boot_count = start_count();
+    greeting.reset_cause = words_of(reset_cause());
+    return greeting;
+  }
+
+  std::optional<hal::FaultMessage> fault() override {
+    FaultRecord record;
+    if (!last_fault(record)) return std::nullopt;
+    const bool is_watchdog = reset_cause() == ResetCause::watchdog;
+    return hal::FaultMessage{.kind = is_watchdog ? hal::FaultKind::watchdog : kind_of(record),
+                             .pc = record.pc,
+                             .lr = record.lr,
+                             .cfsr = record.cfsr,
+                             .hfsr = record.hfsr,
+                             .bfar = record.bfar};
+  }
+
+  void add_to(hal::HealthMessage& health) override {
+    const UartLosses losses = uart_losses();
+    health.uart_overruns = losses.overruns;
+    health.dropped_bytes = losses.ring_full;
+    health.stack_used_bytes = static_cast<std::uint32_t>(stack_used_bytes());
+    health.stack_size_bytes = static_cast<std::uint32_t>(stack_size_bytes());
+  }
+
+  void feed_watchdog() override { watchdog_feed(); }
+};
+
+#ifdef CONDYLE_FAULT_AFTER
+template <class Sensor>
+class FailingSensor final : public Sensor {
+ public:
+  using Sensor::Sensor;
+  typename Sensor::Estimate process(const Sample& sample, EventSet events) {
+    if (++samples_ == CONDYLE_FAULT_AFTER) fail();
+    return Sensor::process(sample, events);
+  }
+
+ private:
+  [[gnu::noinline]] static void fail() {
+#ifdef CONDYLE_HANGS
+    for (volatile bool forever = true; forever;) {
+    }
+#else
+    asm volatile("udf #0");
+#endif
+  }
+  int samples_ = 0;
+};
+using Node = firmware::EstimatorNode<CONDYLE_SCALAR, FailingSensor>;
+#else
+using Node = firmware::EstimatorNode<CONDYLE_SCALAR>;
+#endif
+
+constinit UartStream g_line;
+constinit BoardClock g_clock;
+constinit Target g_target;
+Node g_node(g_line, g_clock, g_target);  // too large for the stack
+
+}  // namespace
+}  // namespace condyle::cortex_m
+
+int main() {
+  using namespace condyle::cortex_m;
+  clock_start();
+  uart_init(kBitsPerSecond);
+  watchdog_start(kWatchdogPeriod_ms);
+  g_node.serve();
+  return 0;
+}

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Clock (SysTick) and watchdog.
+#include "condyle/cortex_m/board.h"
+#include "device.h"
+#include "faults.h"
+
+namespace condyle::cortex_m {
+namespace {
+
+constexpr std::uint32_t kPeriod_ticks = kClock_Hz / 10;  // 24 bits count it
+constexpr TimeNs kTick_ns = kNanosecondsPerSecond / kClock_Hz;
+static_assert(kTick_ns * kClock_Hz == kNanosecondsPerSecond && kPeriod_ticks < 1U << 24U);
+constexpr std::uint32_t kPending = 1U << 26U;  // of ICSR: the period is over, not yet counted
+
+constinit volatile std::uint32_t g_periods = 0;
+
+// Offsets of the watchdog's registers.
+constexpr std::uint32_t kLoad = 0x00, kControl = 0x08, kFeed = 0x0C, kLock = 0xC00;
+
+}  // namespace
+
+void clock_start() {
+  reg(kSystCsr) = 0;
+  g_periods = 0;
+  reg(kSystRvr) = kPeriod_ticks - 1;
+  reg(kSystCvr) = 0;
+  reg(kSystCsr) = 7;  // on, with interrupt, from the core's clock
+}
+
+TimeNs now_ns() {
+  std::uint32_t before = 0, periods = 0, left = 0;
+  do {
+    before = periods = g_periods;
+    left = reg(kSystCvr);
+    if ((reg(kIcsr) & kPending) != 0) {
+      left = reg(kSystCvr);
+      ++periods;
+    }
+  } while (before != g_periods);
+  // The count runs 0, kPeriod_ticks - 1, ..., 1; a period begins, and is announced, with 0.
+  const std::uint32_t ticks = left == 0 ? 0 : kPeriod_ticks - left;
+  return (TimeNs{periods} * kPeriod_ticks + ticks) * kTick_ns;
+}
+
+void watchdog_start(std::uint32_t period_ms) {
+  enable_interrupt(kWatchdogInterrupt);
+  reg(kWatchdogAddress + kLock) = 0x1ACCE551;
+  reg(kWatchdogAddress + kLoad) = kClock_Hz / 1000 * period_ms;
+  reg(kWatchdogAddress + kControl) = 3;  // first its interrupt; unanswered, a reset
+}
+
+void watchdog_feed() {
+  reg(kWatchdogAddress + kFeed) = 1;
+}
+
+}  // namespace condyle::cortex_m
+
+extern "C" void systick_handler() {
+  condyle::cortex_m::g_periods = condyle::cortex_m::g_periods + 1;
+}

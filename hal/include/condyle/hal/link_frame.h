@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames on a serial line between a PC and a target that runs the estimator. No heap, no
+// exceptions.
+//
+//   line    0  stuffed  0  0  stuffed  0 ...
+//   stuffed the frame by COBS (S. Cheshire, M. Baker, "Consistent overhead byte stuffing", IEEE/ACM
+//           Trans. Networking 7 (1999) 159-172), so that 0 stands between frames only
+//   frame   type (1 byte), sequence (2), payload (0 to kMaxPayload), checksum (2); little endian
+//
+// Each frame begins with a 0 as well, so that noise before it cannot spoil it. The checksum is
+// CRC-16/IBM-SDLC, HDLC's: width 16, polynomial 0x1021, initial 0xFFFF, input and output reflected,
+// final xor 0xFFFF (Rocksoft model), over type, sequence and payload. As a serial line it sends
+// the lowest bit first, so a burst on the line is a burst to it. It finds every burst of up to 16
+// bits and, up to 32751 bits, any three wrong bits, in the frame; of other damage, and of damage to
+// the stuffing, 1 in 65536 is not found.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace condyle::hal {
+
+/// Longest payload: the longest message (link_messages.h).
+inline constexpr std::size_t kMaxPayload = 2304;
+/// Bytes of a frame beside its payload.
+inline constexpr std::size_t kFrameOverhead = 5;
+/// Longest frame as it is on the line: a code byte each 254 bytes and one more, and both 0s.
+inline constexpr std::size_t kMaxFrameSize =
+    kMaxPayload + kFrameOverhead + (kMaxPayload + kFrameOverhead) / 254 + 3;
+
+/// The checksum of `bytes`.
+std::uint16_t link_checksum(std::span<const std::uint8_t> bytes);
+
+/// Makes frames for one direction of a line and numbers them: 0, 1, ..., 65535, 1, ... 0 says that
+/// the sender starts anew.
+class FrameEncoder {
+ public:
+  /// Writes a frame with both its 0s to `line`, which kMaxFrameSize bytes are enough for. Returns
+  /// its size; 0, and the number is not used, where `payload` is longer than kMaxPayload or `line`
+  /// too short.
+  std::size_t encode(std::uint8_t type, std::span<const std::uint8_t> payload,
+                     std::span<std::uint8_t> line);
+
+ private:
+  std::uint16_t sequence_ = 0;
+};
+
+/// A frame that was received.
+struct LinkFrame {
+  std::uint8_t type = 0;
+  std::uint16_t sequence = 0;
+  std::span<const std::uint8_t> payload;
+};
+
+/// What became of the frames. One that is refused stands in exactly one of the four counts of
+/// refused ones; the sequence shows it once more as lost, together with those that never came.
+struct FrameCounts {
+  std::uint64_t accepted = 0;
+  std::uint64_t wrong_checksum = 0;
+  std::uint64_t bad_stuffing = 0;  ///< ended inside a block
+  std::uint64_t too_short = 0;     ///< for type, sequence and checksum
+  std::uint64_t too_long = 0;      ///< for any payload; skipped
+  std::uint64_t lost = 0;          ///< missed, by the sequence
+  std::uint64_t restarts = 0;      ///< the sequence began anew or went back; lost: not known
+
+  /// All that were refused.
+  constexpr std::uint64_t refused() const {
+    return wrong_checksum + bad_stuffing + too_short + too_long;
+  }
+};
+
+/// Finds frames in the bytes of a line. After any rubbish it takes the next good frame, at its
+/// leading 0.
+class FrameDecoder {
+ public:
+  /// The next byte; true where it completes a good frame.
+  bool take(std::uint8_t byte);
+
+  /// The frame that was completed last. Its payload stands until the next byte is taken.
+  const LinkFrame& frame() const { return frame_; }
+  const FrameCounts& counts() const { return counts_; }
+
+ private:
+  bool finish();
+  bool check();
+  void follow_sequence(std::uint16_t sequence);
+  void append(std::uint8_t byte);
+
+  std::array<std::uint8_t, kMaxPayload + kFrameOverhead> bytes_{};
+  std::size_t size_ = 0;
+  std::uint8_t code_ = 0;       // of the present block; 0: no block has begun
+  std::uint8_t remaining_ = 0;  // bytes of it that are still to come
+  bool is_skipping_ = false;    // a frame that is too long, up to its end
+  bool has_sequence_ = false;
+  std::uint16_t sequence_ = 0;
+  LinkFrame frame_;
+  FrameCounts counts_;
+};
+
+}  // namespace condyle::hal

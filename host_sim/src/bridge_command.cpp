@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bridge_input.h"
+#include "commands.h"
+#include "condyle/hal/serial_port.h"
+#include "estimates_file.h"
+#include "estimator_option.h"
+#include "input_error.h"
+#include "local_node.h"
+#include "node_client.h"
+#include "node_rows.h"
+#include "progress.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr TimeNs kPatience_ns = 20'000'000;
+
+struct BridgeOptions {
+  std::string input, port, out, serial;
+  unsigned baud = 921600;
+  bool checks = false;
+  EstimatorOption estimator;
+  FollowedCoordinate followed;
+  RecordingOptions reading;
+  std::string unit;
+};
+
+hal::StartMessage start_of(const BridgeOptions& options, const BridgeInput& input) {
+  hal::StartMessage start;
+  start.followed = options.followed;
+  start.expects_drive = input.has_drive;
+  start.nominal_step_ns = input.nominal_step_ns.value_or(0);
+  if (options.estimator.is_published()) {
+    start.estimator = hal::EstimatorChoice::published;
+    start.published = load_published_for(options.estimator, input.median_step_ns, options.input);
+    start.nominal_step_ns = nanoseconds(start.published.sample_time_s);
+  } else {
+    start.lag = static_cast<std::uint8_t>(options.estimator.lag);
+    start.recommended = options.estimator.load_recommended();
+    refuse_long_step(start.recommended, seconds(start.nominal_step_ns), options.input,
+                     "its median step", "check the unit of time_s");
+  }
+  return start;
+}
+
+// The same run on this computer, whose answers are to be the target's, byte for byte.
+class Twin {
+ public:
+  Twin(unsigned scalar_size, const hal::ReportLayout& layout, const hal::StartMessage& start,
+       hal::Clock& clock)
+      : clock_(clock),
+        node_(scalar_size, clock),
+        client_(node_.line(), clock, "the estimator on this computer") {
+    client_.connect(stop_requested);
+    client_.begin(layout, start);
+  }
+
+  void send(const hal::RawReport& report) {
+    while (!client_.has_room()) keep_answer(clock_.now_ns() + kPatience_ns);
+    client_.send(report);
+  }
+  void finish() { client_.finish(); }
+
+  // Compares an answer of the target's with the next one here.
+  void compare(NodeAnswer answer, const hal::LinkFrame& frame) {
+    while (answers_.empty() && !stop_requested()) keep_answer(clock_.now_ns() + kPatience_ns);
+    if (answers_.empty()) return;
+    const Answer& here = answers_.front();
+    ++compared_;
+    const bool is_same = here.answer == answer && here.type == frame.type &&
+                         std::equal(here.payload.begin(), here.payload.end(), frame.payload.begin(),
+                                    frame.payload.end());
+    if (!is_same && differences_++ == 0) first_difference_ = compared_;
+    answers_.pop_front();
+  }
+
+  std::string words() const {
+    if (differences_ == 0) {
+      return fmt::format("all {} answers are this computer's, byte for byte", compared_);
+    }
+    return fmt::format("{} of {} answers are not this computer's; the first is answer {}",
+                       differences_, compared_, first_difference_);
+  }
+  bool is_same() const { return differences_ == 0; }
+
+ private:
+  struct Answer {
+    NodeAnswer answer;
+    std::uint8_t type;
+    std::vector<std::uint8_t> payload;
+  };
+  void keep_answer(TimeNs deadline_ns) {
+    const NodeAnswer answer = client_.receive(deadline_ns);
+    if (answer == NodeAnswer::none) return;
+    const hal::LinkFrame& frame = client_.frame();
+    answers_.push_back({answer, frame.type, {frame.payload.begin(), frame.payload.end()}});
+  }
+
+  hal::Clock& clock_;
+  LocalNode node_;
+  NodeClient client_;
+  std::deque<Answer> answers_;
+  std::uint64_t compared_ = 0, differences_ = 0, first_difference_ = 0;
+};
+
+struct BridgeCounts {
+  std::uint64_t estimates = 0, without_estimate = 0, without_time = 0, disconnections = 0;
+};
+
+// Takes the next report where the target has room for one. False once there will be none.
+bool feed(BridgeInput& input, bool may_wait, hal::Clock& clock, hal::RawReport& report,
+          bool& has_report, BridgeCounts& counts) {
+  has_report = false;
+  const hal::Status status =
+      input.source->read(clock.now_ns() + (may_wait ? kPatience_ns : 0), report);
+  if (status == hal::Status::ok) {
+    has_report = true;
+  } else if (status == hal::Status::bad_report) {
+    ++counts.without_time;
+  } else if (status == hal::Status::disconnected) {
+    ++counts.disconnections;
+    while (input.source->open() != hal::Status::ok) {
+      if (stop_requested() || !input.is_live) return false;
+      clock.sleep_until(clock.now_ns() + kPatience_ns);
+    }
+  } else if (status != hal::Status::timeout) {
+    return false;
+  }
+  return true;
+}
+
+std::string health_words(const hal::HealthMessage& health) {
+  return fmt::format(
+      "{} frames refused, {} lost; {} bytes overrun, {} without room; {} of {} bytes of stack used",
+      health.frames.refused(), health.frames.lost, health.uart_overruns, health.dropped_bytes,
+      health.stack_used_bytes, health.stack_size_bytes);
+}
+
+int bridge(const BridgeOptions& options) {
+  refuse_same_files({options.input, options.estimator.parameters, options.reading.profile},
+                    {options.out});
+  options.estimator.refuse_if_published("--lag", options.estimator.lag > 0);
+  hal::SteadyClock clock;
+  BridgeInput input = open_bridge_input(options.input, options.serial, options.reading, clock);
+  if (!is_available(input.layout.kind, options.followed)) {
+    throw InputError("--point", "there is one point", "leave it out");
+  }
+  const hal::StartMessage start = start_of(options, input);
+
+  hal::SerialPort port(clock);
+  if (port.open(options.port, options.baud) != hal::Status::ok) {
+    throw InputError(options.port, port.problem(), "name a serial port, or unix:SOCKET");
+  }
+  NodeClient client(port, clock, options.port);
+  client.connect(stop_requested);
+  const unsigned scalar_size = client.greeting().scalar_size;
+  if (client.fault()) print_error("the target had stopped: " + fault_words(*client.fault()));
+  client.begin(input.layout, start);
+  std::optional<Twin> twin;
+  if (options.checks) twin.emplace(scalar_size, input.layout, start, clock);
+
+  const bool is_published = options.estimator.is_published();
+  const int axis_count = is_published ? 0 : input.layout.kind == SampleKind::one_axis ? 1 : 3;
+  std::unique_ptr<EstimatesFile> estimates;
+  if (!options.out.empty()) {
+    estimates = std::make_unique<EstimatesFile>(options.out, axis_count, false);
+  }
+  NodeRows rows(input.layout, options.followed, is_published, scalar_size);
+  BridgeCounts counts;
+  hal::RawReport report;
+  bool has_input = true;
+  {
+    Progress progress("feeding", clock);
+    for (NodeAnswer answer = NodeAnswer::none; answer != NodeAnswer::finished;) {
+      if (has_input && stop_requested()) {
+        if (!input.is_live) {
+          print_error("stopped; no file was left");
+          return kExitInterrupted;
+        }
+        has_input = false;  // a live run ends when the user says so
+        client.finish();
+        if (twin) twin->finish();
+      }
+      if (has_input && client.has_room()) {
+        bool has_report = false;
+        const bool may_wait = client.reports_sent() == counts.estimates + counts.without_estimate;
+        has_input = feed(input, may_wait, clock, report, has_report, counts);
+        if (has_report) {
+          rows.add(report);
+          client.send(report);
+          if (twin) twin->send(report);
+        }
+        if (!has_input) {
+          client.finish();
+          if (twin) twin->finish();
+        }
+      }
+      // A recording has its next report at once; a device is looked after every millisecond.
+      const TimeNs wait_ns = !client.has_room() ? kPatience_ns : input.is_live ? 1'000'000 : 0;
+      answer = client.receive(clock.now_ns() + wait_ns);
+      if (answer == NodeAnswer::none) continue;
+      if (twin) twin->compare(answer, client.frame());
+      if (answer == NodeAnswer::no_estimate) ++counts.without_estimate;
+      if (answer != NodeAnswer::estimate) continue;
+      ++counts.estimates;
+      const std::optional<EstimateRow> row = rows.row_of(client.frame());
+      if (row && estimates) estimates->write_row(*row);
+      progress.show(input.progress());
+    }
+  }
+  const std::string problem = input.problem();
+  if (!problem.empty()) throw InputError(problem);
+  const hal::HealthMessage health = client.ask_health();
+  if (estimates) {
+    estimates->close();
+    estimates->commit();
+  }
+
+  std::string text =
+      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
+  const auto line = [&text](const char* label, const std::string& words) {
+    text += fmt::format("{:<12}{}\n", label, words);
+  };
+  line("input", options.input + ", " + input.words);
+  line("target", options.port + ": " + greeting_words(client.greeting()));
+  line("reports", fmt::format("{} sent, {} lost on the line; {} estimates, {} without one",
+                              client.reports_sent(), client.reports_lost(), counts.estimates,
+                              counts.without_estimate));
+  if (counts.without_time > 0) {
+    line("left out", fmt::format("{} samples without a time", counts.without_time));
+  }
+  line("its side", health_words(health));
+  line("this side",
+       fmt::format("{} frames refused, {} lost", client.frames().refused(), client.frames().lost));
+  if (twin) line("check", twin->words());
+  if (estimates) line("estimates", options.out);
+  print_output(text);
+  const bool is_whole = client.reports_lost() == 0 && rows.unreadable() == 0;
+  if (!is_whole) print_error("warning: not every report has its estimate");
+  return is_whole && (!twin || twin->is_same()) ? kExitOk : kExitRefused;
+}
+
+}  // namespace
+
+Command add_bridge(CLI::App& app) {
+  auto options = std::make_shared<BridgeOptions>();
+  CLI::App* const command = app.add_subcommand(
+      "bridge",
+      "Feed an estimator on a microcontroller with reports over a serial line, and take its "
+      "estimates; Ctrl-C ends a live run");
+  command
+      ->add_option("INPUT", options->input,
+                   "hid:PROFILE or usb:PROFILE, a device; or a recording, as for replay")
+      ->required();
+  command
+      ->add_option("--port", options->port,
+                   "Serial port of the microcontroller, or unix:SOCKET of an emulator")
+      ->required();
+  command->add_option("--baud", options->baud, "Symbols per second")->capture_default_str();
+  command->add_flag("--check", options->checks,
+                    "Run the same estimator here as well and compare every answer, byte for byte");
+  options->estimator.add_to(*command);
+  command->add_option("--point", options->followed.point, "Point to follow")
+      ->check(CLI::Range(1, 3))
+      ->capture_default_str();
+  auto axis = std::make_shared<std::string>("z");
+  command->add_option("--axis", *axis, "Axis to follow")
+      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->capture_default_str();
+  auto faults = std::make_shared<std::string>("refuse");
+  command->add_option("--faults", *faults, "What to do with missing, non-finite and reversed rows")
+      ->check(CLI::IsMember({"refuse", "event"}))
+      ->capture_default_str();
+  command->add_option("--unit", options->unit, "Unit of coordinates where the format states none")
+      ->check(CLI::IsMember({"mm", "m"}));
+  command->add_option("--profile", options->reading.profile,
+                      "TOML file that describes the device of a recording");
+  command->add_option("--serial", options->serial, "Serial number, where several are plugged in");
+  command->add_option("--out", options->out, "CSV file for the estimates");
+  return [options, axis, faults] {
+    options->followed.axis = static_cast<Axis>((*axis)[0] - 'x');
+    options->reading.faults = *faults == "event" ? FaultPolicy::event : FaultPolicy::refuse;
+    if (!options->unit.empty()) {
+      options->reading.units_per_metre = options->unit == "mm" ? 1000 : 1;
+    }
+    return bridge(*options);
+  };
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// A target's twin on this computer: the same node, fed with the same frames over a pair of sockets.
+#pragma once
+
+#include <cstdint>
+#include <thread>
+
+#include "condyle/firmware/estimator_node.h"
+#include "condyle/hal/serial_port.h"
+
+namespace condyle::host {
+
+/// Serves on a thread of its own until it is destroyed.
+class LocalNode {
+ public:
+  /// `scalar_size`: 4 or 8, of the numbers that it computes with (bytes). An InputError where the
+  /// system has no pair of sockets left.
+  LocalNode(unsigned scalar_size, hal::Clock& clock);
+  ~LocalNode();
+  LocalNode(const LocalNode&) = delete;
+  LocalNode& operator=(const LocalNode&) = delete;
+
+  /// The line to it.
+  hal::ByteStream& line() { return near_; }
+
+ private:
+  class Target final : public firmware::NodeTarget {
+   public:
+    hal::GreetingMessage greeting() override;
+    std::optional<hal::FaultMessage> fault() override { return std::nullopt; }
+    void add_to(hal::HealthMessage&) override {}
+    void feed_watchdog() override {}
+  };
+
+  hal::SerialPort near_, far_;
+  Target target_;
+  std::thread thread_;
+};
+
+}  // namespace condyle::host

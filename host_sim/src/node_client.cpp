@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "node_client.h"
+
+#include <fmt/format.h>
+
+#include "input_error.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr TimeNs kRepeat_ns = 300'000'000;
+constexpr TimeNs kPatience_ns = 2'000'000'000;
+constexpr int kAttempts = 10;
+
+const char* reset_words(hal::ResetCause cause) {
+  constexpr const char* words[] = {"of unknown cause", "power on", "brown-out", "reset pin",
+                                   "software",         "watchdog", "fault"};
+  return words[static_cast<int>(cause)];
+}
+
+std::string refusal_words(const hal::RefusedMessage& refused) {
+  constexpr const char* reasons[] = {"no reason",
+                                     "wrong size",
+                                     "unknown value",
+                                     "out of range",
+                                     "not a finite number",
+                                     "parameters that do not fit together",
+                                     "another version of the protocol",
+                                     "unknown type of message",
+                                     "not expected now",
+                                     "unusable layout",
+                                     "the layout has no such point"};
+  return fmt::format("message {}: {}, at value {}", refused.message,
+                     reasons[static_cast<int>(refused.refusal.reason)], refused.refusal.index);
+}
+
+}  // namespace
+
+std::string fault_words(const hal::FaultMessage& fault) {
+  constexpr const char* kinds[] = {"hard fault",
+                                   "memory management fault",
+                                   "bus fault",
+                                   "usage fault",
+                                   "non-maskable interrupt",
+                                   "stack overflow",
+                                   "watchdog",
+                                   "assertion"};
+  return fmt::format(
+      "{} at 0x{:08x} (link register 0x{:08x}, CFSR 0x{:08x}, HFSR 0x{:08x}, BFAR "
+      "0x{:08x})",
+      kinds[static_cast<int>(fault.kind)], fault.pc, fault.lr, fault.cfsr, fault.hfsr, fault.bfar);
+}
+
+std::string greeting_words(const hal::GreetingMessage& greeting) {
+  return fmt::format("{}, condyle {}, numbers of {} bytes, start {} ({})",
+                     hal::text_of(greeting.core_name), hal::text_of(greeting.software_version),
+                     greeting.scalar_size, greeting.boot_count, reset_words(greeting.reset_cause));
+}
+
+void NodeClient::fail(const std::string& what, const std::string& mend) const {
+  throw InputError(name_, what, mend);
+}
+
+template <class Message>
+void NodeClient::tell(const Message& message) {
+  const hal::Status status = end_.send(message);
+  if (status == hal::Status::bad_report) fail("a value fits no message", "check the parameters");
+  if (status != hal::Status::ok) fail("takes nothing any more", "is it still connected?");
+}
+
+template <class Message>
+Message NodeClient::read() const {
+  Message message;
+  const hal::Refusal refusal = hal::get(end_.frame().payload, message);
+  if (refusal.reason != hal::RefusalReason::none) {
+    fail(fmt::format("sends a message of type {} that cannot be read, at value {}",
+                     end_.frame().type, refusal.index),
+         "load an image of this version of condyle");
+  }
+  return message;
+}
+
+void NodeClient::connect(const std::function<bool()>& stop) {
+  for (int attempt = 0; attempt < kAttempts && !stop(); ++attempt) {
+    tell(hal::HelloMessage{});
+    const TimeNs deadline_ns = clock_.now_ns() + kRepeat_ns;
+    hal::Status status = hal::Status::ok;
+    while (status == hal::Status::ok) {
+      status = end_.receive(deadline_ns);
+      if (status == hal::Status::disconnected) fail("was closed", "is the target still there?");
+      if (status != hal::Status::ok || end_.type() != hal::MessageType::greeting) continue;
+      greeting_ = read<hal::GreetingMessage>();
+      if (greeting_.version != hal::kLinkVersion) {
+        fail(fmt::format("speaks version {} of the protocol, this is {}", greeting_.version,
+                         hal::kLinkVersion),
+             "load an image of this version of condyle");
+      }
+      if (greeting_.has_fault && end_.receive(deadline_ns) == hal::Status::ok &&
+          end_.type() == hal::MessageType::fault) {
+        fault_ = read<hal::FaultMessage>();
+      }
+      // A target that started just now has greeted by itself as well.
+      while (end_.receive(clock_.now_ns() + kRepeat_ns / 3) == hal::Status::ok) {
+      }
+      last_answer_ns_ = clock_.now_ns();
+      return;
+    }
+  }
+  fail("no estimator answers", "check the image, the wires and --baud");
+}
+
+void NodeClient::expect_accepted(hal::MessageType message) {
+  accepted_.reset();
+  const TimeNs deadline_ns = clock_.now_ns() + kPatience_ns;
+  while (accepted_ != message) {
+    const hal::Status status = end_.receive(deadline_ns);
+    if (status != hal::Status::ok) fail("does not answer", "check the wires and --baud");
+    (void)take_frame();
+  }
+}
+
+void NodeClient::begin(const hal::ReportLayout& layout, const hal::StartMessage& start) {
+  tell(hal::LayoutMessage{layout});
+  expect_accepted(hal::MessageType::layout);
+  tell(start);
+  expect_accepted(hal::MessageType::start);
+}
+
+void NodeClient::send(const hal::RawReport& report) {
+  if (waiting_.empty()) last_answer_ns_ = clock_.now_ns();
+  tell(hal::ReportMessage{report.host_time_ns, report.data()});
+  waiting_.push_back(end_.sent_size());
+  waiting_bytes_ += end_.sent_size();
+  ++reports_sent_;
+}
+
+void NodeClient::finish() {
+  has_finished_ = true;
+  last_answer_ns_ = clock_.now_ns();
+  tell(hal::FinishMessage{});
+}
+
+void NodeClient::forget_oldest() {
+  if (waiting_.empty()) return;  // an estimate that waited for the end
+  waiting_bytes_ -= waiting_.front();
+  waiting_.pop_front();
+}
+
+NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
+  for (;;) {
+    const hal::Status status = end_.receive(deadline_ns);
+    if (status == hal::Status::disconnected) fail("was closed", "is the target still there?");
+    if (status == hal::Status::ok) {
+      last_answer_ns_ = clock_.now_ns();
+      const NodeAnswer answer = take_frame();
+      if (answer != NodeAnswer::none) return answer;
+      continue;
+    }
+    const bool waits = !waiting_.empty() || has_finished_;
+    if (!waits || clock_.now_ns() - last_answer_ns_ < kPatience_ns) return NodeAnswer::none;
+    if (is_probing_) fail("does not answer any more", "is the target still there?");
+    is_probing_ = true;
+    last_answer_ns_ = clock_.now_ns();
+    tell(hal::AskHealthMessage{});
+    return NodeAnswer::none;
+  }
+}
+
+// The target is there and answers in order, so what it has not answered by now did not reach it, or
+// its answer did not reach us.
+void NodeClient::end_probe() {
+  is_probing_ = false;
+  reports_lost_ += waiting_.size();
+  waiting_.clear();
+  waiting_bytes_ = 0;
+  if (has_finished_) finish();
+}
+
+NodeAnswer NodeClient::take_frame() {
+  switch (end_.type()) {
+    case hal::MessageType::published_estimate:
+    case hal::MessageType::recommended_estimate:
+      forget_oldest();
+      return NodeAnswer::estimate;
+    case hal::MessageType::accepted:
+      accepted_ = read<hal::AcceptedMessage>().message;
+      if (accepted_ == hal::MessageType::finish) return NodeAnswer::finished;
+      if (accepted_ != hal::MessageType::report) return NodeAnswer::none;
+      forget_oldest();
+      return NodeAnswer::no_estimate;
+    case hal::MessageType::refused: {
+      const auto refused = read<hal::RefusedMessage>();
+      // A second finish finds the run ended already.
+      if (has_finished_ && refused.message == static_cast<std::uint8_t>(hal::MessageType::finish)) {
+        return NodeAnswer::finished;
+      }
+      fail("refuses " + refusal_words(refused), "load an image of this version of condyle");
+    }
+    case hal::MessageType::health:
+      health_ = read<hal::HealthMessage>();
+      if (is_probing_) end_probe();
+      return NodeAnswer::none;
+    case hal::MessageType::greeting: {
+      greeting_ = read<hal::GreetingMessage>();
+      std::string what = "the target started again: " + greeting_words(greeting_);
+      if (greeting_.has_fault && end_.receive(clock_.now_ns() + kPatience_ns) == hal::Status::ok &&
+          end_.type() == hal::MessageType::fault) {
+        fault_ = read<hal::FaultMessage>();
+        what += ", after a " + fault_words(*fault_);
+      }
+      fail(what, fmt::format("{} reports have no estimate; begin anew", waiting_.size()));
+    }
+    default:
+      return NodeAnswer::none;
+  }
+}
+
+hal::HealthMessage NodeClient::ask_health() {
+  health_.reset();
+  tell(hal::AskHealthMessage{});
+  const TimeNs deadline_ns = clock_.now_ns() + kPatience_ns;
+  while (!health_) {
+    if (end_.receive(deadline_ns) != hal::Status::ok) {
+      fail("does not answer any more", "is the target still there?");
+    }
+    (void)take_frame();
+  }
+  return *health_;
+}
+
+}  // namespace condyle::host

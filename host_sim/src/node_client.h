@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// The PC's side of the line to a target that runs the estimator (hal/link_messages.h).
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "condyle/hal/clock.h"
+#include "condyle/hal/link_end.h"
+#include "condyle/hal/raw_report.h"
+
+namespace condyle::host {
+
+/// What became of a report.
+enum class NodeAnswer {
+  none,         ///< nothing yet
+  estimate,     ///< frame() holds one
+  no_estimate,  ///< the report led to none: damaged, twice told, of another number
+  finished,     ///< the target has told everything
+};
+
+/// A target at the other end of a line. What it refuses, and that it is away or has started again,
+/// are InputErrors.
+class NodeClient {
+ public:
+  /// Bytes of reports that may be on their way: what a target's receiver holds.
+  static constexpr std::size_t kWindow = 896;
+
+  /// `name` of the line, for messages.
+  NodeClient(hal::ByteStream& line, hal::Clock& clock, std::string name)
+      : end_(line), clock_(clock), name_(std::move(name)) {}
+
+  /// Asks who is there, for a few seconds or until `stop`.
+  void connect(const std::function<bool()>& stop);
+  /// After connect: who it is.
+  const hal::GreetingMessage& greeting() const { return greeting_; }
+  /// What stopped it before it last started, if anything did.
+  const std::optional<hal::FaultMessage>& fault() const { return fault_; }
+
+  /// Begins a run.
+  void begin(const hal::ReportLayout& layout, const hal::StartMessage& start);
+  /// May another report be sent?
+  bool has_room() const { return !has_finished_ && waiting_bytes_ < kWindow; }
+  void send(const hal::RawReport& report);
+  /// No report follows.
+  void finish();
+  /// The next answer, waited for until `deadline_ns`. Reports that a target, which is there, has
+  /// not answered for two seconds are lost on the line, and counted.
+  NodeAnswer receive(TimeNs deadline_ns);
+  /// The frame of the last answer.
+  const hal::LinkFrame& frame() const { return end_.frame(); }
+
+  /// What the target has counted; not while answers to reports are due.
+  hal::HealthMessage ask_health();
+
+  std::uint64_t reports_sent() const { return reports_sent_; }
+  /// Reports that were lost on the line.
+  std::uint64_t reports_lost() const { return reports_lost_; }
+  /// Frames from the target.
+  const hal::FrameCounts& frames() const { return end_.counts(); }
+
+ private:
+  template <class Message>
+  void tell(const Message& message);
+  void expect_accepted(hal::MessageType message);
+  NodeAnswer take_frame();
+  void forget_oldest();
+  void end_probe();
+  template <class Message>
+  Message read() const;
+  [[noreturn]] void fail(const std::string& what, const std::string& mend) const;
+
+  hal::LinkEnd end_;
+  hal::Clock& clock_;
+  std::string name_;
+  hal::GreetingMessage greeting_;
+  std::optional<hal::FaultMessage> fault_;
+  std::optional<hal::HealthMessage> health_;
+  std::optional<hal::MessageType> accepted_;
+  bool has_finished_ = false, is_probing_ = false;
+  std::deque<std::size_t> waiting_;  // sizes on the line of reports that have no answer yet
+  std::size_t waiting_bytes_ = 0;
+  TimeNs last_answer_ns_ = 0;
+  std::uint64_t reports_sent_ = 0, reports_lost_ = 0;
+};
+
+/// "a usage fault at 0x000012a4 (called from 0x00000f31; CFSR 0x02000000, ...)".
+std::string fault_words(const hal::FaultMessage& fault);
+/// "Cortex-M7, condyle 0.1.0, numbers of 4 bytes, start 1 (power on)".
+std::string greeting_words(const hal::GreetingMessage& greeting);
+
+}  // namespace condyle::host
