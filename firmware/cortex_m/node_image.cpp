@@ -12,7 +12,7 @@
 namespace condyle::cortex_m {
 namespace {
 
-constexpr std::uint32_t kBitsPerSecond = 921600;
+constexpr std::uint32_t kBitsPerSecond = 1'000'000;
 constexpr std::uint32_t kWatchdogPeriod_ms = 1000;
 
 class UartStream final : public hal::ByteStream {

@@ -16,12 +16,12 @@ inline constexpr std::uint32_t kSystCsr = 0xE000E010, kSystRvr = 0xE000E014, kSy
                                kNvicIser = 0xE000E100, kIcsr = 0xE000ED04, kAircr = 0xE000ED0C,
                                kCfsr = 0xE000ED28, kHfsr = 0xE000ED2C, kBfar = 0xE000ED38;
 
-/// Instead of an interrupt's number: the one that cannot be masked.
-inline constexpr int kIsNmi = -14;
+/// Instead of an interrupt's number: the one that cannot be masked; none.
+inline constexpr int kIsNmi = -14, kHasNone = -15;
 
 /// Lets interrupt `number` through.
 inline void enable_interrupt(int number) {
-  if (number == kIsNmi) return;
+  if (number < 0) return;
   const auto bit = static_cast<std::uint32_t>(number);
   reg(kNvicIser + bit / 32 * 4) = 1U << bit % 32;
 }

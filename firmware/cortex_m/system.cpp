@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Clock (SysTick) and watchdog.
+#include <numeric>
+
 #include "condyle/cortex_m/board.h"
 #include "device.h"
 #include "faults.h"
@@ -8,14 +10,14 @@ namespace condyle::cortex_m {
 namespace {
 
 constexpr std::uint32_t kPeriod_ticks = kClock_Hz / 10;  // 24 bits count it
-constexpr TimeNs kTick_ns = kNanosecondsPerSecond / kClock_Hz;
-static_assert(kTick_ns * kClock_Hz == kNanosecondsPerSecond && kPeriod_ticks < 1U << 24U);
+// A tick in nanoseconds, as a fraction.
+constexpr TimeNs kCommon = std::gcd(kNanosecondsPerSecond, TimeNs{kClock_Hz});
+constexpr TimeNs kTickNumerator = kNanosecondsPerSecond / kCommon,
+                 kTickDenominator = kClock_Hz / kCommon;
+static_assert(kTickNumerator <= 1000 && kPeriod_ticks < 1U << 24U);
 constexpr std::uint32_t kPending = 1U << 26U;  // of ICSR: the period is over, not yet counted
 
 constinit volatile std::uint32_t g_periods = 0;
-
-// Offsets of the watchdog's registers.
-constexpr std::uint32_t kLoad = 0x00, kControl = 0x08, kFeed = 0x0C, kLock = 0xC00;
 
 }  // namespace
 
@@ -39,18 +41,16 @@ TimeNs now_ns() {
   } while (before != g_periods);
   // The count runs 0, kPeriod_ticks - 1, ..., 1; a period begins, and is announced, with 0.
   const std::uint32_t ticks = left == 0 ? 0 : kPeriod_ticks - left;
-  return (TimeNs{periods} * kPeriod_ticks + ticks) * kTick_ns;
+  return (TimeNs{periods} * kPeriod_ticks + ticks) * kTickNumerator / kTickDenominator;
 }
 
 void watchdog_start(std::uint32_t period_ms) {
   enable_interrupt(kWatchdogInterrupt);
-  reg(kWatchdogAddress + kLock) = 0x1ACCE551;
-  reg(kWatchdogAddress + kLoad) = kClock_Hz / 1000 * period_ms;
-  reg(kWatchdogAddress + kControl) = 3;  // first its interrupt; unanswered, a reset
+  Watchdog::start(period_ms);
 }
 
 void watchdog_feed() {
-  reg(kWatchdogAddress + kFeed) = 1;
+  Watchdog::feed();
 }
 
 }  // namespace condyle::cortex_m

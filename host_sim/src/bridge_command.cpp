@@ -26,7 +26,7 @@ constexpr TimeNs kPatience_ns = 20'000'000;
 
 struct BridgeOptions {
   std::string input, port, out, serial;
-  unsigned baud = 921600;
+  unsigned baud = 1'000'000;
   bool checks = false;
   EstimatorOption estimator;
   FollowedCoordinate followed;

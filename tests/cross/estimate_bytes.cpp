@@ -9,66 +9,11 @@
 #include "condyle/estimator/published_sensor.h"
 #include "condyle/estimator/recommended_sensor.h"
 #include "estimate_input.h"
+#include "estimate_writer.h"
 #include "test_host.h"
 
 namespace condyle::cross {
 namespace {
-
-/// Serialises estimates, field after field, to a file.
-struct EstimateWriter {
-  ByteFile& out;
-
-  template <class Number>
-  void operator()(Number value) {
-    put_number(value, [this](std::uint8_t byte) { out.put(byte); });
-  }
-  template <class Scalar>
-  void operator()(const Quantity<Scalar>& quantity) {
-    (*this)(quantity.value);
-    (*this)(quantity.standard_deviation);
-    (*this)(static_cast<std::uint8_t>(quantity.provenance));
-  }
-  void operator()(EventSet events) {
-    std::uint32_t bits = 0;
-    for (std::size_t i = 0; i < kEventCount; ++i) {
-      if (events.has(static_cast<Event>(i))) bits |= std::uint32_t{1} << i;
-    }
-    (*this)(bits);
-  }
-  template <class Scalar>
-  void operator()(const PublishedEstimate<Scalar>& estimate) {
-    for (const auto* quantity : {&estimate.position_m, &estimate.velocity_m_s, &estimate.force_N,
-                                 &estimate.friction_Ns_m, &estimate.mass_kg}) {
-      (*this)(*quantity);
-    }
-    for (const Scalar value :
-         {estimate.innovation_m, estimate.motion_nis, estimate.friction_nis, estimate.mass_nis}) {
-      (*this)(value);
-    }
-    (*this)(estimate.events);
-    (*this)(static_cast<std::uint8_t>(estimate.verdict));
-  }
-  template <class Scalar>
-  void operator()(const RecommendedEstimate<Scalar>& estimate) {
-    (*this)(static_cast<std::uint8_t>(estimate.is_ready));
-    (*this)(static_cast<std::uint64_t>(estimate.time_ns));
-    (*this)(static_cast<std::uint8_t>(estimate.time_valid));
-    (*this)(static_cast<std::uint8_t>(estimate.axis_count));
-    for (int axis = 0; axis < estimate.axis_count; ++axis) {
-      const AxisEstimate<Scalar>& one = estimate.axes[axis];
-      for (const auto* quantity :
-           {&one.position_m, &one.velocity_m_s, &one.acceleration_m_s2, &one.force_N}) {
-        (*this)(*quantity);
-      }
-      for (const Scalar value : {one.measured_position_m, one.innovation_m, one.innovation_sd_m,
-                                 one.noise_sd_m, one.jerk_density_m2_s5}) {
-        (*this)(value);
-      }
-    }
-    (*this)(estimate.nis);
-    (*this)(estimate.events);
-  }
-};
 
 /// The recording from its start, byte for byte.
 class Input {
@@ -112,7 +57,7 @@ bool write_run(const char* input_path, const char* folder, const char* name,
   const EstimateHeader header = take_header(input);
   Sensor& sensor = *construct(&place<Sensor>(), header);
   SampleChecker checker(header.nominal_step_ns);
-  EstimateWriter write{file};
+  EstimateWriter<ByteFile> write{file};
   while (input.has_next()) {
     const Sample sample = take_sample(input);
     write(sensor.process(sample, checker.check(sample)));

@@ -3,12 +3,12 @@
 // FIFO, watchdog of the CMSDK kind.
 #pragma once
 
-#include "registers.h"
+#include "cmsdk_watchdog.h"
 
 namespace condyle::cortex_m {
 
 inline constexpr std::uint32_t kClock_Hz = 12'500'000;  // as after reset: 200 MHz / 16
-inline constexpr std::uint32_t kWatchdogAddress = 0x40000000;
+using Watchdog = CmsdkWatchdog<0x40000000, kClock_Hz>;
 inline constexpr int kUartInterrupt = 5, kWatchdogInterrupt = 18;
 
 /// UART 0.

@@ -3,12 +3,12 @@
 // In QEMU, a byte that comes while the last is not taken is lost unless -icount slows the machine.
 #pragma once
 
-#include "registers.h"
+#include "cmsdk_watchdog.h"
 
 namespace condyle::cortex_m {
 
 inline constexpr std::uint32_t kClock_Hz = 25'000'000;
-inline constexpr std::uint32_t kWatchdogAddress = 0x40008000;  // its interrupt is the NMI
+using Watchdog = CmsdkWatchdog<0x40008000, kClock_Hz>;  // its interrupt is the NMI
 inline constexpr int kUartInterrupt = 0, kWatchdogInterrupt = kIsNmi;
 
 /// UART 0.
