@@ -3,11 +3,11 @@
 // `for_each_case`.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <numbers>
 
 #include "condyle/estimator/cascade_core.h"
+#include "condyle/estimator/elementary.h"
 #include "condyle/estimator/recommended_estimator.h"
 #include "unit/dense_cascade.h"
 
@@ -37,7 +37,9 @@ class ChewingJaw {
   TimedStep<Scalar> next() {
     const double step_s = (1 + 0.1 * noise()) / 60;
     time_s_ += step_s;
-    const double opening_m = 0.0075 * (1 - std::cos(2 * std::numbers::pi * 1.3 * time_s_));
+    const double phase_rad = 2 * std::numbers::pi * 1.3 * time_s_;
+    const double opening_m =
+        0.0075 * (1 - elementary::cos(phase_rad));  // on every machine the same
     return {static_cast<Scalar>(-opening_m + 3.5e-4 * noise()), static_cast<Scalar>(step_s)};
   }
 
@@ -49,6 +51,29 @@ class ChewingJaw {
 
   std::uint32_t random_ = 1;
   double time_s_ = 0;
+};
+
+/// The same jaw with what a filter's rare paths need: every 50th sample is a glitch, once in 250
+/// six are; after a pause, when little is expected, a glitch passes and is found out by the next
+/// sample; once the source pauses until nothing is known.
+class SpoiledJaw {
+ public:
+  template <class Scalar>
+  TimedStep<Scalar> next() {
+    auto sample = jaw_.next<Scalar>();
+    const int i = count_++;
+    if (i % 50 == 49 || (i % 250 > 100 && i % 250 <= 106)) sample.position_m += Scalar(0.02);
+    if (i % 100 == 77) {
+      sample.step_s += Scalar(0.08);
+      sample.position_m += Scalar(0.004) * Scalar(1 + i / 100 % 5);
+    }
+    if (i == 520) sample.step_s = Scalar(0.5);
+    return sample;
+  }
+
+ private:
+  ChewingJaw jaw_;
+  int count_ = 0;
 };
 
 /// The published cascade alone: no standard deviations, NIS, gate, provenance.

@@ -17,11 +17,14 @@ Sample sample_at(int i) {
   Sample sample;
   sample.kind = SampleKind::CONDYLE_KIND;
   sample.time_ns = i * kStep_ns;
+  sample.time_ns += (i + 23) / 100 * TimeNs{80'000'000};
   if (i % 300 >= 200) sample.time_ns += 500'000'000;
   if (i % 300 == 150) sample.time_ns -= 2 * kStep_ns;
   const int phase = i % 100;
   double position_m = 1e-4 * (phase < 50 ? phase : 100 - phase) + 1e-6 * (i * 37 % 11);
   if (i % 60 == 59 || (i % 300 > 100 && i % 300 < 108)) position_m += 0.02;
+  // After a pause, when little is expected, a glitch passes and is found out by the next sample.
+  if (i % 100 == 77) position_m += 0.004 * (1 + i / 100 % 5);
   if (i % 300 > 270) position_m = 1e-3;
   sample.position_valid = i % 70 != 69;
   for (double& coordinate : sample.coordinates) coordinate = position_m;
