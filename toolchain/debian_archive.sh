@@ -10,14 +10,22 @@ start_archive() {
   rm -rf "$archive"
   mkdir -p "$archive/lists/partial" "$archive/cache/archives/partial"
   : >"$archive/status"
-  archive_apt -o APT::Update::Error-Mode=any update ||
+  archive_apt -o APT::Update::Error-Mode=any update || {
     echo "some lists of the Debian mirror cannot be fetched: going on with the others" >&2
+    touch "$archive/unread"
+  }
 }
 
-# fetch_packages PACKAGE...: into $archive/cache/archives. Skips with 77 where they cannot be had.
+# fetch_packages PACKAGE...: into $archive/cache/archives. Skips with 77 where they cannot be
+# downloaded; fails where the archive, as far as it could be read, lacks one.
 fetch_packages() {
+  archive_apt install --simulate "$@" >/dev/null || {
+    [ -e "$archive/unread" ] || exit 1
+    echo "skipped: the Debian mirror cannot be reached"
+    exit 77
+  }
   archive_apt install --download-only --yes "$@" >/dev/null ||
-    { echo "skipped: the Debian mirror cannot be reached, or lacks a package"; exit 77; }
+    { echo "skipped: the Debian mirror cannot be reached"; exit 77; }
 }
 
 archive_apt() {
