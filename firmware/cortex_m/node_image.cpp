@@ -49,8 +49,10 @@ hal::ResetCause words_of(ResetCause cause) {
 
 // Faults that have no handler of their own arrive as a hard fault; CFSR says what they were.
 hal::FaultKind kind_of(const FaultRecord& record) {
-  constexpr std::uint32_t kMemoryManagement = 0xFF, kBus = 0xFF00, kNonMaskable = 2;
+  constexpr std::uint32_t kMemoryManagement = 0xFF, kBus = 0xFF00, kStacking = 0x1010,
+                          kNonMaskable = 2;
   if (record.exception == kNonMaskable) return hal::FaultKind::non_maskable;
+  if ((record.cfsr & kStacking) != 0) return hal::FaultKind::stack_overflow;
   if (record.cfsr == 0) return hal::FaultKind::hard;
   if ((record.cfsr & kMemoryManagement) != 0) return hal::FaultKind::memory_management;
   return (record.cfsr & kBus) != 0 ? hal::FaultKind::bus : hal::FaultKind::usage;

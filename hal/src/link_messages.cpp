@@ -128,6 +128,9 @@ template <class Archive>
 void exchange(Archive&, Exchanged<Archive, AskHealthMessage>&) {}
 
 template <class Archive>
+void exchange(Archive&, Exchanged<Archive, ReconnectedMessage>&) {}
+
+template <class Archive>
 void exchange(Archive& archive, Exchanged<Archive, GreetingMessage>& message) {
   archive.template integer<std::uint16_t>(message.version);
   archive.text(message.software_version);
@@ -300,6 +303,7 @@ CONDYLE_MESSAGE(StartMessage);
 CONDYLE_MESSAGE(ReportMessage);
 CONDYLE_MESSAGE(FinishMessage);
 CONDYLE_MESSAGE(AskHealthMessage);
+CONDYLE_MESSAGE(ReconnectedMessage);
 CONDYLE_MESSAGE(GreetingMessage);
 CONDYLE_MESSAGE(AcceptedMessage);
 CONDYLE_MESSAGE(RefusedMessage);

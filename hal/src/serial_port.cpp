@@ -52,6 +52,7 @@ Status SerialPort::open_socket(const std::string& path) {
   if (path.size() >= sizeof address.sun_path) return fail("socket", ENAMETOOLONG);
   std::copy(path.begin(), path.end(), address.sun_path);
   file_ = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  is_socket_ = true;
   if (file_ < 0 ||
       connect(file_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     return fail("socket", errno);
@@ -67,6 +68,7 @@ Status SerialPort::open_device(const std::string& path, unsigned baud) {
     return Status::bad_report;
   }
   file_ = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
+  is_socket_ = false;
   if (file_ < 0) return fail("open", errno);
   termios settings{};
   if (tcgetattr(file_, &settings) != 0) return fail("serial port", errno);
@@ -83,6 +85,7 @@ Status SerialPort::open_device(const std::string& path, unsigned baud) {
 void SerialPort::adopt(int file) {
   close();
   file_ = file;
+  is_socket_ = true;
 }
 
 void SerialPort::close() {
@@ -119,15 +122,21 @@ Status SerialPort::read(TimeNs deadline_ns, std::span<std::uint8_t> bytes, std::
 
 Status SerialPort::write(std::span<const std::uint8_t> bytes) {
   while (!bytes.empty()) {
-    const ssize_t sent = ::write(file_, bytes.data(), bytes.size());
+    // A line that was cut is an answer, no signal.
+    const ssize_t sent = is_socket_ ? send(file_, bytes.data(), bytes.size(), MSG_NOSIGNAL)
+                                    : ::write(file_, bytes.data(), bytes.size());
     if (sent > 0) {
       bytes = bytes.subspan(static_cast<std::size_t>(sent));
       continue;
     }
     if (sent < 0 && errno != EAGAIN && errno != EINTR) return Status::disconnected;
-    if (wait(POLLOUT, clock_.now_ns() + kWritePatience_ns) != Status::ok) {
-      return Status::disconnected;
+    // A signal does not end it: a frame goes out whole.
+    const TimeNs deadline_ns = clock_.now_ns() + kWritePatience_ns;
+    Status status = Status::timeout;
+    while (status == Status::timeout && clock_.now_ns() < deadline_ns) {
+      status = wait(POLLOUT, deadline_ns);
     }
+    if (status != Status::ok) return Status::disconnected;
   }
   return Status::ok;
 }

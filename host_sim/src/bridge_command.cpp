@@ -23,6 +23,7 @@ namespace condyle::host {
 namespace {
 
 constexpr TimeNs kPatience_ns = 20'000'000;
+constexpr TimeNs kTwinPatience_ns = 5'000'000'000;
 
 struct BridgeOptions {
   std::string input, port, out, serial;
@@ -68,6 +69,7 @@ class Twin {
     while (!client_.has_room()) keep_answer(clock_.now_ns() + kPatience_ns);
     client_.send(report);
   }
+  void reconnect() { client_.reconnect(); }
   void finish() { client_.finish(); }
 
   // Compares an answer of the target's with the next one here.
@@ -116,34 +118,112 @@ struct BridgeCounts {
   std::uint64_t estimates = 0, without_estimate = 0, without_time = 0, disconnections = 0;
 };
 
-// Takes the next report where the target has room for one. False once there will be none.
-bool feed(BridgeInput& input, bool may_wait, hal::Clock& clock, hal::RawReport& report,
-          bool& has_report, BridgeCounts& counts) {
-  has_report = false;
-  const hal::Status status =
-      input.source->read(clock.now_ns() + (may_wait ? kPatience_ns : 0), report);
-  if (status == hal::Status::ok) {
-    has_report = true;
-  } else if (status == hal::Status::bad_report) {
-    ++counts.without_time;
-  } else if (status == hal::Status::disconnected) {
-    ++counts.disconnections;
-    while (input.source->open() != hal::Status::ok) {
-      if (stop_requested() || !input.is_live) return false;
-      clock.sleep_until(clock.now_ns() + kPatience_ns);
-    }
-  } else if (status != hal::Status::timeout) {
-    return false;
+enum class Fed { report, nothing, reconnected, end };
+
+// Takes the next report, waiting no longer than `wait_ns`.
+Fed take_report(BridgeInput& input, TimeNs wait_ns, hal::Clock& clock, hal::RawReport& report,
+                BridgeCounts& counts) {
+  switch (input.source->read(clock.now_ns() + wait_ns, report)) {
+    case hal::Status::ok:
+      return Fed::report;
+    case hal::Status::timeout:
+      return Fed::nothing;
+    case hal::Status::bad_report:
+      ++counts.without_time;
+      return Fed::nothing;
+    case hal::Status::disconnected:
+      ++counts.disconnections;
+      while (input.source->open() != hal::Status::ok) {
+        if (stop_requested() || !input.is_live) return Fed::end;
+        clock.sleep_until(clock.now_ns() + kPatience_ns);
+      }
+      return Fed::reconnected;
+    default:
+      return Fed::end;
   }
-  return true;
 }
 
-std::string health_words(const hal::HealthMessage& health) {
+std::string health_words(const std::optional<hal::HealthMessage>& health) {
+  if (!health) return "not known: it did not answer any more";
   return fmt::format(
       "{} frames refused, {} lost; {} bytes overrun, {} without room; {} of {} bytes of stack used",
-      health.frames.refused(), health.frames.lost, health.uart_overruns, health.dropped_bytes,
-      health.stack_used_bytes, health.stack_size_bytes);
+      health->frames.refused(), health->frames.lost, health->uart_overruns, health->dropped_bytes,
+      health->stack_used_bytes, health->stack_size_bytes);
 }
+
+// Between a source of reports and a target.
+class Bridge {
+ public:
+  Bridge(BridgeInput& input, NodeClient& client, Twin* twin, NodeRows& rows,
+         EstimatesFile* estimates, hal::Clock& clock)
+      : input_(input),
+        client_(client),
+        twin_(twin),
+        rows_(rows),
+        estimates_(estimates),
+        clock_(clock) {}
+
+  // False where the user stopped a recording.
+  bool run() {
+    Progress progress("feeding", clock_);
+    for (NodeAnswer answer = NodeAnswer::none; answer != NodeAnswer::finished;) {
+      if (has_input_ && stop_requested()) {
+        if (!input_.is_live) return false;
+        finish();  // a live run ends when the user says so
+      }
+      if (has_input_ && client_.has_room()) feed();
+      // A recording has its next report at once; a device is looked after every millisecond.
+      const TimeNs wait_ns = !client_.has_room() ? kPatience_ns : input_.is_live ? 1'000'000 : 0;
+      answer = client_.receive(clock_.now_ns() + wait_ns);
+      if (answer != NodeAnswer::none) take(answer);
+      progress.show(input_.progress());
+    }
+    return true;
+  }
+  const BridgeCounts& counts() const { return counts_; }
+
+ private:
+  void feed() {
+    const bool is_idle = client_.reports_sent() == counts_.estimates + counts_.without_estimate;
+    switch (take_report(input_, is_idle ? kPatience_ns : 0, clock_, report_, counts_)) {
+      case Fed::report:
+        client_.send(report_);
+        if (twin_ != nullptr) twin_->send(report_);
+        break;
+      case Fed::reconnected:
+        client_.reconnect();
+        if (twin_ != nullptr) twin_->reconnect();
+        break;
+      case Fed::nothing:
+        break;
+      case Fed::end:
+        finish();
+    }
+  }
+  void finish() {
+    has_input_ = false;
+    client_.finish();
+    if (twin_ != nullptr) twin_->finish();
+  }
+  void take(NodeAnswer answer) {
+    if (twin_ != nullptr) twin_->compare(answer, client_.frame());
+    if (answer == NodeAnswer::no_estimate) ++counts_.without_estimate;
+    if (answer != NodeAnswer::estimate) return;
+    ++counts_.estimates;
+    const std::optional<EstimateRow> row = rows_.row_of(client_.frame());
+    if (row && estimates_ != nullptr) estimates_->write_row(*row);
+  }
+
+  BridgeInput& input_;
+  NodeClient& client_;
+  Twin* twin_;
+  NodeRows& rows_;
+  EstimatesFile* estimates_;
+  hal::Clock& clock_;
+  hal::RawReport report_;
+  bool has_input_ = true;
+  BridgeCounts counts_;
+};
 
 int bridge(const BridgeOptions& options) {
   refuse_same_files({options.input, options.estimator.parameters, options.reading.profile},
@@ -174,56 +254,29 @@ int bridge(const BridgeOptions& options) {
   if (!options.out.empty()) {
     estimates = std::make_unique<EstimatesFile>(options.out, axis_count, false);
   }
-  NodeRows rows(input.layout, options.followed, is_published, scalar_size);
-  BridgeCounts counts;
-  hal::RawReport report;
-  bool has_input = true;
-  {
-    Progress progress("feeding", clock);
-    for (NodeAnswer answer = NodeAnswer::none; answer != NodeAnswer::finished;) {
-      if (has_input && stop_requested()) {
-        if (!input.is_live) {
-          print_error("stopped; no file was left");
-          return kExitInterrupted;
-        }
-        has_input = false;  // a live run ends when the user says so
-        client.finish();
-        if (twin) twin->finish();
-      }
-      if (has_input && client.has_room()) {
-        bool has_report = false;
-        const bool may_wait = client.reports_sent() == counts.estimates + counts.without_estimate;
-        has_input = feed(input, may_wait, clock, report, has_report, counts);
-        if (has_report) {
-          rows.add(report);
-          client.send(report);
-          if (twin) twin->send(report);
-        }
-        if (!has_input) {
-          client.finish();
-          if (twin) twin->finish();
-        }
-      }
-      // A recording has its next report at once; a device is looked after every millisecond.
-      const TimeNs wait_ns = !client.has_room() ? kPatience_ns : input.is_live ? 1'000'000 : 0;
-      answer = client.receive(clock.now_ns() + wait_ns);
-      if (answer == NodeAnswer::none) continue;
-      if (twin) twin->compare(answer, client.frame());
-      if (answer == NodeAnswer::no_estimate) ++counts.without_estimate;
-      if (answer != NodeAnswer::estimate) continue;
-      ++counts.estimates;
-      const std::optional<EstimateRow> row = rows.row_of(client.frame());
-      if (row && estimates) estimates->write_row(*row);
-      progress.show(input.progress());
+  NodeRows rows(axis_count, options.followed, scalar_size);
+  Bridge bridge(input, client, twin ? &*twin : nullptr, rows, estimates.get(), clock);
+  const auto keep_estimates = [&] {
+    if (!estimates) return;
+    estimates->close();
+    estimates->commit();
+  };
+  try {
+    if (!bridge.run()) {
+      print_error("stopped; no file was left");
+      return kExitInterrupted;
     }
+  } catch (const InputError& error) {
+    // What was measured live cannot be measured again.
+    if (!input.is_live || !estimates) throw;
+    keep_estimates();
+    throw InputError(std::string(error.what()) + "; the estimates so far are in " + options.out);
   }
   const std::string problem = input.problem();
   if (!problem.empty()) throw InputError(problem);
-  const hal::HealthMessage health = client.ask_health();
-  if (estimates) {
-    estimates->close();
-    estimates->commit();
-  }
+  keep_estimates();
+  const std::optional<hal::HealthMessage> health = client.ask_health();
+  const BridgeCounts& counts = bridge.counts();
 
   std::string text =
       fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
@@ -235,16 +288,20 @@ int bridge(const BridgeOptions& options) {
   line("reports", fmt::format("{} sent, {} lost on the line; {} estimates, {} without one",
                               client.reports_sent(), client.reports_lost(), counts.estimates,
                               counts.without_estimate));
+  if (counts.disconnections > 0) {
+    line("device", fmt::format("went away {} times", counts.disconnections));
+  }
   if (counts.without_time > 0) {
     line("left out", fmt::format("{} samples without a time", counts.without_time));
   }
   line("its side", health_words(health));
   line("this side",
-       fmt::format("{} frames refused, {} lost", client.frames().refused(), client.frames().lost));
+       fmt::format("{} frames refused, {} lost", client.frames_refused(), client.frames_lost()));
   if (twin) line("check", twin->words());
   if (estimates) line("estimates", options.out);
   print_output(text);
-  const bool is_whole = client.reports_lost() == 0 && rows.unreadable() == 0;
+  const bool is_whole =
+      client.reports_lost() == 0 && client.frames_lost() == 0 && rows.unreadable() == 0;
   if (!is_whole) print_error("warning: not every report has its estimate");
   return is_whole && (!twin || twin->is_same()) ? kExitOk : kExitRefused;
 }

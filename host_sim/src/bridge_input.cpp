@@ -47,7 +47,7 @@ class SampleReports final : public hal::ReportSource {
     const std::size_t count = coordinate_count(sample.kind);
     report.host_time_ns = sample.time_ns;
     for (std::size_t i = 0; i < count; ++i) {
-      put_number(sample.coordinates[i], i, report);
+      put_number(sample.position_valid ? sample.coordinates[i] : kNone, i, report);
     }
     put_number(sample.drive_valid ? sample.drive_N : kNone, count, report);
     report.size = static_cast<std::uint16_t>(sizeof(double) * (count + 1));

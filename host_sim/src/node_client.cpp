@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "input_error.h"
 
 namespace condyle::host {
@@ -10,7 +12,7 @@ namespace {
 
 constexpr TimeNs kRepeat_ns = 300'000'000;
 constexpr TimeNs kPatience_ns = 2'000'000'000;
-constexpr int kAttempts = 10;
+constexpr int kAttempts = 10, kProbes = 3;
 
 const char* reset_words(hal::ResetCause cause) {
   constexpr const char* words[] = {"of unknown cause", "power on", "brown-out", "reset pin",
@@ -81,7 +83,8 @@ Message NodeClient::read() const {
 }
 
 void NodeClient::connect(const std::function<bool()>& stop) {
-  for (int attempt = 0; attempt < kAttempts && !stop(); ++attempt) {
+  const TimeNs give_up_ns = clock_.now_ns() + kAttempts * kRepeat_ns;
+  while (clock_.now_ns() < give_up_ns && !stop()) {
     tell(hal::HelloMessage{});
     const TimeNs deadline_ns = clock_.now_ns() + kRepeat_ns;
     hal::Status status = hal::Status::ok;
@@ -100,7 +103,8 @@ void NodeClient::connect(const std::function<bool()>& stop) {
         fault_ = read<hal::FaultMessage>();
       }
       // A target that started just now has greeted by itself as well.
-      while (end_.receive(clock_.now_ns() + kRepeat_ns / 3) == hal::Status::ok) {
+      while (!stop() && clock_.now_ns() < give_up_ns &&
+             end_.receive(clock_.now_ns() + kRepeat_ns / 3) == hal::Status::ok) {
       }
       last_answer_ns_ = clock_.now_ns();
       return;
@@ -124,6 +128,12 @@ void NodeClient::begin(const hal::ReportLayout& layout, const hal::StartMessage&
   expect_accepted(hal::MessageType::layout);
   tell(start);
   expect_accepted(hal::MessageType::start);
+  before_ = end_.counts();
+  health_before_ = health_of_now().value_or(hal::HealthMessage{});
+}
+
+void NodeClient::reconnect() {
+  tell(hal::ReconnectedMessage{});
 }
 
 void NodeClient::send(const hal::RawReport& report) {
@@ -134,16 +144,20 @@ void NodeClient::send(const hal::RawReport& report) {
   ++reports_sent_;
 }
 
+// Health comes after the answer to every report, so what has none by then will have none; what
+// comes after it are the estimates that waited.
 void NodeClient::finish() {
   has_finished_ = true;
   last_answer_ns_ = clock_.now_ns();
+  probe();
   tell(hal::FinishMessage{});
 }
 
 void NodeClient::forget_oldest() {
-  if (waiting_.empty()) return;  // an estimate that waited for the end
+  if (is_answered_ || waiting_.empty()) return;
   waiting_bytes_ -= waiting_.front();
   waiting_.pop_front();
+  if (probed_ && *probed_ > 0) --*probed_;
 }
 
 NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
@@ -152,28 +166,35 @@ NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
     if (status == hal::Status::disconnected) fail("was closed", "is the target still there?");
     if (status == hal::Status::ok) {
       last_answer_ns_ = clock_.now_ns();
+      silent_probes_ = 0;
       const NodeAnswer answer = take_frame();
       if (answer != NodeAnswer::none) return answer;
       continue;
     }
     const bool waits = !waiting_.empty() || has_finished_;
     if (!waits || clock_.now_ns() - last_answer_ns_ < kPatience_ns) return NodeAnswer::none;
-    if (is_probing_) fail("does not answer any more", "is the target still there?");
-    is_probing_ = true;
+    if (++silent_probes_ > kProbes) fail("does not answer any more", "is the target still there?");
     last_answer_ns_ = clock_.now_ns();
-    tell(hal::AskHealthMessage{});
+    probes_due_ = 0;  // after so long a silence, the one before was lost
+    probe();
+    if (has_finished_) tell(hal::FinishMessage{});
     return NodeAnswer::none;
   }
 }
 
-// The target is there and answers in order, so what it has not answered by now did not reach it, or
-// its answer did not reach us.
+// Asks whether the target is there. It answers in order: what it has not answered by then did not
+// reach it, or its answer did not reach us.
+void NodeClient::probe() {
+  probed_ = waiting_.size();
+  ++probes_due_;
+  tell(hal::AskHealthMessage{});
+}
+
 void NodeClient::end_probe() {
-  is_probing_ = false;
-  reports_lost_ += waiting_.size();
-  waiting_.clear();
-  waiting_bytes_ = 0;
-  if (has_finished_) finish();
+  const std::size_t lost = std::exchange(probed_, std::nullopt).value_or(0);
+  for (std::size_t i = 0; i < lost; ++i) forget_oldest();
+  reports_lost_ += lost;
+  if (has_finished_) is_answered_ = true;
 }
 
 NodeAnswer NodeClient::take_frame() {
@@ -184,7 +205,7 @@ NodeAnswer NodeClient::take_frame() {
       return NodeAnswer::estimate;
     case hal::MessageType::accepted:
       accepted_ = read<hal::AcceptedMessage>().message;
-      if (accepted_ == hal::MessageType::finish) return NodeAnswer::finished;
+      if (accepted_ == hal::MessageType::finish) return finished();
       if (accepted_ != hal::MessageType::report) return NodeAnswer::none;
       forget_oldest();
       return NodeAnswer::no_estimate;
@@ -192,13 +213,13 @@ NodeAnswer NodeClient::take_frame() {
       const auto refused = read<hal::RefusedMessage>();
       // A second finish finds the run ended already.
       if (has_finished_ && refused.message == static_cast<std::uint8_t>(hal::MessageType::finish)) {
-        return NodeAnswer::finished;
+        return finished();
       }
       fail("refuses " + refusal_words(refused), "load an image of this version of condyle");
     }
     case hal::MessageType::health:
       health_ = read<hal::HealthMessage>();
-      if (is_probing_) end_probe();
+      if (probed_ && --probes_due_ == 0) end_probe();
       return NodeAnswer::none;
     case hal::MessageType::greeting: {
       greeting_ = read<hal::GreetingMessage>();
@@ -215,17 +236,40 @@ NodeAnswer NodeClient::take_frame() {
   }
 }
 
-hal::HealthMessage NodeClient::ask_health() {
-  health_.reset();
-  tell(hal::AskHealthMessage{});
-  const TimeNs deadline_ns = clock_.now_ns() + kPatience_ns;
-  while (!health_) {
-    if (end_.receive(deadline_ns) != hal::Status::ok) {
-      fail("does not answer any more", "is the target still there?");
+// Also where the answer to the last probe was lost.
+NodeAnswer NodeClient::finished() {
+  if (!is_answered_) reports_lost_ += waiting_.size();
+  is_answered_ = true;
+  waiting_.clear();
+  waiting_bytes_ = 0;
+  return NodeAnswer::finished;
+}
+
+std::optional<hal::HealthMessage> NodeClient::health_of_now() {
+  for (int attempt = 0; attempt < kProbes; ++attempt) {
+    health_.reset();
+    tell(hal::AskHealthMessage{});
+    const TimeNs deadline_ns = clock_.now_ns() + kPatience_ns / 2;
+    while (!health_ && clock_.now_ns() < deadline_ns) {
+      if (end_.receive(deadline_ns) == hal::Status::ok) (void)take_frame();
     }
-    (void)take_frame();
+    if (health_) return health_;
   }
-  return *health_;
+  return std::nullopt;
+}
+
+std::optional<hal::HealthMessage> NodeClient::ask_health() {
+  std::optional<hal::HealthMessage> health = health_of_now();
+  if (!health) return std::nullopt;
+  const auto leave_out = [](std::uint64_t& count, std::uint64_t before) { count -= before; };
+  leave_out(health->frames.wrong_checksum, health_before_.frames.wrong_checksum);
+  leave_out(health->frames.bad_stuffing, health_before_.frames.bad_stuffing);
+  leave_out(health->frames.too_short, health_before_.frames.too_short);
+  leave_out(health->frames.too_long, health_before_.frames.too_long);
+  leave_out(health->frames.lost, health_before_.frames.lost);
+  leave_out(health->uart_overruns, health_before_.uart_overruns);
+  leave_out(health->dropped_bytes, health_before_.dropped_bytes);
+  return health;
 }
 
 }  // namespace condyle::host

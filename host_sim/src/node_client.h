@@ -40,11 +40,13 @@ class NodeClient {
   /// What stopped it before it last started, if anything did.
   const std::optional<hal::FaultMessage>& fault() const { return fault_; }
 
-  /// Begins a run.
+  /// Begins a run. What was counted before it is not counted in it.
   void begin(const hal::ReportLayout& layout, const hal::StartMessage& start);
   /// May another report be sent?
   bool has_room() const { return !has_finished_ && waiting_bytes_ < kWindow; }
   void send(const hal::RawReport& report);
+  /// The device that the next report is from was away.
+  void reconnect();
   /// No report follows.
   void finish();
   /// The next answer, waited for until `deadline_ns`. Reports that a target, which is there, has
@@ -53,21 +55,25 @@ class NodeClient {
   /// The frame of the last answer.
   const hal::LinkFrame& frame() const { return end_.frame(); }
 
-  /// What the target has counted; not while answers to reports are due.
-  hal::HealthMessage ask_health();
+  /// What the target has counted in the run, once it is finished; absent where it does not say.
+  std::optional<hal::HealthMessage> ask_health();
 
   std::uint64_t reports_sent() const { return reports_sent_; }
-  /// Reports that were lost on the line.
+  /// Reports that were lost on the line, or whose answers were.
   std::uint64_t reports_lost() const { return reports_lost_; }
-  /// Frames from the target.
-  const hal::FrameCounts& frames() const { return end_.counts(); }
+  /// Frames from the target that were refused or lost, in the run.
+  std::uint64_t frames_refused() const { return end_.counts().refused() - before_.refused(); }
+  std::uint64_t frames_lost() const { return end_.counts().lost - before_.lost; }
 
  private:
   template <class Message>
   void tell(const Message& message);
   void expect_accepted(hal::MessageType message);
   NodeAnswer take_frame();
+  NodeAnswer finished();
+  std::optional<hal::HealthMessage> health_of_now();
   void forget_oldest();
+  void probe();
   void end_probe();
   template <class Message>
   Message read() const;
@@ -80,7 +86,12 @@ class NodeClient {
   std::optional<hal::FaultMessage> fault_;
   std::optional<hal::HealthMessage> health_;
   std::optional<hal::MessageType> accepted_;
-  bool has_finished_ = false, is_probing_ = false;
+  hal::HealthMessage health_before_;
+  hal::FrameCounts before_;
+  bool has_finished_ = false;
+  bool is_answered_ = false;           // every report that ever will be
+  std::optional<std::size_t> probed_;  // of those that waited when health was asked for: the rest
+  int probes_due_ = 0, silent_probes_ = 0;
   std::deque<std::size_t> waiting_;  // sizes on the line of reports that have no answer yet
   std::size_t waiting_bytes_ = 0;
   TimeNs last_answer_ns_ = 0;

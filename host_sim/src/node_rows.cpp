@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node_rows.h"
 
-#include <utility>
-
 namespace condyle::host {
 namespace {
 
@@ -54,55 +52,31 @@ RecommendedEstimate<double> widened(const RecommendedEstimate<Scalar>& estimate)
 
 }  // namespace
 
-NodeRows::NodeRows(const hal::ReportLayout& layout, FollowedCoordinate followed, bool is_published,
-                   unsigned scalar_size)
-    : followed_(followed),
-      is_published_(is_published),
-      scalar_size_(scalar_size),
-      facebow_(source_, layout) {}
-
-hal::Status NodeRows::OneReport::read(TimeNs, hal::RawReport& report) {
-  if (report_ == nullptr) return hal::Status::timeout;
-  report = *std::exchange(report_, nullptr);
-  return hal::Status::ok;
-}
-
-void NodeRows::add(const hal::RawReport& report) {
-  if (!is_published_) return;
-  source_.set(report);
-  Sample sample;
-  if (facebow_.read(hal::kNoDeadline, sample) == hal::Status::ok) samples_.push_back(sample);
-}
-
-// The sample that the target made the estimate after; those before it got none.
-Sample NodeRows::sample_of(const hal::SampleStamp& stamp) {
-  while (!samples_.empty() && samples_.front().sequence != stamp.sequence) samples_.pop_front();
-  Sample sample;
-  sample.position_valid = false;
-  if (!samples_.empty()) {
-    sample = samples_.front();
-    samples_.pop_front();
-  }
-  sample.time_ns = stamp.time_ns;
-  sample.time_valid = stamp.time_valid;
-  return sample;
-}
-
 template <class Scalar>
 std::optional<EstimateRow> NodeRows::row_in(const hal::LinkFrame& frame) {
   const auto is_read = [&](auto& message) {
-    const bool is_good = hal::get(frame.payload, message).reason == hal::RefusalReason::none;
-    if (!is_good) ++unreadable_;
-    return is_good;
+    return frame.type == static_cast<std::uint8_t>(message.kType) &&
+           hal::get(frame.payload, message).reason == hal::RefusalReason::none;
   };
-  if (frame.type == static_cast<std::uint8_t>(hal::MessageType::published_estimate)) {
+  if (axis_count_ == 0) {
     hal::PublishedEstimateMessage<Scalar> message;
-    if (!is_read(message)) return std::nullopt;
-    return host::row_of(sample_of(message.sample), followed_, widened(message.estimate));
+    if (is_read(message)) {
+      Sample sample;
+      sample.time_ns = message.sample.time_ns;
+      sample.time_valid = message.sample.time_valid;
+      sample.position_valid = false;
+      return host::row_of(sample, followed_, widened(message.estimate));
+    }
+  } else {
+    hal::RecommendedEstimateMessage<Scalar> message;
+    if (is_read(message) &&
+        (message.estimate.axis_count == axis_count_ || !message.estimate.is_ready)) {
+      if (!message.estimate.is_ready) return std::nullopt;
+      return host::row_of(widened(message.estimate), followed_.axis);
+    }
   }
-  hal::RecommendedEstimateMessage<Scalar> message;
-  if (!is_read(message) || !message.estimate.is_ready) return std::nullopt;
-  return host::row_of(widened(message.estimate), followed_.axis);
+  ++unreadable_;
+  return std::nullopt;
 }
 
 std::optional<EstimateRow> NodeRows::row_of(const hal::LinkFrame& frame) {

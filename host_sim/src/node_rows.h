@@ -2,54 +2,35 @@
 // Rows of estimates from what a target sends.
 #pragma once
 
-#include <deque>
+#include <cstdint>
 #include <optional>
 
-#include "condyle/hal/device_facebow.h"
 #include "condyle/hal/link_messages.h"
 #include "estimate_row.h"
 
 namespace condyle::host {
 
-/// Reads the estimates of one run. For the published cascade, whose estimates do not say what was
-/// measured, reports are decoded here as well.
+/// Reads the estimates of one run.
 class NodeRows {
  public:
-  /// `scalar_size`: of the target's numbers (bytes), 4 or 8.
-  NodeRows(const hal::ReportLayout& layout, FollowedCoordinate followed, bool is_published,
-           unsigned scalar_size);
+  /// `axis_count`: 1 or 3, or 0 of the published cascade; `scalar_size`: of the target's numbers
+  /// (bytes), 4 or 8.
+  NodeRows(int axis_count, FollowedCoordinate followed, unsigned scalar_size)
+      : axis_count_(axis_count), followed_(followed), scalar_size_(scalar_size) {}
 
-  /// A report that is sent.
-  void add(const hal::RawReport& report);
-  /// The row of an estimate's frame; none while a lag fills, and where it cannot be read.
+  /// The row of an estimate's frame, without the measured position where it is the published
+  /// cascade's; none while a lag fills, and where it cannot be read.
   std::optional<EstimateRow> row_of(const hal::LinkFrame& frame);
-  /// Frames that could not be read.
+  /// Frames that could not be read, or are not of this run.
   std::uint64_t unreadable() const { return unreadable_; }
 
  private:
-  // One report at a time.
-  class OneReport final : public hal::ReportSource {
-   public:
-    hal::Status open() override { return hal::Status::ok; }
-    hal::Status read(TimeNs, hal::RawReport& report) override;
-    void close() override {}
-    hal::TransportCounts counts() const override { return {}; }
-    void set(const hal::RawReport& report) { report_ = &report; }
-
-   private:
-    const hal::RawReport* report_ = nullptr;
-  };
-
   template <class Scalar>
   std::optional<EstimateRow> row_in(const hal::LinkFrame& frame);
-  Sample sample_of(const hal::SampleStamp& stamp);
 
+  int axis_count_;
   FollowedCoordinate followed_;
-  bool is_published_;
   unsigned scalar_size_;
-  OneReport source_;
-  hal::DeviceFacebow facebow_;
-  std::deque<Sample> samples_;  // of reports that have no estimate yet
   std::uint64_t unreadable_ = 0;
 };
 

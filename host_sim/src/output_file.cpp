@@ -76,6 +76,13 @@ void OutputFile::fail(const char* what) const {
 
 void refuse_same_files(const std::vector<std::string>& inputs,
                        const std::vector<std::string>& outputs) {
+  // A source may be named by its kind, as in synth:FILE.
+  const auto without_kind = [](const std::string& name) {
+    for (const char* const kind : {"file:", "synth:", "hid:", "usb:"}) {
+      if (name.starts_with(kind)) return name.substr(std::string_view(kind).size());
+    }
+    return name;
+  };
   const auto is_same = [](const std::string& a, const std::string& b) {
     std::error_code missing;
     return std::filesystem::equivalent(a, b, missing) ||
@@ -85,7 +92,8 @@ void refuse_same_files(const std::vector<std::string>& inputs,
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (outputs[i].empty()) continue;
     for (const std::string& input : inputs) {
-      if (!input.empty() && is_same(input, outputs[i])) {
+      if (!input.empty() &&
+          (is_same(input, outputs[i]) || is_same(without_kind(input), outputs[i]))) {
         throw InputError(outputs[i], "is also an input", "write to another file");
       }
     }

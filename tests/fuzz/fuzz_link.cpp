@@ -46,6 +46,8 @@ void read_message(std::uint8_t type, ByteSpan payload) {
       return read<FinishMessage>(payload);
     case MessageType::ask_health:
       return read<AskHealthMessage>(payload);
+    case MessageType::reconnected:
+      return read<ReconnectedMessage>(payload);
     case MessageType::greeting:
       return read<GreetingMessage>(payload);
     case MessageType::accepted:

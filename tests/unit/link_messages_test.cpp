@@ -37,6 +37,8 @@ TEST(LinkMessages, TheSmallOnesArrive) {
   sent(FinishMessage{});
   EXPECT_TRUE(written(AskHealthMessage{}).empty());
   sent(AskHealthMessage{});
+  EXPECT_TRUE(written(ReconnectedMessage{}).empty());
+  sent(ReconnectedMessage{});
   EXPECT_EQ(sent(AcceptedMessage{MessageType::start}).message, MessageType::start);
   expect_refused(AcceptedMessage{static_cast<MessageType>(7)}, RefusalReason::unknown_value, 0);
   expect_each_byte_counts(AcceptedMessage{MessageType::start});

@@ -39,8 +39,12 @@ struct Uart {
   }
   static bool has_room() { return (reg(kState) & 1U << 7U) != 0; }
   static bool has_byte() { return (reg(kState) & 1U << 5U) != 0; }
-  /// Reading the byte, which follows, clears it.
-  static bool take_overrun() { return (reg(kState) & 1U << 3U) != 0; }
+  /// Reading the data clears it; a byte that waits there is read afterwards anyway.
+  static bool take_overrun() {
+    const bool overrun = (reg(kState) & 1U << 3U) != 0;
+    if (overrun && !has_byte()) (void)take();
+    return overrun;
+  }
   static void put(std::uint8_t byte) { reg(kData) = byte; }
   static std::uint8_t take() { return static_cast<std::uint8_t>(reg(kData)); }
 

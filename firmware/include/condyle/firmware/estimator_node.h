@@ -106,6 +106,7 @@ class EstimatorNode final : private hal::ReportSource {
       case Type::ask_health:
         return answer_health();
       case Type::report:
+      case Type::reconnected:
       case Type::finish:
         return refuse({Reason::not_expected});
       default:
@@ -175,6 +176,7 @@ class EstimatorNode final : private hal::ReportSource {
     settings.nominal_step_ns = start_.nominal_step_ns;
     settings.expects_drive = start_.expects_drive;
     settings.patience_ns = kPatience_ns;
+    settings.reopen_pause_ns = 1;  // the PC says when the device is back, not before
     (void)firmware::run(
         *facebow_, clock_, sensor, settings, counts_,
         [this](const Sample& sample, const auto& estimate) { tell(sample, estimate); },
@@ -208,7 +210,9 @@ class EstimatorNode final : private hal::ReportSource {
     if (is_unanswered_) accept(Type::report);  // the one before led to no estimate
     is_unanswered_ = false;
     for (;;) {
+      target_.feed_watchdog();
       const hal::Status status = end_.receive(deadline_ns);
+      if (status == hal::Status::disconnected) return hal::Status::end;  // of the line
       if (status != hal::Status::ok) return status;
       const auto type = end_.type();
       if (type == Type::report) {
@@ -218,6 +222,9 @@ class EstimatorNode final : private hal::ReportSource {
         if (!take(finish)) continue;
         has_ended_ = true;
         return hal::Status::end;
+      } else if (type == Type::reconnected) {
+        hal::ReconnectedMessage reconnected;
+        if (take(reconnected)) return hal::Status::disconnected;
       } else if (type == Type::hello) {
         is_pending_ = true;  // a PC that begins anew
         return hal::Status::end;

@@ -8,6 +8,7 @@
 //   PC: start         target: accepted or refused
 //   PC: report, ...   target: estimates
 //   PC: finish        target: the estimates that waited, then accepted
+//   PC: reconnected   target: no answer; among reports
 //   PC: ask_health    target: health; at any time
 #pragma once
 
@@ -42,6 +43,7 @@ enum class MessageType : std::uint8_t {
   report,
   finish,
   ask_health,
+  reconnected,
   // To the PC
   greeting = 65,
   accepted,
@@ -57,7 +59,7 @@ constexpr bool is_message_type(std::uint8_t type) {
   const auto is_between = [type](MessageType first, MessageType last) {
     return type >= static_cast<std::uint8_t>(first) && type <= static_cast<std::uint8_t>(last);
   };
-  return is_between(MessageType::hello, MessageType::ask_health) ||
+  return is_between(MessageType::hello, MessageType::reconnected) ||
          is_between(MessageType::greeting, MessageType::fault);
 }
 
@@ -130,6 +132,11 @@ struct FinishMessage {
 /// Asks for a HealthMessage.
 struct AskHealthMessage {
   static constexpr MessageType kType = MessageType::ask_health;
+};
+
+/// The device was away and is back: its counter and clock may start anew.
+struct ReconnectedMessage {
+  static constexpr MessageType kType = MessageType::reconnected;
 };
 
 /// Why the target started.

@@ -20,7 +20,7 @@ class SerialPort final : public ByteStream {
   /// symbols per second; or "unix:PATH", a socket that listens. ok, not_found, not_permitted, or
   /// bad_report: it is no line, or does not have this rate; problem() then says why.
   Status open(const std::string& name, unsigned baud);
-  /// Takes over a file that reads and writes without waiting: one end of a pair of sockets.
+  /// Takes over one end of a pair of sockets, which does not wait.
   void adopt(int file);
   void close();
 
@@ -40,6 +40,7 @@ class SerialPort final : public ByteStream {
 
   Clock& clock_;
   int file_ = -1;
+  bool is_socket_ = false;
   std::string problem_;
 };
 

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// The PC's side of the line, where frames get lost: every report has its answer or is counted.
+#include "node_client.h"
+
+#include <gmock/gmock.h>
+#include <sys/socket.h>
+
+#include <atomic>
+#include <bit>
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "condyle/firmware/estimator_node.h"
+#include "condyle/hal/serial_port.h"
+#include "input_error.h"
+
+namespace condyle::host {
+namespace {
+
+using testing::HasSubstr;
+
+// A line that loses whole frames on their way out. Each write is one.
+class LossyLine final : public hal::ByteStream {
+ public:
+  // `loses(type, n)`: is the frame of this type lost, the n-th from 0?
+  using Loses = std::function<bool(hal::MessageType type, int number)>;
+
+  explicit LossyLine(hal::SerialPort& line) : line_(line) {}
+  void lose(Loses loses) { loses_ = std::move(loses); }
+
+  hal::Status read(TimeNs deadline_ns, std::span<std::uint8_t> bytes, std::size_t& count) override {
+    return line_.read(deadline_ns, bytes, count);
+  }
+  hal::Status write(std::span<const std::uint8_t> bytes) override {
+    // The first byte after 0 and the code is the type, which is never 0.
+    const auto type = static_cast<hal::MessageType>(bytes[2]);
+    if (loses_ && loses_(type, numbers_[bytes[2]]++)) return hal::Status::ok;
+    return line_.write(bytes);
+  }
+
+ private:
+  hal::SerialPort& line_;
+  Loses loses_;
+  std::array<int, 256> numbers_{};
+};
+
+class QuietTarget final : public firmware::NodeTarget {
+ public:
+  hal::GreetingMessage greeting() override { return {}; }
+  std::optional<hal::FaultMessage> fault() override { return std::nullopt; }
+  void add_to(hal::HealthMessage&) override {}
+  void feed_watchdog() override {}
+};
+
+class NodeClientTest : public testing::Test {
+ protected:
+  NodeClientTest()
+      : near_(clock_), far_(clock_), out_(near_), back_(far_), client_(out_, clock_, "the line") {
+    EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends_), 0);
+    near_.adopt(ends_[0]);
+    far_.adopt(ends_[1]);
+  }
+  ~NodeClientTest() override {
+    near_.close();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  // Loses what `to_node` and `from_node` say, from the start of the run.
+  void begin(int lag, LossyLine::Loses to_node, LossyLine::Loses from_node) {
+    back_.lose(std::move(from_node));
+    thread_ = std::thread([this] {
+      std::make_unique<firmware::EstimatorNode<float>>(back_, clock_, target_)->serve();
+    });
+    client_.connect([] { return false; });
+    hal::ReportLayout layout;
+    layout.kind = SampleKind::one_axis;
+    hal::ReportField field;
+    field.width_bits = 64;
+    field.type = hal::FieldType::floating_point;
+    (void)layout.coordinates.push_back({field, 0});
+    layout.minimum_size_bytes = 8;
+    hal::StartMessage start;
+    start.lag = static_cast<std::uint8_t>(lag);
+    client_.begin(layout, start);
+    out_.lose(std::move(to_node));
+  }
+
+  // Sends so many reports and takes all answers; the number of estimates.
+  int run(int reports) {
+    int sent = 0, estimates = 0;
+    for (NodeAnswer answer = NodeAnswer::none; answer != NodeAnswer::finished;) {
+      if (sent < reports && client_.has_room()) {
+        hal::RawReport report;
+        report.host_time_ns = TimeNs{sent} * 16'666'667;
+        const auto bytes = std::bit_cast<std::array<std::uint8_t, 8>>(1e-3 * sent);
+        std::copy(bytes.begin(), bytes.end(), report.bytes.begin());
+        report.size = 8;
+        client_.send(report);
+        if (++sent == reports) client_.finish();
+      }
+      answer = client_.receive(clock_.now_ns() + (sent < reports ? 0 : 20'000'000));
+      if (answer == NodeAnswer::estimate) ++estimates;
+    }
+    return estimates;
+  }
+
+  int ends_[2] = {};
+  hal::SteadyClock clock_;
+  hal::SerialPort near_, far_;
+  LossyLine out_, back_;
+  QuietTarget target_;
+  NodeClient client_;
+  std::thread thread_;
+};
+
+using Type = hal::MessageType;
+
+TEST_F(NodeClientTest, HasAnAnswerToEveryReport) {
+  begin(3, {}, {});
+  EXPECT_EQ(run(300), 303) << "the first three are of instants that are not ready yet";
+  EXPECT_EQ(client_.reports_sent(), 300U);
+  EXPECT_EQ(client_.reports_lost(), 0U);
+  EXPECT_EQ(client_.frames_lost(), 0U);
+  const auto health = client_.ask_health();
+  ASSERT_TRUE(health);
+  EXPECT_EQ(health->samples, 300U);
+}
+
+TEST_F(NodeClientTest, CountsReportsThatTheLineLoses) {
+  begin(3, [](Type type, int n) { return type == Type::report && (n == 100 || n == 298); }, {});
+  EXPECT_EQ(run(300), 301);
+  EXPECT_EQ(client_.reports_lost(), 2U);
+  const auto health = client_.ask_health();
+  ASSERT_TRUE(health);
+  EXPECT_EQ(health->frames.lost, 2U);
+}
+
+TEST_F(NodeClientTest, CountsAnswersThatTheLineLoses) {
+  begin(0, {}, [](Type type, int n) { return type == Type::recommended_estimate && n == 7; });
+  EXPECT_EQ(run(300), 299);
+  EXPECT_EQ(client_.reports_lost(), 1U);
+  EXPECT_EQ(client_.frames_lost(), 1U);
+}
+
+// The estimates that waited for the end answer no report, but their frames are numbered.
+TEST_F(NodeClientTest, SeesThatAWaitingEstimateIsLost) {
+  begin(3, {}, [](Type type, int n) { return type == Type::recommended_estimate && n == 301; });
+  EXPECT_EQ(run(300), 302);
+  EXPECT_EQ(client_.reports_lost(), 0U);
+  EXPECT_EQ(client_.frames_lost(), 1U);
+}
+
+// Without answer to the last reports, it asks whether the target is there, and goes on.
+TEST_F(NodeClientTest, AsksWhetherASilentTargetIsThere) {
+  begin(0, [](Type type, int n) { return type == Type::finish && n == 0; }, {});
+  EXPECT_EQ(run(20), 20);
+  EXPECT_EQ(client_.reports_lost(), 0U);
+}
+
+TEST_F(NodeClientTest, GoesOnAfterAWindowOfReportsIsLost) {
+  begin(0, [](Type type, int n) { return type == Type::report && n >= 10 && n < 60; }, {});
+  // So many that the window is full: only the question for health opens it again.
+  EXPECT_EQ(run(100), 50);
+  EXPECT_EQ(client_.reports_lost(), 50U);
+}
+
+TEST_F(NodeClientTest, SaysThatNobodyIsThere) {
+  const TimeNs begin_ns = clock_.now_ns();
+  try {
+    client_.connect([] { return false; });
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no estimator answers"));
+  }
+  EXPECT_LT(seconds(clock_.now_ns() - begin_ns), 10);
+}
+
+TEST_F(NodeClientTest, SaysThatTheLineWasCut) {
+  begin(0, {}, {});
+  hal::RawReport report;
+  report.size = 8;
+  client_.send(report);
+  shutdown(ends_[1], SHUT_RDWR);
+  try {
+    for (int i = 0; i < 100; ++i) (void)client_.receive(clock_.now_ns() + 20'000'000);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("was closed"));
+  }
+}
+
+}  // namespace
+}  // namespace condyle::host
