@@ -16,7 +16,7 @@ namespace condyle::hal {
 namespace {
 
 constexpr TimeNs kWritePatience_ns = 2'000'000'000;
-constexpr TimeNs kLongestWait_ns = 60'000'000'000;
+constexpr TimeNs kLongestPoll_ns = 60'000'000'000;
 
 struct Rate {
   unsigned baud;
@@ -95,7 +95,7 @@ void SerialPort::close() {
 
 Status SerialPort::wait(short events, TimeNs deadline_ns) {
   for (;;) {
-    const TimeNs left_ns = std::clamp<TimeNs>(deadline_ns - clock_.now_ns(), 0, kLongestWait_ns);
+    const TimeNs left_ns = std::clamp<TimeNs>(deadline_ns - clock_.now_ns(), 0, kLongestPoll_ns);
     // Rounded up, so that it does not turn in circles within the last millisecond.
     const auto left_ms = static_cast<int>((left_ns + 999'999) / 1'000'000);
     pollfd entry{file_, events, 0};
