@@ -230,7 +230,8 @@ int bridge(const BridgeOptions& options) {
                     {options.out});
   options.estimator.refuse_if_published("--lag", options.estimator.lag > 0);
   hal::SteadyClock clock;
-  BridgeInput input = open_bridge_input(options.input, options.serial, options.reading, clock);
+  BridgeInput input =
+      open_bridge_input(options.input, options.serial, options.reading, clock, stop_requested);
   if (!is_available(input.layout.kind, options.followed)) {
     throw InputError("--point", "there is one point", "leave it out");
   }

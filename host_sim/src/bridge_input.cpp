@@ -8,7 +8,6 @@
 #include <fstream>
 #include <limits>
 
-#include "commands.h"
 #include "condyle/hal/profile_check.h"
 #include "condyle/hal/session_log_source.h"
 #include "device_profile_file.h"
@@ -128,10 +127,11 @@ BridgeInput of_session_log(const std::string& path, const RecordingOptions& opti
 }
 
 BridgeInput of_device(const std::string& profile, const std::string& serial,
-                      const std::string& backend, hal::Clock& clock) {
+                      const std::string& backend, hal::Clock& clock,
+                      const std::function<bool()>& stop) {
   const auto device = std::make_shared<SessionDevice>(name_device(profile, serial, backend, clock));
   require_position(device->profile, profile);
-  describe(*device, stop_requested);
+  describe(*device, stop);
   BridgeInput input;
   input.words = fmt::format("{}, through {}", device->profile.name, backend);
   input.is_live = true;
@@ -155,9 +155,10 @@ bool is_session_log(const std::string& path) {
 }  // namespace
 
 BridgeInput open_bridge_input(const std::string& name, const std::string& serial,
-                              const RecordingOptions& options, hal::Clock& clock) {
-  if (name.starts_with("hid:")) return of_device(name.substr(4), serial, "hidapi", clock);
-  if (name.starts_with("usb:")) return of_device(name.substr(4), serial, "libusb", clock);
+                              const RecordingOptions& options, hal::Clock& clock,
+                              const std::function<bool()>& stop) {
+  if (name.starts_with("hid:")) return of_device(name.substr(4), serial, "hidapi", clock, stop);
+  if (name.starts_with("usb:")) return of_device(name.substr(4), serial, "libusb", clock, stop);
   const std::string path = name.starts_with("file:") ? name.substr(5) : name;
   return is_session_log(path) ? of_session_log(path, options) : of_samples(name, options, clock);
 }

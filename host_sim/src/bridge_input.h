@@ -29,8 +29,10 @@ struct BridgeInput {
 };
 
 /// Opens `name`: "hid:PROFILE" or "usb:PROFILE", a device; else a recording (see open_recording).
-/// `serial`: of a device, where several are plugged in. An InputError where it cannot be used.
+/// `serial`: of a device, where several are plugged in; it is waited for until `stop`. An
+/// InputError where it cannot be used.
 BridgeInput open_bridge_input(const std::string& name, const std::string& serial,
-                              const RecordingOptions& options, hal::Clock& clock);
+                              const RecordingOptions& options, hal::Clock& clock,
+                              const std::function<bool()>& stop);
 
 }  // namespace condyle::host
