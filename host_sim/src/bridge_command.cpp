@@ -74,15 +74,14 @@ class Twin {
 
   // Compares an answer of the target's with the next one here.
   void compare(NodeAnswer answer, const hal::LinkFrame& frame) {
-    while (answers_.empty() && !stop_requested()) keep_answer(clock_.now_ns() + kPatience_ns);
-    if (answers_.empty()) return;
-    const Answer& here = answers_.front();
+    const TimeNs deadline_ns = clock_.now_ns() + kTwinPatience_ns;
+    while (answers_.empty() && clock_.now_ns() < deadline_ns) {
+      keep_answer(clock_.now_ns() + kPatience_ns);
+    }
     ++compared_;
-    const bool is_same = here.answer == answer && here.type == frame.type &&
-                         std::equal(here.payload.begin(), here.payload.end(), frame.payload.begin(),
-                                    frame.payload.end());
+    const bool is_same = !answers_.empty() && answers_.front().is(answer, frame);
     if (!is_same && differences_++ == 0) first_difference_ = compared_;
-    answers_.pop_front();
+    if (!answers_.empty()) answers_.pop_front();
   }
 
   std::string words() const {
@@ -99,6 +98,11 @@ class Twin {
     NodeAnswer answer;
     std::uint8_t type;
     std::vector<std::uint8_t> payload;
+
+    bool is(NodeAnswer other, const hal::LinkFrame& frame) const {
+      return answer == other && type == frame.type &&
+             std::equal(payload.begin(), payload.end(), frame.payload.begin(), frame.payload.end());
+    }
   };
   void keep_answer(TimeNs deadline_ns) {
     const NodeAnswer answer = client_.receive(deadline_ns);
