@@ -40,7 +40,7 @@ TEST(LinkMessages, TheSmallOnesArrive) {
   EXPECT_TRUE(written(ReconnectedMessage{}).empty());
   sent(ReconnectedMessage{});
   EXPECT_EQ(sent(AcceptedMessage{MessageType::start}).message, MessageType::start);
-  expect_refused(AcceptedMessage{static_cast<MessageType>(7)}, RefusalReason::unknown_value, 0);
+  expect_refused(AcceptedMessage{static_cast<MessageType>(8)}, RefusalReason::unknown_value, 0);
   expect_each_byte_counts(AcceptedMessage{MessageType::start});
 
   const RefusedMessage refused{200, {RefusalReason::out_of_range, 0x0123}, {}};
@@ -156,7 +156,7 @@ TEST(LinkMessages, KnowsItsTypes) {
   for (unsigned type = 0; type < 256; ++type) {
     known += is_message_type(static_cast<std::uint8_t>(type)) ? 1U : 0U;
   }
-  EXPECT_EQ(known, 13U);
+  EXPECT_EQ(known, 14U);
   EXPECT_FALSE(is_message_type(0));
 }
 
