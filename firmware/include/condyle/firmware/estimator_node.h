@@ -179,7 +179,7 @@ class EstimatorNode final : private hal::ReportSource {
     settings.reopen_pause_ns = 1;  // the PC says when the device is back, not before
     (void)firmware::run(
         *facebow_, clock_, sensor, settings, counts_,
-        [this](const Sample& sample, const auto& estimate) { tell(sample, estimate); },
+        [this](const Sample& sample, const auto& estimate) { this->tell(sample, estimate); },
         [this] {
           target_.feed_watchdog();
           return false;  // the PC says when
