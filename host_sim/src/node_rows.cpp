@@ -6,7 +6,8 @@ namespace {
 
 template <class Scalar>
 Quantity<double> widened(const Quantity<Scalar>& quantity) {
-  return {quantity.value, quantity.standard_deviation, quantity.provenance};
+  return {static_cast<double>(quantity.value), static_cast<double>(quantity.standard_deviation),
+          quantity.provenance};
 }
 
 template <class Scalar>
@@ -17,10 +18,10 @@ PublishedEstimate<double> widened(const PublishedEstimate<Scalar>& estimate) {
   wide.force_N = widened(estimate.force_N);
   wide.friction_Ns_m = widened(estimate.friction_Ns_m);
   wide.mass_kg = widened(estimate.mass_kg);
-  wide.innovation_m = estimate.innovation_m;
-  wide.motion_nis = estimate.motion_nis;
-  wide.friction_nis = estimate.friction_nis;
-  wide.mass_nis = estimate.mass_nis;
+  wide.innovation_m = static_cast<double>(estimate.innovation_m);
+  wide.motion_nis = static_cast<double>(estimate.motion_nis);
+  wide.friction_nis = static_cast<double>(estimate.friction_nis);
+  wide.mass_nis = static_cast<double>(estimate.mass_nis);
   wide.events = estimate.events;
   wide.verdict = estimate.verdict;
   return wide;
@@ -33,7 +34,7 @@ RecommendedEstimate<double> widened(const RecommendedEstimate<Scalar>& estimate)
   wide.time_ns = estimate.time_ns;
   wide.time_valid = estimate.time_valid;
   wide.axis_count = estimate.axis_count;
-  wide.nis = estimate.nis;
+  wide.nis = static_cast<double>(estimate.nis);
   wide.events = estimate.events;
   for (int i = 0; i < estimate.axis_count; ++i) {
     const AxisEstimate<Scalar>& axis = estimate.axes[i];
@@ -41,11 +42,11 @@ RecommendedEstimate<double> widened(const RecommendedEstimate<Scalar>& estimate)
                     .velocity_m_s = widened(axis.velocity_m_s),
                     .acceleration_m_s2 = widened(axis.acceleration_m_s2),
                     .force_N = widened(axis.force_N),
-                    .measured_position_m = axis.measured_position_m,
-                    .innovation_m = axis.innovation_m,
-                    .innovation_sd_m = axis.innovation_sd_m,
-                    .noise_sd_m = axis.noise_sd_m,
-                    .jerk_density_m2_s5 = axis.jerk_density_m2_s5};
+                    .measured_position_m = static_cast<double>(axis.measured_position_m),
+                    .innovation_m = static_cast<double>(axis.innovation_m),
+                    .innovation_sd_m = static_cast<double>(axis.innovation_sd_m),
+                    .noise_sd_m = static_cast<double>(axis.noise_sd_m),
+                    .jerk_density_m2_s5 = static_cast<double>(axis.jerk_density_m2_s5)};
   }
   return wide;
 }
