@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <vector>
+
 #include "input_error.h"
+#include "number_text.h"
 #include "toml_reader.h"
 
 namespace condyle::host {
@@ -85,6 +88,80 @@ RecommendedParameters load_recommended_parameters(const std::string& path) {
 RecommendedParameters parse_recommended_parameters(const std::string& name, std::string_view text) {
   TomlReader file(name, text);
   return read_recommended(file);
+}
+
+namespace {
+
+// Keys and values, each section opened when its first key comes.
+class TomlText {
+ public:
+  void open(const char* section) {
+    if (section_ == section) return;
+    section_ = section;
+    text_ += fmt::format("\n[{}]\n", section);
+  }
+  void number(const char* section, const char* key, const double* values, std::size_t count,
+              bool is_list) {
+    open(section);
+    text_ += fmt::format("{} = ", key);
+    for (std::size_t i = 0; i < count; ++i) {
+      text_ += i > 0 ? ", " : (is_list ? "[" : "");
+      append_number(text_, values[i]);
+    }
+    text_ += is_list ? "]\n" : "\n";
+  }
+  void choice(const char* section, const char* key, const char* word) {
+    open(section);
+    text_ += fmt::format("{} = \"{}\"\n", key, word);
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+  std::string_view section_;
+};
+
+}  // namespace
+
+std::string parameters_toml(const LoadedParameters& parameters) {
+  TomlText text;
+  visit_fields(parameters.values, [&](const char* section, const char* key, const double* values,
+                                      std::size_t count, const char*, Range) {
+    const std::string_view name = key;
+    if (name == "sample_time_s" && !parameters.gives_sample_time) return;
+    if (name == "initial_variance" && std::string_view(section) == "motion") {
+      text.choice(section, "discretisation",
+                  parameters.values.motion.discretisation == Discretisation::forward ? "forward"
+                                                                                     : "backward");
+    }
+    text.number(section, key, values, count, name.ends_with("_variance"));
+  });
+  return text.take();
+}
+
+std::string parameters_toml(const RecommendedParameters& parameters) {
+  const bool adapts = parameters.noise.adaptation == Adaptation::on;
+  std::vector<double> defaults;
+  RecommendedParameters silent;
+  visit_recommended_fields(silent, [&](const char*, const char*, const double* value, std::size_t,
+                                       const char*, Range) { defaults.push_back(*value); });
+  TomlText text;
+  std::size_t i = 0;
+  visit_recommended_fields(parameters, [&](const char* section, const char* key,
+                                           const double* value, std::size_t, const char*, Range) {
+    const double silently = defaults[i++];
+    const std::string_view place = section, name = key;
+    if (place == "noise" && name == "position_sd_m") {
+      text.choice(section, "adaptation", adapts ? "on" : "off");
+    }
+    if (place == "drive" && parameters.joint.delay == DelayModel::fitted && name == "noise_sd_N") {
+      text.choice(section, "delay", "fitted");
+    }
+    if (name == "jerk_density_m2_s5" && adapts) return;
+    if (place != "noise" && *value == silently) return;
+    text.number(section, key, value, 1, false);
+  });
+  return text.take();
 }
 
 }  // namespace condyle::host

@@ -24,4 +24,10 @@ RecommendedParameters load_recommended_parameters(const std::string& path);
 /// The same from `text`, which messages call `name`.
 RecommendedParameters parse_recommended_parameters(const std::string& name, std::string_view text);
 
+/// The text of a parameter file that says `parameters`, without sample_time_s unless it
+/// `gives_sample_time`.
+std::string parameters_toml(const LoadedParameters& parameters);
+/// The same for the recommended estimator: what differs from the defaults, and all of the noise.
+std::string parameters_toml(const RecommendedParameters& parameters);
+
 }  // namespace condyle::host

@@ -36,6 +36,8 @@ Command add_observability(CLI::App& app);
 Command add_protocol(CLI::App& app);
 /// `condyle changes`
 Command add_changes(CLI::App& app);
+/// `condyle tune`
+Command add_tune(CLI::App& app);
 /// `condyle bridge`
 Command add_bridge(CLI::App& app);
 /// `condyle record`

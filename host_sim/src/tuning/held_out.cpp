@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuning/held_out.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "condyle/estimator/innovation_monitor.h"
+#include "evaluation/moments.h"
+
+namespace condyle::host {
+namespace {
+
+// Correlations of standardised innovations within stretches. Glitches do not decide them.
+class StretchCorrelation {
+ public:
+  void add(std::uint32_t stretch, double standardised) {
+    const double e = std::clamp(standardised, -3.0, 3.0);
+    if (stretch != stretch_) known_ = 0;
+    stretch_ = stretch;
+    square_ += e * e;
+    ++count_;
+    for (std::size_t lag = 1; lag <= known_; ++lag) sum_[lag - 1] += e * past_[lag - 1];
+    std::rotate(past_.rbegin(), past_.rbegin() + 1, past_.rend());
+    past_[0] = e;
+    known_ = std::min(known_ + 1, past_.size());
+  }
+  void end_recording() { known_ = 0; }
+  std::vector<double> values() const {
+    std::vector<double> values;
+    for (const double sum : sum_) values.push_back(square_ > 0 ? sum / square_ : 0);
+    return values;
+  }
+  std::uint64_t count() const { return count_; }
+
+ private:
+  std::array<double, HeldOutCheck::kLags> sum_{}, past_{};
+  double square_ = 0;
+  std::uint64_t count_ = 0;
+  std::size_t known_ = 0;
+  std::uint32_t stretch_ = 0;
+};
+
+// Of a mean per sample, from what stretches contributed to it.
+double standard_error(const std::vector<double>& sums, double mean,
+                      const std::vector<std::uint64_t>& counts, std::uint64_t count) {
+  if (sums.size() < 2) return std::numeric_limits<double>::infinity();
+  double square = 0;
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const double rest = sums[i] - mean * static_cast<double>(counts[i]);
+    square += rest * rest;
+  }
+  const double n = static_cast<double>(sums.size());
+  return std::sqrt(square * n / (n - 1)) / static_cast<double>(count);
+}
+
+// G. M. Ljung, G. E. P. Box, Biometrika 65 (1978) 297-303.
+double whiteness_probability(const std::vector<double>& correlation, std::uint64_t count) {
+  const double n = static_cast<double>(count);
+  double sum = 0;
+  for (std::size_t lag = 1; lag <= correlation.size(); ++lag) {
+    sum += correlation[lag - 1] * correlation[lag - 1] / (n - static_cast<double>(lag));
+  }
+  return 1 - chi_square_distribution(n * (n + 2) * sum, static_cast<double>(correlation.size()));
+}
+
+// Spread of the stretches' NIS against what chance gives a chi-square with 1 degree of freedom.
+void judge_dispersion(HeldOutCheck& check) {
+  double sum = 0;
+  std::uint64_t stretches = 0;
+  for (const StretchInnovations& stretch : check.stretches) {
+    if (!stretch.is_held_out || stretch.count < 10) continue;
+    const double excess = stretch.mean_nis / check.mean_nis - 1;
+    sum += 0.5 * static_cast<double>(stretch.count) * excess * excess;
+    ++stretches;
+  }
+  if (stretches < 2) return;
+  const double degrees = static_cast<double>(stretches - 1);
+  check.stretch_dispersion = sum / degrees;
+  check.dispersion_bound = chi_square_quantile(0.95, degrees) / degrees;
+}
+
+}  // namespace
+
+SplitRecording::SplitRecording(const TuningRecording& recording) : recording_(&recording) {
+  double duration_s = 0;
+  for (const TuningSample& sample : recording.samples) duration_s += sample.step_s;
+  stretch_s_ = std::max(std::clamp(duration_s / 30, 0.5, 10.0), 25 * recording.median_step_s);
+  double time_s = 0;
+  stretch_of_.reserve(recording.samples.size());
+  for (const TuningSample& sample : recording.samples) {
+    time_s += sample.step_s;
+    stretch_of_.push_back(static_cast<std::uint32_t>(time_s / stretch_s_));
+  }
+  if (!stretch_of_.empty()) stretch_count_ = stretch_of_.back() + 1;
+}
+
+HeldOutCheck check_held_out(const std::vector<SplitRecording>& recordings, const NoiseModel& model,
+                            const MotionPriorParameters& prior) {
+  HeldOutCheck check;
+  StretchCorrelation correlation;
+  Moments nis, score;
+  std::uint64_t far = 0;
+  for (std::size_t r = 0; r < recordings.size(); ++r) {
+    const SplitRecording& split = recordings[r];
+    const auto& samples = split.recording().samples;
+    const std::size_t first = check.stretches.size();
+    for (std::uint32_t i = 0; i < split.stretch_count(); ++i) {
+      check.stretches.push_back({r, i * split.stretch_s(), SplitRecording::is_held_out(i)});
+    }
+    for_each_innovation(samples, model, prior, [&](std::size_t i, const Innovation& innovation) {
+      StretchInnovations& stretch = check.stretches[first + split.stretch_of(i)];
+      const double e = innovation.standardised();
+      ++stretch.count;
+      stretch.mean_nis += (e * e - stretch.mean_nis) / static_cast<double>(stretch.count);
+      stretch.score += innovation.score();
+      if (std::isfinite(samples[i].adaptive_score)) {
+        stretch.advantage += innovation.score() - samples[i].adaptive_score;
+        ++stretch.compared;
+      }
+      if (!stretch.is_held_out) return;
+      nis.add(e * e);
+      score.add(innovation.score());
+      correlation.add(split.stretch_of(i), e);
+      if (std::abs(e) > 3) ++far;
+    });
+    correlation.end_recording();
+  }
+  check.count = nis.count();
+  check.mean_nis = nis.mean();
+  check.score = score.mean();
+  check.nis_bounds = mean_chi_square_bounds(1, check.count, 0.95);
+  check.nis_inside = check.nis_bounds.contains(check.mean_nis);
+  check.correlation = correlation.values();
+  if (check.count > HeldOutCheck::kLags + 1) {
+    check.correlation_bound = 1.96 / std::sqrt(static_cast<double>(check.count));
+    check.whiteness_p = whiteness_probability(check.correlation, check.count);
+  }
+  check.beyond_3_sd = static_cast<double>(far) / static_cast<double>(check.count);
+  judge_dispersion(check);
+  std::vector<double> advantages;
+  std::vector<std::uint64_t> counts;
+  std::uint64_t compared = 0;
+  double sum = 0;
+  for (const StretchInnovations& stretch : check.stretches) {
+    if (!stretch.is_held_out || stretch.compared == 0) continue;
+    advantages.push_back(stretch.advantage);
+    counts.push_back(stretch.compared);
+    compared += stretch.compared;
+    sum += stretch.advantage;
+  }
+  check.advantage = sum / static_cast<double>(compared);
+  check.advantage_se = standard_error(advantages, check.advantage, counts, compared);
+  return check;
+}
+
+ScoreDifference compare_scores(const HeldOutCheck& one, const HeldOutCheck& other) {
+  std::vector<double> differences;
+  std::vector<std::uint64_t> counts;
+  double sum = 0;
+  for (std::size_t i = 0; i < one.stretches.size(); ++i) {
+    const StretchInnovations& stretch = one.stretches[i];
+    if (!stretch.is_held_out || stretch.count == 0) continue;
+    differences.push_back(stretch.score - other.stretches[i].score);
+    counts.push_back(stretch.count);
+    sum += differences.back();
+  }
+  ScoreDifference difference;
+  difference.mean = sum / static_cast<double>(one.count);
+  difference.standard_error = standard_error(differences, difference.mean, counts, one.count);
+  return difference;
+}
+
+std::vector<std::string> reasons_against_white(const std::vector<SplitRecording>& recordings,
+                                               const HeldOutCheck& check) {
+  std::vector<std::string> reasons;
+  for (const SplitRecording& split : recordings) {
+    const TuningRecording& recording = split.recording();
+    if (recording.filtered_lag == 0) continue;
+    reasons.push_back(fmt::format(
+        "{}: smoothed before it came: neighbouring noise is alike (sixth differences {:.2f} "
+        "correlated, white noise {:.2f})",
+        recording.name, recording.neighbours, NoiseColour<double>::white(1)));
+  }
+  const double rho = check.correlation.empty() ? 0 : check.correlation[0];
+  if (check.whiteness_p < 0.01) {
+    reasons.push_back(fmt::format(
+        "innovations are correlated: neighbours {:.2f}, the farther ones up to {:.2f}", rho,
+        *std::max_element(
+            check.correlation.begin(), check.correlation.end(),
+            [](double one, double other) { return std::abs(one) < std::abs(other); })));
+  }
+  if (check.stretch_dispersion > check.dispersion_bound) {
+    double lowest = std::numeric_limits<double>::infinity(), highest = 0;
+    for (const StretchInnovations& stretch : check.stretches) {
+      if (!stretch.is_held_out || stretch.count < 10) continue;
+      lowest = std::min(lowest, stretch.mean_nis);
+      highest = std::max(highest, stretch.mean_nis);
+    }
+    reasons.push_back(
+        fmt::format("the jaw is not always as lively: the NIS of stretches goes from {:.2f} to "
+                    "{:.2f}, and one density of the jerk serves none of them",
+                    lowest, highest));
+  }
+  if (check.beyond_3_sd > 0.01) {
+    reasons.push_back(
+        fmt::format("{:.1f} % of the innovations are beyond 3 standard deviations (Gaussian: 0.3 "
+                    "%): movements that begin or stop suddenly, or glitches",
+                    100 * check.beyond_3_sd));
+  }
+  return reasons;
+}
+
+}  // namespace condyle::host

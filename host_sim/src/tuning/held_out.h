@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which part of a recording parameters are fitted to, and what the rest says of them.
+//
+// A recording is cut into stretches of equal length; every third is held out. The filter runs
+// through all of them: what it expects in a stretch rests on the stretch before, and its
+// innovations there are new to it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "evaluation/chi_square.h"
+#include "tuning/innovation_likelihood.h"
+
+namespace condyle::host {
+
+/// A recording and its stretches.
+class SplitRecording {
+ public:
+  explicit SplitRecording(const TuningRecording& recording);
+
+  const TuningRecording& recording() const { return *recording_; }
+  std::uint32_t stretch_of(std::size_t sample) const { return stretch_of_[sample]; }
+  std::uint32_t stretch_count() const { return stretch_count_; }
+  double stretch_s() const { return stretch_s_; }
+  static bool is_held_out(std::uint32_t stretch) { return stretch % 3 == 2; }
+
+ private:
+  const TuningRecording* recording_;
+  double stretch_s_;
+  std::vector<std::uint32_t> stretch_of_;
+  std::uint32_t stretch_count_ = 0;
+};
+
+/// The innovations of one stretch.
+struct StretchInnovations {
+  std::size_t recording = 0;
+  double begin_s = 0;  ///< since the recording's first kept sample, gaps left out
+  bool is_held_out = false;
+  std::uint64_t count = 0;
+  double mean_nis = 0;
+  double score = 0;  ///< sum
+  // Of samples that the adaptive estimator scored too:
+  double advantage = 0;  ///< sum of the differences, this model's less the adaptive estimator's
+  std::uint64_t compared = 0;
+};
+
+/// How a model does on held-out positions.
+struct HeldOutCheck {
+  static constexpr int kLags = 20;
+
+  std::uint64_t count = 0;
+  double mean_nis = 0;
+  Interval nis_bounds;  ///< 95 %, of white Gaussian innovations
+  bool nis_inside = false;
+  std::vector<double> correlation;  ///< of standardised innovations, 1 to kLags apart
+  double correlation_bound = 0;     ///< 95 %, of each, if they are white
+  double whiteness_p = 0;           ///< chance of correlations as large, if they are white
+  double beyond_3_sd = 0;           ///< share; 0.0027 if Gaussian
+  double stretch_dispersion = 0;    ///< of the stretches' NIS, 1 if all are alike
+  double dispersion_bound = 0;      ///< 95 %, if all are alike
+  double score = 0;                 ///< mean
+  // Against the adaptive estimator: mean difference of scores and its standard error.
+  double advantage = 0, advantage_se = 0;
+  std::vector<StretchInnovations> stretches;  ///< also those that were fitted to
+};
+
+/// Runs the filter of `model` through `recordings`.
+HeldOutCheck check_held_out(const std::vector<SplitRecording>& recordings, const NoiseModel& model,
+                            const MotionPriorParameters& prior);
+
+/// Mean difference of held-out scores of two models on the same recordings, with its standard error
+/// from stretch to stretch.
+struct ScoreDifference {
+  double mean = 0, standard_error = 0;
+};
+ScoreDifference compare_scores(const HeldOutCheck& one, const HeldOutCheck& other);
+
+/// Why a model with white noise does not explain the held-out positions, most telling first; empty
+/// where nothing speaks against it.
+std::vector<std::string> reasons_against_white(const std::vector<SplitRecording>& recordings,
+                                               const HeldOutCheck& check);
+
+}  // namespace condyle::host

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuning/likelihood_tuning.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "tuning/starting_values.h"
+
+namespace condyle::host {
+namespace {
+
+using Point = std::vector<double>;
+
+// The noise that a maker's low pass leaves is short; a longer one would be motion.
+constexpr double kShortestCorrelation = 0.05, kLongestCorrelation = 10;  // in sample times,
+constexpr double kLongestCorrelation_s = 0.1;                            // or this
+// log l that a 95 % interval of one parameter leaves room for: half of chi-square's 3.84.
+constexpr double kLikelihoodOf95 = 1.92;
+// A model is said to serve better from this much of held-out log l on.
+constexpr double kBetterBy = 10;
+constexpr int kProfilePoints = 25, kSurfacePoints = 31;
+
+NoiseModel model_of(const Point& point) {
+  return {std::exp(0.5 * point[0]), std::exp(point[1]), point.size() > 2 ? std::exp(point[2]) : 0};
+}
+
+double value_of(const NoiseModel& model, std::size_t i) {
+  return i == 0 ? model.position_sd_m
+                : (i == 1 ? model.jerk_density_m2_s5 : model.correlation_time_s);
+}
+
+// The likelihood of what is fitted to.
+class FitLikelihood {
+ public:
+  FitLikelihood(const std::vector<SplitRecording>& recordings, const MotionPriorParameters& prior)
+      : recordings_(recordings), prior_(prior) {}
+
+  double operator()(const Point& point) const {
+    double sum = 0;
+    for (const SplitRecording& split : recordings_) {
+      for_each_innovation(split.recording().samples, model_of(point), prior_,
+                          [&](std::size_t i, const Innovation& innovation) {
+                            if (SplitRecording::is_held_out(split.stretch_of(i))) return;
+                            sum += innovation.score();
+                          });
+    }
+    return sum;
+  }
+
+  // The same, each fitted stretch by itself.
+  std::vector<double> by_stretch(const Point& point) const {
+    std::vector<double> sums;
+    for (const SplitRecording& split : recordings_) {
+      const std::size_t first = sums.size();
+      sums.resize(first + split.stretch_count());
+      for_each_innovation(split.recording().samples, model_of(point), prior_,
+                          [&](std::size_t i, const Innovation& innovation) {
+                            const std::uint32_t stretch = split.stretch_of(i);
+                            if (SplitRecording::is_held_out(stretch)) return;
+                            sums[first + stretch] += innovation.score();
+                          });
+    }
+    return sums;
+  }
+
+ private:
+  const std::vector<SplitRecording>& recordings_;
+  const MotionPriorParameters& prior_;
+};
+
+// Standard deviations of the logarithms at the optimum.
+struct LogSds {
+  std::vector<double> by_curvature, by_either;  // the larger of both
+};
+
+LogSds log_sds(const FitLikelihood& likelihood, const Point& best) {
+  constexpr double kStep = 0.02;
+  const auto n = static_cast<Eigen::Index>(best.size());
+  const auto moved = [&](Eigen::Index i, double by_i, Eigen::Index j, double by_j) {
+    Point point = best;
+    point[static_cast<std::size_t>(i)] += by_i;
+    point[static_cast<std::size_t>(j)] += by_j;
+    return point;
+  };
+  const double middle = likelihood(best);
+  Eigen::MatrixXd H(n, n);
+  std::vector<std::vector<double>> slopes;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const std::vector<double> up = likelihood.by_stretch(moved(i, kStep, i, 0));
+    const std::vector<double> down = likelihood.by_stretch(moved(i, -kStep, i, 0));
+    double up_sum = 0, down_sum = 0;
+    slopes.emplace_back();
+    for (std::size_t k = 0; k < up.size(); ++k) {
+      slopes.back().push_back((up[k] - down[k]) / (2 * kStep));
+      up_sum += up[k];
+      down_sum += down[k];
+    }
+    H(i, i) = -(up_sum - 2 * middle + down_sum) / (kStep * kStep);
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const double mixed =
+          likelihood(moved(i, kStep, j, kStep)) - likelihood(moved(i, kStep, j, -kStep)) -
+          likelihood(moved(i, -kStep, j, kStep)) + likelihood(moved(i, -kStep, j, -kStep));
+      H(i, j) = H(j, i) = -mixed / (4 * kStep * kStep);
+    }
+  }
+  const std::vector<double> unknown(best.size(), std::numeric_limits<double>::infinity());
+  LogSds sds{unknown, unknown};
+  const Eigen::LLT<Eigen::MatrixXd> factor(H);
+  if (factor.info() != Eigen::Success) return sds;
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(n, n);
+  for (std::size_t k = 0; k < slopes[0].size(); ++k) {
+    Eigen::VectorXd slope(n);
+    for (Eigen::Index i = 0; i < n; ++i) slope[i] = slopes[static_cast<std::size_t>(i)][k];
+    J += slope * slope.transpose();
+  }
+  const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::MatrixXd robust = inverse * J * inverse;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    sds.by_curvature[k] = std::sqrt(inverse(i, i));
+    sds.by_either[k] = std::sqrt(std::max(inverse(i, i), robust(i, i)));
+  }
+  return sds;
+}
+
+// The best log l where coordinate `held` is `value`, starting from `point`, which is moved there.
+double profile_at(const FitLikelihood& likelihood, const SearchBounds& bounds, std::size_t held,
+                  double value, Point& point) {
+  Point start;
+  SearchBounds rest;
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    if (i == held) continue;
+    start.push_back(point[i]);
+    rest.low.push_back(bounds.low[i]);
+    rest.high.push_back(bounds.high[i]);
+  }
+  const auto whole = [held, value](const Point& others) {
+    Point all = others;
+    all.insert(all.begin() + static_cast<std::ptrdiff_t>(held), value);
+    return all;
+  };
+  std::uint64_t evaluations = 0;
+  const SearchOptimum found = climb([&](const Point& others) { return likelihood(whole(others)); },
+                                    rest, start, evaluations);
+  point = whole(found.point);
+  return found.value;
+}
+
+// True where log l falls by kLikelihoodOf95 on the way from the optimum to both bounds.
+bool is_bounded(const FitLikelihood& likelihood, const SearchBounds& bounds, std::size_t held,
+                const SearchOptimum& best) {
+  for (const double end : {bounds.low[held], bounds.high[held]}) {
+    Point point = best.point;
+    if (profile_at(likelihood, bounds, held, end, point) > best.value - kLikelihoodOf95) {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::vector<ProfilePoint> profile(const FitLikelihood& likelihood, const SearchBounds& bounds,
+                                  std::size_t held, const SearchOptimum& best, double log_sd) {
+  const double reach = std::isfinite(log_sd) ? std::clamp(4 * log_sd, 0.01, 6.0) : 6.0;
+  const double low = std::max(bounds.low[held], best.point[held] - reach);
+  const double high = std::min(bounds.high[held], best.point[held] + reach);
+  std::vector<ProfilePoint> points;
+  Point point = best.point;
+  for (int i = 0; i < kProfilePoints; ++i) {
+    const double at = low + (high - low) * i / (kProfilePoints - 1);
+    const double value = profile_at(likelihood, bounds, held, at, point);
+    points.push_back({value_of(model_of(point), held), value - best.value});
+  }
+  return points;
+}
+
+// What a fit needs beside its start.
+struct FitSetting {
+  const std::vector<SplitRecording>& recordings;
+  const LikelihoodPlan& plan;
+  const SearchBounds& bounds;
+  const MonteCarloControl& control;
+};
+
+FittedModel fit(const FitSetting& setting, const Point& start,
+                const std::function<void(double)>& show) {
+  const FitLikelihood likelihood(setting.recordings, setting.plan.prior);
+  FittedModel fitted;
+  fitted.search = search(
+      likelihood, setting.bounds,
+      draw_starts(start, std::log(kStartFactor), setting.bounds, setting.plan.starts,
+                  setting.plan.seed),
+      [&](std::uint64_t merged, std::uint64_t runs) {
+        show(static_cast<double>(merged) / static_cast<double>(runs));
+      },
+      setting.control);
+  if (fitted.search.stopped) return fitted;
+  const SearchOptimum& best = fitted.search.optima.front();
+  fitted.values = model_of(best.point);
+  fitted.log_likelihood = best.value;
+  const bool is_alone = fitted.search.optima.size() < 2 ||
+                        fitted.search.optima[1].value < best.value - kLikelihoodOf95;
+  fitted.is_unique =
+      is_alone || 2 * static_cast<std::size_t>(best.reached_by) > setting.plan.starts;
+  const LogSds sds = log_sds(likelihood, best.point);
+  for (std::size_t i = 0; i < best.point.size(); ++i) {
+    FittedParameter parameter;
+    parameter.value = value_of(fitted.values, i);
+    const double of_logarithm = i == 0 ? 0.5 : 1;  // of sigma, not of its square
+    parameter.log_sd = of_logarithm * sds.by_either[i];
+    parameter.at_bound = best.point[i] - setting.bounds.low[i] < kSamePoint ||
+                         setting.bounds.high[i] - best.point[i] < kSamePoint;
+    parameter.is_bounded = is_bounded(likelihood, setting.bounds, i, best);
+    if (setting.plan.with_surface) {
+      parameter.profile = profile(likelihood, setting.bounds, i, best, sds.by_curvature[i]);
+    }
+    fitted.parameters.push_back(std::move(parameter));
+  }
+  fitted.held_out = check_held_out(setting.recordings, fitted.values, setting.plan.prior);
+  return fitted;
+}
+
+SearchBounds bounds_of(const LikelihoodPlan& plan) {
+  SearchBounds bounds;
+  bounds.low = {2 * std::log(plan.position_sd_m.lowest), std::log(plan.jerk_density_m2_s5.lowest)};
+  bounds.high = {2 * std::log(plan.position_sd_m.highest),
+                 std::log(plan.jerk_density_m2_s5.highest)};
+  return bounds;
+}
+
+LikelihoodSurface draw_surface(const FitSetting& setting, const FittedModel& fitted) {
+  const FitLikelihood likelihood(setting.recordings, setting.plan.prior);
+  LikelihoodSurface surface;
+  const auto coordinate = [&](std::size_t axis, int i) {
+    constexpr double kReach = 5;
+    const double middle = fitted.search.optima.front().point[axis];
+    const double low = std::max(setting.bounds.low[axis], middle - kReach);
+    const double high = std::min(setting.bounds.high[axis], middle + kReach);
+    return low + (high - low) * i / (kSurfacePoints - 1);
+  };
+  for (int i = 0; i < kSurfacePoints; ++i) {
+    surface.position_sd_m.push_back(std::exp(0.5 * coordinate(0, i)));
+    surface.jerk_density_m2_s5.push_back(std::exp(coordinate(1, i)));
+  }
+  (void)run_monte_carlo(
+      kSurfacePoints, 0,
+      [&](std::uint64_t row) {
+        std::vector<double> values;
+        for (int i = 0; i < kSurfacePoints; ++i) {
+          values.push_back(likelihood({coordinate(0, i), coordinate(1, static_cast<int>(row))}) -
+                           fitted.log_likelihood);
+        }
+        return values;
+      },
+      [&](std::vector<double>&& values) {
+        surface.log_likelihood.insert(surface.log_likelihood.end(), values.begin(), values.end());
+      },
+      {}, setting.control);
+  return surface;
+}
+
+double longest_step_s(const std::vector<TuningRecording>& recordings) {
+  double longest = 0;
+  for (const TuningRecording& recording : recordings) {
+    longest = std::max(longest, recording.median_step_s);
+  }
+  return longest;
+}
+
+}  // namespace
+
+LikelihoodTuning tune_by_likelihood(const std::vector<TuningRecording>& recordings,
+                                    const LikelihoodPlan& plan,
+                                    const std::function<void(double)>& show,
+                                    const MonteCarloControl& control) {
+  LikelihoodTuning tuning;
+  const std::vector<SplitRecording> split(recordings.begin(), recordings.end());
+  tuning.start = plan.start.value_or(starting_values(recordings));
+  SearchBounds bounds = bounds_of(plan);
+  const bool is_filtered =
+      std::any_of(recordings.begin(), recordings.end(),
+                  [](const TuningRecording& recording) { return recording.filtered_lag > 0; });
+  const double white_share = is_filtered ? 0.3 : 0.8;
+  Point start = {2 * std::log(tuning.start.position_sd_m),
+                 std::log(tuning.start.jerk_density_m2_s5)};
+  const FitSetting setting{split, plan, bounds, control};
+  tuning.white = fit(setting, start, [&](double share) { show(share * white_share); });
+  tuning.stopped = tuning.white.search.stopped;
+  if (tuning.stopped) return tuning;
+  if (plan.with_surface) tuning.surface = draw_surface(setting, tuning.white);
+  tuning.reasons = reasons_against_white(split, tuning.white.held_out);
+  tuning.written = tuning.white.values;
+  tuning.written_check = tuning.white.held_out;
+  if (!is_filtered) return tuning;
+
+  const double step_s = longest_step_s(recordings);
+  bounds.low.push_back(std::log(kShortestCorrelation * step_s));
+  bounds.high.push_back(std::log(std::max(kLongestCorrelation * step_s, kLongestCorrelation_s)));
+  start = tuning.white.search.optima.front().point;
+  start.push_back(std::log(step_s));
+  tuning.correlated =
+      fit(setting, start, [&](double share) { show(white_share + share * (1 - white_share)); });
+  FittedModel& correlated = *tuning.correlated;
+  tuning.stopped = correlated.search.stopped;
+  if (tuning.stopped) return tuning;
+  const ScoreDifference gain = compare_scores(correlated.held_out, tuning.white.held_out);
+  tuning.correlated_serves =
+      gain.mean * static_cast<double>(correlated.held_out.count) > kBetterBy &&
+      gain.mean > 2 * gain.standard_error && !correlated.parameters[2].at_bound;
+  if (!tuning.correlated_serves) return tuning;
+  tuning.stand_in = white_stand_in(correlated.values, step_s);
+  tuning.written = tuning.stand_in->white;
+  tuning.written.position_sd_m = std::clamp(tuning.written.position_sd_m, plan.position_sd_m.lowest,
+                                            plan.position_sd_m.highest);
+  tuning.written.jerk_density_m2_s5 =
+      std::clamp(tuning.written.jerk_density_m2_s5, plan.jerk_density_m2_s5.lowest,
+                 plan.jerk_density_m2_s5.highest);
+  tuning.written_check = check_held_out(split, tuning.written, plan.prior);
+  return tuning;
+}
+
+}  // namespace condyle::host

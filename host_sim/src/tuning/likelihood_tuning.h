@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// Noise and liveliness that make recordings most likely (innovation_likelihood.h): for white noise,
+// and where the noise is not white for Gauss-Markov noise.
+//
+// Searched are ln sigma^2, ln q and, not white, ln tau. Uncertainty of the logarithms: the larger
+// of H^-1 and H^-1 J H^-1 (H: curvature of -log l; J: scatter of its slopes from stretch to
+// stretch), P. J. Huber, Proc. 5th Berkeley Symp. 1 (1967) 221-233: jaw motion is no white jerk.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "tuning/bounded_search.h"
+#include "tuning/held_out.h"
+#include "tuning/white_stand_in.h"
+
+namespace condyle::host {
+
+/// How to tune.
+struct LikelihoodPlan {
+  Range position_sd_m{1e-7, 1e-2};  ///< within these
+  Range jerk_density_m2_s5{1e-6, 1e6};
+  std::optional<NoiseModel> start;  ///< else as the data suggest
+  std::size_t starts = 12;          ///< that one, and others up to kStartFactor times off
+  std::uint64_t seed = 1;
+  bool with_surface = false;  ///< profiles and surface are wanted
+  MotionPriorParameters prior;
+};
+
+/// How far other starts are off, at most.
+inline constexpr double kStartFactor = 1000;
+
+/// Log likelihood of the best where one parameter is held; relative to the optimum.
+struct ProfilePoint {
+  double value = 0;  ///< of the parameter, in its unit
+  double log_likelihood = 0;
+};
+
+/// A parameter as found.
+struct FittedParameter {
+  double value = 0;   ///< sigma (m), q (m^2/s^5) or tau (s)
+  double log_sd = 0;  ///< standard deviation of its natural logarithm; infinite: not known
+  bool at_bound = false;
+  /// Between the bounds, log l falls by what 95 % confidence asks for on both sides.
+  bool is_bounded = false;
+  std::vector<ProfilePoint> profile;
+};
+
+/// A model fitted.
+struct FittedModel {
+  NoiseModel values;
+  std::vector<FittedParameter> parameters;  ///< sigma, q and, not white, tau
+  double log_likelihood = 0;                ///< of the fitted stretches
+  SearchResult search;
+  /// More than half of the starts came to the best, or no other is within 2 of it.
+  bool is_unique = false;
+  HeldOutCheck held_out;
+};
+
+/// log l over sigma and q, white noise, less the optimum's: a row for each q.
+struct LikelihoodSurface {
+  std::vector<double> position_sd_m, jerk_density_m2_s5;
+  std::vector<double> log_likelihood;
+};
+
+/// What tuning found.
+struct LikelihoodTuning {
+  NoiseModel start;
+  FittedModel white;
+  std::optional<FittedModel> correlated;  ///< where a recording's noise is not white
+  bool correlated_serves = false;         ///< it explains what was held out better
+  std::optional<WhiteStandIn> stand_in;   ///< then
+  NoiseModel written;                     ///< white noise for the estimator
+  HeldOutCheck written_check;             ///< of that
+  std::vector<std::string> reasons;       ///< why white noise does not explain it
+  std::optional<LikelihoodSurface> surface;
+  bool stopped = false;
+};
+
+/// Tunes to `recordings`, of which there is at least one. `show(share)` on the way.
+LikelihoodTuning tune_by_likelihood(const std::vector<TuningRecording>& recordings,
+                                    const LikelihoodPlan& plan,
+                                    const std::function<void(double)>& show,
+                                    const MonteCarloControl& control);
+
+}  // namespace condyle::host

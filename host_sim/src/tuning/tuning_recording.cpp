@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuning/tuning_recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "condyle/estimator/innovation_monitor.h"
+#include "condyle/estimator/recommended_sensor.h"
+#include "condyle/firmware/run_loop.h"
+#include "condyle/hal/clock.h"
+#include "estimator_option.h"
+#include "input_error.h"
+#include "replay_facebow.h"
+#include "tuning/innovation_likelihood.h"
+
+namespace condyle::host {
+namespace {
+
+// What the adaptive estimator finds out a few samples later, it can still say of a sample.
+constexpr int kHindsight = 8;
+
+// Turns estimates into samples.
+class SampleCollector {
+ public:
+  SampleCollector(StretchKeeper& keeper, TuningRecording& recording)
+      : keeper_(keeper), recording_(recording) {}
+
+  void add(const RecommendedEstimate<double>& estimate, int axis) {
+    if (!estimate.is_ready || !estimate.time_valid || estimate.events.has(Event::time_reversed)) {
+      return;
+    }
+    const AxisEstimate<double>& seen = estimate.axes[axis];
+    TuningSample sample;
+    const bool begins = !has_time_ || estimate.events.has(Event::time_restarted) ||
+                        estimate.events.has(Event::state_restarted) || was_lost_;
+    sample.step_s = begins ? 0 : seconds(estimate.time_ns - time_ns_);
+    if (!begins && !(sample.step_s > 0)) return;  // told twice
+    time_ns_ = estimate.time_ns;
+    has_time_ = true;
+    was_lost_ = estimate.events.has(Event::state_lost);
+    lowest_m_ = std::fmin(lowest_m_, seen.measured_position_m);
+    highest_m_ = std::fmax(highest_m_, seen.measured_position_m);
+    const bool rejected = estimate.events.has(Event::outlier_rejected);
+    if (rejected) ++recording_.rejected;
+    const bool taken = !rejected && !was_lost_ && !estimate.events.has(Event::position_frozen) &&
+                       std::isfinite(seen.measured_position_m);
+    double standardised = std::numeric_limits<double>::quiet_NaN();
+    if (taken) {
+      sample.position_m = seen.measured_position_m;
+      const Innovation innovation{seen.innovation_m, seen.innovation_sd_m * seen.innovation_sd_m};
+      standardised = innovation.standardised();
+      sample.adaptive_score = innovation.score();
+    }
+    monitor_.add(standardised, sample.position_m, sample.step_s);
+    keeper_.add(sample);
+  }
+
+  const InnovationMonitor<double>& monitor() const { return monitor_; }
+  /// True where two positions that differ were measured.
+  bool has_moved() const { return highest_m_ > lowest_m_; }
+
+ private:
+  StretchKeeper& keeper_;
+  TuningRecording& recording_;
+  InnovationMonitor<double> monitor_;
+  bool has_time_ = false, was_lost_ = false;
+  TimeNs time_ns_ = 0;
+  double lowest_m_ = std::numeric_limits<double>::quiet_NaN();
+  double highest_m_ = std::numeric_limits<double>::quiet_NaN();
+};
+
+template <int kAxes>
+void collect(ReplayFacebow& facebow, hal::Clock& clock, const TuningInput& input,
+             const std::string& path, SampleCollector& collector,
+             const std::function<void(double)>& show, const std::function<bool()>& should_stop) {
+  firmware::RunSettings settings;
+  settings.followed = input.followed;
+  settings.nominal_step_ns = facebow.median_step_ns().value_or(0);
+  RecommendedParameters parameters = input.parameters;
+  parameters.noise.adaptation = Adaptation::on;
+  refuse_long_step(parameters, seconds(settings.nominal_step_ns), path, "its median step",
+                   "check the unit of time_s");
+  RecommendedSensor<double, kAxes> sensor(parameters, kHindsight,
+                                          FollowedPoint{.point = input.followed.point});
+  const int axis = kAxes == 3 ? static_cast<int>(input.followed.axis) : 0;
+  firmware::RunCounts counts;
+  (void)firmware::run(
+      facebow, clock, sensor, settings, counts,
+      [&](const Sample&, const RecommendedEstimate<double>& estimate) {
+        collector.add(estimate, axis);
+        show(facebow.progress());
+      },
+      [&] { return should_stop() || !facebow.problem().empty(); });
+  if (!facebow.problem().empty()) throw InputError(facebow.problem());
+}
+
+// Refuses what nothing can be learned from.
+void check_positions(const TuningRecording& recording, bool has_moved, const std::string& path) {
+  if (recording.seen >= kFewestTuned && !has_moved) {
+    throw InputError(path,
+                     "its position along the followed axis is never there, or never changes: there "
+                     "is neither noise nor motion to tune to",
+                     "follow another --point or --axis, or record a jaw that moves");
+  }
+  if (recording.usable < kFewestTuned) {
+    throw InputError(path,
+                     fmt::format("has {} usable positions along the followed axis, of {} samples; "
+                                 "tuning needs {}",
+                                 recording.usable, recording.seen, kFewestTuned),
+                     "record longer, or follow another --point or --axis");
+  }
+}
+
+}  // namespace
+
+void StretchKeeper::add(TuningSample sample) {
+  const std::uint64_t index = seen_++;
+  if (kept_ == KeptSamples::first) {
+    if (samples_.size() < most_) samples_.push_back(sample);
+    return;
+  }
+  if (index / kStretch % stride_ != 0) return;
+  if (samples_.size() == most_ / kStretch * kStretch) {
+    thin();
+    if (index / kStretch % stride_ != 0) return;
+  }
+  if (stride_ > 1 && index % kStretch == 0) sample.step_s = 0;
+  samples_.push_back(sample);
+}
+
+void StretchKeeper::thin() {
+  stride_ *= 2;
+  std::size_t kept = 0;
+  for (std::size_t begin = 0; begin < samples_.size(); begin += 2 * kStretch) {
+    const std::size_t end = std::min(begin + kStretch, samples_.size());
+    samples_[begin].step_s = 0;
+    for (std::size_t i = begin; i < end; ++i) samples_[kept++] = samples_[i];
+  }
+  samples_.resize(kept);
+}
+
+TuningRecording read_for_tuning(const std::string& path, const TuningInput& input,
+                                const std::function<void(double)>& show,
+                                const std::function<bool()>& should_stop) {
+  hal::SteadyClock clock;
+  ReplayFacebow facebow(path, input.reading, 0, clock);
+  if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
+  const RecordingInfo& info = facebow.info();
+  if (!is_available(info.kind, input.followed)) {
+    throw InputError(path, fmt::format("has one point, not point {}", input.followed.point),
+                     "leave out --point");
+  }
+  if (info.kind == SampleKind::one_axis && input.axis_given) {
+    throw InputError(path, "has one axis, so there is none to choose", "leave out --axis");
+  }
+  if (!facebow.median_step_ns()) {
+    throw InputError(path, "no time passes between its samples", "check its times");
+  }
+  TuningRecording recording;
+  recording.name = path;
+  recording.format = info.format;
+  recording.notes = info.notes;
+  recording.median_step_s = seconds(*facebow.median_step_ns());
+  StretchKeeper keeper(input.most_samples, input.kept);
+  SampleCollector collector(keeper, recording);
+  if (info.kind == SampleKind::one_axis) {
+    collect<1>(facebow, clock, input, path, collector, show, should_stop);
+  } else {
+    collect<3>(facebow, clock, input, path, collector, show, should_stop);
+  }
+  recording.seen = keeper.seen();
+  recording.samples = keeper.take();
+  recording.usable = static_cast<std::size_t>(
+      std::count_if(recording.samples.begin(), recording.samples.end(),
+                    [](const TuningSample& sample) { return std::isfinite(sample.position_m); }));
+  recording.filtered_lag = collector.monitor().filtered_lag();
+  recording.neighbours = collector.monitor().noise_correlation(1);
+  if (!should_stop()) check_positions(recording, collector.has_moved(), path);
+  return recording;
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuning/tuning_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace condyle::host {
+namespace {
+
+constexpr std::size_t kMostNamed = 8;
+
+std::string line(const std::string& label, const std::string& words) {
+  return fmt::format("{:<16}{}\n", label, words);
+}
+
+struct Unit {
+  const char* name;
+  const char* text;
+  double scale;
+};
+constexpr Unit kUnits[] = {
+    {"noise (sd)", "mm", 1e3}, {"jerk density", "m^2/s^5", 1}, {"correlation", "ms", 1e3}};
+
+// `doubt`: what speaks against the interval; may be empty.
+std::string parameter_text(const FittedParameter& parameter, const Unit& unit,
+                           const char* doubt = "") {
+  if (parameter.at_bound) {
+    return fmt::format("{:.4g} {}: at its bound, so that it is NOT known",
+                       unit.scale * parameter.value, unit.text);
+  }
+  if (!parameter.is_bounded || !std::isfinite(parameter.log_sd)) {
+    return fmt::format("NOT known: the likelihood hardly depends on it (best {:.4g} {})",
+                       unit.scale * parameter.value, unit.text);
+  }
+  const double factor = std::exp(1.96 * parameter.log_sd);
+  return fmt::format("{:.4g} {} ({:.4g} to {:.4g}, 95 %{})", unit.scale * parameter.value,
+                     unit.text, unit.scale * parameter.value / factor,
+                     unit.scale * parameter.value * factor, doubt);
+}
+
+const char* doubt_of(const LikelihoodTuning& tuning) {
+  return tuning.correlated ? ", if the noise were white, which it is not" : "";
+}
+
+std::string unique_text(const FittedModel& model, std::size_t starts) {
+  const SearchOptimum& best = model.search.optima.front();
+  std::string text = fmt::format("{} of {} starts, up to {:g} times off, came to it",
+                                 best.reached_by, starts, kStartFactor);
+  if (model.search.optima.size() > 1) {
+    text += fmt::format("; the next best is {:.3g} worse in log likelihood",
+                        best.value - model.search.optima[1].value);
+  }
+  return text + (model.is_unique ? "" : ": NOT unique, other values serve as well");
+}
+
+std::string check_text(const HeldOutCheck& check) {
+  std::string text = line(
+      "held out", fmt::format("{} positions: mean NIS {:.3f}, {} the 95 % bounds {:.3f} to {:.3f}",
+                              check.count, check.mean_nis, check.nis_inside ? "inside" : "OUTSIDE",
+                              check.nis_bounds.low, check.nis_bounds.high));
+  if (check.whiteness_p > 0.01) {
+    text += line("", fmt::format("innovations are white as far as {} lags tell (p = {:.2f})",
+                                 HeldOutCheck::kLags, check.whiteness_p));
+  } else {
+    text += line("", fmt::format("innovations are not white: neighbours {:.2f} correlated",
+                                 check.correlation[0]));
+  }
+  return text;
+}
+
+// Whether the fixed values predict better than the estimator that adapts.
+std::string adaptive_text(const HeldOutCheck& check) {
+  if (!std::isfinite(check.advantage_se)) return "";
+  const double sd = 1.96 * check.advantage_se;
+  const char* verdict = check.advantage - sd > 0   ? "better than"
+                        : check.advantage + sd < 0 ? "WORSE than"
+                                                   : "no better and no worse than";
+  return line("adaptation",
+              fmt::format("these fixed values predict what was held out {} the estimator that "
+                          "adapts: {:+.3f} +- {:.3f} a sample",
+                          verdict, check.advantage, sd)) +
+         line("", "(mean difference of log likelihoods; 95 %)");
+}
+
+std::string correlated_text(const LikelihoodPlan& plan, const LikelihoodTuning& tuning) {
+  const FittedModel& model = *tuning.correlated;
+  if (!tuning.correlated_serves) {
+    return line("NOT WHITE",
+                "the noise is not white, and no Gauss-Markov noise explains it "
+                "better: the intervals of any") +
+           line("", "filter here are not to be relied on; record without smoothing");
+  }
+  std::string text = line("NOT WHITE",
+                          "the maker has smoothed; noise that is alike for a while "
+                          "(Gauss-Markov) explains it better:");
+  for (std::size_t i = 0; i < model.parameters.size(); ++i) {
+    text +=
+        line(fmt::format("  {}", kUnits[i].name), parameter_text(model.parameters[i], kUnits[i]));
+  }
+  text += line("  optimum", unique_text(model, plan.starts));
+  text += check_text(model.held_out);
+  const WhiteStandIn& stand_in = *tuning.stand_in;
+  text += line("stand-in",
+               "condyle's filters take noise for white. Written are the white values "
+               "that serve best here:");
+  text += line(
+      "", fmt::format("{:.4g} mm, {:.4g} m^2/s^5: velocity within {:.2g} mm/s rms (the "
+                      "correlated model's own filter: {:.2g}),",
+                      1e3 * stand_in.white.position_sd_m, stand_in.white.jerk_density_m2_s5,
+                      1e3 * stand_in.velocity_error_m_s, 1e3 * stand_in.best_velocity_error_m_s));
+  text += line("", fmt::format("intervals not too narrow; NIS is then below 1 ({:.2f})",
+                               tuning.written_check.mean_nis));
+  return text;
+}
+
+}  // namespace
+
+std::string tuning_text(const std::vector<TuningRecording>& recordings, const LikelihoodPlan& plan,
+                        const LikelihoodTuning& tuning) {
+  std::string text;
+  std::size_t samples = 0, usable = 0;
+  std::uint64_t seen = 0, rejected = 0;
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    const TuningRecording& recording = recordings[i];
+    if (i < kMostNamed) text += line("recording", recording.name + ", " + recording.format);
+    for (const std::string& note : recording.notes) {
+      if (i < kMostNamed) text += line("note", note);
+    }
+    samples += recording.samples.size();
+    usable += recording.usable;
+    seen += recording.seen;
+    rejected += recording.rejected;
+  }
+  if (recordings.size() > kMostNamed) {
+    text += line("", fmt::format("and {} more", recordings.size() - kMostNamed));
+  }
+  text += line("positions", fmt::format("{} used of {} samples, {} outliers left out; a third of "
+                                        "the stretches held out",
+                                        usable, seen, rejected));
+  if (samples < seen) {
+    text += line("", fmt::format("{} samples were kept, evenly spread (--most-samples)", samples));
+  }
+  text += line("start",
+               fmt::format("{:.4g} mm, {:.4g} m^2/s^5{}", 1e3 * tuning.start.position_sd_m,
+                           tuning.start.jerk_density_m2_s5,
+                           plan.start ? ", as given" : ": noise at rest, and third differences"));
+  const FittedModel& white = tuning.white;
+  for (std::size_t i = 0; i < white.parameters.size(); ++i) {
+    text += line(kUnits[i].name, parameter_text(white.parameters[i], kUnits[i], doubt_of(tuning)));
+  }
+  text += line("optimum", unique_text(white, plan.starts));
+  text += check_text(white.held_out);
+  for (const std::string& reason : tuning.reasons) text += line("  reason", reason);
+  if (tuning.correlated) text += correlated_text(plan, tuning);
+  if (!tuning.correlated_serves) text += adaptive_text(tuning.written_check);
+  return text;
+}
+
+std::string tuning_comment(const std::vector<TuningRecording>& recordings,
+                           const LikelihoodPlan& plan, const LikelihoodTuning& tuning) {
+  std::string text = fmt::format(
+      "# Tuned by condyle {} to the innovation likelihood of {} recording{}, seed {}. Research use "
+      "only.\n",
+      CONDYLE_VERSION, recordings.size(), recordings.size() == 1 ? "" : "s", plan.seed);
+  const std::vector<FittedParameter>& found = tuning.white.parameters;
+  if (tuning.correlated_serves) {
+    text += "# The noise is not white; these are the white values that serve best.\n";
+  } else {
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      text += fmt::format("# {}: {}\n", kUnits[i].name,
+                          parameter_text(found[i], kUnits[i], doubt_of(tuning)));
+    }
+  }
+  const HeldOutCheck& check = tuning.written_check;
+  text += fmt::format("# Held out: mean NIS {:.3f} (95 % bounds {:.3f} to {:.3f})\n",
+                      check.mean_nis, check.nis_bounds.low, check.nis_bounds.high);
+  for (const std::string& reason : tuning.reasons) text += fmt::format("# {}\n", reason);
+  return text;
+}
+
+}  // namespace condyle::host
