@@ -30,8 +30,12 @@ PublishedRecording golden_chewing(const std::string& name = "chewing_60hz") {
   return recording;
 }
 
+// Their sample time is not the recordings', which must take its place.
 PublishedParameters golden_parameters(const std::string& name = "chewing_60hz") {
-  return load_parameters(CONDYLE_SOURCE_DIR "/tests/replay/vectors/" + name + ".toml").values;
+  PublishedParameters parameters =
+      load_parameters(CONDYLE_SOURCE_DIR "/tests/replay/vectors/" + name + ".toml").values;
+  parameters.sample_time_s = 0.1;
+  return parameters;
 }
 
 PublishedTuningResult tune(const std::vector<PublishedRecording>& recordings,
@@ -251,8 +255,33 @@ TEST(PublishedJudgement, AsksNeitherForASizeNorForNoFriction) {
     EXPECT_EQ(tuning.recordings[0].friction_range, 0);
     EXPECT_DOUBLE_EQ(tuning.objective, tuning.recordings[0].mass_deviation);
   }
+}
+
+TEST(PublishedJudgement, TakesNoNegativeFriction) {
+  PublishedParameters parameters = golden_parameters();
+  const std::vector<PublishedRecording> recordings = {golden_chewing()};
+  parameters.friction.initial_variance[2] = parameters.friction.process_variance[2] = 0;
   parameters.friction.initial_Ns_m = 0;
   EXPECT_FALSE(judge_published_tuning(recordings, parameters, 0.05).satisfies);
+
+  // A swing that dies down, and a tuning that makes a steady friction below zero of it.
+  PublishedRecording swing{"swing", 1.0 / 60, {}};
+  for (int i = 0; i < 720; ++i) {
+    const double t = i / 60.0;
+    swing.position_m.push_back(1e-3 * std::exp(0.3 * (6 - t)) * std::sin(8 * t));
+  }
+  parameters = {};
+  parameters.motion.process_variance[2] *= 72;
+  parameters.motion.measurement_variance[0] *= 0.0203;
+  parameters.friction.initial_variance[2] *= 5.4e7;
+  for (double& variance : parameters.friction.measurement_variance) variance *= 0.036;
+  parameters.mass.process_variance[2] *= 0.03;
+  parameters.mass.measurement_variance[1] *= 10;
+  const PublishedTuning tuning = judge_published_tuning({&swing, 1}, parameters, 0.05);
+  EXPECT_EQ(tuning.recordings[0].verdict, Verdict::matched);
+  EXPECT_LT(tuning.recordings[0].friction_range, 0.05);
+  EXPECT_LT(tuning.friction_Ns_m, 0);
+  EXPECT_FALSE(tuning.satisfies);
 }
 
 TEST(PublishedJudgement, WantsSteadyFriction) {
@@ -291,6 +320,9 @@ TEST(PublishedTuningReport, SaysThatItIsAssumed) {
   EXPECT_LE(shown.size(), 12U);
   EXPECT_EQ(result.tunings[shown.front()].friction_Ns_m, result.lowest_friction_Ns_m);
   EXPECT_EQ(result.tunings[shown.back()].friction_Ns_m, result.highest_friction_Ns_m);
+  auto all = tunings_spread_evenly(result, 300);
+  std::sort(all.begin(), all.end());
+  EXPECT_EQ(std::adjacent_find(all.begin(), all.end()), all.end());
   PublishedParameters learnt = golden_parameters();
   learnt.mass.initial_kg = learnt.assumed_mass_kg;
   EXPECT_THAT(text, ::testing::Not(HasSubstr("learns nothing")));
