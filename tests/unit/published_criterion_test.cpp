@@ -12,40 +12,17 @@
 #include "parameter_file.h"
 #include "replay/table.h"
 #include "tuning/published_tuning_report.h"
-#include "unit/temporary_folder.h"
+#include "unit/golden_tunings.h"
 
 namespace condyle::host {
 namespace {
 
 using ::testing::HasSubstr;
+using testing_support::golden_chewing;
+using testing_support::golden_parameters;
+using testing_support::tune;
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-
-// The first 12 s of a simulated chewing.
-PublishedRecording golden_chewing(const std::string& name = "chewing_60hz") {
-  const testing_support::Table table = testing_support::read_table(
-      CONDYLE_SOURCE_DIR "/tests/replay/vectors/" + name + ".positions.csv");
-  PublishedRecording recording{name, 1.0 / 60, table.numbers("position_m")};
-  recording.position_m.resize(720);
-  return recording;
-}
-
-// Their sample time is not the recordings', which must take its place.
-PublishedParameters golden_parameters(const std::string& name = "chewing_60hz") {
-  PublishedParameters parameters =
-      load_parameters(CONDYLE_SOURCE_DIR "/tests/replay/vectors/" + name + ".toml").values;
-  parameters.sample_time_s = 0.1;
-  return parameters;
-}
-
-PublishedTuningResult tune(const std::vector<PublishedRecording>& recordings,
-                           const PublishedTuningPlan& plan = {},
-                           const PublishedParameters& base = golden_parameters(),
-                           unsigned threads = 0) {
-  MonteCarloControl control;
-  control.threads = threads;
-  return tune_by_published_criterion(recordings, base, plan, {}, control);
-}
 
 // Each tuning, run afresh, is matched and has the friction it is said to have.
 void expect_matched(const PublishedTuningResult& result, const PublishedRecording& recording,
@@ -94,11 +71,22 @@ TEST(PublishedCriterion, LeavesFrictionOpen) {
     EXPECT_GT(result.satisfied_at_once, 0U);
     EXPECT_LT(result.satisfied_at_once, result.satisfied);
     EXPECT_GE(result.evaluations, result.starts);
-    EXPECT_LE(result.evaluations, result.starts * 300);
     EXPECT_GT(result.friction_ratio(), 3);
     EXPECT_FALSE(result.closest);
     expect_matched(result, recording);
   }
+}
+
+TEST(PublishedCriterion, LeavesFrictionOpenForTheRecordingShipped) {
+  const std::string path = CONDYLE_SOURCE_DIR "/host_sim/recordings/chewing_60hz";
+  const PublishedRecording recording{
+      "chewing_60hz.csv", 1.0 / 60,
+      testing_support::read_table(path + ".csv").numbers("position_m")};
+  const PublishedTuningResult result =
+      tune({recording}, {}, load_parameters(path + ".toml").values);
+  EXPECT_GE(result.tunings.size(), 5U);
+  EXPECT_GT(result.friction_ratio(), 3);
+  expect_matched(result, recording);
 }
 
 TEST(PublishedCriterion, HandsOutDistinctTuningsWithinTheBoundsBestFirst) {
@@ -305,44 +293,6 @@ TEST(PublishedJudgement, CountsDivergence) {
   EXPECT_FALSE(tuning.satisfies);
   EXPECT_GE(tuning.objective, 10);
   EXPECT_LE(tuning.objective, 30);
-}
-
-TEST(PublishedTuningReport, SaysThatItIsAssumed) {
-  const PublishedTuningResult result = tune({golden_chewing()});
-  const std::string text = published_tuning_text(result);
-  EXPECT_THAT(text, HasSubstr("100 from seed 1"));
-  EXPECT_THAT(text, HasSubstr("cannot tell these tunings apart"));
-  EXPECT_THAT(text, HasSubstr("ASSUMED"));
-  EXPECT_THAT(text, HasSubstr("no measurement of the subject. Research use only."));
-  EXPECT_THAT(text, HasSubstr("P_kv  initial variance of friction"));
-  const auto shown = tunings_spread_evenly(result, 12);
-  ASSERT_GE(shown.size(), 5U);
-  EXPECT_LE(shown.size(), 12U);
-  EXPECT_EQ(result.tunings[shown.front()].friction_Ns_m, result.lowest_friction_Ns_m);
-  EXPECT_EQ(result.tunings[shown.back()].friction_Ns_m, result.highest_friction_Ns_m);
-  auto all = tunings_spread_evenly(result, 300);
-  std::sort(all.begin(), all.end());
-  EXPECT_EQ(std::adjacent_find(all.begin(), all.end()), all.end());
-  PublishedParameters learnt = golden_parameters();
-  learnt.mass.initial_kg = learnt.assumed_mass_kg;
-  EXPECT_THAT(text, ::testing::Not(HasSubstr("learns nothing")));
-  EXPECT_THAT(published_tuning_text(tune({golden_chewing()}, {}, learnt)),
-              HasSubstr("a filter that learns nothing"));
-}
-
-TEST(PublishedTuningReport, DrawsTheTunings) {
-  const PublishedRecording recording = golden_chewing();
-  const PublishedTuningResult result = tune({recording});
-  const testing_support::TemporaryFolder folder;
-  for (const auto& file :
-       draw_published_tunings(folder.path().string(), "chewing's", result, recording)) {
-    file->commit();
-  }
-  const std::string drawing = testing_support::read_file(folder / "published_tunings.svg");
-  EXPECT_THAT(drawing, HasSubstr("friction of a tuning: ASSUMED, not measured"));
-  EXPECT_THAT(drawing, HasSubstr("research use only"));
-  EXPECT_THAT(drawing, HasSubstr("within 2 % of the assumed 0.25 kg"));
-  EXPECT_EQ(testing_support::read_file(folder / "published_tunings.png").substr(1, 3), "PNG");
 }
 
 }  // namespace
