@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tuning/published_criterion.h"
+
+#include <fmt/format.h>
+#include <nlopt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+
+#include "input_error.h"
+#include "simulation/random.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr std::size_t kFewestPositions = 40;  // ten to judge by
+constexpr double kFirstStep = 0.5;            // decades
+constexpr double kSmallestStep = 0.01;        // decades: a search that moves less is at its end
+
+using Exponents = std::array<double, kFreeVarianceCount>;  // decimal, of the factors
+
+PublishedParameters with_factors(const PublishedParameters& base, const Exponents& exponents) {
+  PublishedParameters parameters = base;
+  for (std::size_t i = 0; i < kFreeVarianceCount; ++i) {
+    double& variance = kFreeVariances[i].of(parameters);
+    variance = std::min(variance * std::pow(10, exponents[i]), kVarianceRange.highest);
+  }
+  return parameters;
+}
+
+bool are_distinct(PublishedParameters a, PublishedParameters b) {
+  return std::any_of(std::begin(kFreeVariances), std::end(kFreeVariances),
+                     [&](const FreeVariance& free) {
+                       const auto [low, high] = std::minmax({free.of(a), free.of(b)});
+                       return high > 0 && high >= kDistinctFactor * low;
+                     });
+}
+
+void refuse_plan(const PublishedTuningPlan& plan) {
+  const auto refuse = [](const char* what, const char* mend) {
+    throw InputError("published criterion", what, mend);
+  };
+  if (plan.starts == 0) refuse("no start is asked for", "ask for at least one");
+  if (plan.most_evaluations < 1) {
+    refuse("no evaluation is allowed to a start", "allow at least one");
+  }
+  if (!(plan.steady_share > 0) || !std::isfinite(plan.steady_share)) {
+    refuse("the share within which friction counts as steady is not above 0",
+           "give one such as 0.05");
+  }
+  for (std::size_t i = 0; i < kFreeVarianceCount; ++i) {
+    const Range& range = plan.factors[i];
+    if (range.lowest > 0 && range.lowest <= range.highest && std::isfinite(range.highest)) continue;
+    throw InputError("published criterion",
+                     fmt::format("the bounds {:g} to {:g} of {} are not factors from low to high",
+                                 range.lowest, range.highest, kFreeVariances[i].words),
+                     "give two numbers above 0, the smaller one first");
+  }
+}
+
+void refuse_recordings(std::span<const PublishedRecording> recordings,
+                       const PublishedParameters& base) {
+  if (recordings.empty()) {
+    throw InputError("published criterion", "there is no recording to tune by", "give one");
+  }
+  for (const auto& recording : recordings) {
+    PublishedParameters parameters = base;
+    parameters.sample_time_s = recording.sample_time_s;
+    if (!is_valid(parameters)) {
+      throw InputError(
+          recording.name,
+          fmt::format("its sample time of {:g} s is out of range", recording.sample_time_s),
+          "it must be from 1e-6 to 10 s");
+    }
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+    std::size_t measured = 0;
+    for (const double z : recording.position_m) {
+      if (!std::isfinite(z)) continue;
+      ++measured;
+      lowest = std::min(lowest, z);
+      highest = std::max(highest, z);
+    }
+    if (measured < kFewestPositions) {
+      throw InputError(recording.name,
+                       fmt::format("has {} measured positions, too few to tune by", measured),
+                       fmt::format("record at least {}", kFewestPositions));
+    }
+    if (!(highest > lowest)) {
+      throw InputError(recording.name,
+                       "its position never changes: without motion the third filter has nothing to "
+                       "find a mass from",
+                       "give a recording in which the jaw moves");
+    }
+  }
+}
+
+// What became of a start.
+struct SearchedStart {
+  PublishedTuning best;  // the first that satisfies the criterion, or the smallest J
+  std::uint64_t evaluations = 0;
+};
+
+class PublishedSearch {
+ public:
+  PublishedSearch(std::span<const PublishedRecording> recordings, const PublishedParameters& base,
+                  const PublishedTuningPlan& plan)
+      : recordings_(recordings), base_(base), plan_(plan) {}
+
+  SearchedStart run(std::uint64_t start) {
+    RandomGenerator random(plan_.seed, start);
+    Exponents lowest, highest, exponents;
+    for (std::size_t i = 0; i < kFreeVarianceCount; ++i) {
+      lowest[i] = std::log10(plan_.factors[i].lowest);
+      highest[i] = std::log10(plan_.factors[i].highest);
+      const double drawn = lowest[i] + (highest[i] - lowest[i]) * random.uniform();
+      exponents[i] = std::clamp(drawn, lowest[i], highest[i]);
+    }
+    const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> optimiser(
+        nlopt_create(NLOPT_LN_SBPLX, kFreeVarianceCount), nlopt_destroy);
+    optimiser_ = optimiser.get();
+    nlopt_set_lower_bounds(optimiser_, lowest.data());
+    nlopt_set_upper_bounds(optimiser_, highest.data());
+    nlopt_set_min_objective(optimiser_, &PublishedSearch::objective, this);
+    nlopt_set_initial_step1(optimiser_, kFirstStep);
+    nlopt_set_xtol_abs1(optimiser_, kSmallestStep);
+    nlopt_set_maxeval(optimiser_, plan_.most_evaluations);
+    double least = 0;
+    const nlopt_result outcome = nlopt_optimize(optimiser_, exponents.data(), &least);
+    if (!best_ || outcome == NLOPT_INVALID_ARGS || outcome == NLOPT_OUT_OF_MEMORY) {
+      throw std::runtime_error(fmt::format("the optimiser failed ({})", static_cast<int>(outcome)));
+    }
+    return {std::move(*best_), evaluations_};
+  }
+
+ private:
+  static double objective(unsigned, const double* x, double*, void* self) {
+    return static_cast<PublishedSearch*>(self)->evaluate(x);
+  }
+
+  double evaluate(const double* x) {
+    Exponents exponents;
+    std::copy_n(x, kFreeVarianceCount, exponents.begin());
+    ++evaluations_;
+    PublishedTuning tuning =
+        judge_published_tuning(recordings_, with_factors(base_, exponents), plan_.steady_share);
+    const double value = tuning.objective;
+    if (tuning.satisfies) nlopt_force_stop(optimiser_);
+    const bool is_found = best_ && best_->satisfies;
+    if (!best_ || (!is_found && (tuning.satisfies || value < best_->objective))) {
+      best_ = std::move(tuning);
+    }
+    return value;
+  }
+
+  std::span<const PublishedRecording> recordings_;
+  const PublishedParameters& base_;
+  const PublishedTuningPlan& plan_;
+  nlopt_opt optimiser_ = nullptr;
+  std::optional<PublishedTuning> best_;
+  std::uint64_t evaluations_ = 0;
+};
+
+// `tunings`, best first, without those not distinct from a better one.
+std::vector<PublishedTuning> distinct_tunings(std::vector<PublishedTuning> tunings) {
+  std::stable_sort(tunings.begin(), tunings.end(),
+                   [](const auto& a, const auto& b) { return a.objective < b.objective; });
+  std::vector<PublishedTuning> kept;
+  for (auto& tuning : tunings) {
+    if (std::all_of(kept.begin(), kept.end(), [&](const PublishedTuning& other) {
+          return are_distinct(tuning.parameters, other.parameters);
+        })) {
+      kept.push_back(std::move(tuning));
+    }
+  }
+  return kept;
+}
+
+}  // namespace
+
+PublishedTuningResult tune_by_published_criterion(std::span<const PublishedRecording> recordings,
+                                                  const PublishedParameters& base,
+                                                  const PublishedTuningPlan& plan,
+                                                  const MonteCarloProgress& progress,
+                                                  const MonteCarloControl& control) {
+  refuse_plan(plan);
+  refuse_recordings(recordings, base);
+  PublishedTuningResult result;
+  result.base = base;
+  result.plan = plan;
+  for (const auto& recording : recordings) result.recordings.push_back(recording.name);
+
+  std::vector<PublishedTuning> satisfying;
+  const auto work = [&](std::uint64_t start) {
+    return PublishedSearch(recordings, base, plan).run(start);
+  };
+  const auto merge = [&](SearchedStart&& start) {
+    PublishedTuning& best = start.best;
+    result.evaluations += start.evaluations;
+    if (best.satisfies) {
+      ++result.satisfied;
+      if (start.evaluations == 1) ++result.satisfied_at_once;
+      satisfying.push_back(std::move(best));
+    } else if (!result.closest || best.objective < result.closest->objective) {
+      result.closest = std::move(best);
+    }
+  };
+  result.starts = run_monte_carlo(plan.starts, 0, work, merge, progress, control);
+
+  if (!satisfying.empty()) result.closest.reset();
+  result.tunings = distinct_tunings(std::move(satisfying));
+  const double initial = base.friction.initial_Ns_m;
+  for (const auto& tuning : result.tunings) {
+    const double friction = tuning.friction_Ns_m;
+    const bool is_first = &tuning == &result.tunings.front();
+    if (is_first || friction < result.lowest_friction_Ns_m) result.lowest_friction_Ns_m = friction;
+    if (is_first || friction > result.highest_friction_Ns_m) {
+      result.highest_friction_Ns_m = friction;
+    }
+    if (std::abs(friction - initial) <= plan.steady_share * initial) ++result.at_initial_friction;
+  }
+  return result;
+}
+
+}  // namespace condyle::host

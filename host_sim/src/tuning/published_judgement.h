@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// How well a tuning of the published cascade satisfies the paper's criterion: stage 3 returns the
+// assumed mass and friction stays steady.
+//
+// For a recording r, over the last quarter of its run (as in matching_verdict.h, from the first
+// measured position on), with stage 3's mass m, stage 2's friction kv and its mean k:
+//
+//   J_r = min(rms(m / m0 - 1), 10) + min(rms(kv - k) / |k|, 10) + (10 if it diverged)
+//   J   = sum of J_r
+//
+// What is not finite counts as 10. No term asks for a particular friction. A tuning satisfies the
+// criterion where every recording's verdict is `matched`, the range of kv is at most
+// `steady_share` of k, and kv is positive: else it would be no friction.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "condyle/estimator/matching_verdict.h"
+#include "condyle/estimator/parameters.h"
+
+namespace condyle::host {
+
+/// A recording to tune by.
+struct PublishedRecording {
+  std::string name;                ///< for messages
+  double sample_time_s = 0;        ///< takes the place of the parameters'
+  std::vector<double> position_m;  ///< NaN or infinity: no measurement in that sample
+};
+
+/// What a tuning makes of one recording, over the last quarter. NaN where the
+/// filters were not finite.
+struct TunedRecording {
+  double friction_Ns_m = 0;   ///< mean
+  double friction_range = 0;  ///< highest less lowest, as a share of the mean
+  double mass_kg = 0;         ///< mean
+  double mass_deviation = 0;  ///< rms of m / m0 - 1
+  double objective = 0;       ///< J_r
+  Verdict verdict = Verdict::not_matched;
+  bool satisfies = false;  ///< the criterion, for this recording
+};
+
+/// A tuning and what it makes of each recording.
+struct PublishedTuning {
+  PublishedParameters parameters;  ///< sample_time_s is the base's
+  std::vector<TunedRecording> recordings;
+  double objective = 0;      ///< J
+  bool satisfies = false;    ///< the criterion, for every recording
+  double friction_Ns_m = 0;  ///< mean of the recordings'
+  double mass_kg = 0;        ///< mean of the recordings'
+};
+
+/// Index of the sample with which the last quarter begins.
+std::size_t first_judged_sample(const PublishedRecording& recording);
+
+/// Runs the cascade with `parameters`, which must satisfy `is_valid`, over `recordings` and judges
+/// it. Each recording must have a measured position.
+PublishedTuning judge_published_tuning(std::span<const PublishedRecording> recordings,
+                                       const PublishedParameters& parameters, double steady_share);
+
+}  // namespace condyle::host
