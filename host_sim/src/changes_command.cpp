@@ -18,18 +18,15 @@
 #include "number_option.h"
 #include "parameter_file.h"
 #include "progress.h"
+#include "recording_choice.h"
 #include "replay_facebow.h"
 #include "replayed_drive.h"
 
 namespace condyle::host {
 namespace {
 
-struct ChangesOptions {
+struct ChangesOptions : RecordingChoice {
   std::string recording, drive, parameters, out, figures;
-  std::string axis = "z", unit, faults = "refuse";
-  CLI::Option* axis_option = nullptr;
-  FollowedCoordinate followed;
-  RecordingOptions reading;
   DriveOptions drive_stated;
   double false_alarm_interval_h = 0;
   std::optional<double> smallest_change_Ns_m;
@@ -70,15 +67,7 @@ RecommendedParameters choose_parameters(const ChangesOptions& options, const Rec
 }
 
 void check(const ChangesOptions& options, const RecordingInfo& info) {
-  if (!is_available(info.kind, options.followed)) {
-    throw InputError(options.recording,
-                     fmt::format("has one point, not point {}", options.followed.point),
-                     "leave out --point");
-  }
-  if (info.kind == SampleKind::one_axis && options.axis_option->count() > 0) {
-    throw InputError(options.recording, "has one axis, so there is none to choose",
-                     "leave out --axis");
-  }
+  options.RecordingChoice::check(options.recording, info);
   if (!options.drive.empty() && info.has_drive) {
     throw InputError(options.recording, "has a drive of its own",
                      "leave out --drive, or its column with --ignore-column drive_N");
@@ -98,8 +87,7 @@ WatchedRecording watch(const ChangesOptions& options, const RecommendedParameter
   firmware::RunSettings settings;
   settings.followed = options.followed;
   settings.expects_drive = info.has_drive;
-  settings.nominal_step_ns =
-      (info.is_of_device ? info.nominal_step_ns : facebow.median_step_ns()).value_or(0);
+  settings.nominal_step_ns = facebow.expected_step_ns();
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
                    "its median step", "check the unit of time_s");
   std::optional<DriveChannel> channel;
@@ -240,35 +228,10 @@ Command add_changes(CLI::App& app) {
                       "drive_N, or a session log");
   options->drive_stated.add_to(*command);
   command->add_option("--parameters", options->parameters, "TOML file, as for replay");
-  command->add_option("--point", options->followed.point, "Point to follow")
-      ->check(CLI::Range(1, 3))
-      ->capture_default_str();
-  options->axis_option = command->add_option("--axis", options->axis, "Axis to follow")
-                             ->check(CLI::IsMember({"x", "y", "z"}))
-                             ->capture_default_str();
-  command->add_option("--unit", options->unit, "Unit of coordinates where the format states none")
-      ->check(CLI::IsMember({"mm", "m"}));
-  command
-      ->add_option("--faults", options->faults,
-                   "What to do with missing, non-finite and reversed rows")
-      ->check(CLI::IsMember({"refuse", "event"}))
-      ->capture_default_str();
-  command
-      ->add_option("--ignore-column", options->reading.ignored_columns,
-                   "CSV column to leave unread; may be given several times")
-      ->allow_extra_args(false);
-  command->add_option("--profile", options->reading.profile,
-                      "TOML file that describes the device of a capture");
+  options->add_to(*command);
   command->add_option("--out", options->out, "CSV file with a row per cycle");
   command->add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
-  return [options] {
-    options->followed.axis = static_cast<Axis>(options->axis[0] - 'x');
-    options->reading.faults = options->faults == "event" ? FaultPolicy::event : FaultPolicy::refuse;
-    if (!options->unit.empty()) {
-      options->reading.units_per_metre = options->unit == "mm" ? 1000 : 1;
-    }
-    return changes(*options);
-  };
+  return [options] { return changes(*options); };
 }
 
 }  // namespace condyle::host

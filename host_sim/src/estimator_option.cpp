@@ -34,6 +34,14 @@ RecommendedParameters EstimatorOption::load_recommended() const {
   return parameters.empty() ? RecommendedParameters{} : load_recommended_parameters(parameters);
 }
 
+RecommendedParameters load_recommended_for(const EstimatorOption& estimator,
+                                           const RecordingInfo& info, const std::string& source) {
+  if (!estimator.parameters.empty() || info.parameters_toml.empty()) {
+    return estimator.load_recommended();
+  }
+  return parse_recommended_parameters(source + ": its parameters", info.parameters_toml);
+}
+
 PublishedParameters load_published_for(const EstimatorOption& estimator,
                                        std::optional<TimeNs> step_ns, const std::string& source) {
   LoadedParameters loaded = estimator.load_published();

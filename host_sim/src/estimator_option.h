@@ -7,6 +7,7 @@
 
 #include "condyle/estimator/sample.h"
 #include "parameter_file.h"
+#include "recording.h"
 
 namespace condyle::host {
 
@@ -28,6 +29,11 @@ struct EstimatorOption {
   LoadedParameters load_published() const;
   RecommendedParameters load_recommended() const;
 };
+
+/// The recommended estimator's parameters for the recording `source`: those that it was recorded
+/// with, if it holds them and no file is given.
+RecommendedParameters load_recommended_for(const EstimatorOption& estimator,
+                                           const RecordingInfo& info, const std::string& source);
 
 /// The published cascade's parameters for samples `step_ns` apart, where the file does not give
 /// sample_time_s. An InputError that names `source` where it is absent or no usable sample time.

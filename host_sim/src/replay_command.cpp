@@ -20,6 +20,7 @@
 #include "number_option.h"
 #include "parameter_file.h"
 #include "progress.h"
+#include "recording_choice.h"
 #include "replay_facebow.h"
 #include "replay_summary.h"
 #include "replayed_drive.h"
@@ -27,18 +28,14 @@
 namespace condyle::host {
 namespace {
 
-struct ReplayOptions {
+struct ReplayOptions : RecordingChoice {
   std::string recording;
   EstimatorOption estimator;
   std::string out;
   std::string figures;
   std::string values;
-  std::string unit;
-  FollowedCoordinate followed;
-  bool axis_given = false;
   std::vector<double> jaw_point_mm;  // empty: a point of the instrument
   double speed = 0;
-  RecordingOptions reading;
   std::string drive;  // a recording of its own
   DriveOptions drive_stated;
 };
@@ -156,13 +153,9 @@ template <int kAxes>
 int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
                        firmware::RunSettings settings) {
   const RecordingInfo& info = facebow.info();
-  const bool has_own = options.estimator.parameters.empty() && !info.parameters_toml.empty();
   RecommendedParameters parameters =
-      has_own ? parse_recommended_parameters(options.recording + ": its parameters",
-                                             info.parameters_toml)
-              : options.estimator.load_recommended();
-  settings.nominal_step_ns =
-      (info.is_of_device ? info.nominal_step_ns : facebow.median_step_ns()).value_or(0);
+      load_recommended_for(options.estimator, info, options.recording);
+  settings.nominal_step_ns = facebow.expected_step_ns();
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
                    "its median step", "check the unit of time_s");
   BodyFits fits;
@@ -202,15 +195,7 @@ int replay(const ReplayOptions& options) {
   ReplayFacebow facebow(options.recording, options.reading, options.speed, clock);
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
   const RecordingInfo& info = facebow.info();
-  if (!is_available(info.kind, options.followed)) {
-    throw InputError(options.recording,
-                     fmt::format("has one point, not point {}", options.followed.point),
-                     "leave out --point");
-  }
-  if (info.kind == SampleKind::one_axis && options.axis_given) {
-    throw InputError(options.recording, "has one axis, so there is none to choose",
-                     "leave out --axis");
-  }
+  options.check(options.recording, info);
   const bool has_pose = info.kind == SampleKind::three_points || info.kind == SampleKind::pose;
   if (!options.jaw_point_mm.empty() && !has_pose) {
     throw InputError(options.recording, "has no three points, so the jaw's pose is not known",
@@ -251,13 +236,7 @@ Command add_replay(CLI::App& app) {
                    "USB traffic (pcap, pcapng), recognised by its content; or synth:SCENARIO.toml")
       ->required();
   options->estimator.add_to(*command);
-  command->add_option("--point", options->followed.point, "Point to follow")
-      ->check(CLI::Range(1, 3))
-      ->capture_default_str();
-  auto axis = std::make_shared<std::string>("z");
-  CLI::Option* const axis_option = command->add_option("--axis", *axis, "Axis to follow")
-                                       ->check(CLI::IsMember({"x", "y", "z"}))
-                                       ->capture_default_str();
+  options->RecordingChoice::add_to(*command);
   command
       ->add_option("--jaw-point-mm", options->jaw_point_mm,
                    "X Y Z of a point fixed to the jaw, in the frame of the three points (origin "
@@ -265,21 +244,6 @@ Command add_replay(CLI::App& app) {
       ->expected(3)
       ->check(number_in({-1000, 1000}))
       ->excludes("--point");
-  auto faults = std::make_shared<std::string>("refuse");
-  command->add_option("--faults", *faults, "What to do with missing, non-finite and reversed rows")
-      ->check(CLI::IsMember({"refuse", "event"}))
-      ->capture_default_str();
-  command
-      ->add_option("--ignore-column", options->reading.ignored_columns,
-                   "CSV column to leave unread; may be given several times")
-      ->allow_extra_args(false);
-  command->add_option("--profile", options->reading.profile,
-                      "TOML file that describes the device of a capture");
-  command->add_option("--unit", options->unit, "Unit of coordinates where the format states none")
-      ->check(CLI::IsMember({"mm", "m"}));
-  command->add_option("--movement", options->reading.movement, "Movement of a Zebris XML file")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
   command->add_option("--speed", options->speed, "0 as fast as possible, 1 real time")
       ->check(number_in({0, 1e6}))
       ->capture_default_str();
@@ -293,15 +257,7 @@ Command add_replay(CLI::App& app) {
       "Folder for what the devices of a session log or capture measured beside position: force, "
       "EMG (CSV)");
   command->add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
-  return [options, axis, axis_option, faults] {
-    options->followed.axis = static_cast<Axis>((*axis)[0] - 'x');
-    options->axis_given = axis_option->count() > 0;
-    options->reading.faults = *faults == "event" ? FaultPolicy::event : FaultPolicy::refuse;
-    if (!options->unit.empty()) {
-      options->reading.units_per_metre = options->unit == "mm" ? 1000 : 1;
-    }
-    return replay(*options);
-  };
+  return [options] { return replay(*options); };
 }
 
 }  // namespace condyle::host

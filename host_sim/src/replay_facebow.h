@@ -32,6 +32,11 @@ class ReplayFacebow final : public hal::Facebow {
   /// Time between samples as the recording states it, else the median (of the first kLookAhead);
   /// absent where no time passes.
   std::optional<TimeNs> median_step_ns() const { return median_step_ns_; }
+  /// Time between samples by which gaps are found: as it was live for a device's recording, else
+  /// the median step; 0 where it is not known.
+  TimeNs expected_step_ns() const {
+    return (info().is_of_device ? info().nominal_step_ns : median_step_ns_).value_or(0);
+  }
   /// Share of the recording read so far, 0 to 1.
   double progress() const { return recording_ ? recording_->progress() : 0; }
 

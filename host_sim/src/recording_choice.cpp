@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "recording_choice.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "input_error.h"
+
+namespace condyle::host {
+
+void RecordingChoice::add_to(CLI::App& command) {
+  command.add_option("--point", followed.point, "Point to follow")
+      ->check(CLI::Range(1, 3))
+      ->capture_default_str();
+  const auto take_axis = [this](const std::string& axis) {
+    followed.axis = static_cast<Axis>(axis[0] - 'x');
+    axis_given = true;
+  };
+  command.add_option_function<std::string>("--axis", take_axis, "Axis to follow")
+      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->default_str("z");
+  const auto take_faults = [this](const std::string& policy) {
+    reading.faults = policy == "event" ? FaultPolicy::event : FaultPolicy::refuse;
+  };
+  command
+      .add_option_function<std::string>("--faults", take_faults,
+                                        "What to do with missing, non-finite and reversed rows")
+      ->check(CLI::IsMember({"refuse", "event"}))
+      ->default_str("refuse");
+  command
+      .add_option("--ignore-column", reading.ignored_columns,
+                  "CSV column to leave unread; may be given several times")
+      ->allow_extra_args(false);
+  command.add_option("--profile", reading.profile,
+                     "TOML file that describes the device of a capture");
+  const auto take_unit = [this](const std::string& unit) {
+    reading.units_per_metre = unit == "mm" ? 1000 : 1;
+  };
+  command
+      .add_option_function<std::string>("--unit", take_unit,
+                                        "Unit of coordinates where the format states none")
+      ->check(CLI::IsMember({"mm", "m"}));
+  command.add_option("--movement", reading.movement, "Movement of a Zebris XML file")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+}
+
+void RecordingChoice::check(const std::string& source, const RecordingInfo& info) const {
+  if (!is_available(info.kind, followed)) {
+    throw InputError(source, fmt::format("has one point, not point {}", followed.point),
+                     "leave out --point");
+  }
+  if (info.kind == SampleKind::one_axis && axis_given) {
+    throw InputError(source, "has one axis, so there is none to choose", "leave out --axis");
+  }
+}
+
+}  // namespace condyle::host
