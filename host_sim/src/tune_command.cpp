@@ -3,47 +3,73 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "commands.h"
 #include "condyle/hal/clock.h"
-#include "estimator_option.h"
 #include "input_error.h"
 #include "number_option.h"
+#include "parameter_file.h"
 #include "progress.h"
+#include "recording_choice.h"
 #include "tuning/likelihood_tuning.h"
+#include "tuning/published_recording.h"
+#include "tuning/published_tuning_report.h"
 #include "tuning/tuning_report.h"
 
 namespace condyle::host {
 namespace {
 
+constexpr std::size_t kLikelihoodSamples = 200'000, kPublishedSamples = 20'000;
+
 struct TuneOptions {
   std::vector<std::string> recordings;
-  std::string criterion = "likelihood", parameters, out, figures;
-  std::string axis = "z", unit, faults = "refuse";
-  TuningInput input;
-  std::size_t starts = 0, most_samples = 0;
+  std::string criterion = "likelihood", parameters, out, figures, tunings;
+  RecordingChoice choice;
+  std::size_t starts = 0, most_samples = 0;  // 0: as the criterion has it
   std::uint64_t seed = 1;
   std::vector<double> noise_mm, jerk_density;
+
+  bool is_published() const { return criterion == "published"; }
+  // Samples kept of each recording.
+  std::size_t share_of_samples(std::size_t by_default) const {
+    const std::size_t all = most_samples > 0 ? most_samples : by_default;
+    return std::max(all / recordings.size(), 2 * StretchKeeper::kStretch);
+  }
 };
 
-// Reads all recordings, one after the other.
-std::vector<TuningRecording> read_all(const TuneOptions& options, const TuningInput& input,
-                                      hal::Clock& clock) {
-  std::vector<TuningRecording> recordings;
+// Reads all recordings, one after the other; `read(path, show)` gives one.
+template <class Read>
+auto read_all(const TuneOptions& options, hal::Clock& clock, const Read& read) {
+  std::vector<decltype(read(options.out, [](double) {}))> recordings;
   const auto count = static_cast<double>(options.recordings.size());
   Progress progress("reading", clock);
   for (const std::string& path : options.recordings) {
-    recordings.push_back(read_for_tuning(
-        path, input,
-        [&](double share) {
-          progress.show((static_cast<double>(recordings.size()) + share) / count);
-        },
-        stop_requested));
+    recordings.push_back(read(path, [&](double share) {
+      progress.show((static_cast<double>(recordings.size()) + share) / count);
+    }));
     if (stop_requested()) break;
   }
   return recordings;
 }
+
+// The progress of a search and what may stop it.
+struct ShownSearch {
+  explicit ShownSearch(hal::Clock& clock) : progress("tuning", clock, 1) {
+    control.stop = [] { return stop_requested(); };
+    control.while_waiting = [this] { progress.show(share); };
+  }
+  void show(double now) {
+    share = now;
+    progress.show(now);
+  }
+
+  Progress progress;
+  double share = 0;
+  MonteCarloControl control;
+};
 
 Range bounds_of(const char* option, const std::vector<double>& given, double scale,
                 Range otherwise) {
@@ -82,57 +108,126 @@ std::string commit_all(const std::vector<std::unique_ptr<OutputFile>>& files) {
   return text;
 }
 
-int tune_by_likelihood(const TuneOptions& options) {
+// What it found, or that the user stopped it.
+int report(const std::string& found, const std::vector<std::unique_ptr<OutputFile>>& files,
+           int exit_code) {
+  print_output(fmt::format("condyle {}: research use only; this is no diagnosis\n{}{}",
+                           CONDYLE_VERSION, found, commit_all(files)));
+  return exit_code;
+}
+
+int report_stop() {
+  print_error("stopped; no file was left");
+  return kExitInterrupted;
+}
+
+int tune_likelihood(const TuneOptions& options, std::vector<std::unique_ptr<OutputFile>>& files) {
   RecommendedParameters parameters;
   if (!options.parameters.empty()) parameters = load_recommended_parameters(options.parameters);
   const LikelihoodPlan plan = plan_of(options, parameters);
-  TuningInput input = options.input;
-  input.parameters = parameters;
-  input.kept = KeptSamples::spread;
-  input.most_samples =
-      std::max(options.most_samples / options.recordings.size(), 2 * StretchKeeper::kStretch);
-  // Opened first, so that an output that cannot be written is said before the work.
-  std::unique_ptr<OutputFolder> folder;
-  if (!options.figures.empty()) folder = std::make_unique<OutputFolder>(options.figures);
-  std::vector<std::unique_ptr<OutputFile>> files;
-  files.push_back(std::make_unique<OutputFile>(options.out));
-
+  const TuningInput input{options.choice, options.share_of_samples(kLikelihoodSamples), parameters};
   hal::SteadyClock clock;
-  const std::vector<TuningRecording> recordings = read_all(options, input, clock);
+  const auto recordings = read_all(options, clock, [&](const std::string& path, const auto& show) {
+    return read_for_tuning(path, input, show, stop_requested);
+  });
+  if (stop_requested()) return report_stop();
   LikelihoodTuning tuning;
-  if (!stop_requested()) {
-    Progress progress("tuning", clock, 1);
-    double last_share = 0;
-    MonteCarloControl control;
-    control.stop = [] { return stop_requested(); };
-    control.while_waiting = [&] { progress.show(last_share); };
+  {
+    ShownSearch shown(clock);
     tuning = tune_by_likelihood(
-        recordings, plan,
-        [&](double share) {
-          last_share = share;
-          progress.show(share);
-        },
-        control);
+        recordings, plan, [&](double share) { shown.show(share); }, shown.control);
   }
-  if (stop_requested()) {
-    print_error("stopped; no file was left");
-    return kExitInterrupted;
-  }
+  if (stop_requested()) return report_stop();
   parameters.noise.adaptation = Adaptation::off;
   parameters.noise.position_sd_m = tuning.written.position_sd_m;
   parameters.noise.jerk_density_m2_s5 = tuning.written.jerk_density_m2_s5;
   files[0]->write(tuning_comment(recordings, plan, tuning) + parameters_toml(parameters));
   files[0]->close();
-  if (folder) {
+  if (!options.figures.empty()) {
     for (auto& figure : draw_tuning(options.figures, recordings, tuning)) {
       files.push_back(std::move(figure));
     }
   }
-  std::string text =
-      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
-  text += tuning_text(recordings, plan, tuning);
-  print_output(text + commit_all(files));
-  return kExitOk;
+  return report(tuning_text(recordings, plan, tuning), files, kExitOk);
+}
+
+int tune_published(const TuneOptions& options, std::vector<std::unique_ptr<OutputFile>>& files) {
+  LoadedParameters parameters;
+  if (!options.parameters.empty()) parameters = load_parameters(options.parameters);
+  PublishedTuningPlan plan;
+  plan.seed = options.seed;
+  if (options.starts > 0) plan.starts = options.starts;
+  hal::SteadyClock clock;
+  const auto recordings = read_all(options, clock, [&](const std::string& path, const auto& show) {
+    const std::optional<double> sample_time_s = parameters.gives_sample_time
+                                                    ? std::optional(parameters.values.sample_time_s)
+                                                    : std::nullopt;
+    return read_for_published(path, options.choice, sample_time_s,
+                              options.share_of_samples(kPublishedSamples), show, stop_requested);
+  });
+  if (stop_requested()) return report_stop();
+  PublishedTuningResult result;
+  {
+    ShownSearch shown(clock);
+    result = tune_by_published_criterion(
+        recordings, parameters.values, plan,
+        [&](std::uint64_t merged, std::uint64_t starts) {
+          shown.show(static_cast<double>(merged) / static_cast<double>(starts));
+        },
+        shown.control);
+  }
+  if (stop_requested()) return report_stop();
+  if (result.tunings.empty()) {
+    files.clear();
+    return report(published_tuning_text(result), files, kExitRefused);
+  }
+  parameters.values = result.tunings.front().parameters;
+  files[0]->write(fmt::format(
+      "# Tuned by condyle {} until the assumed mass came back, as the paper does: one of {} such "
+      "tunings\n# found, whose frictions lie a factor of {:.3g} apart. Friction and mass are "
+      "assumed, "
+      "not measured.\n# Research use only.\n{}",
+      CONDYLE_VERSION, result.tunings.size(), result.friction_ratio(),
+      parameters_toml(parameters)));
+  files[0]->close();
+  if (!options.tunings.empty()) {
+    files[1]->write(published_tunings_csv(result));
+    files[1]->close();
+  }
+  if (!options.figures.empty()) {
+    const std::string name = std::filesystem::path(recordings.front().name).filename().string();
+    for (auto& figure : draw_published_tunings(options.figures, name, result, recordings.front())) {
+      files.push_back(std::move(figure));
+    }
+  }
+  return report(published_tuning_text(result), files, kExitOk);
+}
+
+// Refuses options of the other criterion.
+void check(const TuneOptions& options) {
+  const auto refuse = [&](const char* option, bool given, const char* criterion) {
+    if (!given || options.criterion == criterion) return;
+    throw InputError(option, fmt::format("the criterion {} has no such thing", options.criterion),
+                     fmt::format("leave it out, or give --criterion {}", criterion));
+  };
+  refuse("--noise-bounds-mm", !options.noise_mm.empty(), "likelihood");
+  refuse("--jerk-density-bounds", !options.jerk_density.empty(), "likelihood");
+  refuse("--tunings", !options.tunings.empty(), "published");
+  std::vector<std::string> inputs = options.recordings;
+  inputs.push_back(options.parameters);
+  inputs.push_back(options.choice.reading.profile);
+  refuse_same_files(inputs, {options.out, options.tunings});
+}
+
+int tune(const TuneOptions& options) {
+  check(options);
+  // Opened first, so that an output that cannot be written is said before the work.
+  std::unique_ptr<OutputFolder> folder;
+  if (!options.figures.empty()) folder = std::make_unique<OutputFolder>(options.figures);
+  std::vector<std::unique_ptr<OutputFile>> files;
+  files.push_back(std::make_unique<OutputFile>(options.out));
+  if (!options.tunings.empty()) files.push_back(std::make_unique<OutputFile>(options.tunings));
+  return options.is_published() ? tune_published(options, files) : tune_likelihood(options, files);
 }
 
 }  // namespace
@@ -144,66 +239,40 @@ Command add_tune(CLI::App& app) {
   command->add_option("RECORDING", options->recordings, "As for replay; one or more")->required();
   command
       ->add_option("--criterion", options->criterion,
-                   "likelihood: what makes the recordings most likely (recommended estimator)")
-      ->check(CLI::IsMember({"likelihood"}))
+                   "likelihood: what makes the recordings most likely (recommended estimator); "
+                   "published: that the published cascade returns its assumed mass, as the paper "
+                   "tunes, with all that this leaves open")
+      ->check(CLI::IsMember({"likelihood", "published"}))
       ->capture_default_str();
   command->add_option("--out", options->out, "TOML file for the parameters")->required();
   command->add_option("--parameters", options->parameters,
                       "TOML file to start from; it also gives what is not tuned");
-  command->add_option("--starts", options->starts, "Number of starts of the search (12)")
-      ->check(CLI::Range(1, 10'000));
+  command
+      ->add_option("--starts", options->starts,
+                   "Number of starts of the search (likelihood 12, published 100)")
+      ->check(CLI::Range(1, 100'000));
   command->add_option("--seed", options->seed, "From which starts are drawn")
       ->capture_default_str();
   command
       ->add_option("--noise-bounds-mm", options->noise_mm,
-                   "Lowest and highest noise (0.0001 to 10)")
+                   "Lowest and highest noise (0.0001 10; likelihood)")
       ->expected(2)
       ->check(number_in({1e-4, 100}));
   command
       ->add_option("--jerk-density-bounds", options->jerk_density,
-                   "Lowest and highest density of the jerk in m^2/s^5 (1e-6 to 1e6)")
+                   "Lowest and highest density of the jerk in m^2/s^5 (1e-6 1e6; likelihood)")
       ->expected(2)
       ->check(number_in({1e-6, 1e6}));
-  options->most_samples = 200'000;
   command
       ->add_option("--most-samples", options->most_samples,
-                   "Samples kept in memory, of all recordings together")
-      ->check(CLI::Range(2'000, 100'000'000))
-      ->capture_default_str();
-  command->add_option("--point", options->input.followed.point, "Point to follow")
-      ->check(CLI::Range(1, 3))
-      ->capture_default_str();
-  CLI::Option* const axis_option = command->add_option("--axis", options->axis, "Axis to tune to")
-                                       ->check(CLI::IsMember({"x", "y", "z"}))
-                                       ->capture_default_str();
-  command->add_option("--unit", options->unit, "Unit of coordinates where the format states none")
-      ->check(CLI::IsMember({"mm", "m"}));
-  command
-      ->add_option("--faults", options->faults,
-                   "What to do with missing, non-finite and reversed rows")
-      ->check(CLI::IsMember({"refuse", "event"}))
-      ->capture_default_str();
-  command
-      ->add_option("--ignore-column", options->input.reading.ignored_columns,
-                   "CSV column to leave unread; may be given several times")
-      ->allow_extra_args(false);
-  command->add_option("--profile", options->input.reading.profile,
-                      "TOML file that describes the device of a capture");
+                   "Samples kept in memory, of all recordings together (likelihood 200000, evenly "
+                   "spread; published 20000, the first)")
+      ->check(CLI::Range(2'000, 100'000'000));
+  options->choice.add_to(*command);
+  command->add_option("--tunings", options->tunings,
+                      "CSV file for all tunings that satisfy the criterion (published)");
   command->add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
-  return [options, axis_option] {
-    TuningInput& input = options->input;
-    input.followed.axis = static_cast<Axis>(options->axis[0] - 'x');
-    input.axis_given = axis_option->count() > 0;
-    input.reading.faults = options->faults == "event" ? FaultPolicy::event : FaultPolicy::refuse;
-    if (!options->unit.empty()) {
-      input.reading.units_per_metre = options->unit == "mm" ? 1000 : 1;
-    }
-    std::vector<std::string> inputs = options->recordings;
-    inputs.push_back(options->parameters);
-    inputs.push_back(input.reading.profile);
-    refuse_same_files(inputs, {options->out});
-    return tune_by_likelihood(*options);
-  };
+  return [options] { return tune(*options); };
 }
 
 }  // namespace condyle::host

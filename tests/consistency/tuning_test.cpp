@@ -3,6 +3,7 @@
 // outcome is; bounds state what another seed would do.
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -187,11 +188,10 @@ TEST(Tuning, IntervalsHoldTheTruthWhereTheModelHolds) {
   std::cout << "             of " << kRuns << ": noise covered " << covered_sd << ", density "
             << covered_q << ", NIS inside " << inside << ", white " << white << ", with reasons "
             << reasons << "\n";
-  // Each of these fails by chance with probability below 1e-3 if the stated 95 % are true; NIS also
-  // varies with what was fitted, the other two thirds of the positions.
-  EXPECT_GT(covered_sd, 0.90 * kRuns);
-  EXPECT_GT(covered_q, 0.90 * kRuns);
-  EXPECT_GT(inside, 0.82 * kRuns);
+  // Each of these fails by chance with probability below 1e-3 if the stated 95 % are true.
+  EXPECT_GT(covered_sd, 0.89 * kRuns);
+  EXPECT_GT(covered_q, 0.89 * kRuns);
+  EXPECT_GT(inside, 0.89 * kRuns);
   EXPECT_GT(white, 0.89 * kRuns);
   EXPECT_LT(reasons, 0.13 * kRuns);
 }
@@ -212,6 +212,9 @@ TEST_P(TunedSmoothed, WritesValuesWhoseIntervalsHold) {
   LikelihoodPlan plan;
   plan.starts = 3;
   const LikelihoodTuning found = tune(known, plan);
+  const FittedModel& correlated = *found.correlated;
+  std::cout << "             noise " << 1e6 * correlated.values.position_sd_m << " um alike for "
+            << 1e3 * correlated.values.correlation_time_s << " ms\n";
   ASSERT_TRUE(found.correlated_serves);
   const VelocityErrors naive = velocity_errors(known, found.white.values);
   const VelocityErrors written = velocity_errors(known, found.written);
@@ -225,7 +228,8 @@ TEST_P(TunedSmoothed, WritesValuesWhoseIntervalsHold) {
 
 INSTANTIATE_TEST_SUITE_P(Means, TunedSmoothed,
                          testing::Values(SmoothedCase{200, 100e-6, 3}, SmoothedCase{200, 100e-6, 5},
-                                         SmoothedCase{200, 50e-6, 3}, SmoothedCase{60, 100e-6, 3}));
+                                         SmoothedCase{200, 50e-6, 3},
+                                         SmoothedCase{100, 100e-6, 3}));
 
 }  // namespace
 }  // namespace condyle::host

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The parts of tuning: filter, search, kept samples, stand-in. Seeds are fixed.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
 
@@ -95,7 +96,7 @@ TEST(NoiseFilter, StartsAnewWithAStretchAndAfterMissingPositions) {
 RC_GTEST_PROP(StretchKeeper, KeepsWholeStretchesEvenlySpread, ()) {
   const std::size_t most = *rc::gen::inRange<std::size_t>(1024, 5000);
   const std::size_t count = *rc::gen::inRange<std::size_t>(1, 60'000);
-  StretchKeeper keeper(most, KeptSamples::spread);
+  StretchKeeper keeper(most);
   for (std::size_t i = 0; i < count; ++i) keeper.add({i > 0 ? 1.0 : 0.0, double(i)});
   RC_ASSERT(keeper.seen() == count);
   const auto samples = keeper.take();
@@ -111,14 +112,6 @@ RC_GTEST_PROP(StretchKeeper, KeepsWholeStretchesEvenlySpread, ()) {
     if (begins) RC_ASSERT(gap == stride);
     RC_ASSERT((samples[i].step_s == 0) == (gap != 1));
   }
-}
-
-TEST(StretchKeeper, MayKeepTheBeginning) {
-  StretchKeeper keeper(100, KeptSamples::first);
-  for (int i = 0; i < 1000; ++i) keeper.add({i > 0 ? 1.0 : 0.0, double(i)});
-  const auto samples = keeper.take();
-  ASSERT_EQ(samples.size(), 100U);
-  EXPECT_EQ(samples.back().position_m, 99);
 }
 
 // Two hills; the second is higher by 1.
@@ -205,7 +198,7 @@ TEST(StartingValues, AreOfTheRightSize) {
 std::string refusal_of(const std::string& csv, FaultPolicy faults = FaultPolicy::event) {
   const TemporaryFolder folder;
   TuningInput input;
-  input.reading.faults = faults;
+  input.choice.reading.faults = faults;
   input.most_samples = 100'000;
   try {
     (void)read_for_tuning(
@@ -239,7 +232,7 @@ TEST(TuningRecording, LeavesOutliersOut) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     time_s += samples[i].step_s;
     const double glitch_m = i % 200 == 150 ? 0.01 : 0;
-    text += std::to_string(time_s) + "," + std::to_string(samples[i].position_m + glitch_m) + "\n";
+    text += fmt::format("{:.9f},{:.9f}\n", time_s, samples[i].position_m + glitch_m);
   }
   const TemporaryFolder folder;
   TuningInput input;

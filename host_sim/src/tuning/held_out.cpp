@@ -22,21 +22,29 @@ class StretchCorrelation {
     stretch_ = stretch;
     square_ += e * e;
     ++count_;
-    for (std::size_t lag = 1; lag <= known_; ++lag) sum_[lag - 1] += e * past_[lag - 1];
+    for (std::size_t lag = 1; lag <= known_; ++lag) {
+      sum_[lag - 1] += e * past_[lag - 1];
+      ++pairs_[lag - 1];
+    }
     std::rotate(past_.rbegin(), past_.rbegin() + 1, past_.rend());
     past_[0] = e;
     known_ = std::min(known_ + 1, past_.size());
   }
   void end_recording() { known_ = 0; }
-  std::vector<double> values() const {
-    std::vector<double> values;
-    for (const double sum : sum_) values.push_back(square_ > 0 ? sum / square_ : 0);
+  std::vector<LagCorrelation> values() const {
+    std::vector<LagCorrelation> values;
+    for (std::size_t i = 0; i < sum_.size(); ++i) {
+      if (pairs_[i] == 0 || !(square_ > 0)) break;
+      const double pairs = static_cast<double>(pairs_[i]);
+      const double variance = square_ / static_cast<double>(count_);
+      values.push_back({sum_[i] / pairs / variance, 1.96 / std::sqrt(pairs)});
+    }
     return values;
   }
-  std::uint64_t count() const { return count_; }
 
  private:
   std::array<double, HeldOutCheck::kLags> sum_{}, past_{};
+  std::array<std::uint64_t, HeldOutCheck::kLags> pairs_{};
   double square_ = 0;
   std::uint64_t count_ = 0;
   std::size_t known_ = 0;
@@ -56,14 +64,17 @@ double standard_error(const std::vector<double>& sums, double mean,
   return std::sqrt(square * n / (n - 1)) / static_cast<double>(count);
 }
 
-// G. M. Ljung, G. E. P. Box, Biometrika 65 (1978) 297-303.
-double whiteness_probability(const std::vector<double>& correlation, std::uint64_t count) {
-  const double n = static_cast<double>(count);
+// Chance of correlations as large if all are 0: each is normal, and their squares add up (G. E. P.
+// Box, D. A. Pierce, J. Am. Stat. Assoc. 65 (1970) 1509-1526).
+double whiteness_probability(const std::vector<LagCorrelation>& correlation) {
   double sum = 0;
-  for (std::size_t lag = 1; lag <= correlation.size(); ++lag) {
-    sum += correlation[lag - 1] * correlation[lag - 1] / (n - static_cast<double>(lag));
+  for (const LagCorrelation& lag : correlation) {
+    const double deviation = 1.96 * lag.value / lag.bound;
+    sum += deviation * deviation;
   }
-  return 1 - chi_square_distribution(n * (n + 2) * sum, static_cast<double>(correlation.size()));
+  return correlation.empty()
+             ? 1
+             : 1 - chi_square_distribution(sum, static_cast<double>(correlation.size()));
 }
 
 // Spread of the stretches' NIS against what chance gives a chi-square with 1 degree of freedom.
@@ -131,13 +142,14 @@ HeldOutCheck check_held_out(const std::vector<SplitRecording>& recordings, const
   check.count = nis.count();
   check.mean_nis = nis.mean();
   check.score = score.mean();
-  check.nis_bounds = mean_chi_square_bounds(1, check.count, 0.95);
+  // What was fitted to varies by chance as well, and the parameters with it.
+  std::uint64_t all = 0;
+  for (const StretchInnovations& stretch : check.stretches) all += stretch.count;
+  const std::uint64_t as_good_as = all > 0 ? check.count * (all - check.count) / all : 0;
+  check.nis_bounds = mean_chi_square_bounds(1, as_good_as, 0.95);
   check.nis_inside = check.nis_bounds.contains(check.mean_nis);
   check.correlation = correlation.values();
-  if (check.count > HeldOutCheck::kLags + 1) {
-    check.correlation_bound = 1.96 / std::sqrt(static_cast<double>(check.count));
-    check.whiteness_p = whiteness_probability(check.correlation, check.count);
-  }
+  check.whiteness_p = whiteness_probability(check.correlation);
   check.beyond_3_sd = static_cast<double>(far) / static_cast<double>(check.count);
   judge_dispersion(check);
   std::vector<double> advantages;
@@ -184,13 +196,15 @@ std::vector<std::string> reasons_against_white(const std::vector<SplitRecording>
         "correlated, white noise {:.2f})",
         recording.name, recording.neighbours, NoiseColour<double>::white(1)));
   }
-  const double rho = check.correlation.empty() ? 0 : check.correlation[0];
   if (check.whiteness_p < 0.01) {
+    const auto largest = std::max_element(check.correlation.begin(), check.correlation.end(),
+                                          [](const auto& one, const auto& other) {
+                                            return std::abs(one.value) < std::abs(other.value);
+                                          });
     reasons.push_back(fmt::format(
-        "innovations are correlated: neighbours {:.2f}, the farther ones up to {:.2f}", rho,
-        *std::max_element(
-            check.correlation.begin(), check.correlation.end(),
-            [](double one, double other) { return std::abs(one) < std::abs(other); })));
+        "innovations are correlated: neighbours {:.2f}, {} samples apart "
+        "{:.2f}",
+        check.correlation.front().value, largest - check.correlation.begin() + 1, largest->value));
   }
   if (check.stretch_dispersion > check.dispersion_bound) {
     double lowest = std::numeric_limits<double>::infinity(), highest = 0;

@@ -47,21 +47,27 @@ struct StretchInnovations {
   std::uint64_t compared = 0;
 };
 
+/// Correlation of standardised innovations some samples apart.
+struct LagCorrelation {
+  double value = 0;
+  double bound = 0;  ///< 95 % of white innovations are within +- this
+};
+
 /// How a model does on held-out positions.
 struct HeldOutCheck {
   static constexpr int kLags = 20;
 
   std::uint64_t count = 0;
   double mean_nis = 0;
-  Interval nis_bounds;  ///< 95 %, of white Gaussian innovations
+  /// 95 %, of white Gaussian innovations and parameters fitted to the other stretches.
+  Interval nis_bounds;
   bool nis_inside = false;
-  std::vector<double> correlation;  ///< of standardised innovations, 1 to kLags apart
-  double correlation_bound = 0;     ///< 95 %, of each, if they are white
-  double whiteness_p = 0;           ///< chance of correlations as large, if they are white
-  double beyond_3_sd = 0;           ///< share; 0.0027 if Gaussian
-  double stretch_dispersion = 0;    ///< of the stretches' NIS, 1 if all are alike
-  double dispersion_bound = 0;      ///< 95 %, if all are alike
-  double score = 0;                 ///< mean
+  std::vector<LagCorrelation> correlation;  ///< 1 to kLags apart, within stretches
+  double whiteness_p = 0;                   ///< chance of such correlations, if they are white
+  double beyond_3_sd = 0;                   ///< share; 0.0027 if Gaussian
+  double stretch_dispersion = 0;            ///< of the stretches' NIS, 1 if all are alike
+  double dispersion_bound = 0;              ///< 95 %, if all are alike
+  double score = 0;                         ///< mean
   // Against the adaptive estimator: mean difference of scores and its standard error.
   double advantage = 0, advantage_se = 0;
   std::vector<StretchInnovations> stretches;  ///< also those that were fitted to

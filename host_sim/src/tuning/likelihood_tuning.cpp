@@ -304,9 +304,8 @@ LikelihoodTuning tune_by_likelihood(const std::vector<TuningRecording>& recordin
   tuning.stopped = correlated.search.stopped;
   if (tuning.stopped) return tuning;
   const ScoreDifference gain = compare_scores(correlated.held_out, tuning.white.held_out);
-  tuning.correlated_serves =
-      gain.mean * static_cast<double>(correlated.held_out.count) > kBetterBy &&
-      gain.mean > 2 * gain.standard_error && !correlated.parameters[2].at_bound;
+  const double of_held_out = gain.mean * static_cast<double>(correlated.held_out.count);
+  tuning.correlated_serves = of_held_out > kBetterBy && gain.mean > 2 * gain.standard_error;
   if (!tuning.correlated_serves) return tuning;
   tuning.stand_in = white_stand_in(correlated.values, step_s);
   tuning.written = tuning.stand_in->white;

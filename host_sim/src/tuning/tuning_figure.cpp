@@ -51,7 +51,8 @@ std::string profile_data(const LikelihoodTuning& tuning) {
 std::string correlation_data(const char* name, const HeldOutCheck& check) {
   std::string text = fmt::format("${} << EOD\n", name);
   for (std::size_t lag = 0; lag < check.correlation.size(); ++lag) {
-    text += fmt::format("{} {:.9g}\n", lag + 1, check.correlation[lag]);
+    text += fmt::format("{} {:.9g} {:.9g}\n", lag + 1, check.correlation[lag].value,
+                        check.correlation[lag].bound);
   }
   return text + "EOD\n";
 }
@@ -108,22 +109,22 @@ Interval usual_bounds(const std::vector<StretchInnovations>& stretches) {
 }
 
 std::string held_out_plots(const LikelihoodTuning& tuning) {
-  const HeldOutCheck& check = tuning.white.held_out;
   const bool serves = tuning.correlated_serves;
   const Interval bounds = usual_bounds(tuning.written_check.stretches);
   return fmt::format(
       "set origin 0,0\nset size 0.42,0.47\nset title 'correlation of held-out innovations' "
       "noenhanced\nset xlabel 'samples apart'\nset ylabel ''\nset xrange [0:{0}]\n"
       "set yrange [-1:1]\nset style fill solid\n"
-      "plot {1:.9g} dt 2 lc rgb '#909090' title '95 % if white', {2:.9g} dt 2 lc rgb '#909090' "
-      "notitle, $white_correlation with impulses lw 4 lc rgb '#0b559f' title 'white noise'{3}\n"
-      "set origin 0.42,0\nset size 0.58,0.47\nset title 'mean NIS of stretches{4}' noenhanced\n"
-      "set xlabel 'stretch, one recording after the other'\nset xrange [0.5:{5}]\n"
+      "plot $white_correlation using 1:3 with lines dt 2 lc rgb '#909090' title '95 % if white', "
+      "$white_correlation using 1:(-$3) with lines dt 2 lc rgb '#909090' notitle, "
+      "$white_correlation with impulses lw 4 lc rgb '#0b559f' title 'white noise'{1}\n"
+      "set origin 0.42,0\nset size 0.58,0.47\nset title 'mean NIS of stretches{2}' noenhanced\n"
+      "set xlabel 'stretch, one recording after the other'\nset xrange [0.5:{3}]\n"
       "set logscale y\nset yrange [*<0.5:2<*]\nset xtics format '%g'\n"
-      "plot {6:.9g} dt 2 lc rgb '#909090' title '95 % of stretches', {7:.9g} dt 2 lc rgb '#909090' "
+      "plot {4:.9g} dt 2 lc rgb '#909090' title '95 % of stretches', {5:.9g} dt 2 lc rgb '#909090' "
       "notitle, 1 lc rgb '#303030' notitle, $fitted with points pt 6 ps 0.8 lc rgb '#909090' title "
       "'fitted to', $held_out with points pt 7 ps 0.9 lc rgb '#b35900' title 'held out'\n",
-      HeldOutCheck::kLags + 1, check.correlation_bound, -check.correlation_bound,
+      HeldOutCheck::kLags + 1,
       serves ? ", $correlated_correlation using ($1+0.3):2 with impulses lw 4 lc rgb '#b35900' "
                "title 'Gauss-Markov noise'"
              : "",

@@ -76,15 +76,15 @@ void collect(ReplayFacebow& facebow, hal::Clock& clock, const TuningInput& input
              const std::string& path, SampleCollector& collector,
              const std::function<void(double)>& show, const std::function<bool()>& should_stop) {
   firmware::RunSettings settings;
-  settings.followed = input.followed;
-  settings.nominal_step_ns = facebow.median_step_ns().value_or(0);
+  settings.followed = input.choice.followed;
+  settings.nominal_step_ns = facebow.expected_step_ns();
   RecommendedParameters parameters = input.parameters;
   parameters.noise.adaptation = Adaptation::on;
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), path, "its median step",
                    "check the unit of time_s");
   RecommendedSensor<double, kAxes> sensor(parameters, kHindsight,
-                                          FollowedPoint{.point = input.followed.point});
-  const int axis = kAxes == 3 ? static_cast<int>(input.followed.axis) : 0;
+                                          FollowedPoint{.point = input.choice.followed.point});
+  const int axis = kAxes == 3 ? static_cast<int>(input.choice.followed.axis) : 0;
   firmware::RunCounts counts;
   (void)firmware::run(
       facebow, clock, sensor, settings, counts,
@@ -117,10 +117,6 @@ void check_positions(const TuningRecording& recording, bool has_moved, const std
 
 void StretchKeeper::add(TuningSample sample) {
   const std::uint64_t index = seen_++;
-  if (kept_ == KeptSamples::first) {
-    if (samples_.size() < most_) samples_.push_back(sample);
-    return;
-  }
   if (index / kStretch % stride_ != 0) return;
   if (samples_.size() == most_ / kStretch * kStretch) {
     thin();
@@ -145,16 +141,10 @@ TuningRecording read_for_tuning(const std::string& path, const TuningInput& inpu
                                 const std::function<void(double)>& show,
                                 const std::function<bool()>& should_stop) {
   hal::SteadyClock clock;
-  ReplayFacebow facebow(path, input.reading, 0, clock);
+  ReplayFacebow facebow(path, input.choice.reading, 0, clock);
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
   const RecordingInfo& info = facebow.info();
-  if (!is_available(info.kind, input.followed)) {
-    throw InputError(path, fmt::format("has one point, not point {}", input.followed.point),
-                     "leave out --point");
-  }
-  if (info.kind == SampleKind::one_axis && input.axis_given) {
-    throw InputError(path, "has one axis, so there is none to choose", "leave out --axis");
-  }
+  input.choice.check(path, info);
   if (!facebow.median_step_ns()) {
     throw InputError(path, "no time passes between its samples", "check its times");
   }
@@ -163,7 +153,7 @@ TuningRecording read_for_tuning(const std::string& path, const TuningInput& inpu
   recording.format = info.format;
   recording.notes = info.notes;
   recording.median_step_s = seconds(*facebow.median_step_ns());
-  StretchKeeper keeper(input.most_samples, input.kept);
+  StretchKeeper keeper(input.most_samples);
   SampleCollector collector(keeper, recording);
   if (info.kind == SampleKind::one_axis) {
     collect<1>(facebow, clock, input, path, collector, show, should_stop);

@@ -10,7 +10,7 @@
 
 #include "condyle/estimator/recommended_parameters.h"
 #include "condyle/estimator/sample.h"
-#include "recording.h"
+#include "recording_choice.h"
 
 namespace condyle::host {
 
@@ -24,20 +24,14 @@ struct TuningSample {
   double adaptive_score = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Which samples of a long recording are kept.
-enum class KeptSamples {
-  spread,  ///< stretches of kStretch samples, evenly spread
-  first,   ///< those at its beginning
-};
-
 /// Keeps at most a given number of samples of a sequence whose end is not known: where they become
 /// too many, every second stretch is dropped and from then on as many fewer are taken.
 class StretchKeeper {
  public:
   static constexpr std::size_t kStretch = 512;
 
-  /// `most`: at least 2 kStretch where `kept` is `spread`.
-  StretchKeeper(std::size_t most, KeptSamples kept) : most_(most), kept_(kept) {}
+  /// `most`: at least 2 kStretch.
+  explicit StretchKeeper(std::size_t most) : most_(most) {}
 
   void add(TuningSample sample);
   std::vector<TuningSample> take() { return std::move(samples_); }
@@ -47,7 +41,6 @@ class StretchKeeper {
   void thin();
 
   std::size_t most_;
-  KeptSamples kept_;
   std::uint64_t seen_ = 0, stride_ = 1;  // of `stride_` stretches one is kept
   std::vector<TuningSample> samples_;
 };
@@ -70,11 +63,8 @@ struct TuningRecording {
 
 /// How recordings are read.
 struct TuningInput {
-  RecordingOptions reading;
-  FollowedCoordinate followed;
-  bool axis_given = false;
-  std::size_t most_samples = 0;  ///< of each recording
-  KeptSamples kept = KeptSamples::spread;
+  RecordingChoice choice;
+  std::size_t most_samples = 0;      ///< of each recording, at least 2 StretchKeeper::kStretch
   RecommendedParameters parameters;  ///< of the adaptive estimator that finds the outliers
 };
 

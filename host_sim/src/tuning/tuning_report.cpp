@@ -66,7 +66,7 @@ std::string check_text(const HeldOutCheck& check) {
                                  HeldOutCheck::kLags, check.whiteness_p));
   } else {
     text += line("", fmt::format("innovations are not white: neighbours {:.2f} correlated",
-                                 check.correlation[0]));
+                                 check.correlation[0].value));
   }
   return text;
 }

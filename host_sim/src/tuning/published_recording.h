@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "recording_choice.h"
+#include "tuning/published_judgement.h"
+
+namespace condyle::host {
+
+/// The positions of `path` as the published cascade takes them (published_sensor.h), its first
+/// `most_samples`. Its sample time is `sample_time_s`, or where there is none its median step. An
+/// InputError where it cannot be read. `show(share)`, 0 to 1, is called on the way; `should_stop()`
+/// may end it.
+PublishedRecording read_for_published(const std::string& path, const RecordingChoice& choice,
+                                      std::optional<double> sample_time_s, std::size_t most_samples,
+                                      const std::function<void(double)>& show,
+                                      const std::function<bool()>& should_stop);
+
+}  // namespace condyle::host
