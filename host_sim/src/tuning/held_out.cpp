@@ -185,27 +185,38 @@ ScoreDifference compare_scores(const HeldOutCheck& one, const HeldOutCheck& othe
   return difference;
 }
 
+std::string whiteness_text(const HeldOutCheck& check) {
+  if (check.whiteness_p >= kWhite) {
+    return fmt::format("innovations are white as far as {} samples apart tell (p = {:.2f})",
+                       check.correlation.size(), check.whiteness_p);
+  }
+  const auto largest = std::max_element(check.correlation.begin(), check.correlation.end(),
+                                        [](const auto& one, const auto& other) {
+                                          return std::abs(one.value) < std::abs(other.value);
+                                        });
+  const auto lag = largest - check.correlation.begin() + 1;
+  return fmt::format("innovations are correlated: neighbours {:.2f}{}",
+                     check.correlation.front().value,
+                     lag > 1 ? fmt::format(", {} samples apart {:.2f}", lag, largest->value) : "");
+}
+
 std::vector<std::string> reasons_against_white(const std::vector<SplitRecording>& recordings,
                                                const HeldOutCheck& check) {
   std::vector<std::string> reasons;
+  constexpr std::size_t kMostNamed = 4;
+  std::size_t filtered = 0;
   for (const SplitRecording& split : recordings) {
     const TuningRecording& recording = split.recording();
-    if (recording.filtered_lag == 0) continue;
+    if (recording.filtered_lag == 0 || ++filtered > kMostNamed) continue;
     reasons.push_back(fmt::format(
         "{}: smoothed before it came: neighbouring noise is alike (sixth differences {:.2f} "
         "correlated, white noise {:.2f})",
         recording.name, recording.neighbours, NoiseColour<double>::white(1)));
   }
-  if (check.whiteness_p < 0.01) {
-    const auto largest = std::max_element(check.correlation.begin(), check.correlation.end(),
-                                          [](const auto& one, const auto& other) {
-                                            return std::abs(one.value) < std::abs(other.value);
-                                          });
-    reasons.push_back(fmt::format(
-        "innovations are correlated: neighbours {:.2f}, {} samples apart "
-        "{:.2f}",
-        check.correlation.front().value, largest - check.correlation.begin() + 1, largest->value));
+  if (filtered > kMostNamed) {
+    reasons.push_back(fmt::format("{} more recordings were smoothed", filtered - kMostNamed));
   }
+  if (check.whiteness_p < kWhite) reasons.push_back(whiteness_text(check));
   if (check.stretch_dispersion > check.dispersion_bound) {
     double lowest = std::numeric_limits<double>::infinity(), highest = 0;
     for (const StretchInnovations& stretch : check.stretches) {

@@ -84,6 +84,11 @@ struct ScoreDifference {
 };
 ScoreDifference compare_scores(const HeldOutCheck& one, const HeldOutCheck& other);
 
+/// Innovations are called white from this chance on.
+inline constexpr double kWhite = 0.01;
+/// Whether the innovations are white, in words.
+std::string whiteness_text(const HeldOutCheck& check);
+
 /// Why a model with white noise does not explain the held-out positions, most telling first; empty
 /// where nothing speaks against it.
 std::vector<std::string> reasons_against_white(const std::vector<SplitRecording>& recordings,

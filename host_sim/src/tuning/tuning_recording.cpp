@@ -118,7 +118,7 @@ void check_positions(const TuningRecording& recording, bool has_moved, const std
 void StretchKeeper::add(TuningSample sample) {
   const std::uint64_t index = seen_++;
   if (index / kStretch % stride_ != 0) return;
-  if (samples_.size() == most_ / kStretch * kStretch) {
+  if (samples_.size() == most_) {
     thin();
     if (index / kStretch % stride_ != 0) return;
   }

@@ -57,18 +57,10 @@ std::string unique_text(const FittedModel& model, std::size_t starts) {
 }
 
 std::string check_text(const HeldOutCheck& check) {
-  std::string text = line(
-      "held out", fmt::format("{} positions: mean NIS {:.3f}, {} the 95 % bounds {:.3f} to {:.3f}",
-                              check.count, check.mean_nis, check.nis_inside ? "inside" : "OUTSIDE",
-                              check.nis_bounds.low, check.nis_bounds.high));
-  if (check.whiteness_p > 0.01) {
-    text += line("", fmt::format("innovations are white as far as {} lags tell (p = {:.2f})",
-                                 HeldOutCheck::kLags, check.whiteness_p));
-  } else {
-    text += line("", fmt::format("innovations are not white: neighbours {:.2f} correlated",
-                                 check.correlation[0].value));
-  }
-  return text;
+  return line("held out",
+              fmt::format("{} positions: mean NIS {:.3f}, {} the 95 % bounds {:.3f} to {:.3f}",
+                          check.count, check.mean_nis, check.nis_inside ? "inside" : "OUTSIDE",
+                          check.nis_bounds.low, check.nis_bounds.high));
 }
 
 // Whether the fixed values predict better than the estimator that adapts.
@@ -101,7 +93,7 @@ std::string correlated_text(const LikelihoodPlan& plan, const LikelihoodTuning& 
         line(fmt::format("  {}", kUnits[i].name), parameter_text(model.parameters[i], kUnits[i]));
   }
   text += line("  optimum", unique_text(model, plan.starts));
-  text += check_text(model.held_out);
+  text += check_text(model.held_out) + line("", whiteness_text(model.held_out));
   const WhiteStandIn& stand_in = *tuning.stand_in;
   text += line("stand-in",
                "condyle's filters take noise for white. Written are the white values "
@@ -153,6 +145,7 @@ std::string tuning_text(const std::vector<TuningRecording>& recordings, const Li
   }
   text += line("optimum", unique_text(white, plan.starts));
   text += check_text(white.held_out);
+  if (white.held_out.whiteness_p >= kWhite) text += line("", whiteness_text(white.held_out));
   for (const std::string& reason : tuning.reasons) text += line("  reason", reason);
   if (tuning.correlated) text += correlated_text(plan, tuning);
   if (!tuning.correlated_serves) text += adaptive_text(tuning.written_check);
