@@ -1,30 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuning/bounded_search.h"
 
+#include <nlopt.h>
+
 #include <algorithm>
 #include <cmath>
-#include <nlopt.hpp>
+#include <exception>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "simulation/random.h"
 
 namespace condyle::host {
 namespace {
 
-constexpr double kPrecision = 1e-4;
-constexpr int kMostEvaluations = 2000;
-
+// What the optimiser calls.
 struct Climb {
   const Objective& objective;
+  const std::function<bool()>& is_enough;
+  nlopt_opt optimiser;
   std::uint64_t evaluations = 0;
-};
+  std::exception_ptr failure;  // may not pass through the optimiser
 
-// What the optimiser calls.
-double evaluate_climb(const std::vector<double>& point, std::vector<double>&, void* data) {
-  Climb& climb = *static_cast<Climb*>(data);
-  ++climb.evaluations;
-  const double value = climb.objective(point);
-  return std::isfinite(value) ? value : -1e300;
-}
+  static double evaluate(unsigned size, const double* at, double*, void* self) {
+    Climb& climb = *static_cast<Climb*>(self);
+    ++climb.evaluations;
+    try {
+      const double value = climb.objective(std::vector<double>(at, at + size));
+      if (climb.is_enough && climb.is_enough()) nlopt_force_stop(climb.optimiser);
+      return std::isfinite(value) ? value : -1e300;
+    } catch (...) {
+      climb.failure = std::current_exception();
+      nlopt_force_stop(climb.optimiser);
+      return -1e300;
+    }
+  }
+};
 
 bool are_alike(const SearchOptimum& one, const SearchOptimum& other) {
   if (std::abs(one.value - other.value) > kSameValue) return false;
@@ -37,28 +50,31 @@ bool are_alike(const SearchOptimum& one, const SearchOptimum& other) {
 }  // namespace
 
 SearchOptimum climb(const Objective& objective, const SearchBounds& bounds,
-                    std::vector<double> start, std::uint64_t& evaluations) {
-  nlopt::opt optimiser(nlopt::LN_SBPLX, static_cast<unsigned>(start.size()));
-  optimiser.set_lower_bounds(bounds.low);
-  optimiser.set_upper_bounds(bounds.high);
-  Climb data{objective};
-  optimiser.set_max_objective(evaluate_climb, &data);
-  optimiser.set_xtol_abs(kPrecision);
-  optimiser.set_maxeval(kMostEvaluations);
+                    std::vector<double> start, std::uint64_t& evaluations,
+                    const ClimbSettings& settings) {
+  const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> optimiser(
+      nlopt_create(NLOPT_LN_SBPLX, static_cast<unsigned>(start.size())), nlopt_destroy);
+  Climb climb{objective, settings.is_enough, optimiser.get()};
+  nlopt_set_lower_bounds(optimiser.get(), bounds.low.data());
+  nlopt_set_upper_bounds(optimiser.get(), bounds.high.data());
+  nlopt_set_max_objective(optimiser.get(), &Climb::evaluate, &climb);
+  nlopt_set_xtol_abs1(optimiser.get(), settings.precision);
+  nlopt_set_maxeval(optimiser.get(), settings.most_evaluations);
   std::vector<double> steps;
   for (std::size_t i = 0; i < start.size(); ++i) {
     start[i] = std::clamp(start[i], bounds.low[i], bounds.high[i]);
-    steps.push_back(std::min(1.0, 0.25 * (bounds.high[i] - bounds.low[i])));
+    const double width = bounds.high[i] - bounds.low[i];
+    steps.push_back(width > 0 ? std::min(settings.first_step, 0.25 * width) : 1);
   }
-  optimiser.set_initial_step(steps);
+  nlopt_set_initial_step(optimiser.get(), steps.data());
   SearchOptimum found;
-  try {
-    optimiser.optimize(start, found.value);
-  } catch (const nlopt::roundoff_limited&) {
-    found.value = objective(start);  // as far as the numbers allow
+  const nlopt_result outcome = nlopt_optimize(optimiser.get(), start.data(), &found.value);
+  if (climb.failure) std::rethrow_exception(climb.failure);
+  if (outcome == NLOPT_INVALID_ARGS || outcome == NLOPT_OUT_OF_MEMORY || climb.evaluations == 0) {
+    throw std::runtime_error("the optimiser failed (" + std::to_string(outcome) + ")");
   }
   found.point = std::move(start);
-  evaluations += data.evaluations;
+  evaluations += climb.evaluations;
   return found;
 }
 

@@ -37,11 +37,20 @@ struct SearchResult {
 /// coordinate of them by more than kSamePoint.
 inline constexpr double kSameValue = 0.01, kSamePoint = 0.02;
 
+/// How far a search goes.
+struct ClimbSettings {
+  double first_step = 1;    ///< in each coordinate
+  double precision = 1e-4;  ///< it ends where it moves less, in each coordinate
+  int most_evaluations = 2000;
+  std::function<bool()> is_enough;  ///< asked after each evaluation; may be empty
+};
+
 /// The largest of `objective` near `start`, by Subplex (T. Rowan 1990) as NLopt implements it
-/// (S. G. Johnson, The NLopt nonlinear-optimization package), to 1e-4 in each coordinate. A value
-/// that is not finite counts as very small. `evaluations` grows by those made.
+/// (S. G. Johnson, The NLopt nonlinear-optimization package). A value that is not finite counts as
+/// very small. `evaluations` grows by those made.
 SearchOptimum climb(const Objective& objective, const SearchBounds& bounds,
-                    std::vector<double> start, std::uint64_t& evaluations);
+                    std::vector<double> start, std::uint64_t& evaluations,
+                    const ClimbSettings& settings = {});
 
 /// `first` and `count` - 1 further starts, drawn evenly within `spread` of it along each coordinate
 /// and within the bounds; by `seed`, the same for every number of threads.

@@ -2,16 +2,14 @@
 #include "tuning/published_criterion.h"
 
 #include <fmt/format.h>
-#include <nlopt.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
-#include <stdexcept>
 
 #include "input_error.h"
 #include "simulation/random.h"
+#include "tuning/bounded_search.h"
 
 namespace condyle::host {
 namespace {
@@ -20,7 +18,7 @@ constexpr std::size_t kFewestPositions = 40;  // ten to judge by
 constexpr double kFirstStep = 0.5;            // decades
 constexpr double kSmallestStep = 0.01;        // decades: a search that moves less is at its end
 
-using Exponents = std::array<double, kFreeVarianceCount>;  // decimal, of the factors
+using Exponents = std::vector<double>;  // decimal, of the factors
 
 PublishedParameters with_factors(const PublishedParameters& base, const Exponents& exponents) {
   PublishedParameters parameters = base;
@@ -111,56 +109,39 @@ class PublishedSearch {
 
   SearchedStart run(std::uint64_t start) {
     RandomGenerator random(plan_.seed, start);
-    Exponents lowest, highest, exponents;
+    Exponents lowest(kFreeVarianceCount), highest(kFreeVarianceCount),
+        exponents(kFreeVarianceCount);
     for (std::size_t i = 0; i < kFreeVarianceCount; ++i) {
       lowest[i] = std::log10(plan_.factors[i].lowest);
       highest[i] = std::log10(plan_.factors[i].highest);
       const double drawn = lowest[i] + (highest[i] - lowest[i]) * random.uniform();
       exponents[i] = std::clamp(drawn, lowest[i], highest[i]);
     }
-    const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> optimiser(
-        nlopt_create(NLOPT_LN_SBPLX, kFreeVarianceCount), nlopt_destroy);
-    optimiser_ = optimiser.get();
-    nlopt_set_lower_bounds(optimiser_, lowest.data());
-    nlopt_set_upper_bounds(optimiser_, highest.data());
-    nlopt_set_min_objective(optimiser_, &PublishedSearch::objective, this);
-    nlopt_set_initial_step1(optimiser_, kFirstStep);
-    nlopt_set_xtol_abs1(optimiser_, kSmallestStep);
-    nlopt_set_maxeval(optimiser_, plan_.most_evaluations);
-    double least = 0;
-    const nlopt_result outcome = nlopt_optimize(optimiser_, exponents.data(), &least);
-    if (!best_ || outcome == NLOPT_INVALID_ARGS || outcome == NLOPT_OUT_OF_MEMORY) {
-      throw std::runtime_error(fmt::format("the optimiser failed ({})", static_cast<int>(outcome)));
-    }
-    return {std::move(*best_), evaluations_};
+    ClimbSettings settings;
+    settings.first_step = kFirstStep;
+    settings.precision = kSmallestStep;
+    settings.most_evaluations = plan_.most_evaluations;
+    settings.is_enough = [this] { return best_->satisfies; };
+    SearchedStart searched;
+    (void)climb([this](const std::vector<double>& x) { return -evaluate(x); }, {lowest, highest},
+                exponents, searched.evaluations, settings);
+    searched.best = std::move(*best_);
+    return searched;
   }
 
  private:
-  static double objective(unsigned, const double* x, double*, void* self) {
-    return static_cast<PublishedSearch*>(self)->evaluate(x);
-  }
-
-  double evaluate(const double* x) {
-    Exponents exponents;
-    std::copy_n(x, kFreeVarianceCount, exponents.begin());
-    ++evaluations_;
+  double evaluate(const Exponents& exponents) {
     PublishedTuning tuning =
         judge_published_tuning(recordings_, with_factors(base_, exponents), plan_.steady_share);
     const double value = tuning.objective;
-    if (tuning.satisfies) nlopt_force_stop(optimiser_);
-    const bool is_found = best_ && best_->satisfies;
-    if (!best_ || (!is_found && (tuning.satisfies || value < best_->objective))) {
-      best_ = std::move(tuning);
-    }
+    if (!best_ || tuning.satisfies || value < best_->objective) best_ = std::move(tuning);
     return value;
   }
 
   std::span<const PublishedRecording> recordings_;
   const PublishedParameters& base_;
   const PublishedTuningPlan& plan_;
-  nlopt_opt optimiser_ = nullptr;
   std::optional<PublishedTuning> best_;
-  std::uint64_t evaluations_ = 0;
 };
 
 // `tunings`, best first, without those not distinct from a better one.
