@@ -63,6 +63,27 @@ std::string check_text(const HeldOutCheck& check) {
                           check.nis_bounds.low, check.nis_bounds.high));
 }
 
+// Of several recordings, those that the values suit least.
+std::string extremes_text(const std::vector<TuningRecording>& recordings,
+                          const HeldOutCheck& check) {
+  if (recordings.size() < 2) return "";
+  std::vector<double> sum(recordings.size(), 0), count(recordings.size(), 0);
+  for (const StretchInnovations& stretch : check.stretches) {
+    if (!stretch.is_held_out) continue;
+    sum[stretch.recording] += stretch.mean_nis * static_cast<double>(stretch.count);
+    count[stretch.recording] += static_cast<double>(stretch.count);
+  }
+  std::size_t lowest = 0, highest = 0;
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    if (!(count[i] > 0)) continue;
+    sum[i] /= count[i];
+    if (!(count[lowest] > 0) || sum[i] < sum[lowest]) lowest = i;
+    if (!(count[highest] > 0) || sum[i] > sum[highest]) highest = i;
+  }
+  return line("", fmt::format("lowest {:.2f} ({}), highest {:.2f} ({})", sum[lowest],
+                              recordings[lowest].name, sum[highest], recordings[highest].name));
+}
+
 // Whether the fixed values predict better than the estimator that adapts.
 std::string adaptive_text(const HeldOutCheck& check) {
   if (!std::isfinite(check.advantage_se)) return "";
@@ -144,7 +165,7 @@ std::string tuning_text(const std::vector<TuningRecording>& recordings, const Li
     text += line(kUnits[i].name, parameter_text(white.parameters[i], kUnits[i], doubt_of(tuning)));
   }
   text += line("optimum", unique_text(white, plan.starts));
-  text += check_text(white.held_out);
+  text += check_text(white.held_out) + extremes_text(recordings, white.held_out);
   if (white.held_out.whiteness_p >= kWhite) text += line("", whiteness_text(white.held_out));
   for (const std::string& reason : tuning.reasons) text += line("  reason", reason);
   if (tuning.correlated) text += correlated_text(plan, tuning);
