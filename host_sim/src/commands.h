@@ -36,6 +36,8 @@ Command add_observability(CLI::App& app);
 Command add_protocol(CLI::App& app);
 /// `condyle changes`
 Command add_changes(CLI::App& app);
+/// `condyle compare`
+Command add_compare(CLI::App& app);
 /// `condyle bridge`
 Command add_bridge(CLI::App& app);
 /// `condyle record`
