@@ -29,6 +29,7 @@ double sure_difference(const RunReport& run) {
   return difference.blocks > 0 ? difference.mean : EstimateRow::kNone;
 }
 
+// Those that show the first estimator come first.
 const Panel kPanels[] = {
     {"prediction error, rms (mm)", false, true,
      [](const RunReport& run) { return 1e3 * run.error_rms_m; }, nullptr},
@@ -180,9 +181,13 @@ std::vector<std::unique_ptr<OutputFile>> draw_comparison(
   plot += legend_text(estimators, height);
 
   Gnuplot gnuplot(directory);
-  const auto panel_count = static_cast<double>(std::size(kPanels));
+  // One estimator alone has none to be held to.
+  const auto panels = static_cast<std::size_t>(std::count_if(
+      std::begin(kPanels), std::end(kPanels),
+      [&](const Panel& panel) { return panel.shows_first || estimators.size() > 1; }));
+  const auto panel_count = static_cast<double>(panels);
   const double width = (kRight - kLeft - (panel_count - 1) * kGap) / panel_count;
-  for (std::size_t k = 0; k < std::size(kPanels); ++k) {
+  for (std::size_t k = 0; k < panels; ++k) {
     Extremes all;
     for (std::size_t i = 0; i < estimators.size(); ++i) {
       gnuplot.send(panel_data(drawing, k, i, all));

@@ -20,7 +20,8 @@ constexpr double kRateTolerance = 0.05;
 struct ComparedQuantity {
   const char *name, *column, *unit;
   double (*value)(const RunReport&);
-  const char* missing;  // what is the matter where there is no value
+  const char* missing;                              // what is the matter where there is no value
+  double (*stated_sd)(const RunReport&) = nullptr;  // that repeats do not show
 };
 
 double measured_value(const Quantity<double>& quantity) {
@@ -51,9 +52,10 @@ const ComparedQuantity kQuantities[] = {
     {"noise of the instrument", "noise_sd", "mm",
      [](const RunReport& r) { return unless_filtered(r, 1e3 * r.noise_sd_m); }, kNoNoise},
     {"friction", "friction", "Ns/m",
-     [](const RunReport& r) { return measured_value(r.friction_Ns_m); }, kNotMeasured},
+     [](const RunReport& r) { return measured_value(r.friction_Ns_m); }, kNotMeasured,
+     [](const RunReport& r) { return r.friction_Ns_m.standard_deviation; }},
     {"mass", "mass", "kg", [](const RunReport& r) { return measured_value(r.mass_kg); },
-     kNotMeasured},
+     kNotMeasured, [](const RunReport& r) { return r.mass_kg.standard_deviation; }},
 };
 
 bool is_copy(const RunReport& a, const RunReport& b) {
@@ -99,9 +101,21 @@ double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
+// Mean square of what the recordings of a session state; the same is wrong in all, so that their
+// number does not help.
+double stated_variance(const ComparedQuantity& quantity, const Session& session) {
+  if (quantity.stated_sd == nullptr) return 0;
+  double sum = 0;
+  for (const RecordingReport& recording : session.recordings) {
+    const double sd = quantity.stated_sd(recording.runs[0]);
+    sum += sd * sd;
+  }
+  return sum / static_cast<double>(session.recordings.size());
+}
+
 QuantityComparison compare_quantity(const ComparedQuantity& quantity,
                                     const std::vector<Session>& sessions) {
-  QuantityComparison result{quantity.name, quantity.column, quantity.unit, {}, {}, {}, {}, {}};
+  QuantityComparison result{quantity.name, quantity.column, quantity.unit, {}, {}, {}, {}, 0, {}};
   std::size_t missing = 0, recordings = 0;
   for (const Session& session : sessions) {
     std::vector<double> values;
@@ -119,12 +133,25 @@ QuantityComparison compare_quantity(const ComparedQuantity& quantity,
   }
   for (const auto& values : result.values) result.means.push_back(mean_of(values));
   result.repeats = repeatability(result.values);
+  std::vector<double> variances;  // stated
+  for (const Session& session : sessions) variances.push_back(stated_variance(quantity, session));
+  const double largest = *std::max_element(variances.begin(), variances.end());
+  result.smallest_single =
+      std::max(result.repeats.smallest_change(1, 1), kNormalQuantile95 * std::sqrt(2 * largest));
   for (std::size_t to = 1; to < sessions.size(); ++to) {
     for (std::size_t from = 0; from < to; ++from) {
       const std::size_t n_1 = result.values[from].size(), n_2 = result.values[to].size();
       const double change = result.means[to] - result.means[from];
-      result.changes.push_back({from, to, change, result.repeats.smallest_change(n_1, n_2),
-                                result.repeats.probability(change, n_1, n_2), 0});
+      const double stated_sd = std::sqrt(variances[from] + variances[to]);
+      const double of_drive = kNormalQuantile95 * stated_sd;
+      double probability = result.repeats.probability(change, n_1, n_2);
+      if (stated_sd > 0) {
+        // NaN, where the repeats say nothing, stays.
+        probability = std::max(probability, 2 * normal_distribution(-std::abs(change) / stated_sd));
+      }
+      result.changes.push_back({from, to, change,
+                                std::max(result.repeats.smallest_change(n_1, n_2), of_drive),
+                                of_drive, probability, 0});
     }
   }
   return result;

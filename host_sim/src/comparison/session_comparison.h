@@ -16,6 +16,10 @@
 // in 20 such tables is made. The repeats are taken as independent, normal and equally scattered in
 // all sessions. What differs from session to session but not within one (how the instrument was
 // mounted, the day) is part of the change.
+//
+// Friction and mass have a standard deviation of their own, which also holds what the drive as
+// stated gets wrong in every repeat alike. It may have been wrong otherwise in the other session: a
+// change must exceed 1.96 sqrt(sd_1^2 + sd_2^2) of these as well.
 #pragma once
 
 #include <cstddef>
@@ -59,6 +63,7 @@ struct SessionChange {
   std::size_t from = 0, to = 0;  ///< index of the sessions
   double change = 0;             ///< difference of their means
   double smallest = 0;           ///< smallest detectable change of it; NaN: not known
+  double of_drive = 0;           ///< what the drive as stated may make by itself; within `smallest`
   double probability = 0, adjusted_probability = 0;  ///< NaN: not known
   bool exceeds() const { return probability < 0.05; }
   bool exceeds_adjusted() const { return adjusted_probability < 0.05; }
@@ -71,6 +76,7 @@ struct QuantityComparison {
   std::vector<std::vector<double>> values;  ///< of each session's recordings
   std::vector<double> means;                ///< of each session
   Repeatability repeats;
+  double smallest_single = 0;  ///< smallest change of one recording to another; NaN: not known
   std::vector<SessionChange> changes;  ///< of each pair of sessions
 };
 

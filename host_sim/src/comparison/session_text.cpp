@@ -40,7 +40,7 @@ std::string repeats_text(const QuantityComparison& quantity) {
       "  within a session: sd {:.3g} (95 %: {:.3g} to {:.3g}; {} degree{} of freedom)\n"
       "  one recording to another: smallest change {:.3g}\n",
       repeats.within_sd, repeats.interval.low, repeats.interval.high, repeats.degrees_of_freedom,
-      repeats.degrees_of_freedom == 1 ? "" : "s", repeats.smallest_change(1, 1));
+      repeats.degrees_of_freedom == 1 ? "" : "s", quantity.smallest_single);
 }
 
 std::string change_words(const SessionChange& change) {
@@ -144,7 +144,7 @@ std::string session_csv(const std::vector<Session>& sessions, const SessionCompa
                repeats.within_sd, is_known ? repeats.interval.low : EstimateRow::kNone,
                is_known ? repeats.interval.high : EstimateRow::kNone});
       text += fmt::format(",{}", repeats.degrees_of_freedom);
-      numbers({repeats.smallest_change(1, 1), change.smallest, change.probability,
+      numbers({quantity.smallest_single, change.smallest, change.probability,
                change.adjusted_probability});
       text += is_known ? fmt::format(",{:d},{:d}\n", change.exceeds(), change.exceeds_adjusted())
                        : ",,\n";
