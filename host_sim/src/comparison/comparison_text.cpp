@@ -16,10 +16,10 @@ std::string shown(double value, double per_SI, const char* format = "{:.4g}") {
   return std::isfinite(value) ? fmt::format(fmt::runtime(format), per_SI * value) : "-";
 }
 
-constexpr std::size_t kLongestName = 36;
+constexpr std::size_t kLongestLabel = 36;
 
 std::string label_of(const NamedEstimator& estimator) {
-  return figure_label(estimator.name, kLongestName);
+  return figure_label(estimator.name, kLongestLabel);
 }
 
 // Width of the names, at least that of the heading.

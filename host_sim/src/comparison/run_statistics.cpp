@@ -7,7 +7,7 @@
 namespace condyle::host {
 namespace {
 
-constexpr double kConfidence = 0.95;
+constexpr double kIntervalShare = 0.95;
 constexpr double kGlitchShare = 0.001, kGlitchRange_mm = 100;
 
 // The estimator had no position to take.
@@ -96,11 +96,11 @@ RunReport RunStatistics::report() const {
   report.error_rms_m = std::sqrt(error_square_m2_.mean());
   report.error_median_m = error_m_.quantile(0.5);
   report.score = score_.mean();
-  report.score_difference = score_difference_.report(kConfidence);
+  report.score_difference = score_difference_.report(kIntervalShare);
 
   report.mean_nis = nis_.mean();
   report.nis_samples = nis_.count();
-  report.nis_bounds = mean_chi_square_bounds(1, nis_.count(), kConfidence);
+  report.nis_bounds = mean_chi_square_bounds(1, nis_.count(), kIntervalShare);
   report.correlation = pairs_ > 0 ? monitor_.innovation_correlation() : EstimateRow::kNone;
   report.is_whiteness_judged =
       static_cast<double>(pairs_) >= InnovationMonitor<double>::kFewestPairs;

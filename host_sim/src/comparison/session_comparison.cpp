@@ -12,7 +12,7 @@
 namespace condyle::host {
 namespace {
 
-constexpr double kConfidence = 0.95;
+constexpr double kDetectionShare = 0.95;
 // Rates that differ by more let the estimators see another motion.
 constexpr double kRateTolerance = 0.05;
 
@@ -166,7 +166,7 @@ double difference_scale(std::size_t n_1, std::size_t n_2) {
 
 double Repeatability::smallest_change(std::size_t n_1, std::size_t n_2) const {
   if (!is_known()) return EstimateRow::kNone;
-  return student_t_quantile((1 + kConfidence) / 2, static_cast<double>(degrees_of_freedom)) *
+  return student_t_quantile((1 + kDetectionShare) / 2, static_cast<double>(degrees_of_freedom)) *
          within_sd * difference_scale(n_1, n_2);
 }
 
@@ -188,7 +188,7 @@ Repeatability repeatability(const std::vector<std::vector<double>>& sessions) {
   const auto dof = static_cast<double>(result.degrees_of_freedom);
   result.within_sd = std::sqrt(squares / dof);  // 0 / 0: NaN
   if (result.is_known()) {
-    const double tail = (1 - kConfidence) / 2;
+    const double tail = (1 - kDetectionShare) / 2;
     result.interval = {std::sqrt(squares / chi_square_quantile(1 - tail, dof)),
                        std::sqrt(squares / chi_square_quantile(tail, dof))};
   }
