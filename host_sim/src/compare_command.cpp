@@ -87,10 +87,10 @@ std::vector<NamedEstimator> choose_estimators(const CompareOptions& options) {
   refuse_repeated_names("--with", names);
   std::vector<NamedEstimator> estimators;
   for (const std::string& name : names) estimators.push_back(parse_estimator(name, options.lag));
-  if (options.lag > 0 &&
-      std::all_of(estimators.begin(), estimators.end(),
+  if (std::all_of(estimators.begin(), estimators.end(),
                   [](const NamedEstimator& named) { return named.option.is_published(); })) {
-    estimators[0].option.refuse_if_published("--lag", true);
+    estimators[0].option.refuse_if_published("--lag", options.lag > 0);
+    estimators[0].option.refuse_if_published("--drive-...", options.plan.drive.is_given());
   }
   return estimators;
 }
@@ -120,16 +120,6 @@ std::vector<SessionFiles> choose_sessions(const CompareOptions& options) {
     throw InputError("--with", "sessions are compared by one estimator", "give one");
   }
   return sessions;
-}
-
-// The drive that is described must be there.
-void check_drive(const CompareOptions& options, const std::vector<RecordingReport>& reports) {
-  if (!options.plan.drive.is_given()) return;
-  for (const RecordingReport& report : reports) {
-    if (report.has_drive) continue;
-    throw InputError(report.source, "has no drive that could be described",
-                     "give it a column drive_N, or leave out the options of a drive");
-  }
 }
 
 std::vector<Session> group(const std::vector<SessionFiles>& sessions,
@@ -203,7 +193,6 @@ int compare(const CompareOptions& options) {
     print_error("stopped; no file was left");
     return kExitInterrupted;
   }
-  check_drive(options, reports);
   std::vector<std::unique_ptr<OutputFile>> figures;
   const Outcome outcome = compare_all(options, plan, sessions, std::move(reports), figures);
   if (!files.empty()) {

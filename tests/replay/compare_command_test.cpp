@@ -236,6 +236,25 @@ TEST_F(Compare, WithoutRepeatsTheSmallestChangeIsNotKnown) {
   }
 }
 
+// What is known of the recordings is said beside what came out of them.
+TEST_F(Compare, SessionsThatDifferInMoreThanTheSubjectAreNoted) {
+  std::istringstream rows(read_file(record(4)));
+  std::string shorter, gappy, row;
+  for (int i = 0; std::getline(rows, row); ++i) {
+    if (i < 700) shorter += row + "\n";
+    // Ten samples in a hundred are missing.
+    gappy += i > 0 && i % 100 < 10 ? row.substr(0, row.find(',')) + ",,,,,,,,,\n" : row + "\n";
+  }
+  const std::string short_one = folder_.write("short.csv", shorter);
+  const std::string gappy_one = folder_.write("gappy.csv", gappy);
+  const CommandResult result = run_condyle({"compare", "--faults", "event", "--session",
+                                            session("a", {record(1), record(2)}), "--session",
+                                            session("b", {short_one, gappy_one})});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, AllOf(HasSubstr("the recordings last 11.6 to 20 s"),
+                                   HasSubstr("gappy.csv: 89 % of its samples measure the motion")));
+}
+
 // The published cascade's friction never gets into a comparison.
 TEST_F(Compare, AssumedValuesAreNotCompared) {
   const std::string out = folder_ / "table.csv";
@@ -277,6 +296,7 @@ TEST_F(Compare, SaysWhatItCannotUse) {
   refuse({a, "--with", "published", "--lag", "3"}, "--lag");
   refuse({a, "--out", a}, "is also an input");
   refuse({a, "--drive-missing", "0"}, "has no drive");
+  refuse({a, "--with", "published", "--drive-missing", "0"}, "--drive-...");
   refuse({kChewing, "--axis", "x"}, "has one axis");
   refuse({kChewing, "--point", "2"}, "not point 2");
   EXPECT_EQ(run_condyle({"compare", a, "--lag", "17"}).exit_code, 2);

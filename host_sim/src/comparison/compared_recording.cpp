@@ -84,6 +84,19 @@ class RowSteps {
   double duration_s_ = 0;
 };
 
+void check_recording(const std::string& source, const RecordingInfo& info,
+                     const ComparisonPlan& plan) {
+  plan.choice.check(source, info);
+  if (!plan.drive.is_given() || info.has_drive) return;
+  throw InputError(source, "has no drive that could be described",
+                   "give it a column drive_N, or leave out the options of a drive");
+}
+
+// The recommended estimator where no file is named for it.
+bool takes_own_parameters(const NamedEstimator& named) {
+  return !named.option.is_published() && named.option.parameters.empty();
+}
+
 RecordingReport compare_recording(const std::string& source, const ComparisonPlan& plan,
                                   std::atomic<double>& progress,
                                   const std::function<bool()>& should_stop) {
@@ -91,7 +104,7 @@ RecordingReport compare_recording(const std::string& source, const ComparisonPla
   ReplayFacebow facebow(source, plan.choice.reading, 0, clock);
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
   const RecordingInfo& info = facebow.info();
-  plan.choice.check(source, info);
+  check_recording(source, info, plan);
   firmware::RunSettings settings;
   settings.followed = plan.choice.followed;
   settings.expects_drive = info.has_drive;
@@ -138,8 +151,11 @@ RecordingReport compare_recording(const std::string& source, const ComparisonPla
   report.source = source;
   report.format = info.format;
   report.kind = info.kind;
-  report.has_drive = info.has_drive;
   report.notes = info.notes;
+  if (!info.parameters_toml.empty() &&
+      std::any_of(plan.estimators.begin(), plan.estimators.end(), takes_own_parameters)) {
+    report.notes.emplace_back("recommended runs with the parameters that it was recorded with");
+  }
   report.samples = counts.samples;
   report.gaps = counts.events[Event::time_gap];
   report.duration_s = steps.duration_s();
@@ -174,7 +190,7 @@ void check_recordings(const std::vector<std::string>& sources, const ComparisonP
   }
   for (const std::string& source : sources) {
     if (std::filesystem::is_fifo(source)) continue;  // a pipe is read once
-    plan.choice.check(source, open_recording(source, plan.choice.reading)->info());
+    check_recording(source, open_recording(source, plan.choice.reading)->info(), plan);
   }
 }
 

@@ -29,7 +29,6 @@ struct ComparisonPlan {
 struct RecordingReport {
   std::string source, format;
   SampleKind kind = SampleKind::one_axis;
-  bool has_drive = false;
   std::uint64_t samples = 0, gaps = 0;
   double duration_s = 0;       ///< of the times in order
   double step_s = 0;           ///< expected between samples; 0: not known

@@ -48,9 +48,9 @@ struct Drawing {
 
   // Where an estimator's point stands; the row of a recording is 1 high.
   double row(std::size_t recording, std::size_t estimator) const {
-    const double share =
-        estimators > 1 ? static_cast<double>(estimator) / static_cast<double>(estimators - 1) : 0.5;
-    return static_cast<double>(recording) + 0.5 * (share - 0.5);
+    const auto count = static_cast<double>(estimators);
+    const double place = (static_cast<double>(estimator) + 0.5) / count - 0.5;
+    return static_cast<double>(recording) + 0.6 * place;
   }
 };
 

@@ -56,7 +56,7 @@ std::string prediction_text(const std::vector<NamedEstimator>& estimators,
     const std::string error = shown(run.error_rms_m, 1e3) + ", " + shown(run.error_median_m, 1e3);
     const std::string nis = run.nis_samples == 0
                                 ? "-"
-                                : fmt::format("{:.3g} ({:.2f} to {:.2f})", run.mean_nis,
+                                : fmt::format("{:.3f} ({:.3f} to {:.3f})", run.mean_nis,
                                               run.nis_bounds.low, run.nis_bounds.high);
     text += fmt::format("  {:<{}}  {:<22}  {:<24}  {:<11}  {}\n", label_of(estimators[i]), width,
                         error, nis, shown(run.correlation, 1, "{:.2f}"), score_words(run, i == 0));

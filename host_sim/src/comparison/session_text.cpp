@@ -15,6 +15,8 @@ namespace {
 
 // Durations that differ by more make ranges and peaks differ.
 constexpr double kLongerDuration = 1.2;
+// Share of measured samples below which what was missed may be what differs.
+constexpr double kFewMeasured = 0.95;
 
 std::string sessions_text(const std::vector<Session>& sessions) {
   std::string text;
@@ -75,6 +77,14 @@ std::string doubts_text(const std::vector<Session>& sessions) {
     for (const RecordingReport& recording : session.recordings) {
       shortest_s = std::min(shortest_s, recording.duration_s);
       longest_s = std::max(longest_s, recording.duration_s);
+      for (const std::string& note : recording.notes) {
+        text += fmt::format("note         {}: {}\n", recording.source, note);
+      }
+      const double measured_share = recording.runs[0].measured_share;
+      if (measured_share < kFewMeasured) {
+        text += fmt::format("note         {}: {:.0f} % of its samples measure the motion\n",
+                            recording.source, 100 * measured_share);
+      }
       const std::string warning = warning_words(recording.runs[0]);
       if (warning.empty()) continue;
       text += fmt::format("note         {}: {}\n", recording.source, warning);
