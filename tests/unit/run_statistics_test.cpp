@@ -85,6 +85,24 @@ TEST(RunStatistics, NoiseAtItsLimitIsNotKnown) {
   EXPECT_TRUE(std::isnan(given.report().noise_sd_m));
 }
 
+TEST(RunStatistics, NoiseThatIsNotWhiteIsNotKnown) {
+  testing_support::Random random(6);
+  for (const double persistence : {0.0, 0.5}) {
+    RunStatistics statistics(0, Axis::z, true);
+    double error_m = 0;
+    for (int i = 0; i < 2000; ++i) {
+      error_m = persistence * error_m + 1e-4 * random.normal();
+      const EstimateRow row = predicted_row(error_m, 1e-4, 0.01);
+      statistics.add(row, row, 0.01, true);
+    }
+    const RunReport report = statistics.report();
+    EXPECT_TRUE(report.is_whiteness_judged);
+    EXPECT_EQ(report.is_correlated, persistence > 0);
+    EXPECT_EQ(std::isnan(report.noise_sd_m), persistence > 0);
+    EXPECT_NEAR(report.correlation, persistence, 0.09);
+  }
+}
+
 // Nobody gains by stating another standard deviation than the errors have, and a glitch costs at
 // most what ln(N(0) / (0.001 / 100 mm)) is: 12.9 here.
 TEST(RunStatistics, TheScoreIsBestForTheTruthAndBoundedForGlitches) {

@@ -113,8 +113,9 @@ RunReport RunStatistics::report() const {
   report.velocity_peak_down_m_s = down_m_s_.quantile(kPeakShare);
   report.velocity_difference_m_s = std::sqrt(velocity_difference_square_.mean());
 
-  // At its floor or ceiling the noise is not known.
-  const bool is_noise_known = 2 * at_limit_ <= noise_variance_m2_.count();
+  // At its floor or ceiling the noise is not known, nor where it is not white.
+  const bool is_noise_known =
+      2 * at_limit_ <= noise_variance_m2_.count() && !report.is_filtered && !report.is_correlated;
   report.noise_sd_m = is_noise_known ? std::sqrt(noise_variance_m2_.mean()) : EstimateRow::kNone;
   report.jerk_density_m2_s5 = is_noise_known ? jerk_.mean() : EstimateRow::kNone;
   report.friction_Ns_m = friction_Ns_m_;

@@ -47,8 +47,8 @@ struct RunReport {
   double velocity_peak_up_m_s = 0, velocity_peak_down_m_s = 0;
   double velocity_difference_m_s = 0;  ///< rms, to the first estimator's of the same instants
 
-  double noise_sd_m = 0;                    ///< rms over the recording
-  double jerk_density_m2_s5 = 0;            ///< mean over the recording
+  double noise_sd_m = 0;                    ///< rms over the recording; NaN where it is not white
+  double jerk_density_m2_s5 = 0;            ///< mean over the recording; likewise
   Quantity<double> friction_Ns_m, mass_kg;  ///< at the end
 };
 

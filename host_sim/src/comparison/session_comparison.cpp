@@ -28,11 +28,6 @@ double measured_value(const Quantity<double>& quantity) {
   return quantity.provenance == Provenance::measured ? quantity.value : EstimateRow::kNone;
 }
 
-// Both rest on white noise.
-double unless_filtered(const RunReport& run, double value) {
-  return run.is_filtered || run.is_correlated ? EstimateRow::kNone : value;
-}
-
 constexpr const char* kNoMotion = "no sample measures it";
 constexpr const char* kNoNoise =
     "it is not learned, at its floor or ceiling most of the time, or the positions were smoothed";
@@ -48,9 +43,9 @@ const ComparedQuantity kQuantities[] = {
     {"peak velocity, negative", "velocity_peak_negative", "mm/s",
      [](const RunReport& r) { return 1e3 * r.velocity_peak_down_m_s; }, kNoMotion},
     {"jerk density", "jerk_density", "m^2/s^5",
-     [](const RunReport& r) { return unless_filtered(r, r.jerk_density_m2_s5); }, kNoNoise},
+     [](const RunReport& r) { return r.jerk_density_m2_s5; }, kNoNoise},
     {"noise of the instrument", "noise_sd", "mm",
-     [](const RunReport& r) { return unless_filtered(r, 1e3 * r.noise_sd_m); }, kNoNoise},
+     [](const RunReport& r) { return 1e3 * r.noise_sd_m; }, kNoNoise},
     {"friction", "friction", "Ns/m",
      [](const RunReport& r) { return measured_value(r.friction_Ns_m); }, kNotMeasured,
      [](const RunReport& r) { return r.friction_Ns_m.standard_deviation; }},
