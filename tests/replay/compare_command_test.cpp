@@ -173,6 +173,40 @@ TEST_F(Compare, RowsOfOneInstantAreCompared) {
   EXPECT_LT(difference("0"), 10);
 }
 
+// Across a second without positions the recommended estimator says nothing, the published one
+// predicts on: neither's error counts where the other has none, whichever comes first.
+TEST_F(Compare, OnlyWhatAllPredictedIsCompared) {
+  std::istringstream rows(read_file(record(1)));
+  std::string gappy, row;
+  for (int i = 0; std::getline(rows, row); ++i) {
+    gappy += i > 600 && i <= 660 ? row.substr(0, row.find(',')) + ",,,,,,,,,\n" : row + "\n";
+  }
+  const std::string recording = folder_.write("gappy.csv", gappy), out = folder_ / "table.csv";
+  const auto compare = [&](std::vector<std::string> estimators) {
+    std::vector<std::string> arguments = {"compare", recording, "--faults", "event", "--out", out};
+    for (const std::string& estimator : estimators) {
+      arguments.insert(arguments.end(), {"--with", estimator});
+    }
+    EXPECT_EQ(run_condyle(arguments).exit_code, 0);
+    return read_table(out);
+  };
+  const Table alone = compare({"published"}), other = compare({"recommended"});
+  const Table table = compare({"published", "recommended"});
+  const Table reversed = compare({"recommended", "published"});
+  EXPECT_EQ(alone.numbers("predicted_by_all")[0], 1139);  // of 1200, without the first
+  EXPECT_EQ(other.numbers("predicted_by_all")[0], 1138);  // nor the first after the gap
+  EXPECT_EQ(table.numbers("predicted_by_all")[0], 1138);
+  EXPECT_EQ(table.numbers("missing")[0], 60);
+  EXPECT_LT(table.numbers("prediction_error_rms_mm")[0],
+            0.9 * alone.numbers("prediction_error_rms_mm")[0]);
+  for (const char* column : {"prediction_error_rms_mm", "log_score", "range_mm"}) {
+    EXPECT_EQ(table.numbers(column)[0], reversed.numbers(column)[1]) << column;
+    EXPECT_EQ(table.numbers(column)[1], reversed.numbers(column)[0]) << column;
+  }
+  EXPECT_NEAR(table.numbers("log_score_difference")[1],
+              -reversed.numbers("log_score_difference")[1], 1e-12);
+}
+
 TEST_F(Compare, FrictionIsShownWhereTheDriveMeasuresIt) {
   const std::string recording = record(1, 0.015, 60, true);
   const std::string out = folder_ / "table.csv";

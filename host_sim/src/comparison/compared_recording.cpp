@@ -209,7 +209,8 @@ std::vector<RecordingReport> compare_recordings(const std::vector<std::string>& 
   std::vector<RecordingReport> reports;
   run_monte_carlo(
       sources.size(), 0,
-      [&](std::uint64_t i) {
+      [&](std::uint64_t index) {
+        const auto i = static_cast<std::size_t>(index);
         return compare_recording(sources[i], plan, shares[i], control.should_stop);
       },
       [&](RecordingReport&& report) { reports.push_back(std::move(report)); },
