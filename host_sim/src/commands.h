@@ -38,6 +38,8 @@ Command add_protocol(CLI::App& app);
 Command add_changes(CLI::App& app);
 /// `condyle tune`
 Command add_tune(CLI::App& app);
+/// `condyle compare`
+Command add_compare(CLI::App& app);
 /// `condyle bridge`
 Command add_bridge(CLI::App& app);
 /// `condyle record`

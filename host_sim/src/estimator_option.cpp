@@ -48,14 +48,14 @@ PublishedParameters load_published_for(const EstimatorOption& estimator,
   if (loaded.gives_sample_time) return loaded.values;
   if (!step_ns) {
     throw InputError(source, "no time passes between its samples",
-                     "give sample_time_s with --parameters");
+                     "give sample_time_s in a parameter file");
   }
   loaded.values.sample_time_s = seconds(*step_ns);
   if (!is_valid(loaded.values)) {
     throw InputError(source,
                      fmt::format("its median step of {:.4g} s is no usable sample time",
                                  loaded.values.sample_time_s),
-                     "check the unit of time_s or give sample_time_s with --parameters");
+                     "check the unit of time_s or give sample_time_s in a parameter file");
   }
   return loaded.values;
 }
@@ -68,7 +68,7 @@ void refuse_long_step(const RecommendedParameters& parameters, double step_s,
                    fmt::format("{} of {:.4g} s is longer than longest_gap_s = {:.4g}, so that no "
                                "sample would say anything of its neighbours",
                                step, step_s, longest_gap_s),
-                   fmt::format("{}, or raise longest_gap_s with --parameters", mend));
+                   fmt::format("{}, or raise longest_gap_s in a parameter file", mend));
 }
 
 }  // namespace condyle::host

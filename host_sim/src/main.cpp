@@ -43,6 +43,7 @@ int run(int argc, char** argv) {
   commands.emplace_back("protocol", add_protocol(app));
   commands.emplace_back("changes", add_changes(app));
   commands.emplace_back("tune", add_tune(app));
+  commands.emplace_back("compare", add_compare(app));
   commands.emplace_back("record", add_record(app));
   commands.emplace_back("bridge", add_bridge(app));
   commands.emplace_back("session", add_session(app));

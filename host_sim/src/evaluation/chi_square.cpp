@@ -32,6 +32,10 @@ double chi_square_quantile(double probability, double degrees_of_freedom) {
   return boost::math::quantile(ChiSquare(degrees_of_freedom), probability);
 }
 
+double student_t_distribution(double x, double degrees_of_freedom) {
+  return boost::math::cdf(StudentT(degrees_of_freedom), x);
+}
+
 double student_t_quantile(double probability, double degrees_of_freedom) {
   return boost::math::quantile(StudentT(degrees_of_freedom), probability);
 }

@@ -24,6 +24,8 @@ double chi_square_distribution(double x, double degrees_of_freedom);
 /// The x below which a chi-square variable stays with probability `probability`, in [0, 1).
 double chi_square_quantile(double probability, double degrees_of_freedom);
 
+/// Share of Student's t with `degrees_of_freedom` > 0 below `x`.
+double student_t_distribution(double x, double degrees_of_freedom);
 /// The x below which Student's t with `degrees_of_freedom` > 0 stays with probability
 /// `probability`, in (0, 1).
 double student_t_quantile(double probability, double degrees_of_freedom);

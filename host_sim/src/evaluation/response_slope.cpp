@@ -36,8 +36,8 @@ void ResponseSlope::merge(const ResponseSlope& later) {
 
 SlopeReport ResponseSlope::report(double confidence) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  SlopeReport report{count_, unusable_, kNan, kInfinity, {-kInfinity, kInfinity}, kNan};
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  SlopeReport report{count_, unusable_, kUnknown, kInfinity, {-kInfinity, kInfinity}, kUnknown};
   if (!(S_xx_ > 0)) return report;
   report.slope = S_xy_ / S_xx_;
   report.intercept = mean_y_ - report.slope * mean_x_;

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "comparison/compared_estimator.h"
+
+#include <utility>
+
+#include "condyle/estimator/driven_sensor.h"
+#include "condyle/estimator/published_sensor.h"
+
+namespace condyle::host {
+namespace {
+
+class ComparedPublished final : public ComparedEstimator {
+ public:
+  ComparedPublished(const PublishedParameters& parameters, FollowedCoordinate followed)
+      : followed_(followed), sensor_(parameters, followed) {}
+  std::optional<EstimateRow> process(const Sample& sample, EventSet events) override {
+    return row_of(sample, followed_, sensor_.process(sample, events));
+  }
+  std::optional<EstimateRow> drain() override { return std::nullopt; }
+  bool estimates_noise() const override { return false; }
+
+ private:
+  FollowedCoordinate followed_;
+  PublishedSensor<double> sensor_;
+};
+
+// `Sensor`: with a drive or without.
+template <class Sensor>
+class ComparedRecommended final : public ComparedEstimator {
+ public:
+  template <class... Arguments>
+  ComparedRecommended(Axis followed, bool adapts, Arguments&&... arguments)
+      : followed_(followed), adapts_(adapts), sensor_(std::forward<Arguments>(arguments)...) {}
+  std::optional<EstimateRow> process(const Sample& sample, EventSet events) override {
+    const auto estimate = sensor_.process(sample, events);
+    if (!estimate.is_ready) return std::nullopt;
+    return row_of(estimate, followed_);
+  }
+  std::optional<EstimateRow> drain() override {
+    typename Sensor::Estimate estimate;
+    if (!sensor_.drain(estimate)) return std::nullopt;
+    return row_of(estimate, followed_);
+  }
+  bool estimates_noise() const override { return adapts_; }
+
+ private:
+  Axis followed_;
+  bool adapts_;
+  Sensor sensor_;
+};
+
+template <int kAxes>
+std::unique_ptr<ComparedEstimator> make_recommended(const RecommendedParameters& parameters,
+                                                    int lag, FollowedCoordinate followed,
+                                                    bool has_drive) {
+  const bool adapts = parameters.noise.adaptation == Adaptation::on;
+  const FollowedPoint point{.point = followed.point};
+  if (has_drive) {
+    return std::make_unique<ComparedRecommended<DrivenSensor<double, kAxes>>>(
+        followed.axis, adapts, parameters, lag, point,
+        kAxes == 3 ? static_cast<int>(followed.axis) : 0);
+  }
+  return std::make_unique<ComparedRecommended<RecommendedSensor<double, kAxes>>>(
+      followed.axis, adapts, parameters, lag, point);
+}
+
+}  // namespace
+
+std::unique_ptr<ComparedEstimator> make_compared_estimator(const EstimatorOption& option,
+                                                           const RecordingChoice& choice,
+                                                           const DriveOptions& drive,
+                                                           const std::string& source,
+                                                           const ReplayFacebow& facebow) {
+  if (option.is_published()) {
+    return std::make_unique<ComparedPublished>(
+        load_published_for(option, facebow.median_step_ns(), source), choice.followed);
+  }
+  const RecordingInfo& info = facebow.info();
+  RecommendedParameters parameters = load_recommended_for(option, info, source);
+  drive.apply(parameters.joint);
+  refuse_long_step(parameters, seconds(facebow.expected_step_ns()), source, "its median step",
+                   "check the unit of time_s");
+  return info.kind == SampleKind::one_axis
+             ? make_recommended<1>(parameters, option.lag, choice.followed, info.has_drive)
+             : make_recommended<3>(parameters, option.lag, choice.followed, info.has_drive);
+}
+
+}  // namespace condyle::host

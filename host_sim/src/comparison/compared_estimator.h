@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "drive_options.h"
+#include "estimate_row.h"
+#include "estimator_option.h"
+#include "recording_choice.h"
+#include "replay_facebow.h"
+
+namespace condyle::host {
+
+/// One of several estimators that see the samples of one recording.
+class ComparedEstimator {
+ public:
+  virtual ~ComparedEstimator() = default;
+  /// The row that is ready after `sample`, of `lag` samples ago; none while the lag fills.
+  virtual std::optional<EstimateRow> process(const Sample& sample, EventSet events) = 0;
+  /// After the last sample: the next row that waited for later ones.
+  virtual std::optional<EstimateRow> drain() = 0;
+  /// It learns noise and jerk from the recording.
+  virtual bool estimates_noise() const = 0;
+};
+
+/// The estimator that `option` names, as replay sets it up for the recording `source`, which is
+/// open in `facebow`. Problems are InputErrors.
+std::unique_ptr<ComparedEstimator> make_compared_estimator(const EstimatorOption& option,
+                                                           const RecordingChoice& choice,
+                                                           const DriveOptions& drive,
+                                                           const std::string& source,
+                                                           const ReplayFacebow& facebow);
+
+}  // namespace condyle::host

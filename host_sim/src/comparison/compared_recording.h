@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recordings run through estimators that are to be compared: all estimators see each sample of a
+// recording at once, so that a recording of any length takes the same memory.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "comparison/compared_estimator.h"
+#include "comparison/run_statistics.h"
+
+namespace condyle::host {
+
+/// An estimator and what the user calls it.
+struct NamedEstimator {
+  std::string name;
+  EstimatorOption option;
+};
+
+/// What is run, and how.
+struct ComparisonPlan {
+  std::vector<NamedEstimator> estimators;  ///< at least one; the first is what others are held to
+  RecordingChoice choice;
+  DriveOptions drive;  ///< what is stated of a drive that the recordings hold
+};
+
+/// What came out of one recording.
+struct RecordingReport {
+  std::string source, format;
+  SampleKind kind = SampleKind::one_axis;
+  std::uint64_t samples = 0, gaps = 0;
+  double duration_s = 0;       ///< of the times in order
+  double step_s = 0;           ///< expected between samples; 0: not known
+  std::uint64_t compared = 0;  ///< samples that all estimators had predicted
+  std::vector<std::string> notes;
+  std::vector<RunReport> runs;  ///< one an estimator
+};
+
+/// How work on recordings is watched and ended.
+struct ComparisonControl {
+  std::function<void(double share)> progress;  ///< called on the caller's thread
+  std::function<bool()> should_stop;           ///< called on any thread
+};
+
+/// Shortest blocks of samples that count as independent of each other: a few chewing cycles.
+inline constexpr double kScoreBlock_s = 2;
+
+/// The estimator of "recommended", "published", "recommended:FILE" or "published:FILE"; `lag` is
+/// the recommended one's. An InputError for anything else.
+NamedEstimator parse_estimator(const std::string& text, int lag);
+
+/// Opens each recording and loads each parameter file once, so that what cannot be used is said
+/// before the work: an InputError.
+void check_recordings(const std::vector<std::string>& sources, const ComparisonPlan& plan);
+
+/// Runs each recording through all estimators of `plan`, on all cores; the result does not depend
+/// on their number. Fewer reports where it was told to stop. Problems are InputErrors.
+std::vector<RecordingReport> compare_recordings(const std::vector<std::string>& sources,
+                                                const ComparisonPlan& plan,
+                                                const ComparisonControl& control);
+
+}  // namespace condyle::host

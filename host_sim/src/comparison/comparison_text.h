@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "comparison/compared_recording.h"
+#include "output_file.h"
+
+namespace condyle::host {
+
+/// What `run` says against its own intervals, in words; empty where there is nothing.
+std::string warning_words(const RunReport& run);
+
+/// `text` as a field of a CSV file, in quotation marks where it needs them.
+std::string csv_field(const std::string& text);
+
+/// The estimators on each recording in words.
+std::string comparison_text(const std::vector<NamedEstimator>& estimators,
+                            const std::vector<RecordingReport>& recordings);
+
+/// A row per recording and estimator, with all digits; an empty field is not known.
+std::string comparison_csv(const std::vector<NamedEstimator>& estimators,
+                           const std::vector<RecordingReport>& recordings);
+
+/// Draws "estimators" into the folder `directory`: at most kMostDrawn recordings.
+inline constexpr std::size_t kMostDrawn = 40;
+std::vector<std::unique_ptr<OutputFile>> draw_comparison(
+    const std::string& directory, const std::vector<NamedEstimator>& estimators,
+    const std::vector<RecordingReport>& recordings);
+
+}  // namespace condyle::host

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "comparison/session_comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "input_error.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr double kDetectionShare = 0.95;
+// Rates that differ by more let the estimators see another motion.
+constexpr double kRateTolerance = 0.05;
+
+// A quantity and where it stands in a report.
+struct ComparedQuantity {
+  const char *name, *column, *unit;
+  double (*value)(const RunReport&);
+  const char* missing;                              // what is the matter where there is no value
+  double (*stated_sd)(const RunReport&) = nullptr;  // that repeats do not show
+};
+
+double measured_value(const Quantity<double>& quantity) {
+  return quantity.provenance == Provenance::measured ? quantity.value : EstimateRow::kNone;
+}
+
+constexpr const char* kNoMotion = "no sample measures it";
+constexpr const char* kNoNoise =
+    "it is not learned, at its floor or ceiling most of the time, or the positions were smoothed";
+constexpr const char* kNotMeasured = "it is not measured";
+
+const ComparedQuantity kQuantities[] = {
+    {"range of motion", "range", "mm", [](const RunReport& r) { return 1e3 * r.range_m; },
+     kNoMotion},
+    {"velocity, rms", "velocity_rms", "mm/s",
+     [](const RunReport& r) { return 1e3 * r.velocity_rms_m_s; }, kNoMotion},
+    {"peak velocity, positive", "velocity_peak_positive", "mm/s",
+     [](const RunReport& r) { return 1e3 * r.velocity_peak_up_m_s; }, kNoMotion},
+    {"peak velocity, negative", "velocity_peak_negative", "mm/s",
+     [](const RunReport& r) { return 1e3 * r.velocity_peak_down_m_s; }, kNoMotion},
+    {"jerk density", "jerk_density", "m^2/s^5",
+     [](const RunReport& r) { return r.jerk_density_m2_s5; }, kNoNoise},
+    {"noise of the instrument", "noise_sd", "mm",
+     [](const RunReport& r) { return 1e3 * r.noise_sd_m; }, kNoNoise},
+    {"friction", "friction", "Ns/m",
+     [](const RunReport& r) { return measured_value(r.friction_Ns_m); }, kNotMeasured,
+     [](const RunReport& r) { return r.friction_Ns_m.standard_deviation; }},
+    {"mass", "mass", "kg", [](const RunReport& r) { return measured_value(r.mass_kg); },
+     kNotMeasured, [](const RunReport& r) { return r.mass_kg.standard_deviation; }},
+};
+
+bool is_copy(const RunReport& a, const RunReport& b) {
+  // Noise makes each recording's prediction error its own, to the last digit.
+  return std::isfinite(a.score) && a.score == b.score && a.error_rms_m == b.error_rms_m &&
+         a.range_m == b.range_m;
+}
+
+void refuse_incomparable(const std::vector<Session>& sessions) {
+  std::vector<const RecordingReport*> all;
+  for (const Session& session : sessions) {
+    for (const RecordingReport& recording : session.recordings) all.push_back(&recording);
+  }
+  const RecordingReport& first = *all[0];
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const RecordingReport& recording = *all[i];
+    const double ratio = recording.step_s / first.step_s;
+    const bool has_rates = recording.step_s > 0 && first.step_s > 0;
+    if (has_rates && (ratio > 1 + kRateTolerance || ratio < 1 / (1 + kRateTolerance))) {
+      throw InputError(recording.source,
+                       fmt::format("has {:.4g} samples a second, {} has {:.4g}; another rate shows "
+                                   "other velocities of the same motion",
+                                   1 / recording.step_s, first.source, 1 / first.step_s),
+                       "compare recordings of one rate");
+    }
+    if ((recording.kind == SampleKind::one_axis) != (first.kind == SampleKind::one_axis)) {
+      throw InputError(recording.source,
+                       "and " + first.source +
+                           " are not known to hold the same coordinate: one has a single axis, "
+                           "the other has three",
+                       "compare recordings of one kind");
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      if (!is_copy(recording.runs[0], all[k]->runs[0])) continue;
+      throw InputError(recording.source,
+                       "is a copy of " + all[k]->source + ", and a copy is no repeat",
+                       "give each recording once");
+    }
+  }
+}
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+// Mean square of what the recordings of a session state; the same is wrong in all, so that their
+// number does not help.
+double stated_variance(const ComparedQuantity& quantity, const Session& session) {
+  if (quantity.stated_sd == nullptr) return 0;
+  double sum = 0;
+  for (const RecordingReport& recording : session.recordings) {
+    const double sd = quantity.stated_sd(recording.runs[0]);
+    sum += sd * sd;
+  }
+  return sum / static_cast<double>(session.recordings.size());
+}
+
+QuantityComparison compare_quantity(const ComparedQuantity& quantity,
+                                    const std::vector<Session>& sessions) {
+  QuantityComparison result{quantity.name, quantity.column, quantity.unit, {}, {}, {}, {}, 0, {}};
+  std::size_t missing = 0, recordings = 0;
+  for (const Session& session : sessions) {
+    std::vector<double> values;
+    for (const RecordingReport& recording : session.recordings) {
+      values.push_back(quantity.value(recording.runs[0]));
+      missing += std::isfinite(values.back()) ? 0U : 1U;
+      ++recordings;
+    }
+    result.values.push_back(std::move(values));
+  }
+  if (missing > 0) {
+    result.withheld =
+        fmt::format("in {} of {} recordings {}", missing, recordings, quantity.missing);
+    return result;
+  }
+  for (const auto& values : result.values) result.means.push_back(mean_of(values));
+  result.repeats = repeatability(result.values);
+  std::vector<double> variances;  // stated
+  for (const Session& session : sessions) variances.push_back(stated_variance(quantity, session));
+  const double largest = *std::max_element(variances.begin(), variances.end());
+  result.smallest_single =
+      std::max(result.repeats.smallest_change(1, 1), kNormalQuantile95 * std::sqrt(2 * largest));
+  for (std::size_t to = 1; to < sessions.size(); ++to) {
+    for (std::size_t from = 0; from < to; ++from) {
+      const std::size_t n_1 = result.values[from].size(), n_2 = result.values[to].size();
+      const double change = result.means[to] - result.means[from];
+      const double stated_sd = std::sqrt(variances[from] + variances[to]);
+      const double of_drive = kNormalQuantile95 * stated_sd;
+      double probability = result.repeats.probability(change, n_1, n_2);
+      if (stated_sd > 0) {
+        // NaN, where the repeats say nothing, stays.
+        probability = std::max(probability, 2 * normal_distribution(-std::abs(change) / stated_sd));
+      }
+      result.changes.push_back({from, to, change,
+                                std::max(result.repeats.smallest_change(n_1, n_2), of_drive),
+                                of_drive, probability, 0});
+    }
+  }
+  return result;
+}
+
+// Standard deviation of a difference of means, in s_w.
+double difference_scale(std::size_t n_1, std::size_t n_2) {
+  return std::sqrt(1 / static_cast<double>(n_1) + 1 / static_cast<double>(n_2));
+}
+
+}  // namespace
+
+double Repeatability::smallest_change(std::size_t n_1, std::size_t n_2) const {
+  if (!is_known()) return EstimateRow::kNone;
+  return student_t_quantile((1 + kDetectionShare) / 2, static_cast<double>(degrees_of_freedom)) *
+         within_sd * difference_scale(n_1, n_2);
+}
+
+double Repeatability::probability(double change, std::size_t n_1, std::size_t n_2) const {
+  if (!is_known()) return EstimateRow::kNone;
+  const double t = std::abs(change) / (within_sd * difference_scale(n_1, n_2));
+  return 2 * student_t_distribution(-t, static_cast<double>(degrees_of_freedom));
+}
+
+Repeatability repeatability(const std::vector<std::vector<double>>& sessions) {
+  Repeatability result;
+  double squares = 0;
+  for (const auto& values : sessions) {
+    if (values.empty()) continue;
+    const double mean = mean_of(values);
+    for (const double value : values) squares += (value - mean) * (value - mean);
+    result.degrees_of_freedom += values.size() - 1;
+  }
+  const auto dof = static_cast<double>(result.degrees_of_freedom);
+  result.within_sd = std::sqrt(squares / dof);  // 0 / 0: NaN
+  if (result.is_known()) {
+    const double tail = (1 - kDetectionShare) / 2;
+    result.interval = {std::sqrt(squares / chi_square_quantile(1 - tail, dof)),
+                       std::sqrt(squares / chi_square_quantile(tail, dof))};
+  }
+  return result;
+}
+
+std::vector<double> holm_adjusted(const std::vector<double>& probabilities) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < probabilities.size(); ++i) {
+    if (!std::isnan(probabilities[i])) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return probabilities[a] < probabilities[b];
+  });
+  std::vector<double> adjusted = probabilities;
+  double largest = 0;
+  for (std::size_t rank = 0; rank < order.size(); ++rank) {
+    const auto remaining = static_cast<double>(order.size() - rank);
+    largest = std::max(largest, std::min(1.0, remaining * probabilities[order[rank]]));
+    adjusted[order[rank]] = largest;
+  }
+  return adjusted;
+}
+
+std::size_t SessionComparison::tests() const {
+  std::size_t count = 0;
+  for (const QuantityComparison& quantity : quantities) {
+    if (quantity.repeats.is_known()) count += quantity.changes.size();
+  }
+  return count;
+}
+
+SessionComparison compare_sessions(const std::vector<Session>& sessions) {
+  refuse_incomparable(sessions);
+  SessionComparison result;
+  std::vector<double> probabilities;
+  for (const ComparedQuantity& quantity : kQuantities) {
+    result.quantities.push_back(compare_quantity(quantity, sessions));
+    for (const SessionChange& change : result.quantities.back().changes) {
+      probabilities.push_back(change.probability);
+    }
+  }
+  const std::vector<double> adjusted = holm_adjusted(probabilities);
+  std::size_t next = 0;
+  for (QuantityComparison& quantity : result.quantities) {
+    for (SessionChange& change : quantity.changes) change.adjusted_probability = adjusted[next++];
+  }
+  return result;
+}
+
+}  // namespace condyle::host
