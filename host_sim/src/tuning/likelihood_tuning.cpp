@@ -19,6 +19,7 @@ constexpr double kLongestCorrelation_s = 0.1;                            // or t
 constexpr double kLikelihoodOf95 = 1.92;
 // A model is said to serve better from this much of held-out log l on.
 constexpr double kBetterBy = 10;
+constexpr double kSearchShare = 0.6;  // of the time that a fit takes
 constexpr int kProfilePoints = 25, kSurfacePoints = 31;
 
 NoiseModel model_of(const Point& point) {
@@ -124,9 +125,18 @@ LogSds log_sds(const FitLikelihood& likelihood, const Point& best) {
   return sds;
 }
 
+// What a fit needs beside its start.
+struct FitSetting {
+  const std::vector<SplitRecording>& recordings;
+  const LikelihoodPlan& plan;
+  const SearchBounds& bounds;
+  const MonteCarloControl& control;
+};
+
 // The best log l where coordinate `held` is `value`, starting from `point`, which is moved there.
-double profile_at(const FitLikelihood& likelihood, const SearchBounds& bounds, std::size_t held,
+double profile_at(const FitLikelihood& likelihood, const FitSetting& setting, std::size_t held,
                   double value, Point& point) {
+  const SearchBounds& bounds = setting.bounds;
   Point start;
   SearchBounds rest;
   for (std::size_t i = 0; i < point.size(); ++i) {
@@ -141,26 +151,29 @@ double profile_at(const FitLikelihood& likelihood, const SearchBounds& bounds, s
     return all;
   };
   std::uint64_t evaluations = 0;
+  ClimbSettings settings;
+  settings.is_enough = setting.control.stop;
   const SearchOptimum found = climb([&](const Point& others) { return likelihood(whole(others)); },
-                                    rest, start, evaluations);
+                                    rest, start, evaluations, settings);
   point = whole(found.point);
   return found.value;
 }
 
 // True where log l falls by kLikelihoodOf95 on the way from the optimum to both bounds.
-bool is_bounded(const FitLikelihood& likelihood, const SearchBounds& bounds, std::size_t held,
+bool is_bounded(const FitLikelihood& likelihood, const FitSetting& setting, std::size_t held,
                 const SearchOptimum& best) {
-  for (const double end : {bounds.low[held], bounds.high[held]}) {
+  for (const double end : {setting.bounds.low[held], setting.bounds.high[held]}) {
     Point point = best.point;
-    if (profile_at(likelihood, bounds, held, end, point) > best.value - kLikelihoodOf95) {
+    if (profile_at(likelihood, setting, held, end, point) > best.value - kLikelihoodOf95) {
       return false;
     }
   }
   return true;
 }
 
-std::vector<ProfilePoint> profile(const FitLikelihood& likelihood, const SearchBounds& bounds,
+std::vector<ProfilePoint> profile(const FitLikelihood& likelihood, const FitSetting& setting,
                                   std::size_t held, const SearchOptimum& best, double log_sd) {
+  const SearchBounds& bounds = setting.bounds;
   const double reach = std::isfinite(log_sd) ? std::clamp(4 * log_sd, 0.01, 6.0) : 6.0;
   const double low = std::max(bounds.low[held], best.point[held] - reach);
   const double high = std::min(bounds.high[held], best.point[held] + reach);
@@ -168,19 +181,11 @@ std::vector<ProfilePoint> profile(const FitLikelihood& likelihood, const SearchB
   Point point = best.point;
   for (int i = 0; i < kProfilePoints; ++i) {
     const double at = low + (high - low) * i / (kProfilePoints - 1);
-    const double value = profile_at(likelihood, bounds, held, at, point);
+    const double value = profile_at(likelihood, setting, held, at, point);
     points.push_back({value_of(model_of(point), held), value - best.value});
   }
   return points;
 }
-
-// What a fit needs beside its start.
-struct FitSetting {
-  const std::vector<SplitRecording>& recordings;
-  const LikelihoodPlan& plan;
-  const SearchBounds& bounds;
-  const MonteCarloControl& control;
-};
 
 FittedModel fit(const FitSetting& setting, const Point& start,
                 const std::function<void(double)>& show) {
@@ -191,7 +196,7 @@ FittedModel fit(const FitSetting& setting, const Point& start,
       draw_starts(start, std::log(kStartFactor), setting.bounds, setting.plan.starts,
                   setting.plan.seed),
       [&](std::uint64_t merged, std::uint64_t runs) {
-        show(static_cast<double>(merged) / static_cast<double>(runs));
+        show(kSearchShare * static_cast<double>(merged) / static_cast<double>(runs));
       },
       setting.control);
   if (fitted.search.stopped) return fitted;
@@ -210,11 +215,13 @@ FittedModel fit(const FitSetting& setting, const Point& start,
     parameter.log_sd = of_logarithm * sds.by_either[i];
     parameter.at_bound = best.point[i] - setting.bounds.low[i] < kSamePoint ||
                          setting.bounds.high[i] - best.point[i] < kSamePoint;
-    parameter.is_bounded = is_bounded(likelihood, setting.bounds, i, best);
+    parameter.is_bounded = is_bounded(likelihood, setting, i, best);
     if (setting.plan.with_surface) {
-      parameter.profile = profile(likelihood, setting.bounds, i, best, sds.by_curvature[i]);
+      parameter.profile = profile(likelihood, setting, i, best, sds.by_curvature[i]);
     }
     fitted.parameters.push_back(std::move(parameter));
+    show(kSearchShare +
+         (1 - kSearchShare) * static_cast<double>(i + 1) / static_cast<double>(best.point.size()));
   }
   fitted.held_out = check_held_out(setting.recordings, fitted.values, setting.plan.prior);
   return fitted;
@@ -259,6 +266,16 @@ LikelihoodSurface draw_surface(const FitSetting& setting, const FittedModel& fit
   return surface;
 }
 
+// `model` moved into the bounds.
+NoiseModel within(const LikelihoodPlan& plan, NoiseModel model) {
+  const auto clamped = [](double value, Range range) {
+    return std::clamp(value, range.lowest, range.highest);
+  };
+  model.position_sd_m = clamped(model.position_sd_m, plan.position_sd_m);
+  model.jerk_density_m2_s5 = clamped(model.jerk_density_m2_s5, plan.jerk_density_m2_s5);
+  return model;
+}
+
 double longest_step_s(const std::vector<TuningRecording>& recordings) {
   double longest = 0;
   for (const TuningRecording& recording : recordings) {
@@ -281,6 +298,7 @@ LikelihoodTuning tune_by_likelihood(const std::vector<TuningRecording>& recordin
       std::any_of(recordings.begin(), recordings.end(),
                   [](const TuningRecording& recording) { return recording.filtered_lag > 0; });
   const double white_share = is_filtered ? 0.3 : 0.8;
+  tuning.start = within(plan, tuning.start);
   Point start = {2 * std::log(tuning.start.position_sd_m),
                  std::log(tuning.start.jerk_density_m2_s5)};
   const FitSetting setting{split, plan, bounds, control};
@@ -308,12 +326,7 @@ LikelihoodTuning tune_by_likelihood(const std::vector<TuningRecording>& recordin
   tuning.correlated_serves = of_held_out > kBetterBy && gain.mean > 2 * gain.standard_error;
   if (!tuning.correlated_serves) return tuning;
   tuning.stand_in = white_stand_in(correlated.values, step_s);
-  tuning.written = tuning.stand_in->white;
-  tuning.written.position_sd_m = std::clamp(tuning.written.position_sd_m, plan.position_sd_m.lowest,
-                                            plan.position_sd_m.highest);
-  tuning.written.jerk_density_m2_s5 =
-      std::clamp(tuning.written.jerk_density_m2_s5, plan.jerk_density_m2_s5.lowest,
-                 plan.jerk_density_m2_s5.highest);
+  tuning.written = within(plan, tuning.stand_in->white);
   tuning.written_check = check_held_out(split, tuning.written, plan.prior);
   return tuning;
 }

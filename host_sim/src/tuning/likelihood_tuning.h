@@ -20,7 +20,7 @@ namespace condyle::host {
 struct LikelihoodPlan {
   Range position_sd_m{1e-7, 1e-2};  ///< within these
   Range jerk_density_m2_s5{1e-6, 1e6};
-  std::optional<NoiseModel> start;  ///< else as the data suggest
+  std::optional<NoiseModel> start;  ///< else as the data suggest; moved within the bounds
   std::size_t starts = 12;          ///< that one, and others up to kStartFactor times off
   std::uint64_t seed = 1;
   bool with_surface = false;  ///< profiles and surface are wanted
