@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "condyle/hal/refusal_words.h"
 #include "input_error.h"
 
 namespace condyle::host {
@@ -18,22 +19,6 @@ const char* reset_words(hal::ResetCause cause) {
   constexpr const char* words[] = {"of unknown cause", "power on", "brown-out", "reset pin",
                                    "software",         "watchdog", "fault"};
   return words[static_cast<int>(cause)];
-}
-
-std::string refusal_words(const hal::RefusedMessage& refused) {
-  constexpr const char* reasons[] = {"no reason",
-                                     "wrong size",
-                                     "unknown value",
-                                     "out of range",
-                                     "not a finite number",
-                                     "parameters that do not fit together",
-                                     "another version of the protocol",
-                                     "unknown type of message",
-                                     "not expected now",
-                                     "unusable layout",
-                                     "the layout has no such point"};
-  return fmt::format("message {}: {}, at value {}", refused.message,
-                     reasons[static_cast<int>(refused.refusal.reason)], refused.refusal.index);
 }
 
 }  // namespace
@@ -124,9 +109,11 @@ void NodeClient::expect_accepted(hal::MessageType message) {
 }
 
 void NodeClient::begin(const hal::ReportLayout& layout, const hal::StartMessage& start) {
-  tell(hal::LayoutMessage{layout});
+  layout_.layout = layout;
+  start_ = start;
+  tell(layout_);
   expect_accepted(hal::MessageType::layout);
-  tell(start);
+  tell(start_);
   expect_accepted(hal::MessageType::start);
   before_ = end_.counts();
   health_before_ = health_of_now().value_or(hal::HealthMessage{});
@@ -215,7 +202,8 @@ NodeAnswer NodeClient::take_frame() {
       if (has_finished_ && refused.message == static_cast<std::uint8_t>(hal::MessageType::finish)) {
         return finished();
       }
-      fail("refuses " + refusal_words(refused), "load an image of this version of condyle");
+      const hal::RefusalWords words = hal::words_of(refused, layout_, start_);
+      fail("refuses " + words.reason, words.mend);
     }
     case hal::MessageType::health:
       health_ = read<hal::HealthMessage>();

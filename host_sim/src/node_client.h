@@ -83,6 +83,8 @@ class NodeClient {
   hal::Clock& clock_;
   std::string name_;
   hal::GreetingMessage greeting_;
+  hal::LayoutMessage layout_;  // of the run
+  hal::StartMessage start_;
   std::optional<hal::FaultMessage> fault_;
   std::optional<hal::HealthMessage> health_;
   std::optional<hal::MessageType> accepted_;
