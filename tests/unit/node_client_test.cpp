@@ -175,6 +175,20 @@ TEST_F(NodeClientTest, GoesOnAfterAWindowOfReportsIsLost) {
   EXPECT_EQ(client_.reports_lost(), 50U);
 }
 
+// During a run, and also where the answer is lost.
+TEST_F(NodeClientTest, HasTheHealthOfTheRun) {
+  begin(0, {}, [](Type type, int n) { return type == Type::health && n == 1; });
+  const TimeNs begin_ns = clock_.now_ns();
+  client_.send({});
+  while (client_.health()->bad_reports == 0 && clock_.now_ns() - begin_ns < 20'000'000'000) {
+    client_.request_health();
+    (void)client_.receive(clock_.now_ns() + 20'000'000);
+  }
+  EXPECT_EQ(client_.health()->bad_reports, 1U) << "the report was empty";
+  EXPECT_FALSE(client_.silent_since_ns());
+  EXPECT_EQ(client_.frames_lost(), 1U);
+}
+
 // What the node says of a layout and a start, as condyle bridge prints it.
 TEST_F(NodeClientTest, NamesTheFieldThatTheTargetRefuses) {
   connect();
