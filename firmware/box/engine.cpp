@@ -116,7 +116,8 @@ void Engine::do_run(hal::SessionLogWriter* log) {
     FedSource fed(reports, source_, *feed_);
     hal::DeviceFacebow facebow(fed, hal::layout_of(profile_));
     NoSensor sensor;
-    return estimate_run(facebow, sensor);
+    estimate_run(facebow, sensor);
+    return feed_->end_run();
   }
   outlet_.begin_run(run());
   hal::DeviceFacebow facebow(reports, hal::layout_of(profile_));
@@ -189,7 +190,6 @@ void Engine::note_counts(const hal::DeviceFacebow& facebow, std::uint64_t sample
                      reports.unusable_profile};
   EngineCounts all = sum(totals_, present_);
   // These count on from run to run.
-  all.estimates = outlet_.count();
   all.lost = all_runs_.counts().lost;
   all.unknown_losses = all_runs_.counts().unknown_losses;
   all.sequence_restarts = all_runs_.counts().sequence_restarts;
@@ -213,7 +213,9 @@ EngineCounts Engine::counts() const {
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] = counts_[i].load(std::memory_order_relaxed);
   }
-  return std::bit_cast<EngineCounts>(values);
+  auto counts = std::bit_cast<EngineCounts>(values);
+  counts.estimates = outlet_.count();  // which a microcontroller may add to at any time
+  return counts;
 }
 
 std::string Engine::scheduling() const {

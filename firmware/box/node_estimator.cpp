@@ -67,12 +67,14 @@ void NodeEstimator::do_run() {
   }
   host::NodeClient client(port, clock_, port_);
   client.connect([this] { return stops_.load(); });
-  while (!stops_ && feed_.run() == 0) clock_.sleep_until(clock_.now_ns() + kPatience_ns);
+  std::uint64_t run = 0;
+  while (!stops_ && (run = feed_.run()) == 0) clock_.sleep_until(clock_.now_ns() + kPatience_ns);
   if (stops_) return;
   client.begin(layout_, start_);
 
-  run_ = has_report() ? next_.run : feed_.run();
+  run_ = has_report() ? next_.run : run;
   connection_ = 0;
+  estimates_before_ = outlet_.count();
   ends_ = is_silent_ = false;
   if (run_ != outlet_run_) outlet_.begin_run(run_);
   outlet_run_ = run_;
@@ -94,10 +96,19 @@ void NodeEstimator::do_run() {
   try {
     take_answers(client, client.greeting().scalar_size);
   } catch (const host::InputError&) {
-    note_counts(client);
+    end_run(client);
     throw;
   }
+  end_run(client);
+}
+
+// What was sent and has no estimate by now will have none: also what waited in the target.
+void NodeEstimator::end_run(const host::NodeClient& client) {
   note_counts(client);
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t told =
+      outlet_.count() - estimates_before_ + state_.without_estimate - before_.without_estimate;
+  state_.lost = before_.lost + client.reports_sent() - std::min(told, client.reports_sent());
 }
 
 // Is there a report to be sent? Those that are stale are not.

@@ -27,12 +27,12 @@ struct NodeState {
   std::string words;       ///< what it says it is
   std::string problem;     ///< why it is away, or what was wrong the last time
   std::uint64_t connections = 0;
-  std::uint64_t losses = 0;            ///< how often it went away, failed or started again
-  std::uint64_t silences = 0;          ///< how often it owed an answer for longer than a second
-  std::uint64_t late = 0;              ///< estimates later than the settings allow
-  std::uint64_t not_sent = 0;          ///< reports: it was away, or too slow
-  std::uint64_t lost = 0;              ///< reports: on the line, or their answers
-  std::uint64_t without_estimate = 0;  ///< reports that it took and that led to none
+  std::uint64_t losses = 0;    ///< how often it went away, failed or started again
+  std::uint64_t silences = 0;  ///< how often it owed an answer for longer than a second
+  std::uint64_t late = 0;      ///< estimates later than the settings allow
+  std::uint64_t not_sent = 0;  ///< reports: it was away, or too slow
+  std::uint64_t lost = 0;      ///< reports: on the line, or their estimates, or when it went away
+  std::uint64_t without_estimate = 0;                 ///< reports that it took and that led to none
   std::uint64_t frames_refused = 0, frames_lost = 0;  ///< of those that it sent
   std::optional<hal::HealthMessage> health;           ///< its own counts, of the present run
 };
@@ -57,6 +57,7 @@ class NodeEstimator {
   void do_run();
   void feed(host::NodeClient& client);
   bool has_report();
+  void end_run(const host::NodeClient& client);
   void take_answers(host::NodeClient& client, unsigned scalar_size);
   void take(host::NodeClient& client, host::NodeAnswer answer, unsigned scalar_size);
   template <class Scalar>
@@ -85,7 +86,8 @@ class NodeEstimator {
   bool has_next_ = false, ends_ = false;
   std::uint64_t run_ = 0, outlet_run_ = 0, not_sent_ = 0;
   std::uint64_t connection_ = 0;  // of the facebow, as the run's last report; 0: there is none yet
-  NodeState before_;  // the counts up to the present run
+  NodeState before_;              // the counts up to the present run
+  std::uint64_t estimates_before_ = 0;
   TimeNs pause_ns_ = 0, next_health_ns_ = 0, next_absence_ns_ = 0;
   bool is_silent_ = false;
   std::thread thread_;

@@ -24,6 +24,7 @@ class NodeFeed {
  public:
   // The real-time thread's:
   void begin_run(std::uint64_t run) { run_.store(run, std::memory_order_release); }
+  void end_run() { run_.store(0, std::memory_order_release); }
   void put(const hal::RawReport& report, std::uint64_t connection) CONDYLE_NONBLOCKING {
     next_.run = run_.load(std::memory_order_relaxed);
     next_.connection = connection;
@@ -32,7 +33,8 @@ class NodeFeed {
   }
 
   // The node's thread's:
-  /// The run of the reports that are to come; those before it are in the feed already.
+  /// The run of the reports that are to come, 0: none will; those before it are in the feed
+  /// already.
   std::uint64_t run() const { return run_.load(std::memory_order_acquire); }
   bool take(FedReport& report) { return ring_.pop(report); }
 

@@ -177,5 +177,45 @@ TEST_F(BoxNode, OneThatIsCutOffIsConnectedAgain) {
   }
 }
 
+// A recording is played, and the line is cut again and again.
+TEST_F(BoxNode, EveryReportHasAnEstimateOrIsCounted) {
+  SocketNode node(path_);
+  running_.start();
+  ASSERT_TRUE(running_.is_estimating());
+  ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  const auto stopped = post(running_.port, "/v1/session/stop", "{}");
+  ASSERT_EQ(stopped.status, 200);
+  running_.stop();
+
+  testing_support::RunningBox player;
+  player.configuration.facebow = {"facebow", SourceSettings::Kind::file,
+                                  Json::parse(stopped.body)["done"], ""};
+  player.configuration.node = "unix:" + path_;
+  player.configuration.priority = 0;
+  player.configuration.lag = 5;
+  player.start();
+  for (int i = 0; i < 3; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    node.is_mute = true;  // so that there is no answer to some
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    node.cut();
+    node.is_mute = false;
+  }
+  ASSERT_TRUE(wait_for([&] { return player.status()["device"]["ended"] == true; }));
+  Json status;
+  const auto is_whole = [&] {
+    status = player.status();
+    const std::int64_t told = status["estimator"]["estimates"].get<std::int64_t>() +
+                              status["node"]["reports_not_sent"].get<std::int64_t>() +
+                              status["node"]["reports_lost"].get<std::int64_t>() +
+                              status["node"]["reports_without_estimate"].get<std::int64_t>();
+    return status["device"]["reports_received"] == told;
+  };
+  EXPECT_TRUE(wait_for(is_whole)) << status;
+  EXPECT_GE(status["node"]["losses"], 2);
+  EXPECT_GT(status["node"]["reports_lost"], 0);
+}
+
 }  // namespace
 }  // namespace condyle::box
