@@ -11,11 +11,11 @@
 namespace condyle::box {
 namespace {
 
-constexpr TimeNs kPatience_ns = 1'000'000;
+constexpr TimeNs kAnswerWait_ns = 1'000'000;
 constexpr TimeNs kFirstPause_ns = 50'000'000, kLongestPause_ns = 2 * kNanosecondsPerSecond;
 constexpr TimeNs kHealthPeriod_ns = kNanosecondsPerSecond;
 // Of an answer that is due, and between lines that say that there is none.
-constexpr TimeNs kSilence_ns = kNanosecondsPerSecond;
+constexpr TimeNs kLongestSilence_ns = kNanosecondsPerSecond;
 // A report that waited for longer is not sent any more.
 constexpr TimeNs kStale_ns = 2 * kNanosecondsPerSecond;
 
@@ -68,7 +68,7 @@ void NodeEstimator::do_run() {
   host::NodeClient client(port, clock_, port_);
   client.connect([this] { return stops_.load(); });
   std::uint64_t run = 0;
-  while (!stops_ && (run = feed_.run()) == 0) clock_.sleep_until(clock_.now_ns() + kPatience_ns);
+  while (!stops_ && (run = feed_.run()) == 0) clock_.sleep_until(clock_.now_ns() + kAnswerWait_ns);
   if (stops_) return;
   client.begin(layout_, start_);
 
@@ -124,7 +124,7 @@ void NodeEstimator::take_answers(host::NodeClient& client, unsigned scalar_size)
   for (;;) {
     if (stops_) return;
     feed(client);
-    const host::NodeAnswer answer = client.receive(clock_.now_ns() + kPatience_ns);
+    const host::NodeAnswer answer = client.receive(clock_.now_ns() + kAnswerWait_ns);
     if (answer == host::NodeAnswer::finished) return;
     take(client, answer, scalar_size);
     watch(client);
@@ -187,7 +187,7 @@ void NodeEstimator::publish(const host::NodeClient& client) {
 void NodeEstimator::watch(host::NodeClient& client) {
   const TimeNs now_ns = clock_.now_ns();
   const auto since_ns = client.silent_since_ns();
-  const bool is_silent = since_ns && now_ns - *since_ns > kSilence_ns;
+  const bool is_silent = since_ns && now_ns - *since_ns > kLongestSilence_ns;
   if (is_silent != is_silent_) {
     is_silent_ = is_silent;
     next_absence_ns_ = now_ns;
@@ -200,7 +200,7 @@ void NodeEstimator::watch(host::NodeClient& client) {
     state_.silences += is_silent ? 1 : 0;
   }
   if (is_silent_ && now_ns >= next_absence_ns_) {
-    next_absence_ns_ = now_ns + kSilence_ns;
+    next_absence_ns_ = now_ns + kLongestSilence_ns;
     outlet_.publish_absence();
   }
   if (now_ns < next_health_ns_) return;
@@ -242,14 +242,14 @@ void NodeEstimator::wait_away() {
     }
     const TimeNs now_ns = clock_.now_ns();
     if (now_ns >= next_absence_ns_) {
-      next_absence_ns_ = now_ns + kSilence_ns;
+      next_absence_ns_ = now_ns + kLongestSilence_ns;
       outlet_.publish_absence();
     }
     {
       const std::lock_guard lock(mutex_);
       state_.not_sent = not_sent_ + feed_.dropped();
     }
-    clock_.sleep_until(now_ns + 5 * kPatience_ns);
+    clock_.sleep_until(now_ns + 5 * kAnswerWait_ns);
   } while (!stops_ && clock_.now_ns() < end_ns);
 }
 
