@@ -53,8 +53,12 @@ TEST_F(BoxNode, ItsEstimatesAreThoseOfTheReplay) {
   ASSERT_TRUE(running_.is_estimating());
   EventStream stream(running_.port);
   ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
-  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
-  const Json status = running_.status();
+  Json status;
+  EXPECT_TRUE(wait_for([&] {
+    status = running_.status();
+    return status["session"]["reports_written"] > 1000 &&
+           status["node"]["its_side"]["samples"] > 500;
+  })) << status;
   const auto stopped = post(running_.port, "/v1/session/stop", "{}");
   ASSERT_EQ(stopped.status, 200);
   std::map<std::int64_t, Json> live;
@@ -76,7 +80,7 @@ TEST_F(BoxNode, ItsEstimatesAreThoseOfTheReplay) {
     }
   }
   EXPECT_EQ(live.at(1)["node"]["connection"], 1);
-  EXPECT_GT(live.at(1000)["node"]["delay_s"], 0.0);
+  EXPECT_GT(live.at(500)["node"]["delay_s"], 0.0);
 
   EXPECT_EQ(status["estimator"]["estimating"], true);
   EXPECT_GT(status["real_time"]["report_to_estimate"]["max_s"], 0.0);
@@ -84,7 +88,6 @@ TEST_F(BoxNode, ItsEstimatesAreThoseOfTheReplay) {
   EXPECT_THAT(status["node"]["is"].get<std::string>(), HasSubstr("test, condyle"));
   EXPECT_EQ(status["node"]["reports_lost"], 0);
   EXPECT_EQ(status["node"]["losses"], 0);
-  EXPECT_GT(status["node"]["its_side"]["samples"], 100);
   EXPECT_EQ(status["node"]["its_side"]["frames_lost"], 0);
   EXPECT_EQ(status["node"]["its_side"]["stack_size_bytes"], 4321);
 }
