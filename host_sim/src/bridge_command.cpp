@@ -312,7 +312,8 @@ int bridge(const BridgeOptions& options) {
                               client.reports_sent(), client.reports_lost(), counts.estimates,
                               counts.without_estimate));
   if (counts.disconnections > 0) {
-    line("device", fmt::format("went away {} times", counts.disconnections));
+    line("device", fmt::format("went away {} times; the target knows of {}", counts.disconnections,
+                               health ? std::to_string(health->disconnections) : "no number"));
   }
   if (counts.without_time > 0) {
     line("left out", fmt::format("{} samples without a time", counts.without_time));
