@@ -41,6 +41,7 @@ Box::~Box() {
   http_.stop();
   (void)recorder_.stop();
   if (engine_) engine_->stop();
+  if (node_) node_->stop();
   publisher_.stop();
 }
 
@@ -55,9 +56,16 @@ void Box::run(const std::function<bool()>& should_stop) {
   notify_service_manager("READY=1");
   if (find_facebow(should_stop)) {
     source_ = std::make_unique<WatchedSource>(facebow_.source(), clock_);
-    engine_ = std::make_unique<Engine>(*source_, facebow_.profile(), configuration_, clock_);
+    if (!configuration_.node.empty()) feed_ = std::make_unique<NodeFeed>();
+    engine_ =
+        std::make_unique<Engine>(*source_, facebow_.profile(), configuration_, clock_, feed_.get());
+    if (feed_) {
+      node_ = std::make_unique<NodeEstimator>(configuration_, facebow_.profile(), *feed_,
+                                              engine_->outlet(), clock_, log_);
+      node_->start();
+    }
     // On the publisher's thread, because this one may have to wait for a slow disk.
-    publisher_.start(engine_->estimates(), [this] {
+    publisher_.start(engine_->outlet().ring(), [this] {
       http_.tick();
       feed_watchdog(clock_.now_ns());
     });
@@ -81,6 +89,7 @@ void Box::run(const std::function<bool()>& should_stop) {
   http_.stop();  // first: it could begin a session
   (void)recorder_.stop();
   if (engine_) engine_->stop();
+  if (node_) node_->stop();
   publisher_.stop();
 }
 
@@ -164,6 +173,7 @@ BoxStatus Box::status() const {
   status.session = recorder_.state();
   status.publisher = publisher_.counts();
   status.http = http_.counts();
+  status.node = configuration_.node;
   status.clock_steps = clock_steps_;
   status.last_clock_step_s = last_clock_step_s_;
   {
@@ -179,10 +189,11 @@ BoxStatus Box::status() const {
   status.has_ended = engine_->has_ended();
   status.rate_Hz = rate_Hz_;
   status.counts = engine_->counts();
-  status.health = engine_->health();
+  status.health = engine_->outlet().health();
+  if (node_) status.node_state = node_->state();
   status.run = engine_->run();
-  status.estimates_dropped = engine_->estimates().dropped();
-  status.latency = &engine_->latency();
+  status.estimates_dropped = engine_->outlet().ring().dropped();
+  status.latency = &engine_->outlet().latency();
   status.scheduling = engine_->scheduling();
   return status;
 }

@@ -14,6 +14,8 @@
 #include "box/estimate_history.h"
 #include "box/facebow_reports.h"
 #include "box/http_server.h"
+#include "box/node_estimator.h"
+#include "box/node_feed.h"
 #include "box/publisher.h"
 #include "box/session_recorder.h"
 #include "condyle/hal/clock.h"
@@ -58,7 +60,9 @@ class Box {
   Publisher publisher_;
   // There once the facebow was found.
   std::unique_ptr<WatchedSource> source_;
+  std::unique_ptr<NodeFeed> feed_;  // these two where a microcontroller estimates
   std::unique_ptr<Engine> engine_;
+  std::unique_ptr<NodeEstimator> node_;
   std::atomic<bool> is_found_ = false;
 
   mutable std::mutex mutex_;

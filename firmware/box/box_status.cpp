@@ -40,13 +40,49 @@ Json estimator_json(const BoxStatus& status) {
   const EstimatorHealth& health = status.health;
   Json json;
   json["run"] = status.run;
-  json["estimating"] = health.is_ready && status.is_open && !status.has_ended;
+  const bool node_gives = status.node_state.is_connected && !status.node_state.is_silent;
+  json["estimating"] =
+      health.is_ready && status.is_open && !status.has_ended && (status.node.empty() || node_gives);
   json["samples"] = status.counts.samples;
   json["estimates"] = status.counts.estimates;
   json["noise_sd_m"] = health.is_ready ? Json(health.noise_sd_m) : Json();
   json["mean_nis_per_axis"] = health.is_ready ? Json(health.mean_nis) : Json();
   json["outliers_rejected"] = health.rejected;
   json["unusable_states"] = health.not_finite;
+  return json;
+}
+
+// Of a microcontroller that estimates: null where there is none.
+Json node_json(const BoxStatus& status) {
+  if (status.node.empty()) return {};
+  const NodeState& node = status.node_state;
+  Json json;
+  json["line"] = status.node;
+  json["connected"] = node.is_connected;
+  json["silent"] = node.is_silent;
+  json["is"] = node.words;
+  json["problem"] = node.problem;
+  json["connections"] = node.connections;
+  json["losses"] = node.losses;
+  json["silences"] = node.silences;
+  json["estimates_late"] = node.late;
+  json["reports_not_sent"] = node.not_sent;
+  json["reports_lost"] = node.lost;
+  json["reports_without_estimate"] = node.without_estimate;
+  json["frames_refused"] = node.frames_refused;
+  json["frames_lost"] = node.frames_lost;
+  Json health;
+  if (node.health) {
+    health["samples"] = node.health->samples;
+    health["frames_refused"] = node.health->frames.refused();
+    health["frames_lost"] = node.health->frames.lost;
+    health["bytes_overrun"] = node.health->uart_overruns;
+    health["bytes_without_room"] = node.health->dropped_bytes;
+    health["stack_used_bytes"] = node.health->stack_used_bytes;
+    health["stack_size_bytes"] = node.health->stack_size_bytes;
+    health["uptime_s"] = seconds(node.health->uptime_ns);
+  }
+  json["its_side"] = health;
   return json;
 }
 
@@ -116,6 +152,7 @@ std::string status_json(const BoxStatus& status) {
   json["running_s"] = seconds(status.running_ns);
   json["device"] = device_json(status);
   json["estimator"] = estimator_json(status);
+  json["node"] = node_json(status);
   json["real_time"] = real_time_json(status);
   json["session"] = session_json(status);
   json["outlets"] = outlets_json(status);

@@ -5,6 +5,7 @@
 
 #include "box/engine.h"
 #include "box/http_server.h"
+#include "box/node_estimator.h"
 #include "box/publisher.h"
 #include "box/session_recorder.h"
 
@@ -29,6 +30,8 @@ struct BoxStatus {
   bool records = false;
   PublisherCounts publisher;
   HttpCounts http;
+  std::string node;  ///< line to the microcontroller that estimates; empty: there is none
+  NodeState node_state;
   std::uint64_t clock_steps = 0;
   double last_clock_step_s = 0;  ///< of the wall clock
 };

@@ -125,6 +125,27 @@ class Reader {
     toml_.integer("estimator", "priority", priority, 0, 98);
     result_.lag = static_cast<int>(lag);
     result_.priority = static_cast<int>(priority);
+    read_node();
+  }
+
+  void read_node() {
+    std::string node;
+    toml_.text("estimator", "node", node);
+    std::int64_t baud = result_.node_baud;
+    double late_ms = seconds(result_.node_late_ns) * 1e3;
+    toml_.integer("estimator", "node_baud", baud, 9600, 4'000'000);
+    toml_.number("estimator", "node_late_ms", late_ms, "ms", {1, 60'000});
+    result_.node_baud = static_cast<unsigned>(baud);
+    result_.node_late_ns = nanoseconds(late_ms * 1e-3);
+    if (node.empty()) return;
+    const std::size_t colon = node.find(':');
+    const std::string kind = node.substr(0, colon);
+    if ((kind != "serial" && kind != "unix") || colon + 1 >= node.size()) {
+      throw InputError(toml_.place("estimator", "node"), "\"" + node + "\" is no line",
+                       "write serial:/dev/ttyACM0 or the like, or unix:SOCKET");
+    }
+    const std::string name = file(node.substr(colon + 1));
+    result_.node = kind == "unix" ? "unix:" + name : name;
   }
 
   void read_recording() {

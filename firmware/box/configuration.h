@@ -35,6 +35,9 @@ struct Configuration {
   RecommendedParameters parameters;
   std::string parameters_toml;  ///< as the file gives them, for the log
   int lag = 0;                  ///< samples
+  std::string node;             ///< line to the microcontroller that estimates; empty: the box does
+  unsigned node_baud = 1'000'000;
+  TimeNs node_late_ns = 100'000'000;  ///< an estimate that is later is said to be late
 
   int priority = 50;  ///< SCHED_FIFO; 0: an ordinary thread
 

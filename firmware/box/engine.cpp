@@ -2,7 +2,6 @@
 #include "box/engine.h"
 
 #include <bit>
-#include <cmath>
 #include <optional>
 #include <type_traits>
 
@@ -44,10 +43,20 @@ class RealTimeSensor {
   Sensor& sensor_;
 };
 
+// Where a microcontroller estimates: samples are counted here, no more.
+struct NoSensor {
+  struct Estimate {
+    bool is_ready = false;
+    EventSet events;
+  };
+  Estimate process(const Sample&, EventSet events) CONDYLE_NONBLOCKING { return {false, events}; }
+  [[nodiscard]] bool drain(Estimate&) { return false; }
+};
+
 }  // namespace
 
 Engine::Engine(WatchedSource& source, const hal::DeviceProfile& profile,
-               const Configuration& configuration, hal::Clock& clock)
+               const Configuration& configuration, hal::Clock& clock, NodeFeed* feed)
     : source_(source),
       profile_(profile),
       parameters_(configuration.parameters),
@@ -55,6 +64,8 @@ Engine::Engine(WatchedSource& source, const hal::DeviceProfile& profile,
       lag_(configuration.lag),
       priority_(configuration.priority),
       clock_(clock),
+      feed_(feed),
+      outlet_(configuration.followed.axis),
       all_runs_(profile) {}
 
 void Engine::start() {
@@ -97,14 +108,19 @@ bool Engine::has_to_leave() {
 }
 
 void Engine::do_run(hal::SessionLogWriter* log) {
-  is_ready_.store(false, std::memory_order_relaxed);
-  mean_nis_.store(1, std::memory_order_relaxed);
-  out_ = {};
-  out_.run = run();
   std::optional<hal::RecordedSource> recorded;
   if (log != nullptr) recorded.emplace(source_, *log, 0, clock_);
-  hal::DeviceFacebow facebow(recorded ? static_cast<hal::ReportSource&>(*recorded) : source_,
-                             hal::layout_of(profile_));
+  hal::ReportSource& reports = recorded ? static_cast<hal::ReportSource&>(*recorded) : source_;
+  if (feed_ != nullptr) {
+    feed_->begin_run(run());
+    FedSource fed(reports, source_, *feed_);
+    hal::DeviceFacebow facebow(fed, hal::layout_of(profile_));
+    NoSensor sensor;
+    estimate_run(facebow, sensor);
+    return feed_->end_run();
+  }
+  outlet_.begin_run(run());
+  hal::DeviceFacebow facebow(reports, hal::layout_of(profile_));
   const FollowedPoint point{.point = followed_.point, .body_point_m = {}};
   const auto with_axes = [&]<int kAxes>(std::integral_constant<int, kAxes>) {
     if (profile_.drive_N) {
@@ -140,12 +156,14 @@ void Engine::estimate_run(hal::DeviceFacebow& facebow, Sensor& sensor) {
   const hal::Status status = firmware::run(
       facebow, clock_, watched, settings, counts,
       [&](const Sample&, const auto& estimate) {
-        if (estimate.is_ready) publish(facebow, estimate);
+        if constexpr (!std::is_same_v<Sensor, NoSensor>) {
+          if (estimate.is_ready) outlet_.publish(estimate, facebow.last_arrival_ns());
+        }
         // Estimates that waited for the end of the run come without a report.
         if (samples == counts.samples) return;
         samples = counts.samples;
         track(facebow);
-        latency_.add(clock_.now_ns() - facebow.last_arrival_ns());
+        if (feed_ == nullptr) outlet_.note_latency(clock_.now_ns() - facebow.last_arrival_ns());
       },
       [&] {
         note_counts(facebow, counts.samples);
@@ -153,31 +171,6 @@ void Engine::estimate_run(hal::DeviceFacebow& facebow, Sensor& sensor) {
       });
   note_counts(facebow, counts.samples);
   has_ended_.store(status == hal::Status::end, std::memory_order_relaxed);
-}
-
-template <class Estimate>
-void Engine::publish(const hal::DeviceFacebow& facebow,
-                     const Estimate& estimate) CONDYLE_NONBLOCKING {
-  static_cast<Estimate&>(out_.estimate) = estimate;
-  out_.has_joint = std::is_same_v<Estimate, DrivenEstimate<double>>;
-  out_.arrival_ns = facebow.last_arrival_ns();
-  ++out_.number;
-  (void)estimates_.push(out_);
-
-  constexpr double kMemory = 200;
-  const int axis = estimate.axis_count == 3 ? static_cast<int>(followed_.axis) : 0;
-  is_ready_.store(true, std::memory_order_relaxed);
-  noise_sd_m_.store(estimate.axes[axis].noise_sd_m, std::memory_order_relaxed);
-  if (std::isfinite(estimate.nis) && !estimate.events.has(Event::outlier_rejected)) {
-    const double mean = mean_nis_.load(std::memory_order_relaxed);
-    mean_nis_.store(mean + (estimate.nis / estimate.axis_count - mean) / kMemory,
-                    std::memory_order_relaxed);
-  }
-  if (estimate.events.has(Event::outlier_rejected)) raise(rejected_);
-  if (estimate.events.has(Event::estimate_not_finite) ||
-      estimate.events.has(Event::variance_negative)) {
-    raise(not_finite_);
-  }
 }
 
 void Engine::track(const hal::DeviceFacebow& facebow) CONDYLE_NONBLOCKING {
@@ -191,7 +184,6 @@ void Engine::note_counts(const hal::DeviceFacebow& facebow, std::uint64_t sample
   const hal::ReportCounts& reports = facebow.counts();
   const hal::TransportCounts transport = facebow.transport_counts();
   present_ = {.samples = samples,
-              .estimates = out_.number,
               .received = reports.received,
               .duplicated = reports.duplicated,
               .bad = reports.too_short + reports.wrong_checksum + reports.counter_out_of_range +
@@ -221,15 +213,9 @@ EngineCounts Engine::counts() const {
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] = counts_[i].load(std::memory_order_relaxed);
   }
-  return std::bit_cast<EngineCounts>(values);
-}
-
-EstimatorHealth Engine::health() const {
-  return {.is_ready = is_ready_.load(std::memory_order_relaxed),
-          .noise_sd_m = noise_sd_m_.load(std::memory_order_relaxed),
-          .mean_nis = mean_nis_.load(std::memory_order_relaxed),
-          .rejected = rejected_.load(std::memory_order_relaxed),
-          .not_finite = not_finite_.load(std::memory_order_relaxed)};
+  auto counts = std::bit_cast<EngineCounts>(values);
+  counts.estimates = outlet_.count();  // which a microcontroller may add to at any time
+  return counts;
 }
 
 std::string Engine::scheduling() const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real-time thread: from the facebow's reports to estimates in a ring.
+// The real-time thread: from the facebow's reports to estimates in a ring, or to a
+// microcontroller's feed.
 //
 // From a report in hand to its estimate in the ring the thread takes no lock, no memory and no
 // other input or output; raw reports go into the session log's own ring on the way. All that others
@@ -14,10 +15,10 @@
 #include <string>
 #include <thread>
 
-#include "box/box_estimate.h"
 #include "box/configuration.h"
+#include "box/estimate_outlet.h"
+#include "box/node_feed.h"
 #include "box/watched_source.h"
-#include "condyle/firmware/latency_histogram.h"
 #include "condyle/firmware/nonblocking.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/device_facebow.h"
@@ -35,21 +36,13 @@ struct EngineCounts {
   std::uint64_t disconnections = 0, stalls = 0, transfer_errors = 0, oversized = 0;
 };
 
-/// How the estimator does, by its last estimate.
-struct EstimatorHealth {
-  bool is_ready = false;         ///< there was an estimate in this run
-  double noise_sd_m = 0;         ///< of the followed axis
-  double mean_nis = 0;           ///< per axis, over about the last 200 samples; 1 where all is well
-  std::uint64_t rejected = 0;    ///< outliers, in all runs
-  std::uint64_t not_finite = 0;  ///< states or variances that were unusable, in all runs
-};
-
 /// Reads the facebow and estimates, run after run.
 class Engine {
  public:
-  /// `source`, on `clock`, gives the reports that `profile` describes; nobody else reads it.
+  /// `source`, on `clock`, gives the reports that `profile` describes; nobody else reads it. With a
+  /// `feed`, reports go there, and the outlet's estimates come from another thread.
   Engine(WatchedSource& source, const hal::DeviceProfile& profile,
-         const Configuration& configuration, hal::Clock& clock);
+         const Configuration& configuration, hal::Clock& clock, NodeFeed* feed = nullptr);
   ~Engine() { stop(); }
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
@@ -63,14 +56,11 @@ class Engine {
   /// one's log. One thread at a time.
   std::uint64_t begin_run(hal::SessionLogWriter* log);
 
-  /// For the one thread that publishes.
-  EstimateRing& estimates() { return estimates_; }
+  EstimateOutlet& outlet() { return outlet_; }
+  const EstimateOutlet& outlet() const { return outlet_; }
 
   // For any thread:
   EngineCounts counts() const;
-  EstimatorHealth health() const;
-  /// From a report in hand to its estimate in the ring.
-  const firmware::LatencyHistogram& latency() const { return latency_; }
   /// Goes up at least every 50 ms while the thread is well.
   std::uint64_t heartbeat() const { return heartbeat_.load(std::memory_order_relaxed); }
   /// "SCHED_FIFO 50", or why not; empty until the thread runs.
@@ -86,8 +76,6 @@ class Engine {
   void do_run(hal::SessionLogWriter* log);
   template <class Sensor>
   void estimate_run(hal::DeviceFacebow& facebow, Sensor& sensor);
-  template <class Estimate>
-  void publish(const hal::DeviceFacebow& facebow, const Estimate& estimate) CONDYLE_NONBLOCKING;
   bool has_to_leave();
   void track(const hal::DeviceFacebow& facebow) CONDYLE_NONBLOCKING;
   void note_counts(const hal::DeviceFacebow& facebow, std::uint64_t samples);
@@ -100,8 +88,8 @@ class Engine {
   int lag_, priority_;
   hal::Clock& clock_;
 
-  EstimateRing estimates_;
-  firmware::LatencyHistogram latency_;
+  NodeFeed* feed_;
+  EstimateOutlet outlet_;
 
   // Asked of the thread.
   std::atomic<bool> stops_ = false;
@@ -111,16 +99,12 @@ class Engine {
   std::atomic<std::uint64_t> run_ = 0, heartbeat_ = 0;
   std::atomic<bool> has_ended_ = false, is_scheduled_ = false;
   std::array<std::atomic<std::uint64_t>, kCounts> counts_{};
-  std::atomic<bool> is_ready_ = false;
-  std::atomic<double> noise_sd_m_ = 0, mean_nis_ = 0;
-  std::atomic<std::uint64_t> rejected_ = 0, not_finite_ = 0;
   std::string scheduling_;  // written before is_scheduled_
 
   // The thread's own. What is lost between two runs is lost too: one tracker goes through all.
   hal::ReportTracker all_runs_;
   std::uint64_t connections_ = 0;
   EngineCounts totals_, present_;
-  BoxEstimate out_;
   std::thread thread_;
 };
 

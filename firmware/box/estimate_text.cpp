@@ -42,6 +42,10 @@ std::string estimate_line(const BoxEstimate& box) {
   const RecommendedEstimate<double>& estimate = box.estimate;
   Json json;
   json["run"] = box.run;
+  if (box.node.state == NodeMark::State::away) {
+    json["node"] = {{"away", true}};
+    return json.dump();
+  }
   json["number"] = box.number;
   if (estimate.time_valid) {
     json["time_s"] = seconds(estimate.time_ns);
@@ -56,6 +60,11 @@ std::string estimate_line(const BoxEstimate& box) {
     json["axis"] = axis_json(estimate.axes[0]);
   }
   json["nis"] = estimate.nis;
+  if (box.node.state != NodeMark::State::none) {
+    json["node"] = {{"connection", box.node.connection},
+                    {"delay_s", seconds(box.node.delay_ns)},
+                    {"late", box.node.state == NodeMark::State::late}};
+  }
   if (box.has_joint) {
     Json joint;
     add_identified(joint, "friction", "Ns_m", box.estimate.joint.friction_Ns_m);

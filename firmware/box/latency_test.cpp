@@ -54,7 +54,7 @@ std::string test_latency(const Configuration& configuration, double duration_s, 
   const auto engine = std::make_unique<Engine>(source, facebow.profile(), configuration, clock);
   EstimateHistory history(1);
   Publisher publisher(history, configuration.udp_address, configuration.udp_port, clock);
-  publisher.start(engine->estimates(), [] {});
+  publisher.start(engine->outlet().ring(), [] {});
   engine->start();
   while (engine->scheduling().empty()) clock.sleep_until(clock.now_ns() + 1'000'000);
   const std::string memory = lock_memory();
@@ -71,11 +71,11 @@ std::string test_latency(const Configuration& configuration, double duration_s, 
   publisher.stop();
   std::string text = fmt::format(
       "condyle {}: thread {}, memory {}, {} reports, {} estimates dropped\n", CONDYLE_VERSION,
-      engine->scheduling(), memory, engine->counts().received, engine->estimates().dropped());
+      engine->scheduling(), memory, engine->counts().received, engine->outlet().ring().dropped());
   if (facebow.synthetic() != nullptr) {
     text += histogram_text("wake-up by the kernel", facebow.synthetic()->wake_up());
   }
-  return text + histogram_text("from report to estimate", engine->latency());
+  return text + histogram_text("from report to estimate", engine->outlet().latency());
 }
 
 }  // namespace condyle::box

@@ -3,7 +3,8 @@
 // type that the core computes with, CONDYLE_SCALAR.
 //
 // CONDYLE_FAULT_AFTER: the image of a test, whose filter fails at that sample: it takes an
-// undefined instruction, or (CONDYLE_HANGS) goes round in circles.
+// undefined instruction, or (CONDYLE_HANGS) goes round in circles, or (CONDYLE_ERRS) says of its
+// estimate what is not so.
 #include <type_traits>
 
 #include "condyle/cortex_m/board.h"
@@ -98,12 +99,19 @@ class FailingSensor final : public Sensor {
  public:
   using Sensor::Sensor;
   typename Sensor::Estimate process(const Sample& sample, EventSet events) {
-    if (++samples_ == CONDYLE_FAULT_AFTER) fail();
+    const bool fails = ++samples_ == CONDYLE_FAULT_AFTER;
+#ifdef CONDYLE_ERRS
+    auto estimate = Sensor::process(sample, events);
+    estimate.events.add(Event::position_frozen, fails);
+    return estimate;
+#else
+    if (fails) fail();
     return Sensor::process(sample, events);
+#endif
   }
 
  private:
-  [[gnu::noinline]] static void fail() {
+  [[gnu::noinline, maybe_unused]] static void fail() {
 #ifdef CONDYLE_HANGS
     for (volatile bool forever = true; forever;) {
     }

@@ -12,29 +12,6 @@ struct Words {
   std::string reason, mend;
 };
 
-std::string name_of(const DeviceProfile& profile, ProfilePart part, std::size_t index) {
-  switch (part) {
-    case ProfilePart::rate:
-      return "the rate";
-    case ProfilePart::minimum_size:
-      return "the minimum size";
-    case ProfilePart::coordinates:
-      return "condyle's " +
-             std::string(coordinate_name(profile.kind, profile.coordinates[index].index));
-    case ProfilePart::device_time:
-      return "the device time";
-    case ProfilePart::sequence:
-      return "the sequence";
-    case ProfilePart::checksum:
-      return "the checksum";
-    case ProfilePart::drive:
-      return "the drive";
-    case ProfilePart::auxiliary:
-      return "auxiliary " + profile.auxiliary[index].name;
-  }
-  return "";
-}
-
 const ReportField& field_of(const DeviceProfile& profile, const LayoutProblem& problem) {
   switch (problem.part) {
     case ProfilePart::device_time:
@@ -152,6 +129,31 @@ Words part_words(const LayoutProblem& problem, const DeviceProfile& profile,
 }
 
 }  // namespace
+
+std::string name_of(const DeviceProfile& profile, ProfilePart part, std::size_t index) {
+  switch (part) {
+    case ProfilePart::rate:
+      return "the rate";
+    case ProfilePart::minimum_size:
+      return "the minimum size";
+    case ProfilePart::coordinates:
+      if (index >= profile.coordinates.size()) return "the coordinates";
+      return "condyle's " +
+             std::string(coordinate_name(profile.kind, profile.coordinates[index].index));
+    case ProfilePart::device_time:
+      return "the device time";
+    case ProfilePart::sequence:
+      return "the sequence";
+    case ProfilePart::checksum:
+      return "the checksum";
+    case ProfilePart::drive:
+      return "the drive";
+    case ProfilePart::auxiliary:
+      if (index >= profile.auxiliary.size()) return "the auxiliary fields";
+      return "auxiliary " + profile.auxiliary[index].name;
+  }
+  return "";
+}
 
 ProfileProblem words_of(const LayoutProblem& problem, const DeviceProfile& profile,
                         LayoutState state) {

@@ -6,7 +6,8 @@
 namespace condyle::hal {
 namespace {
 
-// Reads or writes the values of a message, in order. `Archive` is LinkReader or LinkWriter.
+// Reads, writes or passes the values of a message, in order. `Archive` is LinkReader, LinkWriter or
+// LinkLocator.
 
 template <class Archive>
 void exchange(Archive& archive, Exchanged<Archive, ReportField>& field) {
@@ -292,6 +293,18 @@ Refusal get(std::span<const std::uint8_t> payload, Message& message) {
   LinkReader reader(payload);
   exchange_message(reader, message);
   return reader.finish();
+}
+
+const void* value_at(const LayoutMessage& message, std::uint16_t index) {
+  LinkLocator locator(index);
+  exchange(locator, message);
+  return locator.found();
+}
+
+const void* value_at(const StartMessage& message, std::uint16_t index) {
+  LinkLocator locator(index);
+  exchange(locator, message);
+  return locator.found();
 }
 
 #define CONDYLE_MESSAGE(Message)                                                    \

@@ -17,6 +17,7 @@
 #include "local_node.h"
 #include "node_client.h"
 #include "node_rows.h"
+#include "number_text.h"
 #include "progress.h"
 
 namespace condyle::host {
@@ -72,15 +73,16 @@ class Twin {
   void reconnect() { client_.reconnect(); }
   void finish() { client_.finish(); }
 
-  // Compares an answer of the target's with the next one here.
-  void compare(NodeAnswer answer, const hal::LinkFrame& frame) {
+  // Compares an answer of the target's with the next one here. `name` names it for the user.
+  template <class Name>
+  void compare(NodeAnswer answer, const hal::LinkFrame& frame, Name name) {
     const TimeNs deadline_ns = clock_.now_ns() + kTwinPatience_ns;
     while (answers_.empty() && clock_.now_ns() < deadline_ns) {
       keep_answer(clock_.now_ns() + kPatience_ns);
     }
     ++compared_;
     const bool is_same = !answers_.empty() && answers_.front().is(answer, frame);
-    if (!is_same && differences_++ == 0) first_difference_ = compared_;
+    if (!is_same && differences_++ == 0) first_difference_ = name();
     if (!answers_.empty()) answers_.pop_front();
   }
 
@@ -88,8 +90,8 @@ class Twin {
     if (differences_ == 0) {
       return fmt::format("all {} answers are this computer's, byte for byte", compared_);
     }
-    return fmt::format("{} of {} answers are not this computer's; the first is answer {}",
-                       differences_, compared_, first_difference_);
+    return fmt::format("{} of {} answers are not this computer's; the first is {}", differences_,
+                       compared_, first_difference_);
   }
   bool is_same() const { return differences_ == 0; }
 
@@ -115,11 +117,13 @@ class Twin {
   LocalNode node_;
   NodeClient client_;
   std::deque<Answer> answers_;
-  std::uint64_t compared_ = 0, differences_ = 0, first_difference_ = 0;
+  std::uint64_t compared_ = 0, differences_ = 0;
+  std::string first_difference_;
 };
 
 struct BridgeCounts {
   std::uint64_t estimates = 0, without_estimate = 0, without_time = 0, disconnections = 0;
+  std::uint64_t rows = 0;  // of estimates; fewer than estimates while a lag fills
 };
 
 enum class Fed { report, nothing, reconnected, end };
@@ -210,12 +214,26 @@ class Bridge {
     if (twin_ != nullptr) twin_->finish();
   }
   void take(NodeAnswer answer) {
-    if (twin_ != nullptr) twin_->compare(answer, client_.frame());
+    std::optional<EstimateRow> row;
     if (answer == NodeAnswer::no_estimate) ++counts_.without_estimate;
-    if (answer != NodeAnswer::estimate) return;
-    ++counts_.estimates;
-    const std::optional<EstimateRow> row = rows_.row_of(client_.frame());
+    if (answer == NodeAnswer::estimate) {
+      ++counts_.estimates;
+      row = rows_.row_of(client_.frame());
+    }
+    if (row) ++counts_.rows;
+    if (twin_ != nullptr) {
+      twin_->compare(answer, client_.frame(), [&] { return name_of_answer(row); });
+    }
     if (row && estimates_ != nullptr) estimates_->write_row(*row);
+  }
+  // "row 100 of the estimates (time_s 1.65)".
+  std::string name_of_answer(const std::optional<EstimateRow>& row) const {
+    if (!row) return fmt::format("one without a row, after row {} of the estimates", counts_.rows);
+    std::string text = fmt::format("row {} of the estimates", counts_.rows);
+    if (!row->time_ns) return text;
+    text += " (time_s ";
+    append_time_s(text, *row->time_ns);
+    return text + ")";
   }
 
   BridgeInput& input_;
@@ -294,7 +312,8 @@ int bridge(const BridgeOptions& options) {
                               client.reports_sent(), client.reports_lost(), counts.estimates,
                               counts.without_estimate));
   if (counts.disconnections > 0) {
-    line("device", fmt::format("went away {} times", counts.disconnections));
+    line("device", fmt::format("went away {} times; the target knows of {}", counts.disconnections,
+                               health ? std::to_string(health->disconnections) : "no number"));
   }
   if (counts.without_time > 0) {
     line("left out", fmt::format("{} samples without a time", counts.without_time));

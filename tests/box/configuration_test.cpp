@@ -49,6 +49,8 @@ TEST_F(ConfigurationFile, TheOneShippedIsTheDefaults) {
   EXPECT_EQ(same.followed.axis, shipped.followed.axis);
   EXPECT_EQ(same.lag, shipped.lag);
   EXPECT_EQ(same.priority, shipped.priority);
+  EXPECT_EQ(same.node_baud, shipped.node_baud);
+  EXPECT_EQ(same.node_late_ns, shipped.node_late_ns);
   EXPECT_EQ(same.reserve_bytes, shipped.reserve_bytes);
   EXPECT_EQ(same.udp_address, shipped.udp_address);
   EXPECT_EQ(same.udp_port, shipped.udp_port);
@@ -70,6 +72,12 @@ TEST_F(ConfigurationFile, TakesFilesFromItsOwnFolder) {
   EXPECT_EQ(read.companions[0].name, "force");
   EXPECT_EQ(read.companions[0].file, "/etc/force.toml");
   EXPECT_EQ(read.folder, folder_ / "logs");
+  const auto node = [this](const std::string& name) {
+    return load(source_ + "[estimator]\nnode = \"" + name + "\"\n").node;
+  };
+  EXPECT_EQ(node(""), "");
+  EXPECT_EQ(node("serial:/dev/ttyACM0"), "/dev/ttyACM0");
+  EXPECT_EQ(node("unix:line"), "unix:" + (folder_ / "line"));
 }
 
 TEST_F(ConfigurationFile, SaysWhatIsWrongAndWhere) {
@@ -94,6 +102,11 @@ TEST_F(ConfigurationFile, SaysWhatIsWrongAndWhere) {
       {source_ + "[http]\nmost_listeners = 101\n", "most_listeners"},
       {source_ + "[estimator]\nlag_samples = 17\n", "lag_samples"},
       {source_ + "[estimator]\npriority = 99\n", "priority"},
+      {source_ + "[estimator]\nnode = \"/dev/ttyACM0\"\n",
+       "\"/dev/ttyACM0\" is no line; write ser"},
+      {source_ + "[estimator]\nnode = \"serial:\"\n", "is no line"},
+      {source_ + "[estimator]\nnode_baud = 300\n", "node_baud"},
+      {source_ + "[estimator]\nnode_late_ms = 0\n", "node_late_ms"},
       {source_ + "[udp]\naddress = \"localhost\"\n", "is no address"},
       {source_ + "[udp]\nport = 65536\n", "port"},
       {source_ + "[http]\naddress = \"0.0.0.0\"\n", "without a token"},

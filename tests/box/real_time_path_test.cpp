@@ -132,10 +132,30 @@ TEST(RealTimePath, TakesNoMemoryNoLockAndNoBlockingCall) {
     engine->stop();
     ASSERT_EQ(log.close(), hal::SessionLogFailure::none);
     EXPECT_GT(log.status().reports_written, 3000U);
-    EXPECT_GT(engine->estimates().dropped(), 0U);
+    EXPECT_GT(engine->outlet().ring().dropped(), 0U);
     EXPECT_EQ(source.allocations, 0);
     EXPECT_EQ(source.calls, 0);
   }
+}
+
+// The same where a microcontroller estimates, which takes nothing.
+TEST(RealTimePath, FeedsAMicrocontrollerLikewise) {
+  if (MALLOC_IS_TAKEN) GTEST_SKIP() << "the sanitizer replaces malloc itself";
+  hal::SteadyClock clock;
+  const hal::DeviceProfile profile =
+      host::load_device_profile(CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml");
+  ProbedSource source(5000, clock);
+  WatchedSource watched(source, clock);
+  const auto feed = std::make_unique<NodeFeed>();
+  const auto engine =
+      std::make_unique<Engine>(watched, profile, Configuration(), clock, feed.get());
+  source.engine = engine.get();
+  engine->start();
+  wait_for_reports(source, 4000);
+  engine->stop();
+  EXPECT_GT(feed->dropped(), 0U);
+  EXPECT_EQ(source.allocations, 0);
+  EXPECT_EQ(source.calls, 0);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <bit>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <thread>
 
@@ -66,13 +67,8 @@ class NodeClientTest : public testing::Test {
     if (thread_.joinable()) thread_.join();
   }
 
-  // Loses what `to_node` and `from_node` say, from the start of the run.
-  void begin(int lag, LossyLine::Loses to_node, LossyLine::Loses from_node) {
-    back_.lose(std::move(from_node));
-    thread_ = std::thread([this] {
-      std::make_unique<firmware::EstimatorNode<float>>(back_, clock_, target_)->serve();
-    });
-    client_.connect([] { return false; });
+  // The report's number is a position along one axis.
+  static hal::ReportLayout layout() {
     hal::ReportLayout layout;
     layout.kind = SampleKind::one_axis;
     hal::ReportField field;
@@ -80,9 +76,23 @@ class NodeClientTest : public testing::Test {
     field.type = hal::FieldType::floating_point;
     (void)layout.coordinates.push_back({field, 0});
     layout.minimum_size_bytes = 8;
+    return layout;
+  }
+
+  void connect() {
+    thread_ = std::thread([this] {
+      std::make_unique<firmware::EstimatorNode<float>>(back_, clock_, target_)->serve();
+    });
+    client_.connect([] { return false; });
+  }
+
+  // Loses what `to_node` and `from_node` say, from the start of the run.
+  void begin(int lag, LossyLine::Loses to_node, LossyLine::Loses from_node) {
+    back_.lose(std::move(from_node));
+    connect();
     hal::StartMessage start;
     start.lag = static_cast<std::uint8_t>(lag);
-    client_.begin(layout, start);
+    client_.begin(layout(), start);
     out_.lose(std::move(to_node));
   }
 
@@ -163,6 +173,46 @@ TEST_F(NodeClientTest, GoesOnAfterAWindowOfReportsIsLost) {
   // So many that the window is full: only the question for health opens it again.
   EXPECT_EQ(run(100), 50);
   EXPECT_EQ(client_.reports_lost(), 50U);
+}
+
+// During a run, and also where the answer is lost.
+TEST_F(NodeClientTest, HasTheHealthOfTheRun) {
+  begin(0, {}, [](Type type, int n) { return type == Type::health && n == 1; });
+  const TimeNs begin_ns = clock_.now_ns();
+  client_.send({});
+  while (client_.health()->bad_reports == 0 && clock_.now_ns() - begin_ns < 20'000'000'000) {
+    client_.request_health();
+    (void)client_.receive(clock_.now_ns() + 20'000'000);
+  }
+  EXPECT_EQ(client_.health()->bad_reports, 1U) << "the report was empty";
+  EXPECT_FALSE(client_.silent_since_ns());
+  EXPECT_EQ(client_.frames_lost(), 1U);
+}
+
+// What the node says of a layout and a start, as condyle bridge prints it.
+TEST_F(NodeClientTest, NamesTheFieldThatTheTargetRefuses) {
+  connect();
+  const auto expect_refused = [&](const hal::ReportLayout& layout, const hal::StartMessage& start,
+                                  const char* words) {
+    try {
+      client_.begin(layout, start);
+      ADD_FAILURE() << "takes it: " << words;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(words));
+    }
+  };
+  hal::ReportLayout bad = layout();
+  bad.coordinates[0].field.offset_bits = 1;
+  expect_refused(bad, {},
+                 "the line: refuses the layout: condyle's position reaches beyond the report's 8 "
+                 "bytes; raise the minimum size, or move the field");
+  bad = layout();
+  bad.coordinates[0].field.scale = std::numeric_limits<double>::quiet_NaN();
+  expect_refused(bad, {}, "the layout: condyle's position, scale, is not a finite number");
+  hal::StartMessage start;
+  start.recommended.noise.memory_s = 1e9;
+  expect_refused(layout(), start, "the start: [noise] memory_s is out of range");
+  client_.begin(layout(), {});
 }
 
 TEST_F(NodeClientTest, SaysThatNobodyIsThere) {

@@ -247,4 +247,8 @@ std::optional<std::size_t> put(const Message& message, std::span<std::uint8_t> p
 template <class Message>
 Refusal get(std::span<const std::uint8_t> payload, Message& message);
 
+/// Where value `index` (Refusal::index) of `message` is: inside it; null where it has none.
+const void* value_at(const LayoutMessage& message, std::uint16_t index);
+const void* value_at(const StartMessage& message, std::uint16_t index);
+
 }  // namespace condyle::hal

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "condyle/hal/refusal_words.h"
 #include "input_error.h"
 
 namespace condyle::host {
@@ -18,22 +19,6 @@ const char* reset_words(hal::ResetCause cause) {
   constexpr const char* words[] = {"of unknown cause", "power on", "brown-out", "reset pin",
                                    "software",         "watchdog", "fault"};
   return words[static_cast<int>(cause)];
-}
-
-std::string refusal_words(const hal::RefusedMessage& refused) {
-  constexpr const char* reasons[] = {"no reason",
-                                     "wrong size",
-                                     "unknown value",
-                                     "out of range",
-                                     "not a finite number",
-                                     "parameters that do not fit together",
-                                     "another version of the protocol",
-                                     "unknown type of message",
-                                     "not expected now",
-                                     "unusable layout",
-                                     "the layout has no such point"};
-  return fmt::format("message {}: {}, at value {}", refused.message,
-                     reasons[static_cast<int>(refused.refusal.reason)], refused.refusal.index);
 }
 
 }  // namespace
@@ -124,9 +109,11 @@ void NodeClient::expect_accepted(hal::MessageType message) {
 }
 
 void NodeClient::begin(const hal::ReportLayout& layout, const hal::StartMessage& start) {
-  tell(hal::LayoutMessage{layout});
+  layout_.layout = layout;
+  start_ = start;
+  tell(layout_);
   expect_accepted(hal::MessageType::layout);
-  tell(start);
+  tell(start_);
   expect_accepted(hal::MessageType::start);
   before_ = end_.counts();
   health_before_ = health_of_now().value_or(hal::HealthMessage{});
@@ -137,9 +124,9 @@ void NodeClient::reconnect() {
 }
 
 void NodeClient::send(const hal::RawReport& report) {
-  if (waiting_.empty()) last_answer_ns_ = clock_.now_ns();
+  if (!silent_since_ns()) last_answer_ns_ = heard_ns_ = clock_.now_ns();
   tell(hal::ReportMessage{report.host_time_ns, report.data()});
-  waiting_.push_back(end_.sent_size());
+  waiting_.push_back({end_.sent_size(), report.host_time_ns});
   waiting_bytes_ += end_.sent_size();
   ++reports_sent_;
 }
@@ -155,7 +142,8 @@ void NodeClient::finish() {
 
 void NodeClient::forget_oldest() {
   if (is_answered_ || waiting_.empty()) return;
-  waiting_bytes_ -= waiting_.front();
+  waiting_bytes_ -= waiting_.front().size;
+  answered_host_time_ns_ = waiting_.front().host_time_ns;
   waiting_.pop_front();
   if (probed_ && *probed_ > 0) --*probed_;
 }
@@ -165,13 +153,13 @@ NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
     const hal::Status status = end_.receive(deadline_ns);
     if (status == hal::Status::disconnected) fail("was closed", "is the target still there?");
     if (status == hal::Status::ok) {
-      last_answer_ns_ = clock_.now_ns();
+      last_answer_ns_ = heard_ns_ = clock_.now_ns();
       silent_probes_ = 0;
       const NodeAnswer answer = take_frame();
       if (answer != NodeAnswer::none) return answer;
       continue;
     }
-    const bool waits = !waiting_.empty() || has_finished_;
+    const bool waits = !waiting_.empty() || has_finished_ || probes_due_ > 0;
     if (!waits || clock_.now_ns() - last_answer_ns_ < kPatience_ns) return NodeAnswer::none;
     if (++silent_probes_ > kProbes) fail("does not answer any more", "is the target still there?");
     last_answer_ns_ = clock_.now_ns();
@@ -186,8 +174,18 @@ NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
 // reach it, or its answer did not reach us.
 void NodeClient::probe() {
   probed_ = waiting_.size();
+  probed_ns_ = clock_.now_ns();
   ++probes_due_;
   tell(hal::AskHealthMessage{});
+}
+
+void NodeClient::request_health() {
+  const TimeNs now_ns = clock_.now_ns();
+  if (has_finished_) return;
+  if (probes_due_ > 0 && now_ns - probed_ns_ < 2 * kPatience_ns) return;
+  if (!silent_since_ns()) last_answer_ns_ = heard_ns_ = now_ns;
+  probes_due_ = 0;  // the answer to one before was lost
+  probe();
 }
 
 void NodeClient::end_probe() {
@@ -215,7 +213,8 @@ NodeAnswer NodeClient::take_frame() {
       if (has_finished_ && refused.message == static_cast<std::uint8_t>(hal::MessageType::finish)) {
         return finished();
       }
-      fail("refuses " + refusal_words(refused), "load an image of this version of condyle");
+      const hal::RefusalWords words = hal::words_of(refused, layout_, start_);
+      fail("refuses " + words.reason, words.mend);
     }
     case hal::MessageType::health:
       health_ = read<hal::HealthMessage>();
@@ -259,7 +258,12 @@ std::optional<hal::HealthMessage> NodeClient::health_of_now() {
 }
 
 std::optional<hal::HealthMessage> NodeClient::ask_health() {
-  std::optional<hal::HealthMessage> health = health_of_now();
+  (void)health_of_now();
+  return health();
+}
+
+std::optional<hal::HealthMessage> NodeClient::health() const {
+  std::optional<hal::HealthMessage> health = health_;
   if (!health) return std::nullopt;
   const auto leave_out = [](std::uint64_t& count, std::uint64_t before) { count -= before; };
   leave_out(health->frames.wrong_checksum, health_before_.frames.wrong_checksum);

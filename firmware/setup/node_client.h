@@ -22,8 +22,8 @@ enum class NodeAnswer {
   finished,     ///< the target has told everything
 };
 
-/// A target at the other end of a line. What it refuses, and that it is away or has started again,
-/// are InputErrors.
+/// A target at the other end of a line, for one run. What it refuses, and that it is away or has
+/// started again, are InputErrors.
 class NodeClient {
  public:
   /// Bytes of reports that may be on their way: what a target's receiver holds.
@@ -57,6 +57,19 @@ class NodeClient {
 
   /// What the target has counted in the run, once it is finished; absent where it does not say.
   std::optional<hal::HealthMessage> ask_health();
+  /// Asks for it during the run, without waiting; health() has it when it has come. A target that
+  /// does not answer is found out as one that does not answer reports.
+  void request_health();
+  /// What the target has counted in the run, when it was last asked.
+  std::optional<hal::HealthMessage> health() const;
+  /// Where it owes an answer: since when nothing has come.
+  std::optional<TimeNs> silent_since_ns() const {
+    if (waiting_.empty() && probes_due_ == 0) return {};
+    return heard_ns_;
+  }
+  /// Arrival of the report that the last answer is the answer to. Where frames are lost, and until
+  /// that is noticed, of one before it.
+  TimeNs answered_host_time_ns() const { return answered_host_time_ns_; }
 
   std::uint64_t reports_sent() const { return reports_sent_; }
   /// Reports that were lost on the line, or whose answers were.
@@ -83,6 +96,8 @@ class NodeClient {
   hal::Clock& clock_;
   std::string name_;
   hal::GreetingMessage greeting_;
+  hal::LayoutMessage layout_;  // of the run
+  hal::StartMessage start_;
   std::optional<hal::FaultMessage> fault_;
   std::optional<hal::HealthMessage> health_;
   std::optional<hal::MessageType> accepted_;
@@ -92,9 +107,14 @@ class NodeClient {
   bool is_answered_ = false;           // every report that ever will be
   std::optional<std::size_t> probed_;  // of those that waited when health was asked for: the rest
   int probes_due_ = 0, silent_probes_ = 0;
-  std::deque<std::size_t> waiting_;  // sizes on the line of reports that have no answer yet
+  struct Waiting {
+    std::size_t size = 0;  // on the line
+    TimeNs host_time_ns = 0;
+  };
+  std::deque<Waiting> waiting_;  // reports that have no answer yet
   std::size_t waiting_bytes_ = 0;
-  TimeNs last_answer_ns_ = 0;
+  TimeNs last_answer_ns_ = 0;  // or question, where there was none
+  TimeNs heard_ns_ = 0, probed_ns_ = 0, answered_host_time_ns_ = 0;
   std::uint64_t reports_sent_ = 0, reports_lost_ = 0;
 };
 

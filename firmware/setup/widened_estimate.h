@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// A target's estimates as those of this computer, whose numbers are double.
+#pragma once
+
+#include "condyle/estimator/published_cascade.h"
+#include "condyle/estimator/recommended_estimator.h"
+
+namespace condyle::host {
+
+template <class Scalar>
+Quantity<double> widened(const Quantity<Scalar>& quantity) {
+  return {static_cast<double>(quantity.value), static_cast<double>(quantity.standard_deviation),
+          quantity.provenance};
+}
+
+template <class Scalar>
+PublishedEstimate<double> widened(const PublishedEstimate<Scalar>& estimate) {
+  PublishedEstimate<double> wide;
+  wide.position_m = widened(estimate.position_m);
+  wide.velocity_m_s = widened(estimate.velocity_m_s);
+  wide.force_N = widened(estimate.force_N);
+  wide.friction_Ns_m = widened(estimate.friction_Ns_m);
+  wide.mass_kg = widened(estimate.mass_kg);
+  wide.innovation_m = static_cast<double>(estimate.innovation_m);
+  wide.motion_nis = static_cast<double>(estimate.motion_nis);
+  wide.friction_nis = static_cast<double>(estimate.friction_nis);
+  wide.mass_nis = static_cast<double>(estimate.mass_nis);
+  wide.events = estimate.events;
+  wide.verdict = estimate.verdict;
+  return wide;
+}
+
+template <class Scalar>
+RecommendedEstimate<double> widened(const RecommendedEstimate<Scalar>& estimate) {
+  RecommendedEstimate<double> wide;
+  wide.is_ready = estimate.is_ready;
+  wide.time_ns = estimate.time_ns;
+  wide.time_valid = estimate.time_valid;
+  wide.axis_count = estimate.axis_count;
+  wide.nis = static_cast<double>(estimate.nis);
+  wide.events = estimate.events;
+  for (int i = 0; i < estimate.axis_count; ++i) {
+    const AxisEstimate<Scalar>& axis = estimate.axes[i];
+    wide.axes[i] = {.position_m = widened(axis.position_m),
+                    .velocity_m_s = widened(axis.velocity_m_s),
+                    .acceleration_m_s2 = widened(axis.acceleration_m_s2),
+                    .force_N = widened(axis.force_N),
+                    .measured_position_m = static_cast<double>(axis.measured_position_m),
+                    .innovation_m = static_cast<double>(axis.innovation_m),
+                    .innovation_sd_m = static_cast<double>(axis.innovation_sd_m),
+                    .noise_sd_m = static_cast<double>(axis.noise_sd_m),
+                    .jerk_density_m2_s5 = static_cast<double>(axis.jerk_density_m2_s5)};
+  }
+  return wide;
+}
+
+}  // namespace condyle::host

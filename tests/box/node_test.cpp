@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+// A microcontroller as the box's estimator.
+#include <gmock/gmock.h>
+
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "box/running_box.h"
+#include "box/socket_node.h"
+#include "replay/command.h"
+#include "replay/table.h"
+
+namespace condyle::box {
+namespace {
+
+using testing::HasSubstr;
+using testing_support::EventStream;
+using testing_support::post;
+using testing_support::SocketNode;
+using testing_support::wait_for;
+using Json = nlohmann::json;
+
+class BoxNode : public testing::Test {
+ protected:
+  BoxNode() {
+    running_.configuration.node = "unix:" + path_;
+    running_.configuration.priority = 0;
+  }
+  Json node_status() const { return running_.status()["node"]; }
+  // The next line of the stream that `is_wanted`.
+  static std::optional<Json> next(EventStream& stream,
+                                  const std::function<bool(const Json&)>& is_wanted) {
+    EventStream::Event event;
+    while (stream.next(event)) {
+      Json line = Json::parse(event.data, nullptr, false);
+      if (is_wanted(line)) return line;
+    }
+    return {};
+  }
+  static bool is_absence(const Json& line) { return line["node"].contains("away"); }
+
+  testing_support::TemporaryFolder sockets_;
+  const std::string path_ = sockets_ / "node";
+  testing_support::RunningBox running_;
+};
+
+// Every number that went out is in the replay of the recording, bit for bit, and no other.
+TEST_F(BoxNode, ItsEstimatesAreThoseOfTheReplay) {
+  const SocketNode node(path_);
+  running_.configuration.lag = 3;
+  running_.start();
+  ASSERT_TRUE(running_.is_estimating());
+  EventStream stream(running_.port);
+  ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
+  Json status;
+  EXPECT_TRUE(wait_for([&] {
+    status = running_.status();
+    return status["session"]["reports_written"] > 1000 &&
+           status["node"]["its_side"]["samples"] > 500;
+  })) << status;
+  const auto stopped = post(running_.port, "/v1/session/stop", "{}");
+  ASSERT_EQ(stopped.status, 200);
+  std::map<std::int64_t, Json> live;
+  ASSERT_TRUE(next(stream, [&live](const Json& line) {
+    if (line["run"] == 2) live.emplace(line["number"], line);
+    return line["run"] == 3;
+  }));
+  const std::string csv = running_.folder / "again.csv";
+  const auto replayed = testing_support::run_condyle(
+      {"replay", Json::parse(stopped.body)["done"], "--lag", "3", "--out", csv});
+  ASSERT_EQ(replayed.exit_code, 0) << replayed.errors;
+  const testing_support::Table table = testing_support::read_table(csv);
+  ASSERT_GT(table.rows, 1000U);
+  ASSERT_EQ(table.rows, live.size());
+  for (const char* name : {"position_m", "velocity_sd_m_s", "acceleration_m_s2"}) {
+    std::int64_t number = 0;
+    for (const double value : table.numbers(std::string("y_") + name)) {
+      ASSERT_EQ(live.at(++number)["y"][name].get<double>(), value) << name << number;
+    }
+  }
+  EXPECT_EQ(live.at(1)["node"]["connection"], 1);
+  EXPECT_GT(live.at(500)["node"]["delay_s"], 0.0);
+
+  EXPECT_EQ(status["estimator"]["estimating"], true);
+  EXPECT_GT(status["real_time"]["report_to_estimate"]["max_s"], 0.0);
+  EXPECT_EQ(status["node"]["connected"], true);
+  EXPECT_THAT(status["node"]["is"].get<std::string>(), HasSubstr("test, condyle"));
+  EXPECT_EQ(status["node"]["reports_lost"], 0);
+  EXPECT_EQ(status["node"]["losses"], 0);
+  EXPECT_EQ(status["node"]["its_side"]["frames_lost"], 0);
+  EXPECT_EQ(status["node"]["its_side"]["stack_size_bytes"], 4321);
+}
+
+TEST_F(BoxNode, OneThatGoesAwayIsSaidAndComesBack) {
+  running_.start();
+  EventStream stream(running_.port);
+  ASSERT_TRUE(next(stream, is_absence)) << "nobody is there yet";
+  EXPECT_EQ(running_.status()["estimator"]["estimating"], false);
+  EXPECT_TRUE(wait_for([&] {
+    return node_status()["problem"].get<std::string>().starts_with("[estimator] node unix:");
+  })) << node_status();
+
+  auto node = std::make_unique<SocketNode>(path_);
+  const auto is_estimate = [](const Json& line) { return line.contains("number"); };
+  const auto first = next(stream, is_estimate);
+  ASSERT_TRUE(first);
+  EXPECT_EQ((*first)["node"]["connection"], 1);
+  ASSERT_TRUE(running_.is_estimating());
+
+  node.reset();
+  ASSERT_TRUE(next(stream, is_absence));
+  EXPECT_EQ(node_status()["connected"], false);
+  EXPECT_EQ(node_status()["losses"], 1);
+  EXPECT_THAT(node_status()["problem"].get<std::string>(), HasSubstr(path_));
+  EXPECT_EQ(running_.status()["estimator"]["estimating"], false);
+  EXPECT_EQ(running_.status()["estimator"]["noise_sd_m"], nullptr);
+  EXPECT_EQ(running_.status()["device"]["connected"], true);
+  const std::uint64_t estimates = running_.box->status().counts.estimates;
+  ASSERT_TRUE(next(stream, [](const Json& line) {
+    EXPECT_TRUE(is_absence(line)) << line;
+    return is_absence(line);
+  })) << "a second later";
+  EXPECT_EQ(running_.box->status().counts.estimates, estimates);
+  EXPECT_GT(node_status()["reports_not_sent"], 100);
+
+  node = std::make_unique<SocketNode>(path_);
+  const auto again = next(stream, is_estimate);
+  ASSERT_TRUE(again);
+  EXPECT_EQ((*again)["node"]["connection"], 2);
+  EXPECT_EQ((*again)["run"], (*first)["run"]);
+  EXPECT_EQ((*again)["z"]["position_provenance"], "assumed") << "its estimator starts anew";
+  EXPECT_TRUE(wait_for([&] { return node_status()["connections"] == 2; }));
+}
+
+TEST_F(BoxNode, EstimatesThatAreLateAreSaidToBe) {
+  SocketNode node(path_);
+  running_.configuration.node_late_ns = 50'000'000;
+  running_.start();
+  ASSERT_TRUE(running_.is_estimating());
+  EventStream stream(running_.port);
+  node.delay_ns = 100'000'000;
+  const auto late = next(stream, [](const Json& line) { return line["node"]["late"] == true; });
+  ASSERT_TRUE(late);
+  EXPECT_GT((*late)["node"]["delay_s"], 0.05);
+  EXPECT_GT(node_status()["estimates_late"], 0);
+  // What it is too slow for is not sent, rather than ever later.
+  EXPECT_TRUE(wait_for([&] { return node_status()["reports_not_sent"] > 0; }));
+  node.delay_ns = 0;
+  ASSERT_TRUE(next(stream, [](const Json& line) { return line["node"]["late"] == false; }));
+  EXPECT_EQ(node_status()["connections"], 1);
+}
+
+TEST_F(BoxNode, OneThatIsSilentIsSaidToBe) {
+  SocketNode node(path_);
+  running_.start();
+  ASSERT_TRUE(running_.is_estimating());
+  EventStream stream(running_.port);
+  node.is_mute = true;
+  ASSERT_TRUE(next(stream, is_absence));
+  EXPECT_EQ(node_status()["silent"], true);
+  EXPECT_EQ(node_status()["silences"], 1);
+  EXPECT_EQ(node_status()["connected"], true);
+  EXPECT_EQ(running_.status()["estimator"]["estimating"], false);
+  node.is_mute = false;
+  ASSERT_TRUE(next(stream, [](const Json& line) { return line["node"]["late"] == false; }));
+  EXPECT_TRUE(wait_for([&] { return running_.status()["estimator"]["estimating"] == true; }));
+  EXPECT_EQ(node_status()["silences"], 1);
+}
+
+TEST_F(BoxNode, OneThatIsCutOffIsConnectedAgain) {
+  SocketNode node(path_);
+  running_.start();
+  ASSERT_TRUE(running_.is_estimating());
+  for (int losses = 1; losses <= 3; ++losses) {
+    node.cut();
+    ASSERT_TRUE(wait_for([&] { return node_status()["losses"] == losses; }));
+    ASSERT_TRUE(wait_for([&] { return running_.status()["estimator"]["estimating"] == true; }));
+    EXPECT_EQ(node_status()["connections"], losses + 1);
+  }
+}
+
+// A recording is played, and the line is cut again and again.
+TEST_F(BoxNode, EveryReportHasAnEstimateOrIsCounted) {
+  SocketNode node(path_);
+  running_.start();
+  ASSERT_TRUE(running_.is_estimating());
+  ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  const auto stopped = post(running_.port, "/v1/session/stop", "{}");
+  ASSERT_EQ(stopped.status, 200);
+  running_.stop();
+
+  testing_support::RunningBox player;
+  player.configuration.facebow = {"facebow", SourceSettings::Kind::file,
+                                  Json::parse(stopped.body)["done"], ""};
+  player.configuration.node = "unix:" + path_;
+  player.configuration.priority = 0;
+  player.configuration.lag = 5;
+  player.start();
+  for (int i = 0; i < 3; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    node.is_mute = true;  // so that there is no answer to some
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    node.cut();
+    node.is_mute = false;
+  }
+  ASSERT_TRUE(wait_for([&] { return player.status()["device"]["ended"] == true; }));
+  Json status;
+  const auto is_whole = [&] {
+    status = player.status();
+    const std::int64_t told = status["estimator"]["estimates"].get<std::int64_t>() +
+                              status["node"]["reports_not_sent"].get<std::int64_t>() +
+                              status["node"]["reports_lost"].get<std::int64_t>() +
+                              status["node"]["reports_without_estimate"].get<std::int64_t>();
+    return status["device"]["reports_received"] == told;
+  };
+  EXPECT_TRUE(wait_for(is_whole)) << status;
+  EXPECT_GE(status["node"]["losses"], 2);
+  EXPECT_GT(status["node"]["reports_lost"], 0);
+}
+
+}  // namespace
+}  // namespace condyle::box
