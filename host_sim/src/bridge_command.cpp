@@ -286,8 +286,7 @@ int bridge(const BridgeOptions& options) {
   };
   try {
     if (!bridge.run()) {
-      print_error("stopped; no file was left");
-      return kExitInterrupted;
+      return report_stop();
     }
   } catch (const InputError& error) {
     // What was measured live cannot be measured again.

@@ -164,8 +164,7 @@ int changes(const ChangesOptions& options) {
                                          ? watch<1>(options, parameters, facebow, clock)
                                          : watch<3>(options, parameters, facebow, clock);
   if (stop_requested()) {
-    print_error("stopped; no file was left");
-    return kExitInterrupted;
+    return report_stop();
   }
   if (!recording.watched_from_ns) {
     refuse_unwatched(options, parameters, recording.identified.mass_kg.limit);
@@ -199,10 +198,7 @@ int changes(const ChangesOptions& options) {
       "identified", seconds(*recording.watched_from_ns), identified.friction_Ns_m.fitted,
       identified.mass_kg.fitted, identified.stiffness_N_m.fitted);
   text += changes_text(found, settings);
-  for (const auto& file : files) {
-    file->commit();
-    text += file->path() + "\n";
-  }
+  text += commit_all(files);
   print_output(text);
   return kExitOk;
 }

@@ -58,6 +58,9 @@ void print_output(const std::string& text);
 /// Writes "condyle: `text`" to the error output, if anybody listens.
 void print_error(const std::string& text);
 
+/// Says that the user stopped the command, which leaves no file; its exit code.
+int report_stop();
+
 /// True once the user asked the program to stop (SIGINT, SIGTERM).
 bool stop_requested();
 

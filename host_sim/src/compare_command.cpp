@@ -190,8 +190,7 @@ int compare(const CompareOptions& options) {
         {[&](double share) { progress.show(share); }, [] { return stop_requested(); }});
   }
   if (stop_requested()) {
-    print_error("stopped; no file was left");
-    return kExitInterrupted;
+    return report_stop();
   }
   std::vector<std::unique_ptr<OutputFile>> figures;
   const Outcome outcome = compare_all(options, plan, sessions, std::move(reports), figures);
@@ -203,10 +202,7 @@ int compare(const CompareOptions& options) {
       fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) +
       outcome.text;
   for (auto& figure : figures) files.push_back(std::move(figure));
-  for (const auto& file : files) {
-    file->commit();
-    text += file->path() + "\n";
-  }
+  text += commit_all(files);
   if (folder && figures.empty()) text += "no figure: there are no values to draw\n";
   print_output(text);
   return kExitOk;

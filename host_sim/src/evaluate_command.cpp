@@ -86,8 +86,7 @@ int evaluate(const EvaluateOptions& options) {
         scenario, settings, options.plan, [&](double share) { progress.show(share); }, control);
   }
   if (stop_requested()) {
-    print_error("stopped; no file was left");
-    return kExitInterrupted;
+    return report_stop();
   }
   if (!files.empty()) {
     files[0]->write(evaluation_csv(evaluation));
@@ -103,10 +102,7 @@ int evaluate(const EvaluateOptions& options) {
       fmt::format("{} runs of {} from seed {}, {}; simulated subjects, research use only\n\n",
                   options.plan.runs, scenario.name, options.plan.first_seed, describe(settings));
   text += evaluation_text(evaluation);
-  for (const auto& file : files) {
-    file->commit();
-    text += file->path() + "\n";
-  }
+  text += commit_all(files);
   print_output(text);
   return kExitOk;
 }

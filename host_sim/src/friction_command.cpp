@@ -145,10 +145,7 @@ int draw(const std::string& directory) {
          "set xlabel 'growth of the force (N/s)'\nset ylabel 'greatest force held (N)'\n",
          "plot $breakaway with linespoints pt 7 lw 2 notitle");
   std::string text;
-  for (const auto& file : gnuplot.finish()) {
-    file->commit();
-    text += file->path() + "\n";
-  }
+  text += commit_all(gnuplot.finish());
   print_output(text);
   return kExitOk;
 }

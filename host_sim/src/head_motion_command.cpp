@@ -86,10 +86,7 @@ int run(HeadMotionOptions& options) {
   std::string text =
       fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) +
       head_motion_text(motion);
-  for (const auto& file : files) {
-    file->commit();
-    text += file->path() + "\n";
-  }
+  text += commit_all(files);
   print_output(text);
   return kExitOk;
 }

@@ -61,8 +61,7 @@ int run(int argc, char** argv) {
     }
   } catch (const InputError& error) {
     if (stop_requested()) {  // what looks like an error is the interrupted wait
-      print_error("stopped; no file was left");
-      return kExitInterrupted;
+      return report_stop();
     }
     print_error(error.what());
   }
@@ -84,6 +83,11 @@ void print_output(const std::string& text) {
 void print_error(const std::string& text) {
   const std::string line = "condyle: " + text + "\n";
   std::fwrite(line.data(), 1, line.size(), stderr);
+}
+
+int report_stop() {
+  print_error("stopped; no file was left");
+  return kExitInterrupted;
 }
 
 }  // namespace condyle::host

@@ -74,6 +74,15 @@ void OutputFile::fail(const char* what) const {
                    "check the folder, its permissions and the space on the disk");
 }
 
+std::string commit_all(const std::vector<std::unique_ptr<OutputFile>>& files) {
+  std::string names;
+  for (const auto& file : files) {
+    file->commit();
+    names += file->path() + "\n";
+  }
+  return names;
+}
+
 void refuse_same_files(const std::vector<std::string>& inputs,
                        const std::vector<std::string>& outputs) {
   // A source may be named by its kind, as in synth:FILE.

@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,6 +37,9 @@ class OutputFile {
   std::string temporary_path_;
   std::FILE* file_ = nullptr;
 };
+
+/// Gives all of the closed `files` their names; returns these, a line each.
+std::string commit_all(const std::vector<std::unique_ptr<OutputFile>>& files);
 
 /// Throws an InputError where one of `outputs` is one of `inputs` or named twice. Empty names are
 /// left out.

@@ -80,10 +80,7 @@ int finish(const FitOptions& options, const std::vector<std::string>& recordings
   }
   std::string all =
       fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) + text;
-  for (const auto& file : files) {
-    file->commit();
-    all += file->path() + "\n";
-  }
+  all += commit_all(files);
   print_output(all);
   return kExitOk;
 }

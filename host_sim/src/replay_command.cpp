@@ -106,8 +106,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   }
   if (estimates) estimates->close();
   if (stop_requested()) {
-    print_error("stopped; no file was left");
-    return kExitInterrupted;
+    return report_stop();
   }
   if (estimates) estimates->commit();
   for (const auto& figure : figures) figure->commit();

@@ -75,8 +75,7 @@ int simulate(const SimulateOptions& options) {
       data.clear();
       progress.show(simulation.time_s() / scenario.duration_s);
       if (stop_requested()) {
-        print_error("stopped; no file was left");
-        return kExitInterrupted;
+        return report_stop();
       }
     }
   }

@@ -98,27 +98,12 @@ LikelihoodPlan plan_of(const TuneOptions& options, const RecommendedParameters& 
   return plan;
 }
 
-// Files that are complete get their names, and are named.
-std::string commit_all(const std::vector<std::unique_ptr<OutputFile>>& files) {
-  std::string text;
-  for (const auto& file : files) {
-    file->commit();
-    text += file->path() + "\n";
-  }
-  return text;
-}
-
-// What it found, or that the user stopped it.
+// Says what it found.
 int report(const std::string& found, const std::vector<std::unique_ptr<OutputFile>>& files,
            int exit_code) {
   print_output(fmt::format("condyle {}: research use only; this is no diagnosis\n{}{}",
                            CONDYLE_VERSION, found, commit_all(files)));
   return exit_code;
-}
-
-int report_stop() {
-  print_error("stopped; no file was left");
-  return kExitInterrupted;
 }
 
 int tune_likelihood(const TuneOptions& options, std::vector<std::unique_ptr<OutputFile>>& files) {
