@@ -2,6 +2,7 @@
 #include "simulation/instrument.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "condyle/estimator/elementary.h"
 
@@ -12,7 +13,6 @@ using Vector = std::array<double, 3>;
 
 constexpr Vector kBodyPoints_m[3] = {{0, 0, 0}, {0.025, 0, 0.030}, {-0.025, 0, 0.030}};
 constexpr double kSmallestGlitch_m = 0.003, kLargestGlitch_m = 0.008;
-constexpr double kTwoPi = 6.283185307179586;
 
 // Turned about x, then y, then z: a true rotation, whatever its size.
 Vector turn(Vector point, const Vector& angles) {
@@ -76,7 +76,8 @@ void SimulatedFacebow::sample(const Jaw& jaw, double coordinate, std::vector<Sam
   if (faults_.uniform() < model_.glitch_share) {
     const double size_m =
         kSmallestGlitch_m + (kLargestGlitch_m - kSmallestGlitch_m) * faults_.uniform();
-    const double height = 2 * faults_.uniform() - 1, angle = kTwoPi * faults_.uniform();
+    const double height = 2 * faults_.uniform() - 1,
+                 angle = 2 * std::numbers::pi * faults_.uniform();
     const double across = std::sqrt(1 - height * height);
     pose.translation_m[0] += size_m * across * elementary::cos(angle);
     pose.translation_m[1] += size_m * across * elementary::sin(angle);

@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "condyle/estimator/elementary.h"
 
 namespace condyle::host {
 namespace {
-
-constexpr double kTwoPi = 6.283185307179586;
 
 // A factor around 1 with the given spread, kept within three standard deviations and positive.
 double vary(double spread, double normal) {
@@ -21,7 +20,7 @@ double vary(double spread, double normal) {
 
 ReferenceMotion::ReferenceMotion(const MotionTask& task, Draws draws)
     : task_(task), draws_(std::move(draws)) {
-  for (double& phase : phases_) phase = kTwoPi * draws_.uniform();
+  for (double& phase : phases_) phase = 2 * std::numbers::pi * draws_.uniform();
   next_cycle(0);
 }
 
@@ -54,7 +53,7 @@ MotionPoint ReferenceMotion::at(double time_s) {
         sign * cycle_.depth_m / (cycle_.way_s * cycle_.way_s) * 60 * s * (1 - s) * (1 - 2 * s);
   }
   for (int i = 0; i < 3 && task_.tremor_m > 0; ++i) {
-    const double rate = kTwoPi * task_.tremor_Hz * (0.85 + 0.15 * i);
+    const double rate = 2 * std::numbers::pi * task_.tremor_Hz * (0.85 + 0.15 * i);
     const double angle = rate * time_s + phases_[i];
     point.position_m += task_.tremor_m * elementary::sin(angle);
     point.velocity_m_s += task_.tremor_m * rate * elementary::cos(angle);
