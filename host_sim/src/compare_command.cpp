@@ -66,18 +66,6 @@ void refuse_repeated_names(const char* option, const std::vector<std::string>& n
   }
 }
 
-void refuse_repeated_recordings(const std::vector<std::string>& recordings) {
-  for (std::size_t i = 0; i < recordings.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) {
-      std::error_code missing;
-      if (recordings[i] == recordings[k] ||
-          std::filesystem::equivalent(recordings[i], recordings[k], missing)) {
-        throw InputError(recordings[i], "is named twice", "name each recording once");
-      }
-    }
-  }
-}
-
 std::vector<NamedEstimator> choose_estimators(const CompareOptions& options) {
   std::vector<std::string> names = options.estimators;
   if (names.empty()) {

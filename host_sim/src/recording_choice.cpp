@@ -2,7 +2,11 @@
 #include "recording_choice.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <CLI/CLI.hpp>
+
+#include <set>
+#include <utility>
 
 #include "input_error.h"
 
@@ -52,6 +56,18 @@ void RecordingChoice::check(const std::string& source, const RecordingInfo& info
   }
   if (info.kind == SampleKind::one_axis && axis_given) {
     throw InputError(source, "has one axis, so there is none to choose", "leave out --axis");
+  }
+}
+
+void refuse_repeated_recordings(const std::vector<std::string>& sources) {
+  std::set<std::string> names;
+  std::set<std::pair<dev_t, ino_t>> files;
+  for (const std::string& source : sources) {
+    struct stat file = {};
+    const bool is_known =
+        !names.insert(source).second ||
+        (stat(source.c_str(), &file) == 0 && !files.insert({file.st_dev, file.st_ino}).second);
+    if (is_known) throw InputError(source, "is named twice", "name each recording once");
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <CLI/App.hpp>
 #include <string>
+#include <vector>
 
 #include "condyle/estimator/sample.h"
 #include "recording.h"
@@ -21,5 +22,8 @@ struct RecordingChoice {
   /// An InputError where the recording `source` does not have what is to be followed.
   void check(const std::string& source, const RecordingInfo& info) const;
 };
+
+/// An InputError where two of `sources` are one recording.
+void refuse_repeated_recordings(const std::vector<std::string>& sources);
 
 }  // namespace condyle::host

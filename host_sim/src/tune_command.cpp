@@ -33,10 +33,14 @@ struct TuneOptions {
   std::vector<double> noise_mm, jerk_density;
 
   bool is_published() const { return criterion == "published"; }
-  // Samples kept of each recording.
-  std::size_t share_of_samples(std::size_t by_default) const {
-    const std::size_t all = most_samples > 0 ? most_samples : by_default;
-    return std::max(all / recordings.size(), 2 * StretchKeeper::kStretch);
+  // Samples kept of each recording, `fewest` at least.
+  std::size_t share_of_samples(std::size_t by_default, std::size_t fewest) const {
+    const std::size_t count = recordings.size();
+    if (most_samples == 0) return std::max(by_default / count, fewest);
+    if (most_samples / count >= fewest) return most_samples / count;
+    throw InputError("--most-samples",
+                     fmt::format("{} are too few for {} recordings", most_samples, count),
+                     fmt::format("give {} or more, or fewer recordings", fewest * count));
   }
 };
 
@@ -110,7 +114,9 @@ int tune_likelihood(const TuneOptions& options, std::vector<std::unique_ptr<Outp
   RecommendedParameters parameters;
   if (!options.parameters.empty()) parameters = load_recommended_parameters(options.parameters);
   const LikelihoodPlan plan = plan_of(options, parameters);
-  const TuningInput input{options.choice, options.share_of_samples(kLikelihoodSamples), parameters};
+  const TuningInput input{options.choice,
+                          options.share_of_samples(kLikelihoodSamples, 2 * StretchKeeper::kStretch),
+                          parameters};
   hal::SteadyClock clock;
   const auto recordings = read_all(options, clock, [&](const std::string& path, const auto& show) {
     return read_for_tuning(path, input, show, stop_requested);
@@ -148,7 +154,8 @@ int tune_published(const TuneOptions& options, std::vector<std::unique_ptr<Outpu
                                                     ? std::optional(parameters.values.sample_time_s)
                                                     : std::nullopt;
     return read_for_published(path, options.choice, sample_time_s,
-                              options.share_of_samples(kPublishedSamples), show, stop_requested);
+                              options.share_of_samples(kPublishedSamples, kFewestTuned), show,
+                              stop_requested);
   });
   if (stop_requested()) return report_stop();
   PublishedTuningResult result;
@@ -162,9 +169,16 @@ int tune_published(const TuneOptions& options, std::vector<std::unique_ptr<Outpu
         shown.control);
   }
   if (stop_requested()) return report_stop();
+  std::string found;
+  for (const PublishedRecording& recording : recordings) {
+    if (!recording.is_cut) continue;
+    found += fmt::format("{:<14}of {} the first {} samples alone are judged (--most-samples)\n",
+                         "note", recording.name, recording.position_m.size());
+  }
+  found += published_tuning_text(result);
   if (result.tunings.empty()) {
     files.clear();
-    return report(published_tuning_text(result), files, kExitRefused);
+    return report(found, files, kExitRefused);
   }
   parameters.values = result.tunings.front().parameters;
   files[0]->write(fmt::format(
@@ -185,7 +199,7 @@ int tune_published(const TuneOptions& options, std::vector<std::unique_ptr<Outpu
       files.push_back(std::move(figure));
     }
   }
-  return report(published_tuning_text(result), files, kExitOk);
+  return report(found, files, kExitOk);
 }
 
 // Refuses options of the other criterion.
@@ -198,6 +212,7 @@ void check(const TuneOptions& options) {
   refuse("--noise-bounds-mm", !options.noise_mm.empty(), "likelihood");
   refuse("--jerk-density-bounds", !options.jerk_density.empty(), "likelihood");
   refuse("--tunings", !options.tunings.empty(), "published");
+  refuse_repeated_recordings(options.recordings);
   std::vector<std::string> inputs = options.recordings;
   inputs.push_back(options.parameters);
   inputs.push_back(options.choice.reading.profile);

@@ -226,6 +226,25 @@ TEST_P(TunedSmoothed, WritesValuesWhoseIntervalsHold) {
   EXPECT_LT(written.rms_m_s, 1.02 * naive.rms_m_s);
 }
 
+// Smoothed by one maker, not by the other, who is slower: the intervals hold for both.
+TEST(Tuning, WritesValuesThatAreWideEnoughForEachRate) {
+  KnownMotion fast = chew_and_pause(1000, 100e-6, 30, 3, 5);
+  const KnownMotion slow = chew_and_pause(60, 100e-6, 120, 4);
+  fast.recording.filtered_lag = 1;
+  LikelihoodPlan plan;
+  plan.starts = 1;
+  const LikelihoodTuning found =
+      tune_by_likelihood({fast.recording, slow.recording}, plan, [](double) {}, {});
+  ASSERT_TRUE(found.correlated);
+  if (!found.correlated_serves) GTEST_FAIL() << "white noise was taken to serve";
+  for (const KnownMotion& known : {fast, slow}) {
+    const VelocityErrors errors = velocity_errors(known, found.written);
+    std::cout << "             velocity error " << 1e3 * errors.rms_m_s << " mm/s, covered "
+              << errors.covered << "\n";
+    EXPECT_GT(errors.covered, 0.94);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Means, TunedSmoothed,
                          testing::Values(SmoothedCase{200, 100e-6, 3}, SmoothedCase{200, 100e-6, 5},
                                          SmoothedCase{200, 50e-6, 3},

@@ -11,7 +11,6 @@ namespace condyle::hil {
 namespace {
 
 constexpr std::int64_t kReports = 600;
-constexpr const char* kAllFaults = CONDYLE_SOURCE_DIR "/tests/hil/all_faults.toml";
 constexpr std::int64_t kJump = 1000;  // of the counter, in that file
 
 // In real time a busy machine loses reports, though none uncounted; as they are taken, none.

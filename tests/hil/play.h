@@ -26,6 +26,9 @@ struct Played {
   }
 };
 
+/// A script with every fault of the fake facebow.
+inline constexpr const char* kAllFaults = CONDYLE_SOURCE_DIR "/tests/hil/all_faults.toml";
+
 /// True where umockdev's programs are installed.
 bool has_umockdev();
 

@@ -19,8 +19,6 @@
 namespace condyle::hil {
 namespace {
 
-constexpr const char* kAllFaults = CONDYLE_SOURCE_DIR "/tests/hil/all_faults.toml";
-
 using testing_support::read_file;
 using testing_support::run_condyle;
 

@@ -205,5 +205,15 @@ TEST_F(CompareEstimators, MemoryDoesNotGrowWithTheRecording) {
   EXPECT_LT(peak_kB(3000), peak_kB(500) + 4000);  // 600,000 samples and 100,000
 }
 
+// A recording without any noise has a NIS of 0, which a logarithmic axis has no place for.
+TEST_F(CompareEstimators, DrawsARecordingInWhichNothingMoves) {
+  std::string still = "time_s,position_m\n";
+  for (int i = 0; i < 1000; ++i) still += fmt::format("{:.2f},0.01\n", 0.01 * i);
+  const CommandResult result = run_condyle({"compare", folder_.write("still.csv", still), "--with",
+                                            "published", "--figures", folder_ / "figures"});
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, testing::Not(testing::HasSubstr("smoothed")));
+}
+
 }  // namespace
 }  // namespace condyle

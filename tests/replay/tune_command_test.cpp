@@ -108,19 +108,43 @@ TEST_F(Tune, SaysThatTheMakerSmoothedAndWhatServesThen) {
   EXPECT_THAT(tune({record("white.csv", 1)}).output, Not(HasSubstr("NOT WHITE")));
 }
 
+// Without noise the noise is at its bound, and the file is one that replay takes all the same.
+TEST_F(Tune, WritesWhatReplayTakesWhereTheNoiseIsAtItsBound) {
+  const std::string recording = record("still.csv", 1, 0);
+  const CommandResult result = tune({recording});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, AllOf(HasSubstr("NOT known"), Not(HasSubstr("nan"))));
+  const CommandResult replayed = run_condyle({"replay", recording, "--parameters", out_});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.errors;
+}
+
+TEST_F(Tune, KeepsTheNamesOfFilesOutOfTheParameters) {
+  for (const char* name : {"smoothed\n[drive]\ndelay_s = 0.5 #.csv", "smoothed\xfc.csv"}) {
+    ASSERT_EQ(tune({record(name, 3)}).exit_code, 0);
+    EXPECT_EQ(host::load_recommended_parameters(out_).joint.drive.delay_s, 0) << name;
+  }
+}
+
 TEST_F(Tune, SaysThatAValueAtItsBoundIsNotKnown) {
   const CommandResult result = tune({kShipped}, {"--noise-bounds-mm", "0.2", "1"});
   EXPECT_THAT(result.output, HasSubstr("at its bound, so that it is NOT known"));
 }
 
 TEST_F(Tune, TakesAHundredRecordingsInBoundedMemory) {
-  const std::vector<std::string> one = {kShipped}, hundred(100, kShipped);
+  const std::vector<std::string> one = {kShipped};
+  std::vector<std::string> hundred;
+  for (int i = 0; i < 100; ++i) {
+    hundred.push_back(folder_ / fmt::format("{}.csv", i));
+    std::filesystem::copy(kShipped, hundred.back());
+  }
   const CommandResult single = tune(one), many = tune(hundred, {"--starts", "2"});
   ASSERT_EQ(many.exit_code, 0) << many.errors;
   EXPECT_THAT(many.output, AllOf(HasSubstr("and 92 more"), HasSubstr("180000 used of 180000")));
   EXPECT_LT(many.peak_memory_kB - single.peak_memory_kB, 40'000);
-  const CommandResult thinned = tune(hundred, {"--starts", "1", "--most-samples", "10000"});
-  EXPECT_THAT(thinned.output, HasSubstr("samples were kept, evenly spread"));
+  const CommandResult thinned = tune(hundred, {"--starts", "1", "--most-samples", "102400"});
+  EXPECT_THAT(thinned.output, HasSubstr("102400 samples were kept, evenly spread"));
+  EXPECT_THAT(tune(hundred, {"--most-samples", "10000"}).errors,
+              HasSubstr("10000 are too few for 100 recordings; give 102400 or more"));
 }
 
 TEST_F(Tune, ByThePublishedCriterionListsTuningsThatItCannotTellApart) {
@@ -181,8 +205,15 @@ TEST_F(Tune, RefusesBadInputAndLeavesNoFile) {
     refused({kShipped}, {"--criterion", criterion, "--axis", "x"}, "has one axis");
   }
   refused({two}, {}, "has 2 usable positions");
+  // Bursts too short for a filter to settle.
+  std::string bursts = "time_s,position_m\n";
+  for (int i = 0; i < 1500; ++i) {
+    bursts += fmt::format("{:.3f},{:.6f}\n", 0.01 * i + i / 15, 1e-3 * std::sin(0.3 * i));
+  }
+  refused({folder_.write("bursts.csv", bursts)}, {}, "0 in a row long enough");
   refused({two}, {"--criterion", "published"}, "has 2 measured positions");
   refused({nan}, {"--faults", "event"}, "never there");
+  refused({kShipped, kShipped}, {}, "is named twice");
   refused({kShipped}, {"--noise-bounds-mm", "1", "0.1"}, "is not below the upper");
   refused({kShipped}, {"--jerk-density-bounds", "5", "5"}, "is not below the upper");
   refused({kShipped}, {"--noise-bounds-mm", "nan", "1"}, "is no number");

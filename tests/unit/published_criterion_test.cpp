@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -188,9 +189,8 @@ TEST(PublishedCriterion, IsSatisfiedByEveryRecordingAtOnce) {
 TEST(PublishedCriterion, EndsWhereItIsStopped) {
   const std::vector<PublishedRecording> recordings = {golden_chewing()};
   MonteCarloControl control;
-  int asked = 0;
-  control.stop = [&asked] { return ++asked == 3; };
-  std::uint64_t seen = 0;
+  std::atomic<std::uint64_t> seen = 0;  // asked by all threads
+  control.stop = [&seen] { return seen >= 3; };
   const auto result = tune_by_published_criterion(
       recordings, golden_parameters(), {},
       [&seen](std::uint64_t merged, std::uint64_t runs) {

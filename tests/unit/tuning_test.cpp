@@ -225,6 +225,29 @@ TEST(TuningRecording, RefusesWhatNothingCanBeLearnedFrom) {
   EXPECT_THAT(refusal_of("time_s,position_m\n1,0\n1,0\n"), HasSubstr("no time passes"));
 }
 
+// Its clock was set, and the first position after that is not there.
+TEST(TuningRecording, LeavesGapsOutOfTheTime) {
+  std::string text = "time_s,position_m\n";
+  const auto samples = noisy_sine(1000, 1e-4);
+  double time_s = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    time_s += samples[i].step_s + (i == 500 ? 1.7e9 : 0);
+    text += fmt::format("{:.9f},", time_s);
+    text += i == 500 ? "\n" : fmt::format("{:.9f}\n", samples[i].position_m);
+  }
+  const TemporaryFolder folder;
+  TuningInput input;
+  input.choice.reading.faults = FaultPolicy::event;
+  input.most_samples = 100'000;
+  const TuningRecording recording = read_for_tuning(
+      folder.write("r.csv", text), input, [](double) {}, [] { return false; });
+  double duration_s = 0;
+  for (const TuningSample& sample : recording.samples) duration_s += sample.step_s;
+  EXPECT_LT(duration_s, 11);
+  EXPECT_LT(SplitRecording(recording).stretch_count(), 25U);
+  EXPECT_EQ(recording.usable, 999U);
+}
+
 TEST(TuningRecording, LeavesOutliersOut) {
   std::string text = "time_s,position_m\n";
   const auto samples = noisy_sine(1000, 1e-4);

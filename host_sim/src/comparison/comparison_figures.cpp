@@ -66,11 +66,15 @@ std::string panel_data(const Drawing& drawing, std::size_t k, std::size_t estima
   std::string block = fmt::format("$panel{}of{} << EOD\n", k, estimator);
   for (std::size_t i = 0; i < drawing.drawn; ++i) {
     const RunReport& run = drawing.recordings[i].runs[estimator];
-    const double value = panel.value(run);
+    double value = panel.value(run);
+    if (panel.is_logarithmic && !(value > 0)) value = EstimateRow::kNone;
     const bool is_shown = panel.shows_first || estimator > 0;
     Interval interval{value, value};
     if (panel.interval != nullptr && std::isfinite(value)) interval = panel.interval(run);
     if (panel.is_logarithmic) interval = run.nis_bounds;
+    if (panel.is_logarithmic && !(interval.low > 0)) {
+      interval = {EstimateRow::kNone, EstimateRow::kNone};
+    }
     if (std::isfinite(value) && is_shown) {
       all.add(value);
       all.add(interval.low);

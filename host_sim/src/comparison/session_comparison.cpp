@@ -131,44 +131,48 @@ QuantityComparison compare_quantity(const ComparedQuantity& quantity,
   std::vector<double> variances;  // stated
   for (const Session& session : sessions) variances.push_back(stated_variance(quantity, session));
   const double largest = *std::max_element(variances.begin(), variances.end());
-  result.smallest_single =
-      std::max(result.repeats.smallest_change(1, 1), kNormalQuantile95 * std::sqrt(2 * largest));
+  result.smallest_single = result.repeats.smallest_change(1, 1, 2 * largest);
   for (std::size_t to = 1; to < sessions.size(); ++to) {
     for (std::size_t from = 0; from < to; ++from) {
       const std::size_t n_1 = result.values[from].size(), n_2 = result.values[to].size();
       const double change = result.means[to] - result.means[from];
-      const double stated_sd = std::sqrt(variances[from] + variances[to]);
-      const double of_drive = kNormalQuantile95 * stated_sd;
-      double probability = result.repeats.probability(change, n_1, n_2);
-      if (stated_sd > 0) {
-        // NaN, where the repeats say nothing, stays.
-        probability = std::max(probability, 2 * normal_distribution(-std::abs(change) / stated_sd));
-      }
-      result.changes.push_back({from, to, change,
-                                std::max(result.repeats.smallest_change(n_1, n_2), of_drive),
-                                of_drive, probability, 0});
+      const double stated = variances[from] + variances[to];
+      result.changes.push_back({from, to, change, result.repeats.smallest_change(n_1, n_2, stated),
+                                kNormalQuantile95 * std::sqrt(stated),
+                                result.repeats.probability(change, n_1, n_2, stated), 0});
     }
   }
   return result;
 }
 
-// Standard deviation of a difference of means, in s_w.
-double difference_scale(std::size_t n_1, std::size_t n_2) {
-  return std::sqrt(1 / static_cast<double>(n_1) + 1 / static_cast<double>(n_2));
+// Of a difference of means.
+struct Spread {
+  double sd, degrees_of_freedom;
+};
+
+Spread spread_of(const Repeatability& repeats, std::size_t n_1, std::size_t n_2,
+                 double stated_variance) {
+  const double of_repeats = repeats.within_sd * repeats.within_sd *
+                            (1 / static_cast<double>(n_1) + 1 / static_cast<double>(n_2));
+  const double variance = of_repeats + stated_variance;
+  const double share = variance / of_repeats;
+  return {std::sqrt(variance), share * share * static_cast<double>(repeats.degrees_of_freedom)};
 }
 
 }  // namespace
 
-double Repeatability::smallest_change(std::size_t n_1, std::size_t n_2) const {
+double Repeatability::smallest_change(std::size_t n_1, std::size_t n_2,
+                                      double stated_variance) const {
   if (!is_known()) return EstimateRow::kNone;
-  return student_t_quantile((1 + kDetectionShare) / 2, static_cast<double>(degrees_of_freedom)) *
-         within_sd * difference_scale(n_1, n_2);
+  const Spread spread = spread_of(*this, n_1, n_2, stated_variance);
+  return student_t_quantile((1 + kDetectionShare) / 2, spread.degrees_of_freedom) * spread.sd;
 }
 
-double Repeatability::probability(double change, std::size_t n_1, std::size_t n_2) const {
+double Repeatability::probability(double change, std::size_t n_1, std::size_t n_2,
+                                  double stated_variance) const {
   if (!is_known()) return EstimateRow::kNone;
-  const double t = std::abs(change) / (within_sd * difference_scale(n_1, n_2));
-  return 2 * student_t_distribution(-t, static_cast<double>(degrees_of_freedom));
+  const Spread spread = spread_of(*this, n_1, n_2, stated_variance);
+  return 2 * student_t_distribution(-std::abs(change) / spread.sd, spread.degrees_of_freedom);
 }
 
 Repeatability repeatability(const std::vector<std::vector<double>>& sessions) {

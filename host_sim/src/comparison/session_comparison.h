@@ -18,8 +18,9 @@
 // mounted, the day) is part of the change.
 //
 // Friction and mass have a standard deviation of their own, which also holds what the drive as
-// stated gets wrong in every repeat alike. It may have been wrong otherwise in the other session: a
-// change must exceed 1.96 sqrt(sd_1^2 + sd_2^2) of these as well.
+// stated gets wrong in every repeat alike. It may have been wrong otherwise in the other session:
+// sd_1^2 + sd_2^2 of these is added to the variance of the difference, whose degrees of freedom
+// follow from its parts (F. E. Satterthwaite, Biometrics Bull. 2 (1946) 110-114).
 #pragma once
 
 #include <cstddef>
@@ -40,10 +41,12 @@ struct Repeatability {
   bool is_known() const { return degrees_of_freedom > 0 && within_sd > 0; }
   /// Smallest detectable change of the difference of means of `n_1` and `n_2` recordings; NaN
   /// unless it is known.
-  double smallest_change(std::size_t n_1, std::size_t n_2) const;
-  /// Probability that repeats alone make a difference as large as `change`, or larger; NaN unless
-  /// it is known.
-  double probability(double change, std::size_t n_1, std::size_t n_2) const;
+  /// `stated_variance` is added to that of the difference.
+  double smallest_change(std::size_t n_1, std::size_t n_2, double stated_variance = 0) const;
+  /// Probability that repeats alone, and what is stated, make a difference as large as `change`, or
+  /// larger; NaN unless it is known.
+  double probability(double change, std::size_t n_1, std::size_t n_2,
+                     double stated_variance = 0) const;
 };
 
 /// From the values of each session.

@@ -108,8 +108,10 @@ SearchResult search(const Objective& objective, const SearchBounds& bounds,
       count, 0,
       [&](std::uint64_t index) {
         End end;
+        ClimbSettings settings;
+        settings.is_enough = control.stop;
         end.optimum = climb(objective, bounds, result.starts[static_cast<std::size_t>(index)],
-                            end.evaluations);
+                            end.evaluations, settings);
         return end;
       },
       [&](End&& end) {
@@ -126,7 +128,7 @@ SearchResult search(const Objective& objective, const SearchBounds& bounds,
         result.optima.push_back(std::move(end.optimum));
       },
       progress, control);
-  result.stopped = merged < count;
+  result.stopped = merged < count || (control.stop && control.stop());
   std::stable_sort(
       result.optima.begin(), result.optima.end(),
       [](const SearchOptimum& one, const SearchOptimum& other) { return one.value > other.value; });

@@ -58,7 +58,8 @@ std::vector<std::vector<double>> draw_starts(const std::vector<double>& first, d
                                              const SearchBounds& bounds, std::size_t count,
                                              std::uint64_t seed);
 
-/// Climbs from each of `starts`, on all cores. `progress` as for run_monte_carlo.
+/// Climbs from each of `starts`, on all cores. `progress` as for run_monte_carlo; `control.stop` is
+/// asked by all threads, also on the way.
 SearchResult search(const Objective& objective, const SearchBounds& bounds,
                     std::vector<std::vector<double>> starts, const MonteCarloProgress& progress,
                     const MonteCarloControl& control);

@@ -16,10 +16,12 @@ namespace {
 // Correlations of standardised innovations within stretches. Glitches do not decide them.
 class StretchCorrelation {
  public:
-  void add(std::uint32_t stretch, double standardised) {
+  // `sample`: its place; only those that follow each other are neighbours.
+  void add(std::size_t sample, std::uint32_t stretch, double standardised) {
     const double e = std::clamp(standardised, -3.0, 3.0);
-    if (stretch != stretch_) known_ = 0;
+    if (stretch != stretch_ || sample != sample_ + 1) known_ = 0;
     stretch_ = stretch;
+    sample_ = sample;
     square_ += e * e;
     ++count_;
     for (std::size_t lag = 1; lag <= known_; ++lag) {
@@ -49,6 +51,7 @@ class StretchCorrelation {
   std::uint64_t count_ = 0;
   std::size_t known_ = 0;
   std::uint32_t stretch_ = 0;
+  std::size_t sample_ = 0;
 };
 
 // Of a mean per sample, from what stretches contributed to it.
@@ -98,7 +101,9 @@ void judge_dispersion(HeldOutCheck& check) {
 SplitRecording::SplitRecording(const TuningRecording& recording) : recording_(&recording) {
   double duration_s = 0;
   for (const TuningSample& sample : recording.samples) duration_s += sample.step_s;
-  stretch_s_ = std::max(std::clamp(duration_s / 30, 0.5, 10.0), 25 * recording.median_step_s);
+  // Six stretches at least, each with a few innovations.
+  const double usual_s = std::min(std::clamp(duration_s / 30, 0.5, 10.0), duration_s / 6);
+  stretch_s_ = std::max(usual_s, 25 * recording.median_step_s);
   double time_s = 0;
   stretch_of_.reserve(recording.samples.size());
   for (const TuningSample& sample : recording.samples) {
@@ -134,7 +139,7 @@ HeldOutCheck check_held_out(const std::vector<SplitRecording>& recordings, const
       if (!stretch.is_held_out) return;
       nis.add(e * e);
       score.add(innovation.score());
-      correlation.add(split.stretch_of(i), e);
+      correlation.add(i, split.stretch_of(i), e);
       if (std::abs(e) > 3) ++far;
     });
     correlation.end_recording();

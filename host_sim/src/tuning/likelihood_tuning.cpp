@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuning/likelihood_tuning.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "input_error.h"
 #include "tuning/starting_values.h"
 
 namespace condyle::host {
@@ -110,11 +113,15 @@ LogSds log_sds(const FitLikelihood& likelihood, const Point& best) {
   const Eigen::LLT<Eigen::MatrixXd> factor(H);
   if (factor.info() != Eigen::Success) return sds;
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(n, n);
+  std::size_t used_stretches = 0;
   for (std::size_t k = 0; k < slopes[0].size(); ++k) {
     Eigen::VectorXd slope(n);
     for (Eigen::Index i = 0; i < n; ++i) slope[i] = slopes[static_cast<std::size_t>(i)][k];
+    if (!slope.isZero(0)) ++used_stretches;
     J += slope * slope.transpose();
   }
+  const double fitted = static_cast<double>(used_stretches);
+  if (fitted > 1) J *= fitted / (fitted - 1);
   const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(n, n));
   const Eigen::MatrixXd robust = inverse * J * inverse;
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -276,12 +283,57 @@ NoiseModel within(const LikelihoodPlan& plan, NoiseModel model) {
   return model;
 }
 
-double longest_step_s(const std::vector<TuningRecording>& recordings) {
-  double longest = 0;
-  for (const TuningRecording& recording : recordings) {
-    longest = std::max(longest, recording.median_step_s);
+// Steps of the recordings, shortest first, each once.
+std::vector<double> steps_of(const std::vector<TuningRecording>& recordings) {
+  std::vector<double> steps_s;
+  for (const TuningRecording& recording : recordings) steps_s.push_back(recording.median_step_s);
+  std::sort(steps_s.begin(), steps_s.end());
+  const auto alike = [](double one, double other) { return other < 1.01 * one; };
+  steps_s.erase(std::unique(steps_s.begin(), steps_s.end(), alike), steps_s.end());
+  return steps_s;
+}
+
+// One that is not too narrow at any of the steps: the largest noise, and the least q/R.
+WhiteStandIn stand_in_of(const NoiseModel& model, const std::vector<double>& steps_s) {
+  WhiteStandIn all;
+  double least_ratio = std::numeric_limits<double>::infinity();
+  for (const double step_s : steps_s) {
+    const WhiteStandIn one = white_stand_in(model, step_s);
+    const double R = one.white.position_sd_m * one.white.position_sd_m;
+    least_ratio = std::min(least_ratio, one.white.jerk_density_m2_s5 / R);
+    all.white.position_sd_m = std::max(all.white.position_sd_m, one.white.position_sd_m);
+    all.velocity_error_m_s = std::max(all.velocity_error_m_s, one.velocity_error_m_s);
+    all.best_velocity_error_m_s =
+        std::max(all.best_velocity_error_m_s, one.best_velocity_error_m_s);
   }
-  return longest;
+  all.white.jerk_density_m2_s5 = least_ratio * all.white.position_sd_m * all.white.position_sd_m;
+  return all;
+}
+
+// True where all of `model` but the correlation time is known, and that is no less than its bound:
+// more of it would serve as well.
+bool is_usable(const FittedModel& model) {
+  const auto is_known = [](const FittedParameter& parameter) {
+    return parameter.is_bounded && !parameter.at_bound && std::isfinite(parameter.log_sd);
+  };
+  return is_known(model.parameters[0]) && is_known(model.parameters[1]);
+}
+
+// Refuses recordings of which nothing can be fitted or nothing held out.
+void check_split(const std::vector<SplitRecording>& recordings, const LikelihoodPlan& plan) {
+  std::size_t fitted = 0, held_out = 0;
+  for (const SplitRecording& split : recordings) {
+    for_each_innovation(split.recording().samples, NoiseModel{1e-4, 10, 0}, plan.prior,
+                        [&](std::size_t i, const Innovation&) {
+                          ++(SplitRecording::is_held_out(split.stretch_of(i)) ? held_out : fitted);
+                        });
+  }
+  constexpr std::size_t kFewest = 20;
+  if (fitted >= kFewest && held_out >= kFewest) return;
+  throw InputError(recordings.front().recording().name,
+                   fmt::format("has too many gaps: {} innovations to fit to and {} to hold out",
+                               fitted, held_out),
+                   "record longer without gaps");
 }
 
 }  // namespace
@@ -293,6 +345,7 @@ LikelihoodTuning tune_by_likelihood(const std::vector<TuningRecording>& recordin
   LikelihoodTuning tuning;
   const std::vector<SplitRecording> split(recordings.begin(), recordings.end());
   tuning.start = plan.start.value_or(starting_values(recordings));
+  check_split(split, plan);
   SearchBounds bounds = bounds_of(plan);
   const bool is_filtered =
       std::any_of(recordings.begin(), recordings.end(),
@@ -307,11 +360,12 @@ LikelihoodTuning tune_by_likelihood(const std::vector<TuningRecording>& recordin
   if (tuning.stopped) return tuning;
   if (plan.with_surface) tuning.surface = draw_surface(setting, tuning.white);
   tuning.reasons = reasons_against_white(split, tuning.white.held_out);
-  tuning.written = tuning.white.values;
+  tuning.written = within(plan, tuning.white.values);
   tuning.written_check = tuning.white.held_out;
   if (!is_filtered) return tuning;
 
-  const double step_s = longest_step_s(recordings);
+  const std::vector<double> steps_s = steps_of(recordings);
+  const double step_s = steps_s.back();
   bounds.low.push_back(std::log(kShortestCorrelation * step_s));
   bounds.high.push_back(std::log(std::max(kLongestCorrelation * step_s, kLongestCorrelation_s)));
   start = tuning.white.search.optima.front().point;
@@ -323,9 +377,10 @@ LikelihoodTuning tune_by_likelihood(const std::vector<TuningRecording>& recordin
   if (tuning.stopped) return tuning;
   const ScoreDifference gain = compare_scores(correlated.held_out, tuning.white.held_out);
   const double of_held_out = gain.mean * static_cast<double>(correlated.held_out.count);
-  tuning.correlated_serves = of_held_out > kBetterBy && gain.mean > 2 * gain.standard_error;
+  tuning.correlated_serves =
+      of_held_out > kBetterBy && gain.mean > 2 * gain.standard_error && is_usable(correlated);
   if (!tuning.correlated_serves) return tuning;
-  tuning.stand_in = white_stand_in(correlated.values, step_s);
+  tuning.stand_in = stand_in_of(correlated.values, steps_s);
   tuning.written = within(plan, tuning.stand_in->white);
   tuning.written_check = check_held_out(split, tuning.written, plan.prior);
   return tuning;

@@ -104,8 +104,8 @@ struct SearchedStart {
 class PublishedSearch {
  public:
   PublishedSearch(std::span<const PublishedRecording> recordings, const PublishedParameters& base,
-                  const PublishedTuningPlan& plan)
-      : recordings_(recordings), base_(base), plan_(plan) {}
+                  const PublishedTuningPlan& plan, const std::function<bool()>& stop)
+      : recordings_(recordings), base_(base), plan_(plan), stop_(stop) {}
 
   SearchedStart run(std::uint64_t start) {
     RandomGenerator random(plan_.seed, start);
@@ -121,7 +121,7 @@ class PublishedSearch {
     settings.first_step = kFirstStep;
     settings.precision = kSmallestStep;
     settings.most_evaluations = plan_.most_evaluations;
-    settings.is_enough = [this] { return best_->satisfies; };
+    settings.is_enough = [this] { return best_->satisfies || (stop_ && stop_()); };
     SearchedStart searched;
     (void)climb([this](const std::vector<double>& x) { return -evaluate(x); }, {lowest, highest},
                 exponents, searched.evaluations, settings);
@@ -141,6 +141,7 @@ class PublishedSearch {
   std::span<const PublishedRecording> recordings_;
   const PublishedParameters& base_;
   const PublishedTuningPlan& plan_;
+  const std::function<bool()>& stop_;
   std::optional<PublishedTuning> best_;
 };
 
@@ -175,7 +176,7 @@ PublishedTuningResult tune_by_published_criterion(std::span<const PublishedRecor
 
   std::vector<PublishedTuning> satisfying;
   const auto work = [&](std::uint64_t start) {
-    return PublishedSearch(recordings, base, plan).run(start);
+    return PublishedSearch(recordings, base, plan, control.stop).run(start);
   };
   const auto merge = [&](SearchedStart&& start) {
     PublishedTuning& best = start.best;

@@ -100,7 +100,7 @@ struct PublishedTuningResult {
 };
 
 /// Searches for tunings around `base`, which must satisfy `is_valid`. The result is the same for
-/// every number of threads.
+/// every number of threads. `control.stop` is asked by all threads, also on the way.
 /// InputError where there is no recording, one is too short or its position never changes (stage 3
 /// would have nothing to find the mass from), its sample time is out of range, or the plan has a
 /// number out of range.

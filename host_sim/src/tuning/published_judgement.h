@@ -28,6 +28,7 @@ struct PublishedRecording {
   std::string name;                ///< for messages
   double sample_time_s = 0;        ///< takes the place of the parameters'
   std::vector<double> position_m;  ///< NaN or infinity: no measurement in that sample
+  bool is_cut = false;             ///< it goes on, but is too long to be kept
 };
 
 /// What a tuning makes of one recording, over the last quarter. NaN where the

@@ -70,6 +70,9 @@ PublishedRecording read_for_published(const std::string& path, const RecordingCh
                recording.position_m.size() >= most_samples;
       });
   if (!facebow.problem().empty()) throw InputError(facebow.problem());
+  Sample more;
+  recording.is_cut = recording.position_m.size() >= most_samples &&
+                     facebow.read(clock.now_ns(), more) == hal::Status::ok;
   return recording;
 }
 

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kDeepest = -10;  // of the profiles
 constexpr std::size_t kMostStretches = 2000;
+constexpr std::uint64_t kFewestShown = 10;  // innovations of a stretch
 
 // The surface as rows of cells; a blank line ends each.
 std::string surface_data(const LikelihoodTuning& tuning) {
@@ -64,7 +65,7 @@ std::string stretch_data(const LikelihoodTuning& tuning) {
   std::string fitted = "$fitted << EOD\n", held_out = "$held_out << EOD\n";
   for (std::size_t i = 0; i < stretches.size(); ++i) {
     const StretchInnovations& stretch = stretches[i];
-    if (i / 3 % stride != 0 || stretch.count < 10) continue;
+    if (i / 3 % stride != 0 || stretch.count < kFewestShown) continue;
     (stretch.is_held_out ? held_out : fitted) +=
         fmt::format("{} {:.9g}\n", i + 1, std::max(stretch.mean_nis, 0.01));
   }
@@ -102,7 +103,10 @@ std::string profile_plot(double x, const char* block, const char* title, const c
 // Bounds of a stretch's NIS, of the length that most have.
 Interval usual_bounds(const std::vector<StretchInnovations>& stretches) {
   std::vector<std::uint64_t> counts;
-  for (const StretchInnovations& stretch : stretches) counts.push_back(stretch.count);
+  for (const StretchInnovations& stretch : stretches) {
+    if (stretch.count >= kFewestShown) counts.push_back(stretch.count);
+  }
+  if (counts.empty()) return {1, 1};
   const auto middle = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2);
   std::nth_element(counts.begin(), middle, counts.end());
   return mean_chi_square_bounds(1, *middle, 0.95);

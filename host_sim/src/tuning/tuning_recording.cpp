@@ -33,18 +33,19 @@ class SampleCollector {
     }
     const AxisEstimate<double>& seen = estimate.axes[axis];
     TuningSample sample;
+    const bool is_lost = estimate.events.has(Event::state_lost);
     const bool begins = !has_time_ || estimate.events.has(Event::time_restarted) ||
-                        estimate.events.has(Event::state_restarted) || was_lost_;
+                        estimate.events.has(Event::state_restarted) || was_lost_ || is_lost;
     sample.step_s = begins ? 0 : seconds(estimate.time_ns - time_ns_);
     if (!begins && !(sample.step_s > 0)) return;  // told twice
     time_ns_ = estimate.time_ns;
     has_time_ = true;
-    was_lost_ = estimate.events.has(Event::state_lost);
+    was_lost_ = is_lost;
     lowest_m_ = std::fmin(lowest_m_, seen.measured_position_m);
     highest_m_ = std::fmax(highest_m_, seen.measured_position_m);
     const bool rejected = estimate.events.has(Event::outlier_rejected);
     if (rejected) ++recording_.rejected;
-    const bool taken = !rejected && !was_lost_ && !estimate.events.has(Event::position_frozen) &&
+    const bool taken = !rejected && !is_lost && !estimate.events.has(Event::position_frozen) &&
                        std::isfinite(seen.measured_position_m);
     double standardised = std::numeric_limits<double>::quiet_NaN();
     if (taken) {
@@ -104,12 +105,13 @@ void check_positions(const TuningRecording& recording, bool has_moved, const std
                      "is neither noise nor motion to tune to",
                      "follow another --point or --axis, or record a jaw that moves");
   }
-  if (recording.usable < kFewestTuned) {
-    throw InputError(path,
-                     fmt::format("has {} usable positions along the followed axis, of {} samples; "
-                                 "tuning needs {}",
-                                 recording.usable, recording.seen, kFewestTuned),
-                     "record longer, or follow another --point or --axis");
+  if (recording.innovations < kFewestTuned) {
+    throw InputError(
+        path,
+        fmt::format("has {} usable positions along the followed axis, of {} samples, "
+                    "and {} in a row long enough to learn from; tuning needs {}",
+                    recording.usable, recording.seen, recording.innovations, kFewestTuned),
+        "record longer, or follow another --point or --axis");
   }
 }
 
@@ -165,6 +167,9 @@ TuningRecording read_for_tuning(const std::string& path, const TuningInput& inpu
   recording.usable = static_cast<std::size_t>(
       std::count_if(recording.samples.begin(), recording.samples.end(),
                     [](const TuningSample& sample) { return std::isfinite(sample.position_m); }));
+  // How many there are does not depend on the model.
+  for_each_innovation(recording.samples, NoiseModel{1e-4, 10, 0}, input.parameters.prior,
+                      [&](std::size_t, const Innovation&) { ++recording.innovations; });
   recording.filtered_lag = collector.monitor().filtered_lag();
   recording.neighbours = collector.monitor().noise_correlation(1);
   if (!should_stop()) check_positions(recording, collector.has_moved(), path);

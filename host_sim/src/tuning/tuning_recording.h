@@ -51,9 +51,10 @@ struct TuningRecording {
   std::string format;
   std::vector<std::string> notes;
   std::vector<TuningSample> samples;
-  std::uint64_t seen = 0;      ///< samples in the recording
-  std::uint64_t rejected = 0;  ///< outliers among them
-  std::size_t usable = 0;      ///< positions kept
+  std::uint64_t seen = 0;       ///< samples in the recording
+  std::uint64_t rejected = 0;   ///< outliers among them
+  std::size_t usable = 0;       ///< positions kept
+  std::size_t innovations = 0;  ///< of these, that count (innovation_likelihood.h)
   double median_step_s = 0;
   /// Samples apart at which the noise is most unlike white noise; 0: nothing shows that it is not.
   int filtered_lag = 0;
@@ -68,7 +69,7 @@ struct TuningInput {
   RecommendedParameters parameters;  ///< of the adaptive estimator that finds the outliers
 };
 
-/// Fewest usable positions that a recording is tuned with.
+/// Fewest innovations of a recording that it is tuned with.
 inline constexpr std::size_t kFewestTuned = 200;
 
 /// Reads `path`. An InputError where it cannot be read, has too few positions, or where they do not

@@ -41,13 +41,20 @@ std::string parameter_text(const FittedParameter& parameter, const Unit& unit,
                      unit.scale * parameter.value * factor, doubt);
 }
 
+// `text` without what a comment of a TOML file may not hold: names of files are free.
+std::string in_comment(const std::string& text) {
+  std::string clean;
+  for (const char c : text) clean += c >= 0x20 && c < 0x7f ? c : '?';
+  return clean;
+}
+
 const char* doubt_of(const LikelihoodTuning& tuning) {
   return tuning.correlated ? ", if the noise were white, which it is not" : "";
 }
 
 std::string unique_text(const FittedModel& model, std::size_t starts) {
   const SearchOptimum& best = model.search.optima.front();
-  std::string text = fmt::format("{} of {} starts, up to {:g} times off, came to it",
+  std::string text = fmt::format("{} of {} starts, variances up to {:g} times off, came to it",
                                  best.reached_by, starts, kStartFactor);
   if (model.search.optima.size() > 1) {
     text += fmt::format("; the next best is {:.3g} worse in log likelihood",
@@ -119,11 +126,14 @@ std::string correlated_text(const LikelihoodPlan& plan, const LikelihoodTuning& 
   text += line("stand-in",
                "condyle's filters take noise for white. Written are the white values "
                "that serve best here:");
-  text += line(
-      "", fmt::format("{:.4g} mm, {:.4g} m^2/s^5: velocity within {:.2g} mm/s rms (the "
-                      "correlated model's own filter: {:.2g}),",
-                      1e3 * stand_in.white.position_sd_m, stand_in.white.jerk_density_m2_s5,
-                      1e3 * stand_in.velocity_error_m_s, 1e3 * stand_in.best_velocity_error_m_s));
+  const std::string best = std::isfinite(stand_in.best_velocity_error_m_s)
+                               ? fmt::format(" (the correlated model's own filter: {:.2g})",
+                                             1e3 * stand_in.best_velocity_error_m_s)
+                               : "";
+  text +=
+      line("", fmt::format("{:.4g} mm, {:.4g} m^2/s^5: velocity within {:.2g} mm/s rms{},",
+                           1e3 * tuning.written.position_sd_m, tuning.written.jerk_density_m2_s5,
+                           1e3 * stand_in.velocity_error_m_s, best));
   text += line("", fmt::format("intervals not too narrow; NIS is then below 1 ({:.2f})",
                                tuning.written_check.mean_nis));
   return text;
@@ -191,7 +201,7 @@ std::string tuning_comment(const std::vector<TuningRecording>& recordings,
   const HeldOutCheck& check = tuning.written_check;
   text += fmt::format("# Held out: mean NIS {:.3f} (95 % bounds {:.3f} to {:.3f})\n",
                       check.mean_nis, check.nis_bounds.low, check.nis_bounds.high);
-  for (const std::string& reason : tuning.reasons) text += fmt::format("# {}\n", reason);
+  for (const std::string& reason : tuning.reasons) text += "# " + in_comment(reason) + "\n";
   return text;
 }
 

@@ -101,6 +101,8 @@ class NoiseColour {
     const int distance = lag < 0 ? -lag : lag;
     return distance > kOrder ? Scalar(0) : static_cast<Scalar>(kBinomial[distance] / kBinomial[0]);
   }
+  /// False where nothing varies: there is no noise then to be of any colour.
+  bool varies() const { return correlation_.rms() > Scalar(0); }
   /// Standard deviation of c_lag from the pairs compared, if the noise is white (M. S. Bartlett,
   /// J. R. Stat. Soc. Suppl. 8 (1946) 27-41).
   Scalar white_sd(int lag) const {
@@ -210,6 +212,7 @@ class InnovationMonitor {
   int filtered_lag() const {
     int found = 0;
     Scalar largest = 5;
+    if (!noise_.varies()) return found;
     for (int lag = 1; lag <= NoiseColour<Scalar>::kMostLags; ++lag) {
       if (noise_.pairs(lag) < kFewestPairs) continue;
       const Scalar difference = std::abs(noise_.value(lag) - NoiseColour<Scalar>::white(lag));
