@@ -140,7 +140,8 @@ void NodeEstimator::feed(host::NodeClient& client) {
     has_next_ = false;
     client.send(next_.report);
   }
-  const bool is_over = has_next_ ? next_.run != run_ : latest_run != run_;
+  // Where there is no room, the run's last reports may still be in the feed.
+  const bool is_over = has_report() ? next_.run != run_ : latest_run != run_;
   if (ends_ || !is_over) return;
   ends_ = true;
   client.finish();

@@ -38,6 +38,31 @@ class BoxNode : public testing::Test {
     }
     return {};
   }
+  // By their numbers.
+  using Lines = std::map<std::int64_t, Json>;
+  static Lines second_run(EventStream& stream) {
+    Lines lines;
+    EXPECT_TRUE(next(stream, [&lines](const Json& line) {
+      if (line["run"] == 2 && line.contains("number")) lines.emplace(line["number"], line);
+      return line["run"] == 3;
+    }));
+    return lines;
+  }
+  // Every number that went out is in the replay of the recording, bit for bit, and no other.
+  void expect_replay(const Lines& live, const std::string& log, std::size_t least_rows) const {
+    const std::string csv = running_.folder / "again.csv";
+    const auto replayed = testing_support::run_condyle({"replay", log, "--lag", "3", "--out", csv});
+    ASSERT_EQ(replayed.exit_code, 0) << replayed.errors;
+    const testing_support::Table table = testing_support::read_table(csv);
+    ASSERT_GT(table.rows, least_rows);
+    ASSERT_EQ(table.rows, live.size());
+    for (const char* name : {"position_m", "velocity_sd_m_s", "acceleration_m_s2"}) {
+      std::int64_t number = 0;
+      for (const double value : table.numbers(std::string("y_") + name)) {
+        ASSERT_EQ(live.at(++number)["y"][name].get<double>(), value) << name << number;
+      }
+    }
+  }
   static bool is_absence(const Json& line) { return line["node"].contains("away"); }
 
   testing_support::TemporaryFolder sockets_;
@@ -45,7 +70,6 @@ class BoxNode : public testing::Test {
   testing_support::RunningBox running_;
 };
 
-// Every number that went out is in the replay of the recording, bit for bit, and no other.
 TEST_F(BoxNode, ItsEstimatesAreThoseOfTheReplay) {
   const SocketNode node(path_);
   running_.configuration.lag = 3;
@@ -61,24 +85,8 @@ TEST_F(BoxNode, ItsEstimatesAreThoseOfTheReplay) {
   })) << status;
   const auto stopped = post(running_.port, "/v1/session/stop", "{}");
   ASSERT_EQ(stopped.status, 200);
-  std::map<std::int64_t, Json> live;
-  ASSERT_TRUE(next(stream, [&live](const Json& line) {
-    if (line["run"] == 2) live.emplace(line["number"], line);
-    return line["run"] == 3;
-  }));
-  const std::string csv = running_.folder / "again.csv";
-  const auto replayed = testing_support::run_condyle(
-      {"replay", Json::parse(stopped.body)["done"], "--lag", "3", "--out", csv});
-  ASSERT_EQ(replayed.exit_code, 0) << replayed.errors;
-  const testing_support::Table table = testing_support::read_table(csv);
-  ASSERT_GT(table.rows, 1000U);
-  ASSERT_EQ(table.rows, live.size());
-  for (const char* name : {"position_m", "velocity_sd_m_s", "acceleration_m_s2"}) {
-    std::int64_t number = 0;
-    for (const double value : table.numbers(std::string("y_") + name)) {
-      ASSERT_EQ(live.at(++number)["y"][name].get<double>(), value) << name << number;
-    }
-  }
+  const Lines live = second_run(stream);
+  expect_replay(live, Json::parse(stopped.body)["done"], 1000);
   EXPECT_EQ(live.at(1)["node"]["connection"], 1);
   EXPECT_GT(live.at(500)["node"]["delay_s"], 0.0);
 
@@ -90,6 +98,26 @@ TEST_F(BoxNode, ItsEstimatesAreThoseOfTheReplay) {
   EXPECT_EQ(status["node"]["losses"], 0);
   EXPECT_EQ(status["node"]["its_side"]["frames_lost"], 0);
   EXPECT_EQ(status["node"]["its_side"]["stack_size_bytes"], 4321);
+}
+
+// Reports of the run that ended are still on their way when the next one has begun.
+TEST_F(BoxNode, OneThatIsBehindEstimatesTheWholeRun) {
+  SocketNode node(path_);
+  running_.configuration.lag = 3;
+  running_.start();
+  ASSERT_TRUE(running_.is_estimating());
+  EventStream stream(running_.port);
+  ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
+  const auto first = next(stream, [](const Json& line) { return line["run"] == 2; });
+  ASSERT_TRUE(first);
+  node.delay_ns = 5'000'000;
+  EXPECT_TRUE(wait_for([&] { return running_.status()["session"]["reports_written"] > 300; }));
+  const auto stopped = post(running_.port, "/v1/session/stop", "{}");
+  ASSERT_EQ(stopped.status, 200);
+  Lines live = second_run(stream);
+  live.emplace((*first)["number"], *first);
+  expect_replay(live, Json::parse(stopped.body)["done"], 300);
+  EXPECT_EQ(node_status()["reports_lost"], 0);
 }
 
 TEST_F(BoxNode, OneThatGoesAwayIsSaidAndComesBack) {
