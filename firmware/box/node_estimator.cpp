@@ -68,7 +68,11 @@ void NodeEstimator::do_run() {
   host::NodeClient client(port, clock_, port_);
   client.connect([this] { return stops_.load(); });
   std::uint64_t run = 0;
-  while (!stops_ && (run = feed_.run()) == 0) clock_.sleep_until(clock_.now_ns() + kAnswerWait_ns);
+  // A recording that has ended may have left reports.
+  while (!stops_ && (run = feed_.run()) == 0 && !has_report()) {
+    note_not_sent();
+    clock_.sleep_until(clock_.now_ns() + kAnswerWait_ns);
+  }
   if (stops_) return;
   client.begin(layout_, start_);
 
@@ -219,6 +223,11 @@ void NodeEstimator::note_counts(const host::NodeClient& client) {
   state_.health = client.health();
 }
 
+void NodeEstimator::note_not_sent() {
+  const std::lock_guard lock(mutex_);
+  state_.not_sent = not_sent_ + feed_.dropped();
+}
+
 // Reports that come meanwhile are not kept: nobody wants their estimates any more.
 void NodeEstimator::note_absence(const std::string& problem) {
   outlet_.forget();
@@ -246,10 +255,7 @@ void NodeEstimator::wait_away() {
       next_absence_ns_ = now_ns + kLongestSilence_ns;
       outlet_.publish_absence();
     }
-    {
-      const std::lock_guard lock(mutex_);
-      state_.not_sent = not_sent_ + feed_.dropped();
-    }
+    note_not_sent();
     clock_.sleep_until(now_ns + 5 * kAnswerWait_ns);
   } while (!stops_ && clock_.now_ns() < end_ns);
 }

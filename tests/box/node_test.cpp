@@ -214,7 +214,7 @@ TEST_F(BoxNode, EveryReportHasAnEstimateOrIsCounted) {
   running_.start();
   ASSERT_TRUE(running_.is_estimating());
   ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
-  std::this_thread::sleep_for(std::chrono::seconds(2));
+  std::this_thread::sleep_for(std::chrono::seconds(4));
   const auto stopped = post(running_.port, "/v1/session/stop", "{}");
   ASSERT_EQ(stopped.status, 200);
   running_.stop();
