@@ -82,6 +82,12 @@ Status SerialPort::open_device(const std::string& path, unsigned baud) {
   return Status::ok;
 }
 
+std::vector<unsigned> SerialPort::rates() {
+  std::vector<unsigned> rates;
+  for (const Rate& rate : kRates) rates.push_back(rate.baud);
+  return rates;
+}
+
 void SerialPort::adopt(int file) {
   close();
   file_ = file;
