@@ -19,6 +19,14 @@ constexpr TimeNs kLongestSilence_ns = kNanosecondsPerSecond;
 // A report that waited for longer is not sent any more.
 constexpr TimeNs kStale_ns = 2 * kNanosecondsPerSecond;
 
+// Of a line that does not open.
+const char* mend_of(hal::Status status) {
+  return status == hal::Status::not_permitted
+             ? "join the group dialout; as a service: SupplementaryGroups=dialout and DeviceAllow= "
+               "by systemctl edit, as box.toml says"
+             : "plug it in, or name another line";
+}
+
 }  // namespace
 
 NodeEstimator::NodeEstimator(const Configuration& configuration, const hal::DeviceProfile& profile,
@@ -61,9 +69,8 @@ void NodeEstimator::loop() {
 // One run of the microcontroller's, to the end of the feed's.
 void NodeEstimator::do_run() {
   hal::SerialPort port(clock_);
-  if (port.open(port_, baud_) != hal::Status::ok) {
-    throw host::InputError("[estimator] node " + port_, port.problem(),
-                           "plug it in, or name another line");
+  if (const hal::Status status = port.open(port_, baud_); status != hal::Status::ok) {
+    throw host::InputError("[estimator] node " + port_, port.problem(), mend_of(status));
   }
   host::NodeClient client(port, clock_, port_);
   client.connect([this] { return stops_.load(); });

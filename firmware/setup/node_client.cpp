@@ -95,7 +95,7 @@ void NodeClient::connect(const std::function<bool()>& stop) {
       return;
     }
   }
-  fail("no estimator answers", "check the image, the wires and --baud");
+  fail("no estimator answers", "check the image, the wires and the baud rate");
 }
 
 void NodeClient::expect_accepted(hal::MessageType message) {
@@ -103,7 +103,7 @@ void NodeClient::expect_accepted(hal::MessageType message) {
   const TimeNs deadline_ns = clock_.now_ns() + kPatience_ns;
   while (accepted_ != message) {
     const hal::Status status = end_.receive(deadline_ns);
-    if (status != hal::Status::ok) fail("does not answer", "check the wires and --baud");
+    if (status != hal::Status::ok) fail("does not answer", "check the wires and the baud rate");
     (void)take_frame();
   }
 }
