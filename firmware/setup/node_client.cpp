@@ -250,7 +250,9 @@ std::optional<hal::HealthMessage> NodeClient::health_of_now() {
     tell(hal::AskHealthMessage{});
     const TimeNs deadline_ns = clock_.now_ns() + kPatience_ns / 2;
     while (!health_ && clock_.now_ns() < deadline_ns) {
-      if (end_.receive(deadline_ns) == hal::Status::ok) (void)take_frame();
+      const hal::Status status = end_.receive(deadline_ns);
+      if (status == hal::Status::disconnected) fail("was closed", "is the target still there?");
+      if (status == hal::Status::ok) (void)take_frame();
     }
     if (health_) return health_;
   }

@@ -240,5 +240,18 @@ TEST_F(NodeClientTest, SaysThatTheLineWasCut) {
   }
 }
 
+TEST_F(NodeClientTest, SaysAtOnceThatTheLineWasCutWhenAskedForHealth) {
+  begin(0, {}, {});
+  shutdown(ends_[1], SHUT_WR);
+  const TimeNs begin_ns = clock_.now_ns();
+  try {
+    (void)client_.ask_health();
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("was closed"));
+  }
+  EXPECT_LT(seconds(clock_.now_ns() - begin_ns), 0.5);
+}
+
 }  // namespace
 }  // namespace condyle::host
