@@ -240,8 +240,10 @@ void NodeEstimator::note_absence(const std::string& problem) {
   outlet_.forget();
   {
     const std::lock_guard lock(mutex_);
+    // Once for each loss, and not again while it stays away.
+    if (state_.is_connected || state_.problem != problem)
+      log_.say(BoxLog::Level::warning, "node", problem);
     if (state_.is_connected) ++state_.losses;
-    if (state_.problem != problem) log_.say(BoxLog::Level::warning, "node", problem);
     state_.is_connected = state_.is_silent = false;
     state_.health.reset();
     state_.problem = problem;
