@@ -213,7 +213,7 @@ void NodeEstimator::watch(host::NodeClient& client) {
   }
   if (is_silent_ && now_ns >= next_absence_ns_) {
     next_absence_ns_ = now_ns + kLongestSilence_ns;
-    outlet_.publish_absence();
+    publish_absence();
   }
   if (now_ns < next_health_ns_) return;
   next_health_ns_ = now_ns + kHealthPeriod_ns;
@@ -228,6 +228,12 @@ void NodeEstimator::note_counts(const host::NodeClient& client) {
   state_.frames_lost = before_.frames_lost + client.frames_lost();
   state_.not_sent = not_sent_ + feed_.dropped();
   state_.health = client.health();
+}
+
+// Of the run that is, which the node need not have seen; of the last where there is none.
+void NodeEstimator::publish_absence() {
+  const std::uint64_t run = feed_.run();
+  outlet_.publish_absence(run != 0 ? run : outlet_run_);
 }
 
 void NodeEstimator::note_not_sent() {
@@ -262,7 +268,7 @@ void NodeEstimator::wait_away() {
     const TimeNs now_ns = clock_.now_ns();
     if (now_ns >= next_absence_ns_) {
       next_absence_ns_ = now_ns + kLongestSilence_ns;
-      outlet_.publish_absence();
+      publish_absence();
     }
     note_not_sent();
     clock_.sleep_until(now_ns + 5 * kAnswerWait_ns);
