@@ -90,7 +90,6 @@ void NodeEstimator::do_run() {
   if (run_ != outlet_run_) outlet_.begin_run(run_);
   outlet_run_ = run_;
   next_health_ns_ = clock_.now_ns() + kHealthPeriod_ns;
-  pause_ns_ = kFirstPause_ns;
   std::string words = host::greeting_words(client.greeting());
   if (client.fault()) words += "; it had stopped: " + host::fault_words(*client.fault());
   {
@@ -164,6 +163,7 @@ void NodeEstimator::take(host::NodeClient& client, host::NodeAnswer answer, unsi
     ++state_.without_estimate;
   }
   if (answer != host::NodeAnswer::estimate) return;
+  pause_ns_ = kFirstPause_ns;  // not before: one that only takes a start is tried ever less often
   if (scalar_size == sizeof(float)) {
     publish<float>(client);
   } else {
