@@ -63,6 +63,39 @@ class BoxNode : public testing::Test {
       }
     }
   }
+  // A session of `duration` is recorded, and then played; to `mute`, where it is given, which is
+  // silent from then on.
+  void play(testing_support::RunningBox& player, std::chrono::milliseconds duration,
+            SocketNode* mute = nullptr) {
+    running_.start();
+    ASSERT_TRUE(running_.is_estimating());
+    ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
+    std::this_thread::sleep_for(duration);
+    const auto stopped = post(running_.port, "/v1/session/stop", "{}");
+    ASSERT_EQ(stopped.status, 200);
+    running_.stop();
+    if (mute != nullptr) mute->is_mute = true;
+    player.configuration.facebow = {"facebow", SourceSettings::Kind::file,
+                                    Json::parse(stopped.body)["done"], ""};
+    player.configuration.node = "unix:" + path_;
+    player.configuration.priority = 0;
+    player.configuration.lag = 5;
+    player.start();
+  }
+  // When every report has an estimate or is counted.
+  static Json status_when_whole(const testing_support::RunningBox& box) {
+    Json status;
+    const auto is_whole = [&] {
+      status = box.status();
+      const std::int64_t told = status["estimator"]["estimates"].get<std::int64_t>() +
+                                status["node"]["reports_not_sent"].get<std::int64_t>() +
+                                status["node"]["reports_lost"].get<std::int64_t>() +
+                                status["node"]["reports_without_estimate"].get<std::int64_t>();
+      return status["device"]["reports_received"] == told;
+    };
+    EXPECT_TRUE(wait_for(is_whole)) << status;
+    return status;
+  }
   // An absence is neither.
   static bool is_late(const Json& line, bool late) {
     return line["node"].value("late", !late) == late;
@@ -217,21 +250,8 @@ TEST_F(BoxNode, OneThatIsCutOffIsConnectedAgain) {
 // A recording is played, and the line is cut again and again.
 TEST_F(BoxNode, EveryReportHasAnEstimateOrIsCounted) {
   SocketNode node(path_);
-  running_.start();
-  ASSERT_TRUE(running_.is_estimating());
-  ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
-  std::this_thread::sleep_for(std::chrono::seconds(4));
-  const auto stopped = post(running_.port, "/v1/session/stop", "{}");
-  ASSERT_EQ(stopped.status, 200);
-  running_.stop();
-
   testing_support::RunningBox player;
-  player.configuration.facebow = {"facebow", SourceSettings::Kind::file,
-                                  Json::parse(stopped.body)["done"], ""};
-  player.configuration.node = "unix:" + path_;
-  player.configuration.priority = 0;
-  player.configuration.lag = 5;
-  player.start();
+  ASSERT_NO_FATAL_FAILURE(play(player, std::chrono::seconds(4)));
   for (int i = 0; i < 3; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(400));
     node.is_mute = true;  // so that there is no answer to some
@@ -240,18 +260,21 @@ TEST_F(BoxNode, EveryReportHasAnEstimateOrIsCounted) {
     node.is_mute = false;
   }
   ASSERT_TRUE(wait_for([&] { return player.status()["device"]["ended"] == true; }));
-  Json status;
-  const auto is_whole = [&] {
-    status = player.status();
-    const std::int64_t told = status["estimator"]["estimates"].get<std::int64_t>() +
-                              status["node"]["reports_not_sent"].get<std::int64_t>() +
-                              status["node"]["reports_lost"].get<std::int64_t>() +
-                              status["node"]["reports_without_estimate"].get<std::int64_t>();
-    return status["device"]["reports_received"] == told;
-  };
-  EXPECT_TRUE(wait_for(is_whole)) << status;
+  const Json status = status_when_whole(player);
   EXPECT_GE(status["node"]["losses"], 2);
   EXPECT_GT(status["node"]["reports_lost"], 0);
+}
+
+// It is greeted for longer than the recording takes.
+TEST_F(BoxNode, OneThatComesAfterTheEndOfARecordingGetsWhatIsLeft) {
+  SocketNode node(path_);
+  testing_support::RunningBox player;
+  ASSERT_NO_FATAL_FAILURE(play(player, std::chrono::milliseconds(300), &node));
+  ASSERT_TRUE(wait_for([&] { return player.status()["device"]["ended"] == true; }));
+  node.is_mute = false;
+  const Json status = status_when_whole(player);
+  EXPECT_EQ(status["node"]["losses"], 0);
+  EXPECT_EQ(status["node"]["reports_lost"], 0);
 }
 
 }  // namespace
