@@ -2,10 +2,14 @@
 #include "box/configuration.h"
 
 #include <arpa/inet.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <vector>
 
+#include "condyle/hal/serial_port.h"
 #include "condyle/hal/session_log.h"
 #include "input_error.h"
 #include "parameter_file.h"
@@ -133,7 +137,13 @@ class Reader {
     toml_.text("estimator", "node", node);
     std::int64_t baud = result_.node_baud;
     double late_ms = seconds(result_.node_late_ns) * 1e3;
-    toml_.integer("estimator", "node_baud", baud, 9600, 4'000'000);
+    const std::vector<unsigned> rates = hal::SerialPort::rates();
+    toml_.integer("estimator", "node_baud", baud, rates.front(), rates.back());
+    if (std::find(rates.begin(), rates.end(), static_cast<unsigned>(baud)) == rates.end()) {
+      throw InputError(toml_.place("estimator", "node_baud"),
+                       fmt::format("no serial port has {} baud", baud),
+                       fmt::format("give one of {}", fmt::join(rates, ", ")));
+    }
     toml_.number("estimator", "node_late_ms", late_ms, "ms", {1, 60'000});
     result_.node_baud = static_cast<unsigned>(baud);
     result_.node_late_ns = nanoseconds(late_ms * 1e-3);

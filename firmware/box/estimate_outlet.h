@@ -41,10 +41,10 @@ class EstimateOutlet {
   template <class Estimate>
   void publish(const Estimate& estimate, TimeNs arrival_ns,
                const NodeMark& node = {}) CONDYLE_NONBLOCKING;
-  /// Tells that the microcontroller has no estimate to give.
-  void publish_absence() {
+  /// Tells that the microcontroller has no estimate to give in `run`.
+  void publish_absence(std::uint64_t run) {
     BoxEstimate absence;
-    absence.run = out_.run;
+    absence.run = run;
     absence.node.state = NodeMark::State::away;
     (void)ring_.push(absence);
   }

@@ -72,6 +72,9 @@ std::string test_latency(const Configuration& configuration, double duration_s, 
   std::string text = fmt::format(
       "condyle {}: thread {}, memory {}, {} reports, {} estimates dropped\n", CONDYLE_VERSION,
       engine->scheduling(), memory, engine->counts().received, engine->outlet().ring().dropped());
+  if (!configuration.node.empty()) {
+    text += "the estimates are the box's own: [estimator] node is left out of this test\n";
+  }
   if (facebow.synthetic() != nullptr) {
     text += histogram_text("wake-up by the kernel", facebow.synthetic()->wake_up());
   }

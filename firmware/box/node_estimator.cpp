@@ -19,6 +19,14 @@ constexpr TimeNs kLongestSilence_ns = kNanosecondsPerSecond;
 // A report that waited for longer is not sent any more.
 constexpr TimeNs kStale_ns = 2 * kNanosecondsPerSecond;
 
+// Of a line that does not open.
+const char* mend_of(hal::Status status) {
+  return status == hal::Status::not_permitted
+             ? "join the group dialout; as a service: SupplementaryGroups=dialout and DeviceAllow= "
+               "by systemctl edit, as box.toml says"
+             : "plug it in, or name another line";
+}
+
 }  // namespace
 
 NodeEstimator::NodeEstimator(const Configuration& configuration, const hal::DeviceProfile& profile,
@@ -61,14 +69,17 @@ void NodeEstimator::loop() {
 // One run of the microcontroller's, to the end of the feed's.
 void NodeEstimator::do_run() {
   hal::SerialPort port(clock_);
-  if (port.open(port_, baud_) != hal::Status::ok) {
-    throw host::InputError("[estimator] node " + port_, port.problem(),
-                           "plug it in, or name another line");
+  if (const hal::Status status = port.open(port_, baud_); status != hal::Status::ok) {
+    throw host::InputError("[estimator] node " + port_, port.problem(), mend_of(status));
   }
   host::NodeClient client(port, clock_, port_);
   client.connect([this] { return stops_.load(); });
   std::uint64_t run = 0;
-  while (!stops_ && (run = feed_.run()) == 0) clock_.sleep_until(clock_.now_ns() + kAnswerWait_ns);
+  // A recording that has ended may have left reports.
+  while (!stops_ && (run = feed_.run()) == 0 && !has_report()) {
+    note_not_sent();
+    clock_.sleep_until(clock_.now_ns() + kAnswerWait_ns);
+  }
   if (stops_) return;
   client.begin(layout_, start_);
 
@@ -79,7 +90,6 @@ void NodeEstimator::do_run() {
   if (run_ != outlet_run_) outlet_.begin_run(run_);
   outlet_run_ = run_;
   next_health_ns_ = clock_.now_ns() + kHealthPeriod_ns;
-  pause_ns_ = kFirstPause_ns;
   std::string words = host::greeting_words(client.greeting());
   if (client.fault()) words += "; it had stopped: " + host::fault_words(*client.fault());
   {
@@ -140,7 +150,8 @@ void NodeEstimator::feed(host::NodeClient& client) {
     has_next_ = false;
     client.send(next_.report);
   }
-  const bool is_over = has_next_ ? next_.run != run_ : latest_run != run_;
+  // Where there is no room, the run's last reports may still be in the feed.
+  const bool is_over = has_report() ? next_.run != run_ : latest_run != run_;
   if (ends_ || !is_over) return;
   ends_ = true;
   client.finish();
@@ -152,6 +163,7 @@ void NodeEstimator::take(host::NodeClient& client, host::NodeAnswer answer, unsi
     ++state_.without_estimate;
   }
   if (answer != host::NodeAnswer::estimate) return;
+  pause_ns_ = kFirstPause_ns;  // not before: one that only takes a start is tried ever less often
   if (scalar_size == sizeof(float)) {
     publish<float>(client);
   } else {
@@ -201,7 +213,7 @@ void NodeEstimator::watch(host::NodeClient& client) {
   }
   if (is_silent_ && now_ns >= next_absence_ns_) {
     next_absence_ns_ = now_ns + kLongestSilence_ns;
-    outlet_.publish_absence();
+    publish_absence();
   }
   if (now_ns < next_health_ns_) return;
   next_health_ns_ = now_ns + kHealthPeriod_ns;
@@ -218,13 +230,26 @@ void NodeEstimator::note_counts(const host::NodeClient& client) {
   state_.health = client.health();
 }
 
+// Of the run that is, which the node need not have seen; of the last where there is none.
+void NodeEstimator::publish_absence() {
+  const std::uint64_t run = feed_.run();
+  outlet_.publish_absence(run != 0 ? run : outlet_run_);
+}
+
+void NodeEstimator::note_not_sent() {
+  const std::lock_guard lock(mutex_);
+  state_.not_sent = not_sent_ + feed_.dropped();
+}
+
 // Reports that come meanwhile are not kept: nobody wants their estimates any more.
 void NodeEstimator::note_absence(const std::string& problem) {
   outlet_.forget();
   {
     const std::lock_guard lock(mutex_);
+    // Once for each loss, and not again while it stays away.
+    if (state_.is_connected || state_.problem != problem)
+      log_.say(BoxLog::Level::warning, "node", problem);
     if (state_.is_connected) ++state_.losses;
-    if (state_.problem != problem) log_.say(BoxLog::Level::warning, "node", problem);
     state_.is_connected = state_.is_silent = false;
     state_.health.reset();
     state_.problem = problem;
@@ -243,12 +268,9 @@ void NodeEstimator::wait_away() {
     const TimeNs now_ns = clock_.now_ns();
     if (now_ns >= next_absence_ns_) {
       next_absence_ns_ = now_ns + kLongestSilence_ns;
-      outlet_.publish_absence();
+      publish_absence();
     }
-    {
-      const std::lock_guard lock(mutex_);
-      state_.not_sent = not_sent_ + feed_.dropped();
-    }
+    note_not_sent();
     clock_.sleep_until(now_ns + 5 * kAnswerWait_ns);
   } while (!stops_ && clock_.now_ns() < end_ns);
 }

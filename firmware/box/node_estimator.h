@@ -64,6 +64,8 @@ class NodeEstimator {
   void publish(const host::NodeClient& client);
   void watch(host::NodeClient& client);
   void note_counts(const host::NodeClient& client);
+  void publish_absence();
+  void note_not_sent();
   void note_absence(const std::string& problem);
   void wait_away();
 

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 #include "condyle/hal/refusal_words.h"
 #include "input_error.h"
 
@@ -95,7 +93,7 @@ void NodeClient::connect(const std::function<bool()>& stop) {
       return;
     }
   }
-  fail("no estimator answers", "check the image, the wires and --baud");
+  fail("no estimator answers", "check the image, the wires and the baud rate");
 }
 
 void NodeClient::expect_accepted(hal::MessageType message) {
@@ -103,7 +101,7 @@ void NodeClient::expect_accepted(hal::MessageType message) {
   const TimeNs deadline_ns = clock_.now_ns() + kPatience_ns;
   while (accepted_ != message) {
     const hal::Status status = end_.receive(deadline_ns);
-    if (status != hal::Status::ok) fail("does not answer", "check the wires and --baud");
+    if (status != hal::Status::ok) fail("does not answer", "check the wires and the baud rate");
     (void)take_frame();
   }
 }
@@ -145,7 +143,7 @@ void NodeClient::forget_oldest() {
   waiting_bytes_ -= waiting_.front().size;
   answered_host_time_ns_ = waiting_.front().host_time_ns;
   waiting_.pop_front();
-  if (probed_ && *probed_ > 0) --*probed_;
+  for (std::size_t& before : probes_) before -= before > 0 ? 1 : 0;
 }
 
 NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
@@ -159,11 +157,12 @@ NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
       if (answer != NodeAnswer::none) return answer;
       continue;
     }
-    const bool waits = !waiting_.empty() || has_finished_ || probes_due_ > 0;
+    const bool waits = !waiting_.empty() || has_finished_ || !probes_.empty();
     if (!waits || clock_.now_ns() - last_answer_ns_ < kPatience_ns) return NodeAnswer::none;
     if (++silent_probes_ > kProbes) fail("does not answer any more", "is the target still there?");
     last_answer_ns_ = clock_.now_ns();
-    probes_due_ = 0;  // after so long a silence, the one before was lost
+    // The answer to the one before is late or lost: that matters to reports only.
+    if (waiting_.empty()) probes_.clear();
     probe();
     if (has_finished_) tell(hal::FinishMessage{});
     return NodeAnswer::none;
@@ -173,26 +172,26 @@ NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
 // Asks whether the target is there. It answers in order: what it has not answered by then did not
 // reach it, or its answer did not reach us.
 void NodeClient::probe() {
-  probed_ = waiting_.size();
+  probes_.push_back(waiting_.size());
   probed_ns_ = clock_.now_ns();
-  ++probes_due_;
   tell(hal::AskHealthMessage{});
 }
 
 void NodeClient::request_health() {
   const TimeNs now_ns = clock_.now_ns();
   if (has_finished_) return;
-  if (probes_due_ > 0 && now_ns - probed_ns_ < 2 * kPatience_ns) return;
+  if (!probes_.empty() && now_ns - probed_ns_ < 2 * kPatience_ns) return;
   if (!silent_since_ns()) last_answer_ns_ = heard_ns_ = now_ns;
-  probes_due_ = 0;  // the answer to one before was lost
+  probes_.clear();  // the answer to one before was lost
   probe();
 }
 
 void NodeClient::end_probe() {
-  const std::size_t lost = std::exchange(probed_, std::nullopt).value_or(0);
+  const std::size_t lost = probes_.front();
+  probes_.pop_front();
   for (std::size_t i = 0; i < lost; ++i) forget_oldest();
   reports_lost_ += lost;
-  if (has_finished_) is_answered_ = true;
+  if (has_finished_ && probes_.empty()) is_answered_ = true;
 }
 
 NodeAnswer NodeClient::take_frame() {
@@ -218,7 +217,7 @@ NodeAnswer NodeClient::take_frame() {
     }
     case hal::MessageType::health:
       health_ = read<hal::HealthMessage>();
-      if (probed_ && --probes_due_ == 0) end_probe();
+      if (!probes_.empty()) end_probe();
       return NodeAnswer::none;
     case hal::MessageType::greeting: {
       greeting_ = read<hal::GreetingMessage>();
@@ -240,6 +239,7 @@ NodeAnswer NodeClient::finished() {
   if (!is_answered_) reports_lost_ += waiting_.size();
   is_answered_ = true;
   waiting_.clear();
+  probes_.clear();
   waiting_bytes_ = 0;
   return NodeAnswer::finished;
 }
@@ -250,7 +250,9 @@ std::optional<hal::HealthMessage> NodeClient::health_of_now() {
     tell(hal::AskHealthMessage{});
     const TimeNs deadline_ns = clock_.now_ns() + kPatience_ns / 2;
     while (!health_ && clock_.now_ns() < deadline_ns) {
-      if (end_.receive(deadline_ns) == hal::Status::ok) (void)take_frame();
+      const hal::Status status = end_.receive(deadline_ns);
+      if (status == hal::Status::disconnected) fail("was closed", "is the target still there?");
+      if (status == hal::Status::ok) (void)take_frame();
     }
     if (health_) return health_;
   }

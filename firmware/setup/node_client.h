@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "condyle/hal/clock.h"
 #include "condyle/hal/link_end.h"
@@ -64,7 +65,7 @@ class NodeClient {
   std::optional<hal::HealthMessage> health() const;
   /// Where it owes an answer: since when nothing has come.
   std::optional<TimeNs> silent_since_ns() const {
-    if (waiting_.empty() && probes_due_ == 0) return {};
+    if (waiting_.empty() && probes_.empty()) return {};
     return heard_ns_;
   }
   /// Arrival of the report that the last answer is the answer to. Where frames are lost, and until
@@ -104,9 +105,10 @@ class NodeClient {
   hal::HealthMessage health_before_;
   hal::FrameCounts before_;
   bool has_finished_ = false;
-  bool is_answered_ = false;           // every report that ever will be
-  std::optional<std::size_t> probed_;  // of those that waited when health was asked for: the rest
-  int probes_due_ = 0, silent_probes_ = 0;
+  bool is_answered_ = false;  // every report that ever will be
+  // Health that was asked for, in order: how many that were sent before it wait still.
+  std::deque<std::size_t> probes_;
+  int silent_probes_ = 0;
   struct Waiting {
     std::size_t size = 0;  // on the line
     TimeNs host_time_ns = 0;

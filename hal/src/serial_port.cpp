@@ -74,12 +74,19 @@ Status SerialPort::open_device(const std::string& path, unsigned baud) {
   if (tcgetattr(file_, &settings) != 0) return fail("serial port", errno);
   cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;
-  settings.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | CRTSCTS);
+  // HUPCL would drop DTR when it is closed, which resets many a board.
+  settings.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | CRTSCTS | HUPCL);
   cfsetispeed(&settings, rate->code);
   cfsetospeed(&settings, rate->code);
   if (tcsetattr(file_, TCSANOW, &settings) != 0) return fail("serial port", errno);
   tcflush(file_, TCIOFLUSH);
   return Status::ok;
+}
+
+std::vector<unsigned> SerialPort::rates() {
+  std::vector<unsigned> rates;
+  for (const Rate& rate : kRates) rates.push_back(rate.baud);
+  return rates;
 }
 
 void SerialPort::adopt(int file) {

@@ -106,6 +106,8 @@ TEST_F(ConfigurationFile, SaysWhatIsWrongAndWhere) {
        "\"/dev/ttyACM0\" is no line; write ser"},
       {source_ + "[estimator]\nnode = \"serial:\"\n", "is no line"},
       {source_ + "[estimator]\nnode_baud = 300\n", "node_baud"},
+      {source_ + "[estimator]\nnode_baud = 250000\n",
+       "no serial port has 250000 baud; give one of 9600, 19200,"},
       {source_ + "[estimator]\nnode_late_ms = 0\n", "node_late_ms"},
       {source_ + "[udp]\naddress = \"localhost\"\n", "is no address"},
       {source_ + "[udp]\nport = 65536\n", "port"},

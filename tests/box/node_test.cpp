@@ -38,6 +38,68 @@ class BoxNode : public testing::Test {
     }
     return {};
   }
+  // By their numbers.
+  using Lines = std::map<std::int64_t, Json>;
+  static Lines second_run(EventStream& stream) {
+    Lines lines;
+    EXPECT_TRUE(next(stream, [&lines](const Json& line) {
+      if (line["run"] == 2 && line.contains("number")) lines.emplace(line["number"], line);
+      return line["run"] == 3;
+    }));
+    return lines;
+  }
+  // Every number that went out is in the replay of the recording, bit for bit, and no other.
+  void expect_replay(const Lines& live, const std::string& log, std::size_t least_rows) const {
+    const std::string csv = running_.folder / "again.csv";
+    const auto replayed = testing_support::run_condyle({"replay", log, "--lag", "3", "--out", csv});
+    ASSERT_EQ(replayed.exit_code, 0) << replayed.errors;
+    const testing_support::Table table = testing_support::read_table(csv);
+    ASSERT_GT(table.rows, least_rows);
+    ASSERT_EQ(table.rows, live.size());
+    for (const char* name : {"position_m", "velocity_sd_m_s", "acceleration_m_s2"}) {
+      std::int64_t number = 0;
+      for (const double value : table.numbers(std::string("y_") + name)) {
+        ASSERT_EQ(live.at(++number)["y"][name].get<double>(), value) << name << number;
+      }
+    }
+  }
+  // A session of `duration` is recorded, and then played; to `mute`, where it is given, which is
+  // silent from then on.
+  void play(testing_support::RunningBox& player, std::chrono::milliseconds duration,
+            SocketNode* mute = nullptr) {
+    running_.start();
+    ASSERT_TRUE(running_.is_estimating());
+    ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
+    std::this_thread::sleep_for(duration);
+    const auto stopped = post(running_.port, "/v1/session/stop", "{}");
+    ASSERT_EQ(stopped.status, 200);
+    running_.stop();
+    if (mute != nullptr) mute->is_mute = true;
+    player.configuration.facebow = {"facebow", SourceSettings::Kind::file,
+                                    Json::parse(stopped.body)["done"], ""};
+    player.configuration.node = "unix:" + path_;
+    player.configuration.priority = 0;
+    player.configuration.lag = 5;
+    player.start();
+  }
+  // When every report has an estimate or is counted.
+  static Json status_when_whole(const testing_support::RunningBox& box) {
+    Json status;
+    const auto is_whole = [&] {
+      status = box.status();
+      const std::int64_t told = status["estimator"]["estimates"].get<std::int64_t>() +
+                                status["node"]["reports_not_sent"].get<std::int64_t>() +
+                                status["node"]["reports_lost"].get<std::int64_t>() +
+                                status["node"]["reports_without_estimate"].get<std::int64_t>();
+      return status["device"]["reports_received"] == told;
+    };
+    EXPECT_TRUE(wait_for(is_whole)) << status;
+    return status;
+  }
+  // An absence is neither.
+  static bool is_late(const Json& line, bool late) {
+    return line["node"].value("late", !late) == late;
+  }
   static bool is_absence(const Json& line) { return line["node"].contains("away"); }
 
   testing_support::TemporaryFolder sockets_;
@@ -45,7 +107,6 @@ class BoxNode : public testing::Test {
   testing_support::RunningBox running_;
 };
 
-// Every number that went out is in the replay of the recording, bit for bit, and no other.
 TEST_F(BoxNode, ItsEstimatesAreThoseOfTheReplay) {
   const SocketNode node(path_);
   running_.configuration.lag = 3;
@@ -61,24 +122,8 @@ TEST_F(BoxNode, ItsEstimatesAreThoseOfTheReplay) {
   })) << status;
   const auto stopped = post(running_.port, "/v1/session/stop", "{}");
   ASSERT_EQ(stopped.status, 200);
-  std::map<std::int64_t, Json> live;
-  ASSERT_TRUE(next(stream, [&live](const Json& line) {
-    if (line["run"] == 2) live.emplace(line["number"], line);
-    return line["run"] == 3;
-  }));
-  const std::string csv = running_.folder / "again.csv";
-  const auto replayed = testing_support::run_condyle(
-      {"replay", Json::parse(stopped.body)["done"], "--lag", "3", "--out", csv});
-  ASSERT_EQ(replayed.exit_code, 0) << replayed.errors;
-  const testing_support::Table table = testing_support::read_table(csv);
-  ASSERT_GT(table.rows, 1000U);
-  ASSERT_EQ(table.rows, live.size());
-  for (const char* name : {"position_m", "velocity_sd_m_s", "acceleration_m_s2"}) {
-    std::int64_t number = 0;
-    for (const double value : table.numbers(std::string("y_") + name)) {
-      ASSERT_EQ(live.at(++number)["y"][name].get<double>(), value) << name << number;
-    }
-  }
+  const Lines live = second_run(stream);
+  expect_replay(live, Json::parse(stopped.body)["done"], 1000);
   EXPECT_EQ(live.at(1)["node"]["connection"], 1);
   EXPECT_GT(live.at(500)["node"]["delay_s"], 0.0);
 
@@ -90,6 +135,26 @@ TEST_F(BoxNode, ItsEstimatesAreThoseOfTheReplay) {
   EXPECT_EQ(status["node"]["losses"], 0);
   EXPECT_EQ(status["node"]["its_side"]["frames_lost"], 0);
   EXPECT_EQ(status["node"]["its_side"]["stack_size_bytes"], 4321);
+}
+
+// Reports of the run that ended are still on their way when the next one has begun.
+TEST_F(BoxNode, OneThatIsBehindEstimatesTheWholeRun) {
+  SocketNode node(path_);
+  running_.configuration.lag = 3;
+  running_.start();
+  ASSERT_TRUE(running_.is_estimating());
+  EventStream stream(running_.port);
+  ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
+  const auto first = next(stream, [](const Json& line) { return line["run"] == 2; });
+  ASSERT_TRUE(first);
+  node.delay_ns = 5'000'000;
+  EXPECT_TRUE(wait_for([&] { return running_.status()["session"]["reports_written"] > 300; }));
+  const auto stopped = post(running_.port, "/v1/session/stop", "{}");
+  ASSERT_EQ(stopped.status, 200);
+  Lines live = second_run(stream);
+  live.emplace((*first)["number"], *first);
+  expect_replay(live, Json::parse(stopped.body)["done"], 300);
+  EXPECT_EQ(node_status()["reports_lost"], 0);
 }
 
 TEST_F(BoxNode, OneThatGoesAwayIsSaidAndComesBack) {
@@ -123,12 +188,14 @@ TEST_F(BoxNode, OneThatGoesAwayIsSaidAndComesBack) {
   })) << "a second later";
   EXPECT_EQ(running_.box->status().counts.estimates, estimates);
   EXPECT_GT(node_status()["reports_not_sent"], 100);
+  ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
+  ASSERT_TRUE(next(stream, [](const Json& line) { return is_absence(line) && line["run"] == 2; }));
 
   node = std::make_unique<SocketNode>(path_);
   const auto again = next(stream, is_estimate);
   ASSERT_TRUE(again);
   EXPECT_EQ((*again)["node"]["connection"], 2);
-  EXPECT_EQ((*again)["run"], (*first)["run"]);
+  EXPECT_EQ((*again)["run"], 2);
   EXPECT_EQ((*again)["z"]["position_provenance"], "assumed") << "its estimator starts anew";
   EXPECT_TRUE(wait_for([&] { return node_status()["connections"] == 2; }));
 }
@@ -140,14 +207,14 @@ TEST_F(BoxNode, EstimatesThatAreLateAreSaidToBe) {
   ASSERT_TRUE(running_.is_estimating());
   EventStream stream(running_.port);
   node.delay_ns = 100'000'000;
-  const auto late = next(stream, [](const Json& line) { return line["node"]["late"] == true; });
+  const auto late = next(stream, [](const Json& line) { return is_late(line, true); });
   ASSERT_TRUE(late);
   EXPECT_GT((*late)["node"]["delay_s"], 0.05);
   EXPECT_GT(node_status()["estimates_late"], 0);
   // What it is too slow for is not sent, rather than ever later.
   EXPECT_TRUE(wait_for([&] { return node_status()["reports_not_sent"] > 0; }));
   node.delay_ns = 0;
-  ASSERT_TRUE(next(stream, [](const Json& line) { return line["node"]["late"] == false; }));
+  ASSERT_TRUE(next(stream, [](const Json& line) { return is_late(line, false); }));
   EXPECT_EQ(node_status()["connections"], 1);
 }
 
@@ -163,7 +230,7 @@ TEST_F(BoxNode, OneThatIsSilentIsSaidToBe) {
   EXPECT_EQ(node_status()["connected"], true);
   EXPECT_EQ(running_.status()["estimator"]["estimating"], false);
   node.is_mute = false;
-  ASSERT_TRUE(next(stream, [](const Json& line) { return line["node"]["late"] == false; }));
+  ASSERT_TRUE(next(stream, [](const Json& line) { return is_late(line, false); }));
   EXPECT_TRUE(wait_for([&] { return running_.status()["estimator"]["estimating"] == true; }));
   EXPECT_EQ(node_status()["silences"], 1);
 }
@@ -183,21 +250,8 @@ TEST_F(BoxNode, OneThatIsCutOffIsConnectedAgain) {
 // A recording is played, and the line is cut again and again.
 TEST_F(BoxNode, EveryReportHasAnEstimateOrIsCounted) {
   SocketNode node(path_);
-  running_.start();
-  ASSERT_TRUE(running_.is_estimating());
-  ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
-  std::this_thread::sleep_for(std::chrono::seconds(2));
-  const auto stopped = post(running_.port, "/v1/session/stop", "{}");
-  ASSERT_EQ(stopped.status, 200);
-  running_.stop();
-
   testing_support::RunningBox player;
-  player.configuration.facebow = {"facebow", SourceSettings::Kind::file,
-                                  Json::parse(stopped.body)["done"], ""};
-  player.configuration.node = "unix:" + path_;
-  player.configuration.priority = 0;
-  player.configuration.lag = 5;
-  player.start();
+  ASSERT_NO_FATAL_FAILURE(play(player, std::chrono::seconds(4)));
   for (int i = 0; i < 3; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(400));
     node.is_mute = true;  // so that there is no answer to some
@@ -206,18 +260,21 @@ TEST_F(BoxNode, EveryReportHasAnEstimateOrIsCounted) {
     node.is_mute = false;
   }
   ASSERT_TRUE(wait_for([&] { return player.status()["device"]["ended"] == true; }));
-  Json status;
-  const auto is_whole = [&] {
-    status = player.status();
-    const std::int64_t told = status["estimator"]["estimates"].get<std::int64_t>() +
-                              status["node"]["reports_not_sent"].get<std::int64_t>() +
-                              status["node"]["reports_lost"].get<std::int64_t>() +
-                              status["node"]["reports_without_estimate"].get<std::int64_t>();
-    return status["device"]["reports_received"] == told;
-  };
-  EXPECT_TRUE(wait_for(is_whole)) << status;
+  const Json status = status_when_whole(player);
   EXPECT_GE(status["node"]["losses"], 2);
   EXPECT_GT(status["node"]["reports_lost"], 0);
+}
+
+// It is greeted for longer than the recording takes.
+TEST_F(BoxNode, OneThatComesAfterTheEndOfARecordingGetsWhatIsLeft) {
+  SocketNode node(path_);
+  testing_support::RunningBox player;
+  ASSERT_NO_FATAL_FAILURE(play(player, std::chrono::milliseconds(300), &node));
+  ASSERT_TRUE(wait_for([&] { return player.status()["device"]["ended"] == true; }));
+  node.is_mute = false;
+  const Json status = status_when_whole(player);
+  EXPECT_EQ(status["node"]["losses"], 0);
+  EXPECT_EQ(status["node"]["reports_lost"], 0);
 }
 
 }  // namespace

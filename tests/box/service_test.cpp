@@ -162,6 +162,11 @@ TEST(Service, ChecksItsConfigurationAndMeasuresItsLatency) {
   EXPECT_THAT(told, HasSubstr("wake-up by the kernel: "));
   EXPECT_THAT(told, HasSubstr("from report to estimate: "));
   EXPECT_THAT(told, HasSubstr("0 estimates dropped"));
+  EXPECT_THAT(told, testing::Not(HasSubstr("[estimator] node")));
+  const std::string node = folder.write(
+      "node.toml", testing_support::read_file(good) + "[estimator]\nnode = \"unix:nobody\"\n");
+  ASSERT_EQ(run("--latency-test 1 --config " + node), 0);
+  EXPECT_THAT(testing_support::read_file(out), HasSubstr("[estimator] node is left out"));
 }
 
 }  // namespace

@@ -73,6 +73,7 @@ class SocketNode {
     }
     hal::Status write(std::span<const std::uint8_t> bytes) override {
       node_.clock_.sleep_until(node_.clock_.now_ns() + node_.delay_ns);
+      while (node_.is_mute) node_.clock_.sleep_until(node_.clock_.now_ns() + 1'000'000);
       return port_.write(bytes);
     }
 

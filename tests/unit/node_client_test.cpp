@@ -189,6 +189,23 @@ TEST_F(NodeClientTest, HasTheHealthOfTheRun) {
   EXPECT_EQ(client_.frames_lost(), 1U);
 }
 
+// The question that follows is answered as well: it says what became of the report in between.
+TEST_F(NodeClientTest, TakesNoLateAnswerForThatToALaterQuestion) {
+  begin(0, {}, [this](Type type, int n) {
+    if (type == Type::health && n == 1) clock_.sleep_until(clock_.now_ns() + 2'500'000'000);
+    return false;
+  });
+  client_.request_health();
+  client_.send({});
+  const TimeNs begin_ns = clock_.now_ns();
+  while (client_.silent_since_ns() && clock_.now_ns() - begin_ns < 20'000'000'000) {
+    (void)client_.receive(clock_.now_ns() + 20'000'000);
+  }
+  EXPECT_GT(seconds(clock_.now_ns() - begin_ns), 2);
+  EXPECT_FALSE(client_.silent_since_ns());
+  EXPECT_EQ(client_.reports_lost(), 0U);
+}
+
 // What the node says of a layout and a start, as condyle bridge prints it.
 TEST_F(NodeClientTest, NamesTheFieldThatTheTargetRefuses) {
   connect();
@@ -238,6 +255,19 @@ TEST_F(NodeClientTest, SaysThatTheLineWasCut) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("was closed"));
   }
+}
+
+TEST_F(NodeClientTest, SaysAtOnceThatTheLineWasCutWhenAskedForHealth) {
+  begin(0, {}, {});
+  shutdown(ends_[1], SHUT_WR);
+  const TimeNs begin_ns = clock_.now_ns();
+  try {
+    (void)client_.ask_health();
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("was closed"));
+  }
+  EXPECT_LT(seconds(clock_.now_ns() - begin_ns), 0.5);
 }
 
 }  // namespace

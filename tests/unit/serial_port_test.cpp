@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <sys/socket.h>
 #include <sys/un.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <array>
@@ -84,6 +85,20 @@ TEST(SerialPort, CarriesEveryByteBothWays) {
     got += static_cast<std::size_t>(count);
   }
   EXPECT_THAT(back, ElementsAreArray(bytes));
+}
+
+// Many a board resets when DTR drops.
+TEST(SerialPort, DoesNotHangUpWhenItIsClosed) {
+  SteadyClock clock;
+  Terminal other;
+  termios settings{};
+  ASSERT_EQ(tcgetattr(other.file(), &settings), 0);
+  settings.c_cflag |= HUPCL;
+  ASSERT_EQ(tcsetattr(other.file(), TCSANOW, &settings), 0);
+  SerialPort port(clock);
+  ASSERT_EQ(port.open(other.name(), 115200), Status::ok) << port.problem();
+  ASSERT_EQ(tcgetattr(other.file(), &settings), 0);
+  EXPECT_EQ(settings.c_cflag & HUPCL, 0U);
 }
 
 TEST(SerialPort, WaitsNoLongerThanAsked) {

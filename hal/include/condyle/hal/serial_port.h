@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "condyle/hal/byte_stream.h"
 #include "condyle/hal/clock.h"
@@ -17,9 +18,12 @@ class SerialPort final : public ByteStream {
   SerialPort& operator=(const SerialPort&) = delete;
 
   /// `name`: a device file, set to 8 data bits, no parity, 1 stop bit, no flow control at `baud`
-  /// symbols per second; or "unix:PATH", a socket that listens. ok, not_found, not_permitted, or
-  /// bad_report: it is no line, or does not have this rate; problem() then says why.
+  /// symbols per second, whose DTR stays when it is closed; or "unix:PATH", a socket that listens.
+  /// ok, not_found, not_permitted, or bad_report: it is no line, or does not have this rate;
+  /// problem() then says why.
   Status open(const std::string& name, unsigned baud);
+  /// What `baud` of a device file may be, ascending.
+  static std::vector<unsigned> rates();
   /// Takes over one end of a pair of sockets, which does not wait.
   void adopt(int file);
   void close();
