@@ -260,7 +260,11 @@ std::optional<hal::HealthMessage> NodeClient::health_of_now() {
 }
 
 std::optional<hal::HealthMessage> NodeClient::ask_health() {
-  (void)health_of_now();
+  try {
+    (void)health_of_now();
+  } catch (const InputError&) {
+    health_.reset();  // the run is over all the same: only its last counts are not known
+  }
   return health();
 }
 
