@@ -106,7 +106,8 @@ struct HttpServer::State {
     const std::lock_guard lock(state.mutex);
     state.listeners.remove_if([&one](const auto& other) { return other.get() == &one; });
   }
-  static void on_message(void* self, const char* format, va_list arguments) {
+  [[gnu::format(printf, 2, 0)]] static void on_message(void* self, const char* format,
+                                                       va_list arguments) {
     char text[256];
     std::vsnprintf(text, sizeof text, format, arguments);
     static_cast<State*>(self)->log.say(BoxLog::Level::info, "http", text);
