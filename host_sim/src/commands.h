@@ -3,9 +3,12 @@
 // and gives the exit code.
 #pragma once
 
-#include <CLI/App.hpp>
 #include <functional>
 #include <string>
+
+namespace CLI {
+class App;
+}
 
 namespace condyle::host {
 

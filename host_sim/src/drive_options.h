@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <CLI/App.hpp>
 #include <optional>
 
 #include "condyle/estimator/joint_parameters.h"
+
+namespace CLI {
+class App;
+}
 
 namespace condyle::host {
 

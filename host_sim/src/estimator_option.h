@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <CLI/App.hpp>
 #include <optional>
 #include <string>
 
 #include "condyle/estimator/sample.h"
 #include "parameter_file.h"
 #include "recording.h"
+
+namespace CLI {
+class App;
+}
 
 namespace condyle::host {
 

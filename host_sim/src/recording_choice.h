@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <CLI/App.hpp>
 #include <string>
 #include <vector>
 
 #include "condyle/estimator/sample.h"
 #include "recording.h"
+
+namespace CLI {
+class App;
+}
 
 namespace condyle::host {
 

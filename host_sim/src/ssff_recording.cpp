@@ -51,7 +51,8 @@ class SsffRecording final : public Recording {
     info_.format = "SSFF";
     info_.kind = SampleKind::one_point;
     if (!options.units_per_metre) {
-      info_.notes.push_back("the format states no unit: read as millimetres (--unit m for metres)");
+      info_.notes.emplace_back(
+          "the format states no unit: read as millimetres (--unit m for metres)");
     }
     read_header();
   }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <CLI/App.hpp>
-
 #include "fake/fake_setup.h"
+
+namespace CLI {
+class App;
+}
 
 namespace condyle::host::fake {
 

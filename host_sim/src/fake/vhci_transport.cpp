@@ -17,7 +17,7 @@
 namespace condyle::host::fake {
 namespace {
 
-constexpr const char* kController = "/sys/devices/platform/vhci_hcd.0";
+const std::string kController = "/sys/devices/platform/vhci_hcd.0";
 constexpr TimeNs kPortWait_ns = 5 * kNanosecondsPerSecond;
 constexpr unsigned kFullSpeed = 2;  // enum usb_device_speed
 
@@ -39,7 +39,7 @@ constexpr std::uint32_t kLargestData = 65536;
 
 // First high-speed port in state VDEV_ST_NULL (4: nothing attached); -1 where all are taken.
 int free_port() {
-  const std::string path = std::string(kController) + "/status";
+  const std::string path = kController + "/status";
   std::ifstream file(path);
   if (!file) fail(path, errno);
   std::string line, hub;
@@ -52,7 +52,7 @@ int free_port() {
 }
 
 void attach(int port, int socket, std::uint32_t device) {
-  const std::string path = std::string(kController) + "/attach";
+  const std::string path = kController + "/attach";
   const FileHandle file(open(path.c_str(), O_WRONLY | O_CLOEXEC));
   if (!file.is_open()) fail(path, errno);
   const std::string text = fmt::format("{} {} {} {}", port, socket, device, kFullSpeed);

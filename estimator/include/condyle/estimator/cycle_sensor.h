@@ -24,32 +24,13 @@ class CycleSensor {
   using Estimate = CycleEstimate<Scalar>;
 
   /// As RecommendedSensor; `axis` 0 to kAxes - 1 is the drive's.
-  CycleSensor(const RecommendedParameters& parameters, const FollowedPoint& followed, int axis)
-      : axis_(axis),
-        motion_(parameters, 0, followed),
-        timeline_(parameters.joint, parameters.changes) {}
+  CycleSensor(const RecommendedParameters& parameters, const FollowedPoint& followed, int axis);
 
   /// As DrivenSensor.
-  void add_drive(TimeNs time_ns, double drive_N) {
-    timeline_.add_drive(time_ns, static_cast<Scalar>(drive_N), keep());
-  }
+  void add_drive(TimeNs time_ns, double drive_N);
 
   /// As DrivenSensor.
-  Estimate process(const Sample& sample, EventSet sample_events) {
-    if (sample.time_valid && sample.drive_valid) add_drive(sample.time_ns, sample.drive_N);
-    static_cast<RecommendedEstimate<Scalar>&>(ended_) = motion_.process(sample, sample_events);
-    if (ended_.is_ready && ended_.time_valid) {
-      const AxisEstimate<Scalar>& axis = ended_.axes[axis_];
-      const bool is_taken =
-          std::isfinite(axis.innovation_m) && !ended_.events.has(Event::outlier_rejected);
-      constexpr Scalar kMissing = std::numeric_limits<Scalar>::quiet_NaN();
-      timeline_.add_position(ended_.time_ns, is_taken ? axis.measured_position_m : kMissing,
-                             axis.noise_sd_m, keep());
-    }
-    const Estimate estimate = ended_;
-    ended_.cycle_count = 0;
-    return estimate;
-  }
+  Estimate process(const Sample& sample, EventSet sample_events);
 
   /// Nothing waits.
   [[nodiscard]] bool drain(Estimate&) { return false; }
@@ -70,5 +51,39 @@ class CycleSensor {
   CycleTimeline<Scalar> timeline_;
   Estimate ended_;
 };
+
+template <class Scalar, int kAxes>
+CycleSensor<Scalar, kAxes>::CycleSensor(const RecommendedParameters& parameters,
+                                        const FollowedPoint& followed, int axis)
+    : axis_(axis),
+      motion_(parameters, 0, followed),
+      timeline_(parameters.joint, parameters.changes) {}
+
+template <class Scalar, int kAxes>
+void CycleSensor<Scalar, kAxes>::add_drive(TimeNs time_ns, double drive_N) {
+  timeline_.add_drive(time_ns, static_cast<Scalar>(drive_N), keep());
+}
+
+template <class Scalar, int kAxes>
+auto CycleSensor<Scalar, kAxes>::process(const Sample& sample, EventSet sample_events) -> Estimate {
+  if (sample.time_valid && sample.drive_valid) add_drive(sample.time_ns, sample.drive_N);
+  static_cast<RecommendedEstimate<Scalar>&>(ended_) = motion_.process(sample, sample_events);
+  if (ended_.is_ready && ended_.time_valid) {
+    const AxisEstimate<Scalar>& axis = ended_.axes[axis_];
+    const bool is_taken =
+        std::isfinite(axis.innovation_m) && !ended_.events.has(Event::outlier_rejected);
+    constexpr Scalar kMissing = std::numeric_limits<Scalar>::quiet_NaN();
+    timeline_.add_position(ended_.time_ns, is_taken ? axis.measured_position_m : kMissing,
+                           axis.noise_sd_m, keep());
+  }
+  const Estimate estimate = ended_;
+  ended_.cycle_count = 0;
+  return estimate;
+}
+
+#ifdef CONDYLE_SENSORS_COMPILED  // once, in a library
+extern template class CycleSensor<double, 1>;
+extern template class CycleSensor<double, 3>;
+#endif
 
 }  // namespace condyle

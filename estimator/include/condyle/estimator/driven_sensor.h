@@ -25,50 +25,72 @@ class DrivenSensor {
 
   /// As RecommendedSensor; `axis` 0 to kAxes - 1 is the drive's.
   DrivenSensor(const RecommendedParameters& parameters, int lag, const FollowedPoint& followed,
-               int axis)
-      : axis_(axis),
-        is_measured_(parameters.joint.drive.is_measured),
-        motion_(parameters, lag, followed),
-        timeline_(parameters.joint) {}
+               int axis);
 
   /// A drive (N) that was measured apart from the samples, stamped on their clock. To be given no
   /// later than the first sample after it.
-  void add_drive(TimeNs time_ns, double drive_N) {
-    if (is_measured_) timeline_.add_drive(time_ns, static_cast<Scalar>(drive_N));
-  }
+  void add_drive(TimeNs time_ns, double drive_N);
 
   /// As RecommendedSensor; a drive that `sample` holds is taken.
-  Estimate process(const Sample& sample, EventSet sample_events) {
-    if (sample.time_valid && sample.drive_valid) add_drive(sample.time_ns, sample.drive_N);
-    return complete({motion_.process(sample, sample_events), {}});
-  }
+  Estimate process(const Sample& sample, EventSet sample_events);
 
   /// As RecommendedSensor.
-  [[nodiscard]] bool drain(Estimate& estimate) {
-    if (!motion_.drain(estimate)) return false;
-    estimate = complete(estimate);
-    return true;
-  }
+  [[nodiscard]] bool drain(Estimate& estimate);
 
   const DriveTimelineCounts& counts() const { return timeline_.counts(); }
 
  private:
-  Estimate complete(Estimate estimate) {
-    const AxisEstimate<Scalar>& axis = estimate.axes[axis_];
-    const bool is_taken = estimate.is_ready && estimate.time_valid &&
-                          std::isfinite(axis.innovation_m) &&
-                          !estimate.events.has(Event::outlier_rejected);
-    if (is_taken && !is_measured_) timeline_.add_drive(estimate.time_ns, axis.force_N.value);
-    if (is_taken)
-      timeline_.add_position(estimate.time_ns, axis.measured_position_m, axis.noise_sd_m);
-    estimate.joint = timeline_.estimate();
-    return estimate;
-  }
+  Estimate complete(Estimate estimate);
 
   int axis_;
   bool is_measured_;
   RecommendedSensor<Scalar, kAxes, kMostLag> motion_;
   DriveTimeline<Scalar> timeline_;
 };
+
+template <class Scalar, int kAxes, int kMostLag>
+DrivenSensor<Scalar, kAxes, kMostLag>::DrivenSensor(const RecommendedParameters& parameters,
+                                                    int lag, const FollowedPoint& followed,
+                                                    int axis)
+    : axis_(axis),
+      is_measured_(parameters.joint.drive.is_measured),
+      motion_(parameters, lag, followed),
+      timeline_(parameters.joint) {}
+
+template <class Scalar, int kAxes, int kMostLag>
+void DrivenSensor<Scalar, kAxes, kMostLag>::add_drive(TimeNs time_ns, double drive_N) {
+  if (is_measured_) timeline_.add_drive(time_ns, static_cast<Scalar>(drive_N));
+}
+
+template <class Scalar, int kAxes, int kMostLag>
+auto DrivenSensor<Scalar, kAxes, kMostLag>::process(const Sample& sample, EventSet sample_events)
+    -> Estimate {
+  if (sample.time_valid && sample.drive_valid) add_drive(sample.time_ns, sample.drive_N);
+  return complete({motion_.process(sample, sample_events), {}});
+}
+
+template <class Scalar, int kAxes, int kMostLag>
+bool DrivenSensor<Scalar, kAxes, kMostLag>::drain(Estimate& estimate) {
+  if (!motion_.drain(estimate)) return false;
+  estimate = complete(estimate);
+  return true;
+}
+
+template <class Scalar, int kAxes, int kMostLag>
+auto DrivenSensor<Scalar, kAxes, kMostLag>::complete(Estimate estimate) -> Estimate {
+  const AxisEstimate<Scalar>& axis = estimate.axes[axis_];
+  const bool is_taken = estimate.is_ready && estimate.time_valid &&
+                        std::isfinite(axis.innovation_m) &&
+                        !estimate.events.has(Event::outlier_rejected);
+  if (is_taken && !is_measured_) timeline_.add_drive(estimate.time_ns, axis.force_N.value);
+  if (is_taken) timeline_.add_position(estimate.time_ns, axis.measured_position_m, axis.noise_sd_m);
+  estimate.joint = timeline_.estimate();
+  return estimate;
+}
+
+#ifdef CONDYLE_SENSORS_COMPILED  // once, in a library
+extern template class DrivenSensor<double, 1>;
+extern template class DrivenSensor<double, 3>;
+#endif
 
 }  // namespace condyle

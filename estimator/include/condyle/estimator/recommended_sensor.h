@@ -19,33 +19,15 @@ class RecommendedSensor {
 
   /// Parameters and lag as for RecommendedEstimator; `followed` is not used for one_axis.
   explicit RecommendedSensor(const RecommendedParameters& parameters, int lag = 0,
-                             const FollowedPoint& followed = {})
-      : noise_(parameters.noise), follower_(followed), estimator_(parameters, lag) {}
+                             const FollowedPoint& followed = {});
 
   /// The estimate that is ready after `sample`, which is that of `lag` samples ago. A sample
   /// without a time, or whose time runs backwards, is passed on without values; so is one that only
   /// repeats the last. Without a usable position the estimator predicts.
-  Estimate process(const Sample& sample, EventSet sample_events) {
-    if (run_samples_ > 0) ++run_samples_;
-    Measurement measurement;
-    measurement.time_ns = sample.time_ns;
-    measurement.events = sample_events;
-    if (!sample.time_valid || sample_events.has(Event::time_reversed)) {
-      return estimator_.skip(measurement, sample.time_valid);
-    }
-    if (sample_events.has(Event::time_restarted)) estimator_.restart_clock();
-    locate(sample, measurement);
-    if (sample_events.has(Event::time_repeated)) {
-      // One measurement told twice is one measurement.
-      if (is_last(measurement)) return estimator_.skip(measurement, true);
-    }
-    last_ = measurement;
-    if (!sample_events.has(Event::time_repeated)) look_for_freeze(sample, measurement);
-    return estimator_.step(measurement);
-  }
+  Estimate process(const Sample& sample, EventSet sample_events);
 
   /// After the last sample: the estimates that still wait (RecommendedEstimator::drain).
-  [[nodiscard]] bool drain(Estimate& estimate) { return estimator_.drain(estimate); }
+  [[nodiscard]] bool drain(Estimate& estimate);
 
   const Estimator& estimator() const { return estimator_; }
 
@@ -121,5 +103,43 @@ class RecommendedSensor {
   int run_samples_ = 0;  // since the first repeat of the present run that was taken, that included
   Estimator estimator_;
 };
+
+template <class Scalar, int kAxes, int kMostLag>
+RecommendedSensor<Scalar, kAxes, kMostLag>::RecommendedSensor(
+    const RecommendedParameters& parameters, int lag, const FollowedPoint& followed)
+    : noise_(parameters.noise), follower_(followed), estimator_(parameters, lag) {}
+
+template <class Scalar, int kAxes, int kMostLag>
+auto RecommendedSensor<Scalar, kAxes, kMostLag>::process(const Sample& sample,
+                                                         EventSet sample_events) -> Estimate {
+  if (run_samples_ > 0) ++run_samples_;
+  Measurement measurement;
+  measurement.time_ns = sample.time_ns;
+  measurement.events = sample_events;
+  if (!sample.time_valid || sample_events.has(Event::time_reversed)) {
+    return estimator_.skip(measurement, sample.time_valid);
+  }
+  if (sample_events.has(Event::time_restarted)) estimator_.restart_clock();
+  locate(sample, measurement);
+  if (sample_events.has(Event::time_repeated)) {
+    // One measurement told twice is one measurement.
+    if (is_last(measurement)) return estimator_.skip(measurement, true);
+  }
+  last_ = measurement;
+  if (!sample_events.has(Event::time_repeated)) look_for_freeze(sample, measurement);
+  return estimator_.step(measurement);
+}
+
+template <class Scalar, int kAxes, int kMostLag>
+bool RecommendedSensor<Scalar, kAxes, kMostLag>::drain(Estimate& estimate) {
+  return estimator_.drain(estimate);
+}
+
+#ifdef CONDYLE_SENSORS_COMPILED  // once, in a library
+extern template class RecommendedSensor<double, 1>;
+extern template class RecommendedSensor<double, 3>;
+extern template class RecommendedSensor<float, 1>;
+extern template class RecommendedSensor<float, 3>;
+#endif
 
 }  // namespace condyle
