@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "replay/command.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace {
@@ -38,8 +39,8 @@ int main() {
   std::printf("%-34s%12s%12s%12s\n", "", "rows", "rows/s", "peak MiB");
   for (const double rows : {1e5, 1e7}) {
     const std::string path = folder / "recording.csv";
-    const std::string make =
-        CONDYLE_MAKE_CHEWING " " + std::to_string((rows - 0.5) / 60) + " 60 > '" + path + "'";
+    const std::string make = condyle::testing_support::program_path("make_chewing_recording") +
+                             " " + std::to_string((rows - 0.5) / 60) + " 60 > '" + path + "'";
     if (std::system(make.c_str()) != 0) return 1;
     const auto report = [&](const char* what, std::vector<std::string> more) {
       std::vector<std::string> arguments = {"replay", path};

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "input_error.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::box {
@@ -31,10 +32,12 @@ class ConfigurationFile : public testing::Test {
 };
 
 TEST_F(ConfigurationFile, TheOneShippedIsTheDefaults) {
-  const Configuration shipped = load_configuration(CONDYLE_SOURCE_DIR "/firmware/box/box.toml");
+  const Configuration shipped =
+      load_configuration(testing_support::source_path("/firmware/box/box.toml"));
   EXPECT_EQ(shipped.facebow.kind, SourceSettings::Kind::synth);
   // With all of its comments that are settings taken for such.
-  std::string text = testing_support::read_file(CONDYLE_SOURCE_DIR "/firmware/box/box.toml");
+  std::string text =
+      testing_support::read_file(testing_support::source_path("/firmware/box/box.toml"));
   std::string all;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
@@ -84,7 +87,7 @@ TEST_F(ConfigurationFile, SaysWhatIsWrongAndWhere) {
   const std::string many = [] {
     std::string text;
     for (char name = 'a'; name < 'h'; ++name) {
-      text += std::string("[companion.") + name + "]\nsource = \"hid:x\"\n";
+      text.append("[companion.").append(1, name).append("]\nsource = \"hid:x\"\n");
     }
     return text;
   }();

@@ -18,6 +18,7 @@
 #include "box/synthetic_source.h"
 #include "device_profile_file.h"
 #include "session_log/session.h"
+#include "support/paths.h"
 #include "unit/allocation_counter.h"
 #include "unit/temporary_folder.h"
 
@@ -113,7 +114,7 @@ TEST(RealTimePath, TakesNoMemoryNoLockAndNoBlockingCall) {
   hal::SteadyClock clock;
   const testing_support::TemporaryFolder folder;
   const hal::DeviceProfile profile =
-      host::load_device_profile(CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml");
+      host::load_device_profile(testing_support::source_path("/hal/profiles/condyle_facebow.toml"));
   for (const int lag : {0, 16}) {
     ProbedSource source(5000, clock);
     WatchedSource watched(source, clock);
@@ -143,7 +144,7 @@ TEST(RealTimePath, FeedsAMicrocontrollerLikewise) {
   if (MALLOC_IS_TAKEN) GTEST_SKIP() << "the sanitizer replaces malloc itself";
   hal::SteadyClock clock;
   const hal::DeviceProfile profile =
-      host::load_device_profile(CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml");
+      host::load_device_profile(testing_support::source_path("/hal/profiles/condyle_facebow.toml"));
   ProbedSource source(5000, clock);
   WatchedSource watched(source, clock);
   const auto feed = std::make_unique<NodeFeed>();

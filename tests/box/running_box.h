@@ -13,6 +13,7 @@
 
 #include "box/box.h"
 #include "box/http_client.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::testing_support {
@@ -31,7 +32,8 @@ class RunningBox {
  public:
   RunningBox() {
     configuration.facebow = {"facebow", box::SourceSettings::Kind::synth,
-                             CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml", ""};
+                             testing_support::source_path("/hal/profiles/condyle_facebow.toml"),
+                             ""};
     configuration.folder = folder.path().string();
     configuration.reserve_bytes = 1'000'000;
     configuration.http_port = 0;

@@ -12,6 +12,7 @@
 
 #include "box/running_box.h"
 #include "replay/command.h"
+#include "support/paths.h"
 
 namespace condyle::box {
 namespace {
@@ -51,12 +52,13 @@ class Program {
  public:
   Program(const std::string& configuration, const std::string& errors,
           const std::string& notify_socket) {
+    const std::string program = testing_support::program_path("condyle-box");
     process_ = fork();
     if (process_ == 0) {
       (void)std::freopen(errors.c_str(), "w", stderr);
       setenv("NOTIFY_SOCKET", notify_socket.c_str(), 1);
       setenv("WATCHDOG_USEC", "1000000", 1);
-      execl(CONDYLE_BOX, CONDYLE_BOX, "--config", configuration.c_str(), nullptr);
+      execl(program.c_str(), program.c_str(), "--config", configuration.c_str(), nullptr);
       _exit(127);
     }
   }
@@ -96,10 +98,11 @@ std::uint16_t told_port(const std::string& errors) {
 
 TEST(Service, TellsItsManagerAndKeepsItsRecordingWhenItIsEnded) {
   const testing_support::TemporaryFolder folder;
-  const std::string configuration =
-      folder.write("box.toml", "[facebow]\nsource = \"synth:" CONDYLE_SOURCE_DIR
-                               "/hal/profiles/condyle_facebow.toml\"\n[recording]\nfolder = \".\"\n"
-                               "reserve_MB = 1\n[http]\nport = 0\n");
+  const std::string configuration = folder.write(
+      "box.toml", "[facebow]\nsource = \"synth:" +
+                      testing_support::source_path("/hal/profiles/condyle_facebow.toml") +
+                      "\"\n[recording]\nfolder = \".\"\n"
+                      "reserve_MB = 1\n[http]\nport = 0\n");
   const NoticeSocket manager(folder / "notify");
   ASSERT_TRUE(manager.is_bound());
   Program program(configuration, folder / "errors", folder / "notify");
@@ -140,14 +143,15 @@ TEST(Service, TellsItsManagerAndKeepsItsRecordingWhenItIsEnded) {
 
 TEST(Service, ChecksItsConfigurationAndMeasuresItsLatency) {
   const testing_support::TemporaryFolder folder;
-  const std::string good =
-      folder.write("good.toml", "[facebow]\nsource = \"synth:" CONDYLE_SOURCE_DIR
-                                "/hal/profiles/condyle_facebow.toml\"\n");
+  const std::string good = folder.write(
+      "good.toml", "[facebow]\nsource = \"synth:" +
+                       testing_support::source_path("/hal/profiles/condyle_facebow.toml") + "\"\n");
   const std::string bad = folder.write("bad.toml", "[facebow]\nsource = \"x\"\n");
   const std::string out = folder / "out";
   const auto run = [&](const std::string& arguments) {
-    const int status =
-        std::system((std::string(CONDYLE_BOX) + " " + arguments + " >" + out + " 2>&1").c_str());
+    const int status = std::system(
+        (testing_support::program_path("condyle-box") + " " + arguments + " >" + out + " 2>&1")
+            .c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   };
   EXPECT_EQ(run("--check --config " + good), 0);

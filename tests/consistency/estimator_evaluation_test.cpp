@@ -8,12 +8,14 @@
 #include <vector>
 
 #include "simulation/scenario_file.h"
+#include "support/paths.h"
 
 namespace condyle::host {
 namespace {
 
 Scenario scenario(const std::string& name, double duration_s) {
-  Scenario scenario = load_scenario(CONDYLE_SOURCE_DIR "/host_sim/scenarios/" + name + ".toml");
+  Scenario scenario =
+      load_scenario(testing_support::source_path("/host_sim/scenarios/") + name + ".toml");
   scenario.duration_s = duration_s;
   return scenario;
 }

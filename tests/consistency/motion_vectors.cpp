@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "consistency/motion_vectors.h"
+#include "support/paths.h"
 
 #include <gtest/gtest.h>
 
@@ -78,7 +79,7 @@ double white_jerk_error(const MotionVector& motion, double ratio, double from_s)
 }  // namespace
 
 MotionVector read_motion(const std::string& name, double scale) {
-  const std::string path = CONDYLE_SOURCE_DIR "/tests/consistency/vectors/" + name;
+  const std::string path = testing_support::source_path("/tests/consistency/vectors/") + name;
   MotionVector motion;
   motion.velocity_m_s = read_columns(path + ".truth.csv", motion.time_ns);
   motion.position_m = read_columns(path + ".csv", motion.time_ns);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "hil/reader_test.h"
+#include "support/paths.h"
 
 namespace condyle::hil {
 namespace {
@@ -95,7 +96,8 @@ INSTANTIATE_TEST_SUITE_P(Umockdev, UsbBackEnd, testing::Values(kLibusbSource), r
 
 TEST(DeviceList, TellsWhatIsPluggedIn) {
   if (!has_umockdev()) GTEST_SKIP() << "umockdev is not installed";
-  const Played played = play("hidraw", {"--count", "10"}, {CONDYLE_READ_REPORTS, "list"});
+  const Played played =
+      play("hidraw", {"--count", "10"}, {testing_support::program_path("read_reports"), "list"});
   ASSERT_EQ(played.exit_code, 0) << played.text;
   const nlohmann::json expected = {{"devices", 1},
                                    {"vendor_id", 0x1209},

@@ -11,6 +11,7 @@
 
 #include "hil/play.h"
 #include "replay/command.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::hil {
@@ -28,11 +29,13 @@ class BoxOnFacebow : public testing::TestWithParam<const char*> {
     const bool is_usb = std::string(GetParam()) == "libusb";
     const std::string configuration = folder_.write(
         "box.toml", std::string("[facebow]\nsource = \"") + (is_usb ? "usb:" : "hid:") +
-                        CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml\"\n" +
-                        "[recording]\nfolder = \".\"\nreserve_MB = 1\n[http]\nport = 0\n");
+                        testing_support::source_path("/hal/profiles/condyle_facebow.toml") +
+                        "\"\n" + "[recording]\nfolder = \".\"\nreserve_MB = 1\n[http]\nport = 0\n");
     options.insert(options.end(),
                    {"--count", std::to_string(count), "--settle-s", "1", "--linger-s", "0.3"});
-    return play(GetParam(), options, {CONDYLE_DRIVE_BOX, CONDYLE_BOX, configuration, "2.5"},
+    return play(GetParam(), options,
+                {testing_support::program_path("drive_box"),
+                 testing_support::program_path("condyle-box"), configuration, "2.5"},
                 kLongest_s);
   }
   std::string log() const {

@@ -6,6 +6,7 @@
 #include <future>
 
 #include "hil/reader_test.h"
+#include "support/paths.h"
 
 namespace condyle::hil {
 namespace {
@@ -102,9 +103,10 @@ TEST_P(FakeFacebow, SixAtOnce) {
   std::vector<std::future<Played>> running;
   for (int i = 0; i < 6; ++i) {
     running.push_back(std::async(std::launch::async, [this] {
-      return play_reports(
-          kReports,
-          {"--rate-Hz", "500", "--faults", CONDYLE_SOURCE_DIR "/tests/hil/all_faults.toml"}, 1000);
+      return play_reports(kReports,
+                          {"--rate-Hz", "500", "--faults",
+                           testing_support::source_path("/tests/hil/all_faults.toml")},
+                          1000);
     }));
   }
   for (auto& played : running) expect_exact(played.get());

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "hil/play.h"
+#include "support/paths.h"
 
 namespace condyle::hil {
 namespace {
@@ -15,7 +16,8 @@ class Inspect : public testing::TestWithParam<const char*> {
     if (!has_umockdev()) GTEST_SKIP() << "umockdev is not installed";
   }
   Played inspect(std::vector<std::string> options) const {
-    std::vector<std::string> program = {CONDYLE_COMMAND, "inspect", "--backend",
+    std::vector<std::string> program = {testing_support::program_path("condyle"), "inspect",
+                                        "--backend",
                                         std::string(GetParam()) == "libusb" ? "libusb" : "hidapi"};
     program.insert(program.end(), options.begin(), options.end());
     return play(GetParam(), {"--count", "100000", "--rate-Hz", "500"}, program);
@@ -34,8 +36,8 @@ TEST_P(Inspect, ShowsWhatAnUnknownDeviceSends) {
 
 TEST_P(Inspect, ShowsWhatAProfileMakesOfIt) {
   const Played played =
-      inspect({"--profile", CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml", "--duration-s",
-               "1.5"});
+      inspect({"--profile", testing_support::source_path("/hal/profiles/condyle_facebow.toml"),
+               "--duration-s", "1.5"});
   ASSERT_EQ(played.exit_code, 0) << played.text;
   for (const char* words : {"as condyle fake facebow says", "x1", " mm", "device time"}) {
     EXPECT_THAT(played.text, HasSubstr(words));
@@ -43,7 +45,8 @@ TEST_P(Inspect, ShowsWhatAProfileMakesOfIt) {
 }
 
 TEST_P(Inspect, SaysThatADeviceWentAway) {
-  std::vector<std::string> program = {CONDYLE_COMMAND, "inspect", "--backend",
+  std::vector<std::string> program = {testing_support::program_path("condyle"), "inspect",
+                                      "--backend",
                                       std::string(GetParam()) == "libusb" ? "libusb" : "hidapi"};
   program.insert(program.end(), {"--device", "1209:0001", "--duration-s", "20"});
   const Played played = play(GetParam(), {"--count", "100"}, program);
@@ -62,7 +65,8 @@ class PluggedIn : public testing::Test {
   // The device is there some time after the program is started.
   static Played run(const std::string& arguments) {
     return play("hidraw", {"--count", "100000"},
-                {"sh", "-c", "sleep 1; exec " CONDYLE_COMMAND " " + arguments});
+                {"sh", "-c",
+                 "sleep 1; exec " + testing_support::program_path("condyle") + " " + arguments});
   }
 };
 
@@ -78,7 +82,8 @@ TEST_F(PluggedIn, IsSeenByTheDoctor) {
   const Played played = run("doctor --device 1209:0001");
   EXPECT_THAT(played.text, HasSubstr("ok        1209:0001 condyle fake facebow may be read"));
   const Played another =
-      run("doctor --profile " CONDYLE_SOURCE_DIR "/hal/profiles/self_describing_3_axis.toml");
+      run("doctor --profile " +
+          testing_support::source_path("/hal/profiles/self_describing_3_axis.toml"));
   EXPECT_EQ(another.exit_code, 3) << another.text;
   EXPECT_THAT(another.text, HasSubstr("is not plugged in"));
 }

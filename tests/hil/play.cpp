@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/play.h"
+#include "support/paths.h"
 
 #include <sys/wait.h>
 
@@ -37,11 +38,12 @@ Played play(const std::string& personality, const std::vector<std::string>& opti
   // umockdev's library is loaded before the address sanitizer's, which minds.
   std::string command =
       "ASAN_OPTIONS=\"verify_asan_link_order=0:$ASAN_OPTIONS\" "
-      "TSAN_OPTIONS=\"suppressions=" CONDYLE_SOURCE_DIR
-      "/tests/hil/thread_sanitizer.txt:$TSAN_OPTIONS\" "
+      "TSAN_OPTIONS=\"suppressions=" +
+      testing_support::source_path("/tests/hil/thread_sanitizer.txt") +
+      ":$TSAN_OPTIONS\" "
       "timeout -k 5 " +
-      std::to_string(longest_s) + " umockdev-wrapper " + quoted(CONDYLE_UMOCKDEV_FACEBOW) + " " +
-      personality;
+      std::to_string(longest_s) + " umockdev-wrapper " +
+      quoted(testing_support::program_path("umockdev_facebow")) + " " + personality;
   for (const std::string& option : options) command += " " + quoted(option);
   command += " --";
   for (const std::string& word : program) command += " " + quoted(word);

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "support/paths.h"
+
 namespace condyle::hil {
 
 /// What a run of a program over the fake facebow left.
@@ -27,7 +29,7 @@ struct Played {
 };
 
 /// A script with every fault of the fake facebow.
-inline constexpr const char* kAllFaults = CONDYLE_SOURCE_DIR "/tests/hil/all_faults.toml";
+inline const std::string kAllFaults = testing_support::source_path("/tests/hil/all_faults.toml");
 
 /// True where umockdev's programs are installed.
 bool has_umockdev();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hil/play.h"
+#include "support/paths.h"
 
 namespace condyle::hil {
 
@@ -22,11 +23,15 @@ struct Reader {
 };
 
 /// The plainest ones.
-inline const Reader kPlainHidapi{"hidraw", "hidraw", {CONDYLE_READ_HIDAPI}};
-inline const Reader kPlainLibusb{"libusb", "libusb", {CONDYLE_READ_LIBUSB}};
+inline const Reader kPlainHidapi{
+    "hidraw", "hidraw", {testing_support::program_path("read_hidapi")}};
+inline const Reader kPlainLibusb{
+    "libusb", "libusb", {testing_support::program_path("read_libusb")}};
 /// condyle's back ends.
-inline const Reader kHidapiSource{"HidapiSource", "hidraw", {CONDYLE_READ_REPORTS, "hidapi"}};
-inline const Reader kLibusbSource{"LibusbSource", "libusb", {CONDYLE_READ_REPORTS, "libusb"}};
+inline const Reader kHidapiSource{
+    "HidapiSource", "hidraw", {testing_support::program_path("read_reports"), "hidapi"}};
+inline const Reader kLibusbSource{
+    "LibusbSource", "libusb", {testing_support::program_path("read_reports"), "libusb"}};
 
 inline std::string reader_name(const testing::TestParamInfo<Reader>& test) {
   return test.param.name;

@@ -14,6 +14,7 @@
 #include "condyle/hal/session_log_reader.h"
 #include "hil/play.h"
 #include "replay/command.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::hil {
@@ -37,10 +38,10 @@ class Record : public testing::TestWithParam<const char*> {
     std::filesystem::remove(log());
     options.insert(options.end(),
                    {"--count", std::to_string(count), "--settle-s", settle_s, "--linger-s", "0.3"});
-    return play(
-        GetParam(), options,
-        {CONDYLE_COMMAND, "record", "--backend", is_usb() ? "libusb" : "hidapi", "--profile",
-         profile_, "--out", log(), "--estimates", estimates, "--idle-s", "2.5"});
+    return play(GetParam(), options,
+                {testing_support::program_path("condyle"), "record", "--backend",
+                 is_usb() ? "libusb" : "hidapi", "--profile", profile_, "--out", log(),
+                 "--estimates", estimates, "--idle-s", "2.5"});
   }
   // From here on a profile that says so.
   void expect_restarts() {
@@ -63,7 +64,7 @@ class Record : public testing::TestWithParam<const char*> {
   }
 
   testing_support::TemporaryFolder folder_;
-  std::string profile_ = CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml";
+  std::string profile_ = testing_support::source_path("/hal/profiles/condyle_facebow.toml");
 };
 
 // What depends on a list of devices, which umockdev's USB bus does not give.

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdlib>
 
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::testing_support {
@@ -18,10 +19,10 @@ CommandResult run_condyle(const std::vector<std::string>& arguments,
   const TemporaryFolder folder;
   const std::string out = options.output_to.empty() ? folder.write("out", "") : options.output_to;
   const std::string err = options.errors_to.empty() ? folder.write("err", "") : options.errors_to;
-  std::string program = CONDYLE_COMMAND;
+  std::string program = testing_support::program_path("condyle");
   if (options.as_nobody) {  // who may not enter the build folder
     program = folder / "condyle";
-    std::filesystem::copy_file(CONDYLE_COMMAND, program);
+    std::filesystem::copy_file(testing_support::program_path("condyle"), program);
   }
   std::vector<char*> argv{program.data()};
   std::vector<std::string> copies = arguments;

@@ -8,6 +8,7 @@
 
 #include "replay/command.h"
 #include "replay/table.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle {
@@ -21,12 +22,13 @@ using testing_support::run_condyle;
 using testing_support::Table;
 using testing_support::TemporaryFolder;
 
-constexpr const char* kShipped = CONDYLE_SOURCE_DIR "/host_sim/recordings/chewing_60hz.csv";
+const std::string kShipped = testing_support::source_path("/host_sim/recordings/chewing_60hz.csv");
 
 // Output of the program that makes recordings.
 std::string make_chewing(const TemporaryFolder& folder, const std::string& duration_s) {
   const std::string path = folder / "made.csv";
-  const std::string command = CONDYLE_MAKE_CHEWING " " + duration_s + " 60 > '" + path + "'";
+  const std::string command = testing_support::program_path("make_chewing_recording") + " " +
+                              duration_s + " 60 > '" + path + "'";
   EXPECT_EQ(std::system(command.c_str()), 0);
   return path;
 }

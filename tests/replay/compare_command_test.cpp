@@ -8,6 +8,7 @@
 #include "replay/command.h"
 #include "replay/compare_fixture.h"
 #include "replay/table.h"
+#include "support/paths.h"
 
 namespace condyle {
 namespace {
@@ -21,7 +22,7 @@ using testing_support::read_table;
 using testing_support::run_condyle;
 using testing_support::Table;
 
-constexpr const char* kCompared = CONDYLE_SOURCE_DIR "/host_sim/recordings/chewing_60hz.csv";
+const std::string kCompared = testing_support::source_path("/host_sim/recordings/chewing_60hz.csv");
 
 class CompareEstimators : public testing_support::CompareTest {};
 
@@ -199,7 +200,8 @@ TEST_F(CompareEstimators, MemoryDoesNotGrowWithTheRecording) {
   const auto peak_kB = [&](double duration_s) {
     const std::string path = folder_ / fmt::format("{}.csv", duration_s);
     const std::string command =
-        fmt::format(CONDYLE_MAKE_CHEWING " {} 200 > '{}'", duration_s, path);
+        fmt::format("{} {} 200 > '{}'", testing_support::program_path("make_chewing_recording"),
+                    duration_s, path);
     EXPECT_EQ(std::system(command.c_str()), 0);
     const CommandResult result = run_condyle({"compare", path});
     EXPECT_EQ(result.exit_code, 0) << result.errors;

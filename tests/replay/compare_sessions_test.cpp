@@ -8,6 +8,7 @@
 #include "replay/command.h"
 #include "replay/compare_fixture.h"
 #include "replay/table.h"
+#include "support/paths.h"
 
 namespace condyle {
 namespace {
@@ -21,7 +22,7 @@ using testing_support::read_table;
 using testing_support::run_condyle;
 using testing_support::Table;
 
-constexpr const char* kOneAxis = CONDYLE_SOURCE_DIR "/host_sim/recordings/chewing_60hz.csv";
+const std::string kOneAxis = testing_support::source_path("/host_sim/recordings/chewing_60hz.csv");
 
 class CompareSessions : public testing_support::CompareTest {};
 

@@ -8,6 +8,7 @@
 
 #include "replay/command.h"
 #include "replay/table.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle {
@@ -39,9 +40,9 @@ class Drive : public testing::Test {
  protected:
   // A point mass of 0.25 kg and 0.022 Ns/m, its drive in a file of its own.
   void SetUp() override {
-    const auto result =
-        run_condyle({"simulate", CONDYLE_SOURCE_DIR "/host_sim/scenarios/point_mass.toml", "--out",
-                     recording_});
+    const auto result = run_condyle(
+        {"simulate", testing_support::source_path("/host_sim/scenarios/point_mass.toml"), "--out",
+         recording_});
     ASSERT_EQ(result.exit_code, 0) << result.errors;
   }
   CommandResult replay(const std::string& recording, std::vector<std::string> options) {

@@ -10,6 +10,7 @@
 
 #include "replay/command.h"
 #include "replay/table.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle {
@@ -45,7 +46,8 @@ class Emg : public testing::Test {
     return folder_.write("muscles.toml", read_file(kMuscles) + more);
   }
 
-  static constexpr const char* kMuscles = CONDYLE_SOURCE_DIR "/host_sim/muscles/artisynth.toml";
+  inline static const std::string kMuscles =
+      testing_support::source_path("/host_sim/muscles/artisynth.toml");
   testing_support::TemporaryFolder folder_;
   std::string recording_ = folder_ / "bow.csv", emg_ = folder_ / "bow.emg.csv";
 };

@@ -8,6 +8,7 @@
 
 #include "replay/command.h"
 #include "replay/table.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle {
@@ -24,7 +25,7 @@ using testing_support::Table;
 using testing_support::TemporaryFolder;
 
 std::string scenario(const std::string& name) {
-  return CONDYLE_SOURCE_DIR "/host_sim/scenarios/" + name + ".toml";
+  return testing_support::source_path("/host_sim/scenarios/") + name + ".toml";
 }
 
 // A column of evaluate's table by quantity; NaN for an empty field.

@@ -9,6 +9,7 @@
 #include "parameter_file.h"
 #include "replay/command.h"
 #include "replay/table.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::host {
@@ -25,7 +26,7 @@ class Golden : public testing::TestWithParam<const char*> {
     const std::string name = GetParam();
     // Made from a real recording, so it is not part of the project.
     const bool is_real = name == "zebris_opening_50hz";
-    const std::string folder = CONDYLE_SOURCE_DIR "/tests/replay/vectors/";
+    const std::string folder = testing_support::source_path("/tests/replay/vectors/");
     const auto path = [&](const std::string& ending) {
       return is_real ? reference_data(name + ending) : folder + name + ending;
     };

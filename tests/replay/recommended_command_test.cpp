@@ -7,6 +7,7 @@
 
 #include "replay/command.h"
 #include "replay/table.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle {
@@ -20,7 +21,7 @@ using testing_support::run_condyle;
 using testing_support::Table;
 using testing_support::TemporaryFolder;
 
-constexpr const char* kShipped = CONDYLE_SOURCE_DIR "/host_sim/recordings/chewing_60hz.csv";
+const std::string kShipped = testing_support::source_path("/host_sim/recordings/chewing_60hz.csv");
 
 TEST(Recommended, IsTheDefaultAndShowsWhatItKnows) {
   const TemporaryFolder folder;

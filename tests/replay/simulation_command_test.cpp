@@ -4,6 +4,7 @@
 
 #include "replay/command.h"
 #include "replay/table.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle {
@@ -17,7 +18,7 @@ using testing_support::run_condyle;
 using testing_support::TemporaryFolder;
 
 std::string scenario(const std::string& name) {
-  return CONDYLE_SOURCE_DIR "/host_sim/scenarios/" + name + ".toml";
+  return testing_support::source_path("/host_sim/scenarios/") + name + ".toml";
 }
 
 TEST(Simulate, WritesWhatReplayReads) {

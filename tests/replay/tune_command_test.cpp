@@ -12,6 +12,7 @@
 #include "replay/command.h"
 #include "replay/table.h"
 #include "simulation/random.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle {
@@ -26,7 +27,7 @@ using testing_support::reference_data;
 using testing_support::run_condyle;
 using testing_support::TemporaryFolder;
 
-const char* const kShipped = CONDYLE_SOURCE_DIR "/host_sim/recordings/chewing_60hz.csv";
+const std::string kShipped = testing_support::source_path("/host_sim/recordings/chewing_60hz.csv");
 
 class Tune : public testing::Test {
  protected:
@@ -236,7 +237,8 @@ TEST_F(Tune, RefusesBadInputAndLeavesNoFile) {
   refused({kShipped}, {"--tunings", folder_ / "t.csv"}, "no such thing");
   refused({kShipped}, {"--criterion", "published", "--jerk-density-bounds", "1", "2"},
           "no such thing");
-  refused({kShipped}, {"--parameters", CONDYLE_SOURCE_DIR "/host_sim/recordings/chewing_60hz.toml"},
+  refused({kShipped},
+          {"--parameters", testing_support::source_path("/host_sim/recordings/chewing_60hz.toml")},
           "published");
   EXPECT_EQ(run_condyle({"tune", kShipped, "--out", kShipped}).exit_code, 2);
 }

@@ -16,6 +16,7 @@
 
 #include "session_log/read_log.h"
 #include "session_log/session.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 extern char** environ;
@@ -35,7 +36,7 @@ class Recorder {
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-    std::string program = CONDYLE_SESSION_RECORDER;
+    std::string program = testing_support::program_path("session_recorder");
     char* const arguments[] = {program.data(), log_path_.data(), nullptr};
     EXPECT_EQ(posix_spawn(&process_, program.c_str(), &actions, nullptr, arguments, environ), 0);
     posix_spawn_file_actions_destroy(&actions);

@@ -13,6 +13,7 @@
 #include "device_values.h"
 #include "input_error.h"
 #include "session_log/session.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::host {
@@ -191,7 +192,8 @@ TEST(DeviceValues, RefusesALogWithoutAny) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("holds no value but position"));
   }
-  EXPECT_THROW((void)write_device_values(CONDYLE_SOURCE_DIR "/README.md", "", folder / ".", files),
+  EXPECT_THROW((void)write_device_values(testing_support::source_path("/README.md"), "",
+                                         folder / ".", files),
                InputError);
 }
 

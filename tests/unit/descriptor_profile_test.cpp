@@ -8,6 +8,7 @@
 #include "condyle/hal/profile_check.h"
 #include "condyle/hal/report_decoder.h"
 #include "device_profile_file.h"
+#include "support/paths.h"
 #include "unit/report_bits.h"
 
 namespace condyle::hal {
@@ -132,8 +133,8 @@ TEST(DescriptorProfile, ChoosesAmongReportsOnlyWhereTold) {
 }
 
 TEST(DescriptorProfile, KeepsWhatTheFileSays) {
-  DeviceProfile base =
-      host::load_device_profile(CONDYLE_SOURCE_DIR "/hal/profiles/self_describing_3_axis.toml");
+  DeviceProfile base = host::load_device_profile(
+      testing_support::source_path("/hal/profiles/self_describing_3_axis.toml"));
   ASSERT_TRUE(base.descriptor_axes);
   CountingField buttons;
   buttons.field = {.offset_bits = 8, .width_bits = 8, .type = FieldType::unsigned_integer};

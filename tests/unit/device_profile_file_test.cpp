@@ -8,6 +8,7 @@
 #include "condyle/hal/profile_check.h"
 #include "condyle/hal/report_decoder.h"
 #include "input_error.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::host {
@@ -83,7 +84,7 @@ TEST(DeviceProfileFile, TakesCompanionsWithoutCoordinates) {
 
 TEST(DeviceProfileFile, LoadsTheShippedProfile) {
   const hal::DeviceProfile p =
-      load_device_profile(CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml");
+      load_device_profile(testing_support::source_path("/hal/profiles/condyle_facebow.toml"));
   EXPECT_EQ(p.name, "condyle fake facebow");
   EXPECT_EQ(p.vendor_id, 0x1209);
   EXPECT_EQ(p.product_id, 1);
@@ -109,7 +110,7 @@ TEST(DeviceProfileFile, LoadsTheShippedProfile) {
 
 // What the shipped file shows commented out is also part of the format.
 TEST(DeviceProfileFile, LoadsTheShippedProfilesExamples) {
-  const std::string path = CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml";
+  const std::string path = testing_support::source_path("/hal/profiles/condyle_facebow.toml");
   std::string text = testing_support::read_file(path);
   const std::size_t drive = text.find("# [drive]");
   ASSERT_NE(drive, std::string::npos);
@@ -133,7 +134,7 @@ TEST(DeviceProfileFile, LoadsTheShippedProfilesExamples) {
 
 TEST(DeviceProfileFile, LoadsTheGuidesExample) {
   const std::string guide =
-      testing_support::read_file(CONDYLE_SOURCE_DIR "/hal/profiles/README.md");
+      testing_support::read_file(testing_support::source_path("/hal/profiles/README.md"));
   const std::string fence = "```toml\n";
   const std::size_t start = guide.find(fence);
   ASSERT_NE(start, std::string::npos);

@@ -8,6 +8,7 @@
 
 #include "device_argument.h"
 #include "input_error.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::host {
@@ -96,7 +97,7 @@ TEST_F(Doctor, TheCommandWritesTheRule) {
   std::string text(1000, '\0');
   text.resize(std::fread(text.data(), 1, text.size(), pipe));
   EXPECT_EQ(pclose(pipe), 0);
-  std::ifstream shipped(CONDYLE_SOURCE_DIR "/hal/udev/70-condyle-facebow.rules");
+  std::ifstream shipped(testing_support::source_path("/hal/udev/70-condyle-facebow.rules"));
   std::string rules;
   for (std::string line; std::getline(shipped, line);) {
     if (line.rfind("SUBSYSTEM", 0) == 0) rules += line + '\n';

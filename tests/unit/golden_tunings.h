@@ -7,6 +7,7 @@
 
 #include "parameter_file.h"
 #include "replay/table.h"
+#include "support/paths.h"
 #include "tuning/published_criterion.h"
 
 namespace condyle::testing_support {
@@ -14,7 +15,7 @@ namespace condyle::testing_support {
 /// The first 12 s of a simulated chewing.
 inline host::PublishedRecording golden_chewing(const std::string& name = "chewing_60hz") {
   const Table table =
-      read_table(CONDYLE_SOURCE_DIR "/tests/replay/vectors/" + name + ".positions.csv");
+      read_table(testing_support::source_path("/tests/replay/vectors/") + name + ".positions.csv");
   host::PublishedRecording recording{name, 1.0 / 60, table.numbers("position_m")};
   recording.position_m.resize(720);
   return recording;
@@ -23,7 +24,8 @@ inline host::PublishedRecording golden_chewing(const std::string& name = "chewin
 /// Parameters for it. Their sample time is not the recordings', which must take its place.
 inline PublishedParameters golden_parameters(const std::string& name = "chewing_60hz") {
   PublishedParameters parameters =
-      host::load_parameters(CONDYLE_SOURCE_DIR "/tests/replay/vectors/" + name + ".toml").values;
+      host::load_parameters(testing_support::source_path("/tests/replay/vectors/") + name + ".toml")
+          .values;
   parameters.sample_time_s = 0.1;
   return parameters;
 }

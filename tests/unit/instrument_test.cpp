@@ -9,6 +9,7 @@
 #include "input_error.h"
 #include "simulation/scenario_file.h"
 #include "simulation/simulation.h"
+#include "support/paths.h"
 
 namespace condyle::host {
 namespace {
@@ -22,7 +23,7 @@ SimulatedData simulate(const Scenario& scenario, std::uint64_t seed = 1) {
 }
 
 Scenario chewing(double duration_s = 10) {
-  Scenario s = load_scenario(CONDYLE_SOURCE_DIR "/host_sim/scenarios/chewing.toml");
+  Scenario s = load_scenario(testing_support::source_path("/host_sim/scenarios/chewing.toml"));
   s.duration_s = duration_s;
   return s;
 }
@@ -134,7 +135,7 @@ TEST(Facebow, ClockSmoothingAndQuantumDoWhatTheySay) {
     ASSERT_NEAR(counts, std::round(counts), 1e-6);
   }
   // Smoothing makes neighbouring errors alike.
-  Scenario rest = load_scenario(CONDYLE_SOURCE_DIR "/host_sim/scenarios/rest.toml");
+  Scenario rest = load_scenario(testing_support::source_path("/host_sim/scenarios/rest.toml"));
   rest.subject.task.tremor_m = 0;
   const auto lag_1 = [&](double smoothing) {
     rest.facebow.smoothing = smoothing;
@@ -153,7 +154,7 @@ TEST(Facebow, ClockSmoothingAndQuantumDoWhatTheySay) {
 }
 
 TEST(Companions, ShowForceAndExcitationWithTheirFaults) {
-  Scenario s = load_scenario(CONDYLE_SOURCE_DIR "/host_sim/scenarios/point_mass.toml");
+  Scenario s = load_scenario(testing_support::source_path("/host_sim/scenarios/point_mass.toml"));
   s.duration_s = 5;
   s.drive = {.rate_Hz = 60,
              .noise_N = 0,

@@ -8,13 +8,14 @@
 #include <cmath>
 
 #include "simulation/scenario_file.h"
+#include "support/paths.h"
 
 namespace condyle {
 namespace {
 
 void expect_simulated_forces(const char* name) {
   const host::Scenario scenario =
-      host::load_scenario(std::string(CONDYLE_SOURCE_DIR "/host_sim/scenarios/") + name + ".toml");
+      host::load_scenario(testing_support::source_path("/host_sim/scenarios/") + name + ".toml");
   const host::Jaw& jaw = scenario.subject.jaw;
   host::SimulatedSubject subject(scenario.subject, 1);
   double largest_N = 0;

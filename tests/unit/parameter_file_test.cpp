@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "input_error.h"
+#include "support/paths.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::host {
@@ -50,7 +51,7 @@ TEST(ParameterFile, LoadsEveryField) {
 
 TEST(ParameterFile, TheShippedFileHoldsTheDefaults) {
   const LoadedParameters shipped =
-      load_parameters(CONDYLE_SOURCE_DIR "/host_sim/recordings/chewing_60hz.toml");
+      load_parameters(testing_support::source_path("/host_sim/recordings/chewing_60hz.toml"));
   std::vector<double> values, defaults;
   const auto collect = [](std::vector<double>& into) {
     return [&into](const char*, const char*, const double* v, std::size_t n, const char*, Range) {

@@ -8,6 +8,7 @@
 
 #include "condyle/hal/report_decoder.h"
 #include "device_profile_file.h"
+#include "support/paths.h"
 
 namespace condyle::hal {
 namespace {
@@ -15,7 +16,8 @@ namespace {
 using testing::HasSubstr;
 
 DeviceProfile facebow() {
-  return host::load_device_profile(CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml");
+  return host::load_device_profile(
+      testing_support::source_path("/hal/profiles/condyle_facebow.toml"));
 }
 
 // The problem that `spoil` makes; such a profile decodes nothing, either.

@@ -12,6 +12,7 @@
 #include "input_error.h"
 #include "parameter_file.h"
 #include "replay/table.h"
+#include "support/paths.h"
 #include "tuning/published_tuning_report.h"
 #include "unit/golden_tunings.h"
 
@@ -79,7 +80,7 @@ TEST(PublishedCriterion, LeavesFrictionOpen) {
 }
 
 TEST(PublishedCriterion, LeavesFrictionOpenForTheRecordingShipped) {
-  const std::string path = CONDYLE_SOURCE_DIR "/host_sim/recordings/chewing_60hz";
+  const std::string path = testing_support::source_path("/host_sim/recordings/chewing_60hz");
   const PublishedRecording recording{
       "chewing_60hz.csv", 1.0 / 60,
       testing_support::read_table(path + ".csv").numbers("position_m")};

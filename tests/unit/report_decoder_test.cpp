@@ -9,6 +9,7 @@
 
 #include "condyle/hal/profile_check.h"
 #include "device_profile_file.h"
+#include "support/paths.h"
 #include "unit/rapidcheck_gtest.h"
 #include "unit/report_bits.h"
 
@@ -19,7 +20,8 @@ using testing_support::write_bits;
 using Bytes = std::vector<std::uint8_t>;
 
 DeviceProfile facebow() {
-  return host::load_device_profile(CONDYLE_SOURCE_DIR "/hal/profiles/condyle_facebow.toml");
+  return host::load_device_profile(
+      testing_support::source_path("/hal/profiles/condyle_facebow.toml"));
 }
 
 void add_checksum(Bytes& report) {

@@ -11,12 +11,13 @@
 #include <vector>
 
 #include "simulation/scenario_file.h"
+#include "support/paths.h"
 
 namespace condyle::host {
 namespace {
 
 Scenario scenario(const std::string& name) {
-  return load_scenario(CONDYLE_SOURCE_DIR "/host_sim/scenarios/" + name + ".toml");
+  return load_scenario(testing_support::source_path("/host_sim/scenarios/") + name + ".toml");
 }
 
 std::vector<SubjectTruth> run(const SubjectParameters& parameters, double duration_s,
