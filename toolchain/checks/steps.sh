@@ -22,6 +22,7 @@ build() {  # PRESET [TARGET...]
 build_bare_metal() {
   build cortex-m4f
   build cortex-m7
+  if in_tier release; then build cortex-m7 day_of_estimates; fi
   build cortex-m33 estimate_bytes board_behaviour_mps2_an505
   build cortex-m55 estimate_bytes board_behaviour_mps3_an547
 }
