@@ -2,13 +2,16 @@
 // The estimator as an image: reports in, estimates out, over the board's UART. Numbers are of the
 // type that the core computes with, CONDYLE_SCALAR.
 //
-// CONDYLE_FAULT_AFTER: the image of a test, whose filter fails at that sample: it takes an
-// undefined instruction, or (CONDYLE_HANGS) goes round in circles, or (CONDYLE_ERRS) says of its
-// estimate what is not so.
+// CONDYLE_FAILS_AT: the image of a test, whose filter fails at that sample, as its fail_node does;
+// where that comes back, the filter says of its estimate what is not so.
 #include <type_traits>
 
 #include "condyle/cortex_m/board.h"
 #include "condyle/firmware/estimator_node.h"
+
+#ifdef CONDYLE_FAILS_AT
+extern "C" void fail_node();
+#endif
 
 namespace condyle::cortex_m {
 namespace {
@@ -93,32 +96,20 @@ class Target final : public firmware::NodeTarget {
   void feed_watchdog() override { watchdog_feed(); }
 };
 
-#ifdef CONDYLE_FAULT_AFTER
+#ifdef CONDYLE_FAILS_AT
 template <class Sensor>
 class FailingSensor final : public Sensor {
  public:
   using Sensor::Sensor;
   typename Sensor::Estimate process(const Sample& sample, EventSet events) {
-    const bool fails = ++samples_ == CONDYLE_FAULT_AFTER;
-#ifdef CONDYLE_ERRS
+    const bool fails = ++samples_ == CONDYLE_FAILS_AT;
+    if (fails) fail_node();
     auto estimate = Sensor::process(sample, events);
     estimate.events.add(Event::position_frozen, fails);
     return estimate;
-#else
-    if (fails) fail();
-    return Sensor::process(sample, events);
-#endif
   }
 
  private:
-  [[gnu::noinline, maybe_unused]] static void fail() {
-#ifdef CONDYLE_HANGS
-    for (volatile bool forever = true; forever;) {
-    }
-#else
-    asm volatile("udf #0");
-#endif
-  }
   int samples_ = 0;
 };
 using Node = firmware::EstimatorNode<CONDYLE_SCALAR, FailingSensor>;

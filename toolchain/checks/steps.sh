@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+# The commands of toolchain/checks/steps, run in the project's folder. CONDYLE_TIER is check, full or
+# release. Exit status 77: skipped, for want of a tool.
+
+in_tier() { [[ " $* " = *" $CONDYLE_TIER "* ]]; }
+
+check_format() {
+  find estimator hal firmware host_sim tests \( -name '*.h' -o -name '*.cpp' \) -print0 |
+    xargs -0 -n 40 -P "$(nproc)" clang-format-14 --dry-run --Werror
+}
+
+build() {  # PRESET [TARGET...]
+  local options=()
+  if [ "$1" = release ]; then
+    if in_tier check; then options=(-D CONDYLE_VM_TESTS=OFF); else options=(-D CONDYLE_VM_TESTS=ON); fi
+  fi
+  cmake --preset "$1" "${options[@]}" >/dev/null
+  cmake --build --preset "$1" --parallel "$(nproc)" ${2:+--target "${@:2}"}
+}
+
+# Of the cores whose images run but are not measured: what runs.
+build_bare_metal() {
+  build cortex-m4f
+  build cortex-m7
+  if in_tier release; then build cortex-m7 day_of_estimates; fi
+  build cortex-m33 estimate_bytes board_behaviour_mps2_an505
+  build cortex-m55 estimate_bytes board_behaviour_mps3_an547
+}
+
+build_rtsan() {
+  command -v clang++-22 >/dev/null || { echo "skipped: clang++-22 is not installed (Debian 12 has none)"; exit 77; }
+  build rtsan
+}
+
+run_ctest() {  # PRESET NAME_OF_RESULTS [OPTION...]
+  ctest --preset "$1" --parallel "$(nproc)" --output-junit "$PWD/build/$1/$2.junit.xml" "${@:3}"
+}
+run_tests() {  # PRESET
+  local left_out=()
+  if in_tier release; then left_out=(--exclude-regex '^consistency_tests\.'); fi  # run_statistics
+  run_ctest "$1" tests --label-exclude '^vm$' "${left_out[@]}"
+}
+run_statistics() { run_ctest release statistics --tests-regex '^consistency_tests\.' --timeout 7200; }
+
+run_vm_tests() {  # ARCHITECTURE
+  run_ctest release "vm_$1" --label-regex '^vm$' --tests-regex "\.$1"
+}
+
+compare_builds() {  # PRESET...
+  local preset estimator
+  for preset in "$@"; do
+    for estimator in published recommended; do
+      "build/$preset/bin/condyle" replay host_sim/recordings/chewing_60hz.csv \
+        --estimator $estimator --out "build/$preset/$estimator.csv" >/dev/null
+      cmp "build/$1/$estimator.csv" "build/$preset/$estimator.csv"
+      echo "$preset, $estimator: $(sha256sum <"build/$preset/$estimator.csv")"
+    done
+  done
+}
+
+run_fuzzers() {
+  local seconds=15
+  if in_tier release; then seconds=600; fi
+  find tests/fuzz -name 'fuzz_*.cpp' | sed -E 's,.*/fuzz_(.*)\.cpp,\1,' | sort |
+    xargs -n 1 -P "$(nproc)" tests/fuzz/fuzz_for $seconds build/fuzz
+}
+
+# prove SCRIPT: it makes a folder, which is deleted where all went well.
+prove() {
+  local folder=build/prove_${1##*/}
+  [ "$(id -u)" -eq 0 ] || { echo "skipped: $1 needs root (chroot)"; exit 77; }
+  rm -rf --one-file-system "$folder"
+  "$1" "$folder"
+  rm -rf --one-file-system "$folder"
+}
+
+# Left out: what measures the program that this build is not, and what links outside of it.
+measure_coverage() {
+  local status=0 folder results=build/coverage/coverage.json
+  find build/coverage -name '*.gcda' -delete
+  run_ctest coverage tests --exclude-regex '^(instruction_counts|installed_package)$' || status=$?
+  gcovr --root . --object-directory build/coverage --exclude-throw-branches --exclude-unreachable-branches \
+    --filter '(estimator|hal|firmware|host_sim)/' -j "$(nproc)" --json $results build/coverage
+  echo "Coverage, lines and branches: a figure to know"
+  for folder in estimator hal firmware host_sim; do
+    gcovr --root . --add-tracefile $results --filter "$folder/" --print-summary --txt /dev/null |
+      sed -nE "s/^(lines|branches): (.*)/  $folder: \1 \2/p"
+  done
+  return $status
+}
