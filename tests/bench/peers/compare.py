@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 import tomllib
+import traceback
 
 import numpy as np
 
@@ -44,7 +45,7 @@ class Peer:
         except BrokenPipeError:
             answer = ""
         if not answer:
-            stop(f"the program of {self.label} ended, with code {self.process.wait()}")
+            stop(f"{self.label}: the program ended with code {self.process.wait()}")
         return answer
 
     def ns_per_sample(self, what):
@@ -76,6 +77,8 @@ def read_positions(path):
                     f"{path}, line {rows.line_num}: position_m is no finite number;"
                     " leave the row out, the peers know no missing samples"
                 )
+    if not positions_m:
+        stop(f"{path}: has no samples")
     return positions_m
 
 
@@ -109,10 +112,11 @@ def write_input(recording, parameters, path):
 
 
 def difference(found, expected, what):
-    """Greatest of all columns and samples, in units of the column's greatest value, and its column."""
+    """Greatest of all samples and columns, in units of the column's scale, and where it is."""
     if found.shape != expected.shape:
         return float("inf"), "number of results"
-    relative = np.abs(found - expected).max(axis=0) / np.abs(expected).max(axis=0)
+    scale = np.abs(expected).max(axis=0)
+    relative = np.abs(found - expected).max(axis=0) / np.where(scale > 0, scale, 1)
     relative = np.where(np.isfinite(relative), relative, np.inf)
     worst = int(relative.argmax())
     names = COLUMNS[what]
@@ -137,7 +141,11 @@ def compare(programs, recording, parameters, folder):
     input_path = folder / "input"
     samples = write_input(recording, parameters, input_path)
     condyle_program = [programs / "peer_condyle"]
-    condyle = Peer("condyle", condyle_program, input_path)
+    condyle = Peer(f"condyle, given {recording} and {parameters}", condyle_program, input_path)
+    expected = {what: condyle.estimates(what, folder) for what in COLUMNS}
+    for estimates in expected.values():
+        if len(estimates) != samples or not np.isfinite(estimates).all():
+            stop(f"{recording}: condyle has no finite estimate of each sample")
     peers = [
         Peer("condyle, all it reports", condyle_program, input_path, (None, "reported")),
         Peer("Eigen", [programs / "peer_eigen"], input_path),
@@ -148,14 +156,11 @@ def compare(programs, recording, parameters, folder):
     ]
     asked = {peer: [what for what in COLUMNS if peer.filters[what]] for peer in peers}
 
-    differences = {}
-    for what in COLUMNS:
-        expected = condyle.estimates(what, folder)
-        if len(expected) != samples or not np.isfinite(expected).all():
-            stop(f"condyle's {what} has no finite estimate of each sample")
-        for peer in peers:
-            if what in asked[peer]:
-                differences[peer, what] = difference(peer.estimates(what, folder), expected, what)
+    differences = {
+        (peer, what): difference(peer.estimates(what, folder), expected[what], what)
+        for peer in peers
+        for what in asked[peer]
+    }
 
     # Each peer beside a measurement of condyle right before it.
     times = {(peer, what): [] for peer in peers for what in asked[peer]}
@@ -201,4 +206,9 @@ def compare(programs, recording, parameters, folder):
     return 1 if failed else 0
 
 
-sys.exit(main())
+try:
+    code = main()
+except Exception:
+    traceback.print_exc()
+    code = 2  # 1 says that results differ
+sys.exit(code)

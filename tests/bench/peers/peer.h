@@ -50,8 +50,8 @@ inline Input read_input(const std::string& path) {
   const auto numbers = [&](const std::string& name, std::size_t count) {
     const std::vector<double>& found = lines[name];
     if (found.empty() || (count != 0 && found.size() != count)) {
-      throw std::runtime_error("the parameters must give " + name + ", " + std::to_string(count) +
-                               " numbers");
+      throw std::runtime_error("the parameters must give " + name +
+                               ", numbers: " + std::to_string(count));
     }
     return found;
   };
