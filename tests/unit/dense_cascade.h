@@ -115,6 +115,17 @@ class DenseCascade {
     return nis;
   }
 
+  /// Stage 1 alone, without checks.
+  void step_motion(Scalar z, Scalar T) {
+    if (started_) {
+      predict_motion(T);
+    } else {
+      motion.x[0] = z;
+    }
+    motion.template update<false>(Measured1(z));
+    started_ = true;
+  }
+
   DenseStage<Scalar, 1> motion;    ///< p (m), v (m/s), F (N)
   DenseStage<Scalar, 2> friction;  ///< p, v, kv (Ns/m)
   DenseStage<Scalar, 2> mass;      ///< p, v, m (kg)
