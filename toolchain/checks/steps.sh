@@ -12,7 +12,11 @@ check_format() {
 build() {  # PRESET [TARGET...]
   local options=()
   if [ "$1" = release ]; then
-    if in_tier check; then options=(-D CONDYLE_VM_TESTS=OFF); else options=(-D CONDYLE_VM_TESTS=ON); fi
+    case $CONDYLE_TIER in
+      check) options=(-D CONDYLE_VM_TESTS=OFF) ;;
+      full) options=(-D CONDYLE_VM_TESTS=ON -D CONDYLE_BOX_REPORTS=4000) ;;
+      release) options=(-D CONDYLE_VM_TESTS=ON -D CONDYLE_BOX_REPORTS=100000) ;;
+    esac
   fi
   cmake --preset "$1" "${options[@]}" >/dev/null
   cmake --build --preset "$1" --parallel "$(nproc)" ${2:+--target "${@:2}"}
@@ -35,12 +39,15 @@ build_rtsan() {
 run_ctest() {  # PRESET NAME_OF_RESULTS [OPTION...]
   ctest --preset "$1" --parallel "$(nproc)" --output-junit "$PWD/build/$1/$2.junit.xml" "${@:3}"
 }
+# In the release tier the long ones are run_statistics'.
 run_tests() {  # PRESET
   local left_out=()
-  if in_tier release; then left_out=(--exclude-regex '^consistency_tests\.'); fi  # run_statistics
+  if in_tier release; then left_out=(--exclude-regex '^consistency_tests\.'); fi
   run_ctest "$1" tests --label-exclude '^vm$' "${left_out[@]}"
 }
 run_statistics() { run_ctest release statistics --tests-regex '^consistency_tests\.' --timeout 7200; }
+# Memory and threads are the same in short tests.
+run_short_tests() { CONDYLE_TIER=check run_tests "$1"; }  # PRESET
 
 run_vm_tests() {  # ARCHITECTURE
   run_ctest release "vm_$1" --label-regex '^vm$' --tests-regex "\.$1"
@@ -78,7 +85,7 @@ prove() {
 measure_coverage() {
   local status=0 folder results=build/coverage/coverage.json
   find build/coverage -name '*.gcda' -delete
-  run_ctest coverage tests --exclude-regex '^(instruction_counts|installed_package)$' || status=$?
+  CONDYLE_TIER=check run_ctest coverage tests --exclude-regex '^(instruction_counts|installed_package)$' || status=$?
   gcovr --root . --object-directory build/coverage --exclude-throw-branches --exclude-unreachable-branches \
     --filter '(estimator|hal|firmware|host_sim)/' -j "$(nproc)" --json $results build/coverage
   echo "Coverage, lines and branches: a figure to know"
