@@ -45,7 +45,7 @@ run_tests() {  # PRESET
   if in_tier release; then left_out=(--exclude-regex '^consistency_tests\.'); fi
   run_ctest "$1" tests --label-exclude '^vm$' "${left_out[@]}"
 }
-run_statistics() { run_ctest release statistics --tests-regex '^consistency_tests\.' --timeout 7200; }
+run_statistics() { run_ctest release statistics --tests-regex '^consistency_tests\.'; }
 # Memory and threads are the same in short tests.
 run_short_tests() { CONDYLE_TIER=check run_tests "$1"; }  # PRESET
 
