@@ -111,7 +111,7 @@ finish_step() {  # JOB STATUS
   seconds_of[$name]=$(printf '%8.1f s %8.1f s CPU' "$wall_s" "$cpu_s")
   printf '== %s: %s, %s\n' "$name" "${state[$name]}" "$(xargs <<<"${seconds_of[$name]}")"
   printf '%s\t%s\t%s\t%s\t%s\t%s\n' "$run" "$tier" "$name" "${state[$name]}" "$wall_s" "$cpu_s" >>"$times_file"
-  if [ "$tier" = release ] && [ "${state[$name]}" = passed ]; then
+  if [ "$tier" = release ] && [ "${state[$name]}" = passed ] && [ "${subject_of[$name]}" != - ]; then
     if [ "$(key_of_files)" = "$key" ]; then
       echo "$key" >"$stamp_folder/$name"
     else
@@ -165,13 +165,19 @@ run_steps() {
 }
 
 print_summary() {
-  local name before=false
+  local name before=false skipped=()
   printf '\n== %s, the tier %s:\n' "$(clock)" "$tier"
   for name in "${names[@]}"; do
     [ -n "${state[$name]:-}" ] || continue
     printf '%-24s %-24s %s\n' "$name" "${seconds_of[$name]:-}" "${state[$name]}"
-    [ "${state[$name]}" != "passed before" ] || before=true
+    case "${state[$name]}" in "passed before") before=true ;; skipped*) skipped+=("$name") ;; esac
   done
   ! $before || echo "Passed before: with these files already; --force runs them again."
-  if $failed; then echo "== FAILED; the output of each step is in $log_folder"; else echo "== all checks passed"; fi
+  if $failed; then
+    echo "== FAILED; the output of each step is in $log_folder"
+  elif [ ${#skipped[@]} -gt 0 ]; then
+    echo "== no check failed; skipped: ${skipped[*]}"
+  else
+    echo "== all checks passed"
+  fi
 }
