@@ -2,7 +2,6 @@
 #include "box/http_client.h"
 
 #include <arpa/inet.h>
-#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -42,9 +41,15 @@ bool Connection::send(const std::string& bytes) const {
   return true;
 }
 
-std::string Connection::receive(double patience_s) const {
-  pollfd waiting{socket_, POLLIN, 0};
-  if (poll(&waiting, 1, static_cast<int>(1e3 * patience_s)) <= 0) return {};
+void Connection::end_sending() const {
+  shutdown(socket_, SHUT_WR);
+}
+
+void Connection::end() const {
+  shutdown(socket_, SHUT_RDWR);
+}
+
+std::string Connection::receive() const {
   std::string bytes(65'536, '\0');
   const ssize_t count = recv(socket_, bytes.data(), bytes.size(), 0);
   bytes.resize(count > 0 ? static_cast<std::size_t>(count) : 0);

@@ -19,8 +19,12 @@ class Connection {
   bool is_open() const { return socket_ >= 0; }
   /// False where the other end takes no more.
   bool send(const std::string& bytes) const;
-  /// Whatever comes next, up to 64 KiB; "" at the end, and after `patience_s` without anything.
-  std::string receive(double patience_s = 10) const;
+  /// Nothing more will be sent; the other end may still answer.
+  void end_sending() const;
+  /// Nothing more will be sent or received.
+  void end() const;
+  /// Whatever comes next, up to 64 KiB; "" at the end.
+  std::string receive() const;
   /// With a reset, as a program that is killed does it.
   void abort();
 
@@ -52,8 +56,10 @@ class EventStream {
     std::uint64_t id = 0;
     std::string data;
   };
-  /// The next one; false at the end, or after ten seconds without any.
+  /// The next one; false at the end.
   bool next(Event& event);
+  /// Ends it; another thread may be in `next`.
+  void end() const { connection_.end(); }
 
  private:
   bool read_line(std::string& line);

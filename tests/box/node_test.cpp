@@ -8,8 +8,11 @@
 
 #include "box/running_box.h"
 #include "box/socket_node.h"
+#include "box/stream_reader.h"
+#include "box/synthetic_source.h"
 #include "replay/command.h"
 #include "replay/table.h"
+#include "session_log/session.h"
 
 namespace condyle::box {
 namespace {
@@ -18,6 +21,7 @@ using testing::HasSubstr;
 using testing_support::EventStream;
 using testing_support::post;
 using testing_support::SocketNode;
+using testing_support::StreamReader;
 using testing_support::wait_for;
 using Json = nlohmann::json;
 
@@ -40,13 +44,13 @@ class BoxNode : public testing::Test {
   }
   // By their numbers.
   using Lines = std::map<std::int64_t, Json>;
-  static Lines second_run(EventStream& stream) {
-    Lines lines;
-    EXPECT_TRUE(next(stream, [&lines](const Json& line) {
+  // Takes those of the second run.
+  static auto take_second_run(Lines& lines) {
+    return [&lines](const EventStream::Event& event) {
+      const Json line = Json::parse(event.data, nullptr, false);
       if (line["run"] == 2 && line.contains("number")) lines.emplace(line["number"], line);
-      return line["run"] == 3;
-    }));
-    return lines;
+      return line["run"] != 3;
+    };
   }
   // Every number that went out is in the replay of the recording, bit for bit, and no other.
   void expect_replay(const Lines& live, const std::string& log, std::size_t least_rows) const {
@@ -63,37 +67,43 @@ class BoxNode : public testing::Test {
       }
     }
   }
-  // A session of `duration` is recorded, and then played; to `mute`, where it is given, which is
-  // silent from then on.
-  void play(testing_support::RunningBox& player, std::chrono::milliseconds duration,
-            SocketNode* mute = nullptr) {
-    running_.start();
-    ASSERT_TRUE(running_.is_estimating());
-    ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
-    std::this_thread::sleep_for(duration);
-    const auto stopped = post(running_.port, "/v1/session/stop", "{}");
-    ASSERT_EQ(stopped.status, 200);
-    running_.stop();
-    if (mute != nullptr) mute->is_mute = true;
-    player.configuration.facebow = {"facebow", SourceSettings::Kind::file,
-                                    Json::parse(stopped.body)["done"], ""};
-    player.configuration.node = "unix:" + path_;
-    player.configuration.priority = 0;
-    player.configuration.lag = 5;
-    player.start();
+  // A recording of so many reports, 500 a second, is to be played.
+  void play_recording(int reports) {
+    const std::string path = running_.folder / "played.mcap";
+    hal::ManualClock clock;
+    hal::SessionHeader header = testing_support::make_header();
+    header.start_monotonic_ns = clock.now_ns();
+    header.sources[0].profile_toml =
+        testing_support::read_file(running_.configuration.facebow.file);
+    header.sources[0].report_descriptor.clear();
+    hal::SessionLogWriter log;
+    ASSERT_EQ(log.open(path, header), hal::SessionLogFailure::none);
+    SyntheticSource source(500, clock);
+    ASSERT_EQ(source.open(), hal::Status::ok);
+    hal::RawReport report;
+    for (int i = 0; i < reports; ++i) {
+      ASSERT_EQ(source.read(hal::kNoDeadline, report), hal::Status::ok);
+      ASSERT_TRUE(log.write(0, report));
+    }
+    ASSERT_EQ(log.close(), hal::SessionLogFailure::none);
+    running_.configuration.facebow = {"facebow", SourceSettings::Kind::file, path, ""};
+    running_.configuration.lag = 5;
+  }
+  // Reports that have neither an estimate nor been counted otherwise.
+  static std::int64_t open_reports(const Json& status) {
+    return status["device"]["reports_received"].get<std::int64_t>() -
+           status["estimator"]["estimates"].get<std::int64_t>() -
+           status["node"]["reports_not_sent"].get<std::int64_t>() -
+           status["node"]["reports_lost"].get<std::int64_t>() -
+           status["node"]["reports_without_estimate"].get<std::int64_t>();
   }
   // When every report has an estimate or is counted.
   static Json status_when_whole(const testing_support::RunningBox& box) {
     Json status;
-    const auto is_whole = [&] {
+    EXPECT_TRUE(wait_for([&] {
       status = box.status();
-      const std::int64_t told = status["estimator"]["estimates"].get<std::int64_t>() +
-                                status["node"]["reports_not_sent"].get<std::int64_t>() +
-                                status["node"]["reports_lost"].get<std::int64_t>() +
-                                status["node"]["reports_without_estimate"].get<std::int64_t>();
-      return status["device"]["reports_received"] == told;
-    };
-    EXPECT_TRUE(wait_for(is_whole)) << status;
+      return open_reports(status) == 0;
+    })) << status;
     return status;
   }
   // An absence is neither.
@@ -104,15 +114,17 @@ class BoxNode : public testing::Test {
 
   testing_support::TemporaryFolder sockets_;
   const std::string path_ = sockets_ / "node";
-  testing_support::RunningBox running_;
+  testing_support::RunningBox running_{2};
 };
 
 TEST_F(BoxNode, ItsEstimatesAreThoseOfTheReplay) {
-  const SocketNode node(path_);
+  const SocketNode node(path_, running_.clock);
   running_.configuration.lag = 3;
   running_.start();
   ASSERT_TRUE(running_.is_estimating());
   EventStream stream(running_.port);
+  Lines live;
+  StreamReader reader(stream, take_second_run(live));
   ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
   Json status;
   EXPECT_TRUE(wait_for([&] {
@@ -122,7 +134,7 @@ TEST_F(BoxNode, ItsEstimatesAreThoseOfTheReplay) {
   })) << status;
   const auto stopped = post(running_.port, "/v1/session/stop", "{}");
   ASSERT_EQ(stopped.status, 200);
-  const Lines live = second_run(stream);
+  ASSERT_TRUE(reader.wait());
   expect_replay(live, Json::parse(stopped.body)["done"], 1000);
   EXPECT_EQ(live.at(1)["node"]["connection"], 1);
   EXPECT_GT(live.at(500)["node"]["delay_s"], 0.0);
@@ -139,7 +151,7 @@ TEST_F(BoxNode, ItsEstimatesAreThoseOfTheReplay) {
 
 // Reports of the run that ended are still on their way when the next one has begun.
 TEST_F(BoxNode, OneThatIsBehindEstimatesTheWholeRun) {
-  SocketNode node(path_);
+  SocketNode node(path_, running_.clock);
   running_.configuration.lag = 3;
   running_.start();
   ASSERT_TRUE(running_.is_estimating());
@@ -147,13 +159,22 @@ TEST_F(BoxNode, OneThatIsBehindEstimatesTheWholeRun) {
   ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
   const auto first = next(stream, [](const Json& line) { return line["run"] == 2; });
   ASSERT_TRUE(first);
-  node.delay_ns = 5'000'000;
-  EXPECT_TRUE(wait_for([&] { return running_.status()["session"]["reports_written"] > 300; }));
+  Lines live;
+  live.emplace((*first)["number"], *first);
+  StreamReader reader(stream, take_second_run(live));
+  // It lags by 0.6 s, of the two seconds after which reports are not sent any more.
+  running_.waits_for_node = false;
+  running_.pause_after(600'000'000);
+  node.is_mute = true;
+  EXPECT_TRUE(wait_for([&] { return open_reports(running_.status()) > 200; }));
   const auto stopped = post(running_.port, "/v1/session/stop", "{}");
   ASSERT_EQ(stopped.status, 200);
-  Lines live = second_run(stream);
-  live.emplace((*first)["number"], *first);
-  expect_replay(live, Json::parse(stopped.body)["done"], 300);
+  EXPECT_GT(open_reports(running_.status()), 200);
+  node.is_mute = false;
+  running_.waits_for_node = true;
+  running_.go_on();
+  ASSERT_TRUE(reader.wait());
+  expect_replay(live, Json::parse(stopped.body)["done"], 200);
   EXPECT_EQ(node_status()["reports_lost"], 0);
 }
 
@@ -166,7 +187,7 @@ TEST_F(BoxNode, OneThatGoesAwayIsSaidAndComesBack) {
     return node_status()["problem"].get<std::string>().starts_with("[estimator] node unix:");
   })) << node_status();
 
-  auto node = std::make_unique<SocketNode>(path_);
+  auto node = std::make_unique<SocketNode>(path_, running_.clock);
   const auto is_estimate = [](const Json& line) { return line.contains("number"); };
   const auto first = next(stream, is_estimate);
   ASSERT_TRUE(first);
@@ -187,11 +208,11 @@ TEST_F(BoxNode, OneThatGoesAwayIsSaidAndComesBack) {
     return is_absence(line);
   })) << "a second later";
   EXPECT_EQ(running_.box->status().counts.estimates, estimates);
-  EXPECT_GT(node_status()["reports_not_sent"], 100);
+  EXPECT_TRUE(wait_for([&] { return node_status()["reports_not_sent"] > 100; }));
   ASSERT_EQ(post(running_.port, "/v1/session/start", "{}").status, 200);
   ASSERT_TRUE(next(stream, [](const Json& line) { return is_absence(line) && line["run"] == 2; }));
 
-  node = std::make_unique<SocketNode>(path_);
+  node = std::make_unique<SocketNode>(path_, running_.clock);
   const auto again = next(stream, is_estimate);
   ASSERT_TRUE(again);
   EXPECT_EQ((*again)["node"]["connection"], 2);
@@ -201,28 +222,33 @@ TEST_F(BoxNode, OneThatGoesAwayIsSaidAndComesBack) {
 }
 
 TEST_F(BoxNode, EstimatesThatAreLateAreSaidToBe) {
-  SocketNode node(path_);
-  running_.configuration.node_late_ns = 50'000'000;
+  SocketNode node(path_, running_.clock);
+  running_.configuration.node_late_ns = 200'000'000;
   running_.start();
   ASSERT_TRUE(running_.is_estimating());
   EventStream stream(running_.port);
-  node.delay_ns = 100'000'000;
+  running_.waits_for_node = false;
+  node.delay_ns = 400'000'000;
   const auto late = next(stream, [](const Json& line) { return is_late(line, true); });
   ASSERT_TRUE(late);
-  EXPECT_GT((*late)["node"]["delay_s"], 0.05);
+  EXPECT_GT((*late)["node"]["delay_s"], 0.2);
   EXPECT_GT(node_status()["estimates_late"], 0);
   // What it is too slow for is not sent, rather than ever later.
   EXPECT_TRUE(wait_for([&] { return node_status()["reports_not_sent"] > 0; }));
   node.delay_ns = 0;
+  running_.waits_for_node = true;
   ASSERT_TRUE(next(stream, [](const Json& line) { return is_late(line, false); }));
   EXPECT_EQ(node_status()["connections"], 1);
 }
 
 TEST_F(BoxNode, OneThatIsSilentIsSaidToBe) {
-  SocketNode node(path_);
+  SocketNode node(path_, running_.clock);
   running_.start();
   ASSERT_TRUE(running_.is_estimating());
   EventStream stream(running_.port);
+  // More than a second, after which that is said, and less than two, after which reports are lost.
+  running_.waits_for_node = false;
+  running_.pause_after(1'500'000'000);
   node.is_mute = true;
   ASSERT_TRUE(next(stream, is_absence));
   EXPECT_EQ(node_status()["silent"], true);
@@ -230,13 +256,15 @@ TEST_F(BoxNode, OneThatIsSilentIsSaidToBe) {
   EXPECT_EQ(node_status()["connected"], true);
   EXPECT_EQ(running_.status()["estimator"]["estimating"], false);
   node.is_mute = false;
+  running_.waits_for_node = true;
+  running_.go_on();
   ASSERT_TRUE(next(stream, [](const Json& line) { return is_late(line, false); }));
   EXPECT_TRUE(wait_for([&] { return running_.status()["estimator"]["estimating"] == true; }));
   EXPECT_EQ(node_status()["silences"], 1);
 }
 
 TEST_F(BoxNode, OneThatIsCutOffIsConnectedAgain) {
-  SocketNode node(path_);
+  SocketNode node(path_, running_.clock);
   running_.start();
   ASSERT_TRUE(running_.is_estimating());
   for (int losses = 1; losses <= 3; ++losses) {
@@ -249,30 +277,39 @@ TEST_F(BoxNode, OneThatIsCutOffIsConnectedAgain) {
 
 // A recording is played, and the line is cut again and again.
 TEST_F(BoxNode, EveryReportHasAnEstimateOrIsCounted) {
-  SocketNode node(path_);
-  testing_support::RunningBox player;
-  ASSERT_NO_FATAL_FAILURE(play(player, std::chrono::seconds(4)));
-  for (int i = 0; i < 3; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  SocketNode node(path_, running_.clock);
+  ASSERT_NO_FATAL_FAILURE(play_recording(2500));
+  running_.start();
+  for (int losses = 1; losses <= 3; ++losses) {
+    // Less than a third of the recording.
+    running_.pause_after(1'500'000'000);
+    ASSERT_TRUE(wait_for([&] { return running_.status()["estimator"]["estimating"] == true; }));
+    running_.waits_for_node = false;
     node.is_mute = true;  // so that there is no answer to some
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    ASSERT_TRUE(wait_for([&] { return open_reports(running_.status()) > 20; }));
     node.cut();
     node.is_mute = false;
+    ASSERT_TRUE(wait_for([&] { return node_status()["losses"] == losses; }));
+    running_.waits_for_node = true;
   }
-  ASSERT_TRUE(wait_for([&] { return player.status()["device"]["ended"] == true; }));
-  const Json status = status_when_whole(player);
-  EXPECT_GE(status["node"]["losses"], 2);
+  running_.go_on();
+  ASSERT_TRUE(wait_for([&] { return running_.status()["device"]["ended"] == true; }));
+  const Json status = status_when_whole(running_);
+  EXPECT_EQ(status["node"]["losses"], 3);
   EXPECT_GT(status["node"]["reports_lost"], 0);
 }
 
 // It is greeted for longer than the recording takes.
 TEST_F(BoxNode, OneThatComesAfterTheEndOfARecordingGetsWhatIsLeft) {
-  SocketNode node(path_);
-  testing_support::RunningBox player;
-  ASSERT_NO_FATAL_FAILURE(play(player, std::chrono::milliseconds(300), &node));
-  ASSERT_TRUE(wait_for([&] { return player.status()["device"]["ended"] == true; }));
+  SocketNode node(path_, running_.clock);
+  ASSERT_NO_FATAL_FAILURE(play_recording(150));
+  node.is_mute = true;
+  running_.start();
+  running_.pause_after(1'000'000'000);
+  ASSERT_TRUE(wait_for([&] { return running_.status()["device"]["ended"] == true; }));
   node.is_mute = false;
-  const Json status = status_when_whole(player);
+  running_.go_on();
+  const Json status = status_when_whole(running_);
   EXPECT_EQ(status["node"]["losses"], 0);
   EXPECT_EQ(status["node"]["reports_lost"], 0);
 }

@@ -21,8 +21,8 @@ namespace condyle::testing_support {
 /// gone.
 class SocketNode {
  public:
-  explicit SocketNode(const std::string& path)
-      : path_(path), socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  SocketNode(const std::string& path, hal::Clock& clock)
+      : path_(path), clock_(clock), socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     path.copy(address.sun_path, sizeof address.sun_path - 1);
@@ -99,8 +99,8 @@ class SocketNode {
   }
 
   std::string path_;
+  hal::Clock& clock_;
   int socket_;
-  hal::SteadyClock clock_;
   std::atomic<int> connection_ = -1;
   std::atomic<bool> stops_ = false;
   std::thread thread_;

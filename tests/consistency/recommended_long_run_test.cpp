@@ -7,16 +7,18 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <cstdlib>
 #include <iostream>
 
 #include "condyle/estimator/recommended_estimator.h"
 #include "consistency/random.h"
+#include "support/tier.h"
 
 namespace condyle {
 namespace {
 
 using testing_support::Random;
+using testing_support::Tier;
+using testing_support::tier_is_at_least;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(NDEBUG)
 constexpr bool kIsSlowBuild = true;
@@ -78,8 +80,7 @@ TEST(RecommendedLongRun, AMillionStepsInFloat) {
 }
 
 TEST(RecommendedLongRun, TenMillionStepsInFloat) {
-  const char* slow = std::getenv("CONDYLE_SLOW_TESTS");
-  if (slow == nullptr || std::string(slow) != "1") GTEST_SKIP() << "set CONDYLE_SLOW_TESTS=1";
+  if (!tier_is_at_least(Tier::full)) GTEST_SKIP() << "set CONDYLE_TIER=full";
   if (kIsSlowBuild) GTEST_SKIP() << "only where optimised: here it would take minutes";
   expect_float_is_double(10'000'000);
 }

@@ -17,7 +17,8 @@ class BackEnd : public FakeFacebow {
   Played play_closing(std::vector<std::string> options) const {
     options.insert(options.end(), {"--rate-Hz", "1000", "--count", "100000"});
     std::vector<std::string> program = GetParam().program;
-    program.insert(program.end(), {std::to_string(kClosings * kEach), "60", std::to_string(kEach)});
+    program.insert(program.end(),
+                   {std::to_string(kClosings * kEach), kGuard_s, std::to_string(kEach)});
     return play(personality(), options, program);
   }
   static void expect_counted(const Played& played) {

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starts condyle-box, records a session through its HTTP interface until no more reports come, and
-// prints its last status and how its memory grew as one line of JSON.
-// usage: drive_box CONDYLE_BOX CONFIGURATION IDLE_S
-// The configuration lets the box choose its port. Exit: the box's, or 3 where it did not do as
-// told.
+// Starts condyle-box, records a session through its HTTP interface until no reports have come for
+// IDLE_S; prints the box's last status and how its memory grew as one line of JSON.
+// usage: drive_box CONDYLE_BOX CONFIGURATION [IDLE_S]
+// Without IDLE_S, stops itself (SIGSTOP) once the session has begun, and ends when it is
+// interrupted (SIGINT). The configuration lets the box choose its port. Exit: the box's, or 3 where
+// it did not do as told.
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -26,7 +28,10 @@ using namespace condyle::testing_support;
 using Json = nlohmann::json;
 
 constexpr int kExitNotAsTold = 3;
+constexpr double kPeriod_s = 0.1;
 constexpr std::int64_t kReportsToSettle = 30'000;  // by then everything that grows has grown
+
+volatile std::sig_atomic_t is_interrupted = 0;
 
 void sleep_s(double time_s) {
   std::this_thread::sleep_for(std::chrono::duration<double>(time_s));
@@ -53,13 +58,15 @@ class BoxProgram {
         if (const char* const port = std::strstr(line, " port ")) port_ = std::atoi(port + 6);
       }
       std::fclose(file);
+      has_ended_ = true;
     });
   }
 
   std::uint16_t port() const {
-    for (int i = 0; i < 2000 && port_ == 0; ++i) sleep_s(0.01);
+    while (port_ == 0 && !has_ended_) sleep_s(0.01);
     return static_cast<std::uint16_t>(port_);
   }
+  bool has_ended() const { return has_ended_; }
   // Bytes in RAM.
   std::int64_t memory_bytes() const {
     std::ifstream file("/proc/" + std::to_string(process_) + "/statm");
@@ -78,6 +85,7 @@ class BoxProgram {
  private:
   pid_t process_ = -1;
   std::atomic<int> port_ = 0;
+  std::atomic<bool> has_ended_ = false;
   std::thread reader_;
 };
 
@@ -85,24 +93,34 @@ Json status_of(std::uint16_t port) {
   return Json::parse(get(port, "/v1/status").body, nullptr, false);
 }
 
+bool has_estimates_to_publish(const Json& status) {
+  const std::int64_t estimates = status["estimator"]["estimates"];
+  const std::int64_t published = status["outlets"]["published"],
+                     dropped = status["outlets"]["dropped"];
+  return published + dropped < estimates;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
-    std::fprintf(stderr, "usage: drive_box CONDYLE_BOX CONFIGURATION IDLE_S\n");
+  if (argc != 3 && argc != 4) {
+    std::fprintf(stderr, "usage: drive_box CONDYLE_BOX CONFIGURATION [IDLE_S]\n");
     return 2;
   }
-  const double idle_s = std::strtod(argv[3], nullptr);
+  const double idle_s = argc > 3 ? std::strtod(argv[3], nullptr) : HUGE_VAL;
+  std::signal(SIGINT, [](int) { is_interrupted = 1; });
   BoxProgram program(argv[1], argv[2]);
   const std::uint16_t port = program.port();
+  // Until the facebow is found.
   bool is_as_told = false;
-  for (int i = 0; i < 1000 && !is_as_told; ++i) {
+  while (!is_as_told && !program.has_ended()) {
     is_as_told = post(port, "/v1/session/start", R"({"subject":"HIL"})").status == 200;
     if (!is_as_told) sleep_s(0.02);
   }
+  if (is_as_told && argc == 3) raise(SIGSTOP);
   std::int64_t received = 0, settled_bytes = 0, last_bytes = 0;
-  for (double silent_s = 0; is_as_told && silent_s < idle_s;) {
-    sleep_s(0.1);
+  for (double silent_s = 0; is_as_told && is_interrupted == 0 && silent_s < idle_s;) {
+    sleep_s(kPeriod_s);
     const Json status = status_of(port);
     if (!status.is_object()) {
       is_as_told = false;
@@ -110,13 +128,17 @@ int main(int argc, char** argv) {
     }
     const std::int64_t now = status["device"]["reports_received"];
     // Before the first one the device is still being plugged in.
-    silent_s = now == received && now > 0 ? silent_s + 0.1 : 0;
+    silent_s = now == received && now > 0 ? silent_s + kPeriod_s : 0;
     received = now;
     last_bytes = program.memory_bytes();
     if (received >= kReportsToSettle && settled_bytes == 0) settled_bytes = last_bytes;
   }
   is_as_told = is_as_told && post(port, "/v1/session/stop", "{}").status == 200;
   Json status = status_of(port);
+  while (is_as_told && has_estimates_to_publish(status)) {
+    sleep_s(0.01);
+    status = status_of(port);
+  }
   const int exit_code = program.end();
   status["grown_bytes"] = settled_bytes > 0 ? last_bytes - settled_bytes : 0;
   std::printf("%s\n", status.dump().c_str());

@@ -67,6 +67,7 @@ MockNames hidraw_names(unsigned plug, const std::string& serial) {
   add_usb(names, plug, serial);
   const std::string hid = fmt::format("0003:{:04X}:{:04X}.{:04X}", kVendorId, kProductId, plug + 1);
   const std::string hid_path = names.paths.back() + "/" + hid;
+  names.identity = hid_path + "/uevent";
   add(names, hid_path,
       fmt::format("E: SUBSYSTEM=hid\nE: DRIVER=hid-generic\nE: HID_ID=0003:{:08X}:{:08X}\n"
                   "E: HID_NAME={} {}\nE: HID_PHYS=usb-0000:00:14.0-1/input0\nE: HID_UNIQ={}\n"

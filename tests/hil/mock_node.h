@@ -16,6 +16,7 @@ struct MockNames {
   std::string node;                  ///< "/dev/..."
   std::vector<std::string> devices;  ///< umockdev's descriptions, the outermost first
   std::vector<std::string> paths;    ///< their paths below /sys, in the same order
+  std::string identity;  ///< hidraw's: file below /sys with serial number, for who lists devices
 };
 
 /// Completes a client's call: with a result, or -1 and an errno.
@@ -43,7 +44,10 @@ class MockNode {
 
   virtual const MockNames& names() const = 0;
   /// A client opened it.
-  void open() { ++clients_; }
+  void open() {
+    ++clients_;
+    greet();
+  }
   /// A client closed it.
   void close() {
     if (--clients_ == 0) forget();
@@ -57,15 +61,18 @@ class MockNode {
   virtual void send(const host::fake::Packet& packet) = 0;
   virtual bool is_read() const = 0;
   virtual bool is_taken() const = 0;
-  /// The device has gone: calls fail, what was on its way is lost.
+  /// The device has gone: calls fail, what was on its way is lost. Its node cannot be opened any
+  /// more.
   virtual void unplug() = 0;
-  /// Whoever waits for the device learns it, too. Later, because the node cannot be opened then.
+  /// Whoever waits for the device learns it, too.
   void hang_up() { gate_.hang_up(); }
 
   const PtyGate& gate() const { return gate_; }
+  bool is_open() const { return clients_ > 0; }
 
  protected:
-  bool is_open() const { return clients_ > 0; }
+  /// After each opening.
+  virtual void greet() {}
 
   host::fake::ReportQueue& queue_;
   PtyGate gate_;

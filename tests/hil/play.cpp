@@ -34,7 +34,7 @@ int repeats() {
 }
 
 Played play(const std::string& personality, const std::vector<std::string>& options,
-            const std::vector<std::string>& program, int longest_s) {
+            const std::vector<std::string>& program) {
   // umockdev's library is loaded before the address sanitizer's, which minds.
   std::string command =
       "ASAN_OPTIONS=\"verify_asan_link_order=0:$ASAN_OPTIONS\" "
@@ -42,7 +42,7 @@ Played play(const std::string& personality, const std::vector<std::string>& opti
       testing_support::source_path("/tests/hil/thread_sanitizer.txt") +
       ":$TSAN_OPTIONS\" "
       "timeout -k 5 " +
-      std::to_string(longest_s) + " umockdev-wrapper " +
+      std::string(kGuard_s) + " umockdev-wrapper " +
       quoted(testing_support::program_path("umockdev_facebow")) + " " + personality;
   for (const std::string& option : options) command += " " + quoted(option);
   command += " --";

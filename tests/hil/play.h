@@ -13,7 +13,7 @@ namespace condyle::hil {
 
 /// What a run of a program over the fake facebow left.
 struct Played {
-  int exit_code = -1;              ///< the program's; 127: not started; 124: it took too long
+  int exit_code = -1;              ///< the program's; 127: not started; 124: it hung
   std::string text;                ///< all that was printed
   nlohmann::json reader, account;  ///< the lines of JSON they printed
 
@@ -31,13 +31,16 @@ struct Played {
 /// A script with every fault of the fake facebow.
 inline const std::string kAllFaults = testing_support::source_path("/tests/hil/all_faults.toml");
 
+/// A time limit, in seconds, that only a program that hangs reaches.
+inline constexpr const char* kGuard_s = "1000";
+
 /// True where umockdev's programs are installed.
 bool has_umockdev();
 
 /// Runs `program` (with its arguments) over the fake facebow with `personality` "hidraw" or
-/// "libusb" and the options of umockdev_facebow, for at most `longest_s`.
+/// "libusb" and the options of umockdev_facebow. Ends it where it hangs.
 Played play(const std::string& personality, const std::vector<std::string>& options,
-            const std::vector<std::string>& program, int longest_s = 120);
+            const std::vector<std::string>& program);
 
 /// How often tests of what chance may change are to be repeated: CONDYLE_HIL_REPEATS, or 1.
 int repeats();

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The plainest reader of the fake facebow through hidapi, independent of condyle's own.
-// usage: read_hidapi LAST_COUNTER LIMIT_S [PAUSE_AT_REPORT PAUSE_MS]
+// usage: read_hidapi LAST_COUNTER LIMIT_S [STOP_AT_REPORT]
+// STOP_AT_REPORT: stops itself (SIGSTOP) after so many.
 #include <hidapi/hidapi.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -36,9 +38,7 @@ int main(int argc, char** argv) {
   if (argc < 3 || hid_init() != 0) return 2;
   const Goal goal(static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10)),
                   std::strtod(argv[2], nullptr));
-  const std::uint64_t pause_at = argc > 4 ? std::strtoull(argv[3], nullptr, 10) : 0;
-  const auto pause_us =
-      static_cast<useconds_t>(argc > 4 ? 1000 * std::strtoul(argv[4], nullptr, 10) : 0);
+  const std::uint64_t stop_at = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 0;
   Tally tally;
   while (!goal.is_reached(tally)) {
     hid_device* const device = open_first();
@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
       std::uint8_t bytes[64];
       size = hid_read_timeout(device, bytes, sizeof bytes, 50);
       if (size > 0) tally.take(bytes, static_cast<std::size_t>(size));
-      if (size > 0 && pause_us > 0 && tally.intact == pause_at) usleep(pause_us);
+      if (size > 0 && stop_at > 0 && tally.intact == stop_at) raise(SIGSTOP);
     }
     if (size < 0) ++tally.disconnections;
     hid_close(device);

@@ -66,12 +66,7 @@ int read(Source& source, hal::Clock& clock, const char* name, const Goal& goal,
 }
 
 int list() {
-  hal::SteadyClock clock;
-  auto devices = hal::list_hid_devices();
-  for (int i = 0; i < 1000 && devices.empty(); ++i) {  // it may not be plugged in yet
-    clock.sleep_until(clock.now_ns() + 10'000'000);
-    devices = hal::list_hid_devices();
-  }
+  const auto devices = hal::list_hid_devices();
   if (devices.empty()) return 1;
   const hal::HidDevice& device = devices.front();
   std::printf(

@@ -46,13 +46,14 @@ class FakeFacebow : public testing::TestWithParam<Reader> {
   std::string personality() const { return GetParam().personality; }
   bool is_usb() const { return personality() == "libusb"; }
 
-  /// Plays so many reports to a reader that stops at the last, which is spared by all faults.
+  /// Plays so many reports to a reader that stops at the last, which is spared by all faults. The
+  /// device stays until then.
   Played play_reports(std::int64_t count, std::vector<std::string> options,
                       std::int64_t counter_jumps = 0,
                       const std::vector<std::string>& reader_options = {}) const {
-    options.insert(options.end(), {"--count", std::to_string(count), "--linger-s", "0.1"});
+    options.insert(options.end(), {"--count", std::to_string(count), "--linger-s", kGuard_s});
     std::vector<std::string> program = GetParam().program;
-    program.insert(program.end(), {std::to_string(count - 1 + counter_jumps), "60"});
+    program.insert(program.end(), {std::to_string(count - 1 + counter_jumps), kGuard_s});
     program.insert(program.end(), reader_options.begin(), reader_options.end());
     return play(personality(), options, program);
   }

@@ -83,7 +83,7 @@ struct Tally {
   static unsigned long long number(std::uint64_t value) { return value; }
 };
 
-/// When a reader is done: usage READER LAST_COUNTER LIMIT_S [PAUSE_AT PAUSE_MS].
+/// When a reader is done: usage READER LAST_COUNTER LIMIT_S ...
 class Goal {
  public:
   Goal(std::uint32_t last_counter, double limit_s)

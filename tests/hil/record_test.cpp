@@ -15,6 +15,7 @@
 #include "hil/play.h"
 #include "replay/command.h"
 #include "support/paths.h"
+#include "support/tier.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::hil {
@@ -22,6 +23,8 @@ namespace {
 
 using testing_support::read_file;
 using testing_support::run_condyle;
+using testing_support::Tier;
+using testing_support::tier_is_at_least;
 
 class Record : public testing::TestWithParam<const char*> {
  protected:
@@ -30,18 +33,26 @@ class Record : public testing::TestWithParam<const char*> {
   }
   bool is_usb() const { return std::string(GetParam()) == "libusb"; }
 
-  // Records so many reports, whatever happens to them, until no more come. The fake waits until the
-  // log is there, before which nothing counts.
-  Played record(std::int64_t count, std::vector<std::string> options,
-                const std::string& settle_s = "0.8", std::string estimates = "") {
+  // Records so many reports, whatever happens to them, until it was told that the device is gone
+  // and then interrupted.
+  Played record(std::int64_t count, std::vector<std::string> options, std::string estimates = "") {
     if (estimates.empty()) estimates = live();
     std::filesystem::remove(log());
     options.insert(options.end(),
-                   {"--count", std::to_string(count), "--settle-s", settle_s, "--linger-s", "0.3"});
-    return play(GetParam(), options,
-                {testing_support::program_path("condyle"), "record", "--backend",
-                 is_usb() ? "libusb" : "hidapi", "--profile", profile_, "--out", log(),
-                 "--estimates", estimates, "--idle-s", "2.5"});
+                   {"--count", std::to_string(count), "--linger-s", "0", "--interrupt"});
+    return play(GetParam(), options, command(estimates));
+  }
+  std::vector<std::string> command(const std::string& estimates) const {
+    return {testing_support::program_path("condyle"),
+            "record",
+            "--backend",
+            is_usb() ? "libusb" : "hidapi",
+            "--profile",
+            profile_,
+            "--out",
+            log(),
+            "--estimates",
+            estimates};
   }
   // From here on a profile that says so.
   void expect_restarts() {
@@ -113,7 +124,7 @@ TEST_P(Record, CountsEachKindOfDamagedReport) {
 TEST_P(Record, AHundredUnplugs) {
   for (int i = 0; i < 4; ++i) {
     const Played played =
-        record(500, {"--rate-Hz", "500", "--by-consumption", "--fault", "unplug/19=0.02"}, "0");
+        record(500, {"--rate-Hz", "500", "--by-consumption", "--fault", "unplug/19=0.02"});
     expect_every_report_accounted_for(played);
     EXPECT_GE(played.fault_count("unplug"), 25) << played.text;
     expect_same_estimates();
@@ -122,7 +133,7 @@ TEST_P(Record, AHundredUnplugs) {
 
 // The raw recording is what cannot be made again.
 TEST_P(Record, GoesOnWhereTheEstimatesCannotBeWritten) {
-  const Played played = record(600, {"--by-consumption"}, "0.8", "/dev/full");
+  const Played played = record(600, {"--by-consumption"}, "/dev/full");
   expect_every_report_accounted_for(played, 2);
   EXPECT_EQ(number_before(played.text, "reports received"), 600) << played.text;
   EXPECT_THAT(played.text, testing::HasSubstr("the recording is complete, replay it"));
@@ -133,7 +144,7 @@ TEST_P(Record, DoesNotWaitForWhoReadsTheEstimates) {
   const std::string pipe = folder_ / "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-  const Played played = record(1500, {"--by-consumption"}, "0.8", pipe);
+  const Played played = record(1500, {"--by-consumption"}, pipe);
   ::close(reader);
   expect_every_report_accounted_for(played, 2);
   EXPECT_EQ(number_before(played.text, "reports received"), 1500) << played.text;
@@ -144,8 +155,7 @@ TEST_P(Record, DoesNotWaitForWhoReadsTheEstimates) {
 TEST_P(Record, ACounterThatStartsAnew) {
   expect_restarts();
   const Played played = record(
-      600, {"--by-consumption", "--restarts", "--fault", "unplug/200=0.02", "--rate-Hz", "500"},
-      "0");
+      600, {"--by-consumption", "--restarts", "--fault", "unplug/200=0.02", "--rate-Hz", "500"});
   ASSERT_EQ(played.exit_code, 0) << played.text;
   const std::int64_t received = number_before(played.text, "reports received");
   EXPECT_LE(received, played.account_count("made")) << played.text;
@@ -160,6 +170,9 @@ TEST_P(Record, ACounterThatStartsAnew) {
 // From the last report to the event in the log, the device having gone between them. The median of
 // nine, because a busy machine may hold up any one.
 TEST_P(Record, SaysWithinATenthOfASecondThatTheDeviceWent) {
+  if (!tier_is_at_least(Tier::release)) {
+    GTEST_SKIP() << "judges a reaction in real time: set CONDYLE_TIER=release";
+  }
   const Played played = record(1000, {"--rate-Hz", "500", "--fault", "unplug/100=0.1"});
   ASSERT_EQ(played.exit_code, 0) << played.text;
   hal::SessionLogReader reader;
@@ -178,11 +191,11 @@ TEST_P(Record, SaysWithinATenthOfASecondThatTheDeviceWent) {
   std::cout << "             " << GetParam() << ": " << 1e3 * delays_s[4] << " ms\n";
 }
 
-// At every second plugging it is another of the same kind: none of its reports may be taken for the
-// device's own.
+// At the second plugging it is another of the same kind, which stays until the program has looked
+// at it twice: none of its reports may be taken for the device's own.
 TEST_P(RecordHidraw, WaitsForTheDeviceItBeganWith) {
-  const Played played = record(1000, {"--rate-Hz", "500", "--interloper", "FAKE0002", "--fault",
-                                      "unplug@300=0.1", "--fault", "unplug@600=0.1"});
+  const Played played = record(1000, {"--by-consumption", "--interloper", "FAKE0002", "--fault",
+                                      "unplug@300", "--fault", "unplug@600"});
   ASSERT_EQ(played.exit_code, 0) << played.text;
   EXPECT_THAT(played.text, testing::HasSubstr("waiting for it, serial number FAKE0001"));
   EXPECT_EQ(played.account_count("plugged_in"), 3);
@@ -195,18 +208,29 @@ TEST_P(RecordHidraw, WaitsForTheDeviceItBeganWith) {
     if (!entry.is_event) ++(connected < 2 ? before : after);
   }
   EXPECT_EQ(connected, 2);
-  // A busy machine may lose reports, and never adds any.
-  EXPECT_GT(before, 0);
-  EXPECT_LE(before, 301);
-  EXPECT_GT(after, 0);
-  EXPECT_LE(after, 400);
+  // All but the interloper's, and one that may have been on its way at the first unplugging.
+  EXPECT_EQ(played.account_count("lost_unread"), 300) << played.text;
+  EXPECT_EQ(before, 300 - played.account_count("lost_unplugged")) << played.text;
+  EXPECT_LE(played.account_count("lost_unplugged"), 1) << played.text;
+  EXPECT_EQ(after, 400);
 }
 
-// As fast as they are taken: nothing is lost. How fast that is, is shown and not judged.
-TEST_P(Record, ThirtyThousandReportsAsTheyAreTaken) {
-  const Played played = record(30'000, {"--by-consumption"});
+TEST_P(Record, EndsWhereNothingComesAnyMore) {
+  std::vector<std::string> program = command(live());
+  program.insert(program.end(), {"--idle-s", "0.05"});
+  const Played played = play(GetParam(), {"--count", "1", "--linger-s", kGuard_s}, program);
+  ASSERT_EQ(played.exit_code, 0) << played.text;
+  EXPECT_THAT(played.text, testing::Not(testing::HasSubstr("the device went away")));
+}
+
+// As fast as they are taken: nothing is lost. How fast that is, is shown and not judged. The
+// recorder has room for 4096 reports that its other threads leave waiting; whether these threads
+// keep up with more is a matter of real time.
+TEST_P(Record, ReportsAsFastAsTheyAreTaken) {
+  const std::int64_t count = tier_is_at_least(Tier::release) ? 30'000 : 4'000;
+  const Played played = record(count, {"--by-consumption"});
   expect_every_report_accounted_for(played);
-  EXPECT_EQ(number_before(played.text, "reports received"), 30'000) << played.text;
+  EXPECT_EQ(number_before(played.text, "reports received"), count) << played.text;
   std::smatch latency;
   ASSERT_TRUE(std::regex_search(played.text, latency, std::regex("latency .*")));
   std::cout << "             " << GetParam() << ": " << latency[0] << '\n';

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a program with the fake facebow plugged into umockdev's test bed, prints the device's
-// account after it, and ends with the program's exit code. usage: umockdev-wrapper umockdev_facebow
+// Plugs the fake facebow into umockdev's test bed and runs a program, prints the device's account
+// after it, and ends with the program's exit code. usage: umockdev-wrapper umockdev_facebow
 // hidraw|libusb [OPTIONS] -- PROGRAM ARGUMENTS...
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 
+#include <csignal>
 #include <cstdio>
+#include <optional>
 #include <vector>
 
 #include "fake/fake_arguments.h"
@@ -20,6 +22,7 @@ namespace {
 using namespace condyle;
 
 constexpr int kExitUsage = 2, kExitNotExact = 3, kExitNotStarted = 127;
+constexpr TimeNs kSlice_ns = 5'000'000;  // between two looks at the program
 
 // A program started from here.
 class Child {
@@ -36,26 +39,42 @@ class Child {
   }
   /// True once it has ended.
   bool has_ended() {
-    if (!has_ended_) has_ended_ = waitpid(process_, &status_, WNOHANG) != 0;
+    look(WNOHANG);
     return has_ended_;
+  }
+  /// True while it waits to be continued, having stopped itself (SIGSTOP).
+  bool is_stopped() const { return is_stopped_; }
+  void go_on() {
+    is_stopped_ = false;
+    kill(process_, SIGCONT);
+  }
+  void interrupt() {
+    if (!has_ended()) kill(process_, SIGINT);
   }
   /// Waits for its end; its exit code, or as shells do 128 + the signal that ended it.
   int wait() {
-    if (!has_ended_) waitpid(process_, &status_, 0);
-    has_ended_ = true;
+    while (!has_ended_) look(0);
     return WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_);
   }
 
  private:
+  void look(int options) {
+    if (has_ended_ || waitpid(process_, &status_, options | WUNTRACED) != process_) return;
+    is_stopped_ = WIFSTOPPED(status_);
+    has_ended_ = !is_stopped_;
+  }
+
   pid_t process_ = -1;
   int status_ = 0;
-  bool has_ended_ = false;
+  bool has_ended_ = false, is_stopped_ = false;
 };
 
 int run(int argc, char** argv) {
   CLI::App app{"Runs a program with a fake facebow under it, for tests"};
   std::string personality, interloper;
   std::vector<std::string> program;
+  bool begins_at_stop = false, interrupts = false;
+  std::uint64_t most_stopped = 0;
   host::fake::FakeOptions options;
   app.add_option("PERSONALITY", personality, "What the program uses: hidraw or libusb")
       ->required()
@@ -63,6 +82,13 @@ int run(int argc, char** argv) {
   app.add_option("PROGRAM", program, "The program and its arguments, after --")->required();
   app.add_option("--interloper", interloper,
                  "Serial number of another device that hidraw shows at every second plugging");
+  app.add_flag("--begin-at-stop", begins_at_stop,
+               "Send nothing before the program stopped itself (SIGSTOP)");
+  app.add_option("--continue-after", most_stopped,
+                 "Continue a program that stopped itself after so many further reports");
+  app.add_flag(
+      "--interrupt", interrupts,
+      "Interrupt the program once the device is gone for good and the program let go of it");
   host::fake::add_arguments(app, options);
   try {
     app.parse(argc, argv);
@@ -75,9 +101,25 @@ int run(int argc, char** argv) {
       personality == "hidraw" ? hil::Personality::hidraw : hil::Personality::usbfs, interloper);
   hal::SteadyClock clock;
   host::fake::FakeRun fake(setup.device, setup.script, transport, clock, setup.run);
-  Child child(program);
-  fake.run([&child] { return child.has_ended(); });
-  const int exit_code = child.wait();
+  if (begins_at_stop) transport.hold_back();
+  std::optional<Child> child;     // first the device is plugged in
+  std::uint64_t made_before = 0;  // it stopped
+  fake.run([&] {
+    if (!child) child.emplace(program);
+    const bool was_stopped = child->is_stopped();
+    if (child->has_ended()) return true;
+    if (!was_stopped) made_before = fake.made();
+    if (child->is_stopped()) transport.begin();
+    if (child->is_stopped() && fake.made() - made_before >= most_stopped) child->go_on();
+    return false;
+  });
+  if (interrupts) {
+    while (!child->has_ended() && !transport.is_let_go()) {
+      transport.serve(clock.now_ns() + kSlice_ns);
+    }
+    child->interrupt();
+  }
+  const int exit_code = child->wait();
   transport.settle();
   const host::fake::Account account = fake.account();
   std::printf("%s\n", host::fake::account_json(account).c_str());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hil/umockdev_transport.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -70,33 +71,39 @@ gboolean UmockdevTransport::on_read(UMockdevIoctlBase*, UMockdevIoctlClient* cli
   return transport.node_of(client).read(client);
 }
 
+// Also called where a program opens a node in vain that was there before; that one is never closed.
 void UmockdevTransport::on_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client,
                                      gpointer self) {
   auto& transport = *static_cast<UmockdevTransport*>(self);
-  g_signal_connect(client, "notify::connected", G_CALLBACK(on_disconnected), self);
   const std::lock_guard lock(transport.mutex_);
   transport.has_changed_ = true;
   transport.changed_.notify_all();
-  transport.node_of(client).open();
+  MockNode& node = transport.node_of(client);
+  if (&node != transport.current_) return;
+  g_object_weak_ref(G_OBJECT(client), on_closed, new Client{transport, node});
+  node.open();
 }
 
-void UmockdevTransport::on_disconnected(UMockdevIoctlClient* client, GParamSpec*, gpointer self) {
-  auto& transport = *static_cast<UmockdevTransport*>(self);
+// umockdev 0.17 does not say that a client closed the node, but then drops its object.
+void UmockdevTransport::on_closed(gpointer client, GObject*) {
+  const std::unique_ptr<Client> closed(static_cast<Client*>(client));
+  UmockdevTransport& transport = closed->transport;
   const std::lock_guard lock(transport.mutex_);
   transport.has_changed_ = true;
   transport.changed_.notify_all();
-  transport.node_of(client).close();
+  closed->node.close();
 }
 
 void UmockdevTransport::plug() {
   MockNode* node = nullptr;
+  bool is_interloper = false;
   {
     const std::lock_guard lock(mutex_);
     std::unique_ptr<MockNode> made;
     if (personality_ == Personality::hidraw) {
-      is_interloper_ = plugs_ % 2 == 1 && !interloper_.empty();
+      is_interloper = plugs_ % 2 == 1 && !interloper_.empty();
       made = std::make_unique<MockHidraw>(queue_, plugs_,
-                                          is_interloper_ ? interloper_ : std::string(kSerial));
+                                          is_interloper ? interloper_ : std::string(kSerial));
     } else {
       made = std::make_unique<MockUsbfs>(queue_, plugs_);
     }
@@ -113,29 +120,31 @@ void UmockdevTransport::plug() {
   for (const std::string& device : names.devices) {
     check(umockdev_testbed_add_from_string(testbed_, device.c_str(), &error), error);
   }
+  if (is_interloper) looks_.emplace(real_path("/sys" + names.identity));
 }
 
+// In the kernel's order: when a program learns that the device has gone, no list shows it any more,
+// and its node cannot be opened.
 void UmockdevTransport::unplug() {
   MockNode* node = nullptr;
   {
     const std::lock_guard lock(mutex_);
     if (current_ == nullptr) return;
-    node = std::exchange(current_, nullptr);
-    node->unplug();
+    node = current_;
   }
-  // From here on it cannot be opened, as the kernel has it.
-  std::filesystem::remove(real_path(node->names().node));
-  {
-    const std::lock_guard lock(mutex_);
-    node->hang_up();
-  }
-  dead_.push_back(node->names().node);
   const MockNames& names = node->names();
   for (auto path = names.paths.rbegin(); path != names.paths.rend(); ++path) {
     const std::string full = "/sys" + *path;
     umockdev_testbed_uevent(testbed_, full.c_str(), "remove");
     umockdev_testbed_remove_device(testbed_, full.c_str());
   }
+  const std::lock_guard lock(mutex_);
+  current_ = nullptr;
+  looks_.reset();
+  std::filesystem::remove(real_path(names.node));
+  node->unplug();
+  node->hang_up();
+  dead_.push_back(names.node);
 }
 
 std::filesystem::path UmockdevTransport::real_path(const std::string& node) const {
@@ -172,14 +181,23 @@ void UmockdevTransport::serve(TimeNs deadline_ns) {
   has_changed_ = false;
 }
 
+// No program waits for the interloper: it goes on once one listed the devices twice, and so did not
+// open it after the first time.
 bool UmockdevTransport::is_read() {
   const std::lock_guard lock(mutex_);
-  return current_ != nullptr && (current_->is_read() || is_interloper_);  // for it nobody waits
+  return current_ != nullptr && !is_held_back_ &&
+         (current_->is_read() || (looks_ && looks_->count() > 1));
 }
 
 bool UmockdevTransport::is_taken() {
   const std::lock_guard lock(mutex_);
   return current_ == nullptr || current_->is_taken();
+}
+
+bool UmockdevTransport::is_let_go() {
+  const std::lock_guard lock(mutex_);
+  return std::none_of(nodes_.begin(), nodes_.end(),
+                      [](const auto& node) { return node.second->is_open(); });
 }
 
 void UmockdevTransport::settle() {

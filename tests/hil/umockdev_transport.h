@@ -7,7 +7,9 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 
+#include "hil/looks.h"
 #include "hil/mock_node.h"
 
 namespace condyle::hil {
@@ -34,14 +36,25 @@ class UmockdevTransport final : public host::fake::Transport {
   bool is_read() override;
   bool is_taken() override;
   host::fake::Deliveries deliveries() override;
+  /// Until `begin`, nobody counts as a reader.
+  void hold_back() { is_held_back_ = true; }
+  void begin() { is_held_back_ = false; }
+  /// True where no program has the device open, not even one that was unplugged.
+  bool is_let_go();
   /// Counts as lost what no program will read any more; once all programs have ended.
   void settle();
 
  private:
+  // Who opened which node.
+  struct Client {
+    UmockdevTransport& transport;
+    MockNode& node;
+  };
+
   static gboolean on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self);
   static gboolean on_read(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self);
   static void on_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self);
-  static void on_disconnected(UMockdevIoctlClient* client, GParamSpec*, gpointer self);
+  static void on_closed(gpointer client, GObject*);
   std::filesystem::path real_path(const std::string& node) const;
   void link(const std::string& node, const PtyGate& gate);
   void bury_oldest();
@@ -53,7 +66,8 @@ class UmockdevTransport final : public host::fake::Transport {
 
   Personality personality_;
   std::string interloper_;
-  bool is_interloper_ = false;  // it is plugged in
+  bool is_held_back_ = false;
+  std::optional<Looks> looks_;  // at the interloper, while it is plugged in
   UMockdevTestbed* testbed_;
   UMockdevIoctlBase* handler_;
   std::mutex mutex_;

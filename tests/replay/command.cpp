@@ -8,11 +8,32 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
 
 #include "support/paths.h"
+#include "support/wait_for.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::testing_support {
+namespace {
+
+// As the kernel says in /proc: a state and the set of signals that the process takes. A process
+// that has ended is not waited for.
+bool can_be_interrupted(pid_t process, Interrupt wanted) {
+  std::ifstream file("/proc/" + std::to_string(process) + "/status");
+  bool takes_signal = false;
+  char state = 'Z';
+  for (std::string word; file >> word;) {
+    if (word == "State:") file >> state;
+    if (word != "SigCgt:") continue;
+    unsigned long long signals = 0;
+    file >> std::hex >> signals;
+    takes_signal = (signals >> (SIGINT - 1) & 1) != 0;
+  }
+  return state == 'Z' || (takes_signal && (wanted == Interrupt::once_it_can_be || state == 'S'));
+}
+
+}  // namespace
 
 CommandResult run_condyle(const std::vector<std::string>& arguments,
                           const CommandOptions& options) {
@@ -40,8 +61,8 @@ CommandResult run_condyle(const std::vector<std::string>& arguments,
     execv(argv[0], argv.data());
     _exit(98);
   }
-  if (options.interrupt_after_s > 0) {
-    usleep(static_cast<useconds_t>(options.interrupt_after_s * 1e6));
+  if (options.interrupt != Interrupt::never) {
+    (void)wait_for([&] { return can_be_interrupted(child, options.interrupt); });
     kill(child, SIGINT);
   }
   int status = 0;

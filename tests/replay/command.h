@@ -13,10 +13,17 @@ struct CommandResult {
   long peak_memory_kB = 0;
 };
 
+/// When a run is interrupted (SIGINT).
+enum class Interrupt {
+  never,
+  once_it_can_be,  ///< it takes the signal
+  once_it_waits,   ///< and sleeps
+};
+
 /// How to run it.
 struct CommandOptions {
-  bool as_nobody = false;            ///< without root's rights, where the tests have them
-  double interrupt_after_s = 0;      ///< sends SIGINT then; 0: never
+  bool as_nobody = false;  ///< without root's rights, where the tests have them
+  Interrupt interrupt = Interrupt::never;
   std::string output_to, errors_to;  ///< where they go instead; empty: they are returned
   std::string search_path;           ///< PATH; empty: the tests' own
 };

@@ -18,6 +18,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 using testing_support::CommandResult;
+using testing_support::Interrupt;
 using testing_support::read_file;
 using testing_support::read_table;
 using testing_support::run_condyle;
@@ -276,7 +277,7 @@ TEST(Evaluate, FrictionAndMassRespondOnlyToAMeasuredDrive) {
 
 TEST(Evaluate, StopsWhenInterrupted) {
   const CommandResult result = run_condyle({"evaluate", scenario("chewing"), "--runs", "100000"},
-                                           {.interrupt_after_s = 0.5});
+                                           {.interrupt = Interrupt::once_it_can_be});
   EXPECT_EQ(result.exit_code, 130);
 }
 

@@ -53,12 +53,14 @@ inline bool is_same(const hal::RawReport& left, const hal::RawReport& right) {
          std::equal(left.data().begin(), left.data().end(), right.data().begin());
 }
 
-/// Waits until the writer has synchronised all `reports` it was given; false after twenty seconds.
+/// Waits until the writer has written all `reports` that it took; false where it fails.
 inline bool wait_until_written(const hal::SessionLogWriter& log, std::uint64_t reports) {
-  for (int i = 0; i < 20'000 && log.status().reports_written < reports; ++i) {
+  hal::SessionLogStatus status = log.status();
+  while (status.reports_written < reports && status.failure == hal::SessionLogFailure::none) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    status = log.status();
   }
-  return log.status().reports_written == reports;
+  return status.reports_written == reports;
 }
 
 }  // namespace condyle::testing_support

@@ -198,13 +198,15 @@ TEST(SessionLog, ALongTextIsCutVisibly) {
 TEST(SessionLog, AFullRingIsCountedAndRecorded) {
   const TemporaryFolder folder;
   constexpr std::uint32_t kReports = 20'000;
-  hal::SessionLogWriter log({.ring_reports = 16});
+  hal::SessionLogWriter log({.ring_reports = 16, .chunk_time_ns = 0});
   ASSERT_EQ(log.open(folder / "log.mcap", make_header()), SessionLogFailure::none);
   std::uint64_t refused = 0;
   for (std::uint32_t i = 0; i < kReports; ++i) {
     if (!log.write(0, make_report(i, 29, i))) ++refused;
     // Now and then room comes, so that losses lie between reports, too.
-    if (i % 5'000 == 4'999) std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    if (i % 5'000 == 4'999) {
+      ASSERT_TRUE(testing_support::wait_until_written(log, i + 1 - refused));
+    }
   }
   // Places are kept for events.
   while (log.write(0, make_report(kReports, 29, kReports))) {
@@ -277,7 +279,9 @@ TEST(SessionLog, AFullDiskIsSaidAndLeavesAReadableLog) {
     ASSERT_EQ(log.open(folder / "log.mcap", make_header()), SessionLogFailure::none);
     for (std::uint32_t i = 0; i < kReports; ++i) {
       if (!log.write(0, make_report(i, 500, i))) ++refused;
-      if (i % 50 == 49) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      if (i == 50) {
+        ASSERT_TRUE(testing_support::wait_until_written(log, 51));
+      }
     }
     EXPECT_EQ(log.close(), SessionLogFailure::disk_full);
   }

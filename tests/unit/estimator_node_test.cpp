@@ -4,14 +4,14 @@
 #include "condyle/firmware/estimator_node.h"
 
 #include <gmock/gmock.h>
-#include <sys/socket.h>
 
+#include <atomic>
 #include <bit>
 #include <memory>
 #include <thread>
 #include <vector>
 
-#include "condyle/hal/serial_port.h"
+#include "support/virtual_line.h"
 
 namespace condyle::firmware {
 namespace {
@@ -47,23 +47,22 @@ class TestTarget final : public NodeTarget {
 // A node on a thread, and the PC's end of the line to it.
 class EstimatorNodeTest : public testing::Test {
  protected:
-  EstimatorNodeTest() : near_(clock_), far_(clock_), end_(near_) {
-    int ends[2];
-    EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends), 0);
-    near_.adopt(ends[0]);
-    far_.adopt(ends[1]);
-    thread_ = std::thread(
-        [this] { std::make_unique<EstimatorNode<float>>(far_, clock_, target_)->serve(); });
+  EstimatorNodeTest() {
+    line_.attach_far();
+    thread_ = std::thread([this] {
+      std::make_unique<EstimatorNode<float>>(line_.far, line_.far, target_)->serve();
+      line_.detach_far();
+    });
     EXPECT_TRUE(receives(MessageType::greeting));
     EXPECT_TRUE(receives(MessageType::fault));
   }
   ~EstimatorNodeTest() override {
-    near_.close();
+    line_.cut();
     thread_.join();
   }
 
   bool receives(MessageType type) {
-    return end_.receive(clock_.now_ns() + kPatience_ns) == Status::ok && end_.type() == type;
+    return end_.receive(line_.near.now_ns() + kPatience_ns) == Status::ok && end_.type() == type;
   }
   template <class Message>
   void tell(const Message& message) {
@@ -105,9 +104,8 @@ class EstimatorNodeTest : public testing::Test {
     tell(hal::ReportMessage{time_ns, bytes});
   }
 
-  hal::SteadyClock clock_;
-  hal::SerialPort near_, far_;
-  hal::LinkEnd end_;
+  testing_support::VirtualLine line_;
+  hal::LinkEnd end_{line_.near};
   TestTarget target_;
   std::thread thread_;
 };
@@ -236,7 +234,7 @@ TEST_F(EstimatorNodeTest, OutlivesRubbish) {
   for (std::size_t i = 0; i < rubbish.size(); ++i) {
     rubbish[i] = static_cast<std::uint8_t>(i * i % 251);
   }
-  ASSERT_EQ(near_.write(rubbish), Status::ok);
+  ASSERT_EQ(line_.near.write(rubbish), Status::ok);
   report(0, 0.01);
   EXPECT_TRUE(receives(MessageType::recommended_estimate));
   tell(hal::AskHealthMessage{});

@@ -40,8 +40,8 @@ class FakeRun {
   FakeRun(FacebowDevice& device, FaultScript& script, Transport& transport, hal::Clock& clock,
           const RunOptions& options);
 
-  /// Runs to the end, or until `stop` says so; it is asked every few milliseconds. The device is
-  /// unplugged in the end. InputErrors of motion and transport.
+  /// Runs to the end, or until `stop` says so; it is asked every few milliseconds, first when the
+  /// device is plugged in. The device is unplugged in the end. InputErrors of motion and transport.
   void run(const std::function<bool()>& stop);
 
   /// What was done, and what became of it so far.

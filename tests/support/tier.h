@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// How much of a long test runs: the environment variable CONDYLE_TIER says.
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+
+namespace condyle::testing_support {
+
+/// In the order of their length.
+enum class Tier {
+  check,    ///< after each edit
+  full,     ///< continuous integration
+  release,  ///< before a release: every statistic at its full length
+};
+
+/// The tier that `word` names; check, where it is null. Aborts where it names none.
+inline Tier tier_of(const char* word) {
+  const std::string_view name = word == nullptr ? "check" : word;
+  if (name == "check") return Tier::check;
+  if (name == "full") return Tier::full;
+  if (name == "release") return Tier::release;
+  std::fprintf(stderr, "CONDYLE_TIER is \"%s\": set it to check, full or release, or unset it\n",
+               word);
+  std::abort();
+}
+
+/// The tier of this process.
+inline Tier tier() {
+  static const Tier of_process = tier_of(std::getenv("CONDYLE_TIER"));
+  return of_process;
+}
+
+inline bool tier_is_at_least(Tier least) {
+  return tier() >= least;
+}
+
+/// How many runs a test takes.
+inline std::size_t runs(std::size_t check, std::size_t full, std::size_t release) {
+  switch (tier()) {
+    case Tier::check:
+      return check;
+    case Tier::full:
+      return full;
+    case Tier::release:
+      break;
+  }
+  return release;
+}
+
+}  // namespace condyle::testing_support
