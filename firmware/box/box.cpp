@@ -8,7 +8,6 @@
 #include "box/real_time.h"
 #include "box/service_notice.h"
 #include "input_error.h"
-#include "wall_clock.h"
 
 namespace condyle::box {
 namespace {
@@ -19,10 +18,12 @@ constexpr TimeNs kWallStep_ns = 200'000'000;
 
 }  // namespace
 
-Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log)
+Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
+         std::function<TimeNs()> wall_ns)
     : configuration_(configuration),
       clock_(clock),
       log_(log),
+      wall_ns_(std::move(wall_ns)),
       begin_ns_(clock.now_ns()),
       facebow_(configuration_.facebow, clock),
       device_name_(facebow_.profile().name),
@@ -34,7 +35,7 @@ Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log)
   if (!is_available(facebow_.profile().kind, configuration_.followed)) {
     throw host::InputError("[facebow] point", "the facebow has one point", "leave it out");
   }
-  wall_offset_ns_ = host::wall_ns() - clock_.now_ns();
+  wall_offset_ns_ = wall_ns_() - clock_.now_ns();
 }
 
 Box::~Box() {
@@ -130,7 +131,7 @@ void Box::watch_device() {
 }
 
 void Box::watch_wall_clock() {
-  const TimeNs offset_ns = host::wall_ns() - clock_.now_ns();
+  const TimeNs offset_ns = wall_ns_() - clock_.now_ns();
   const TimeNs step_ns = offset_ns - wall_offset_ns_;
   if (std::abs(step_ns) < kWallStep_ns) return;
   wall_offset_ns_ = offset_ns;

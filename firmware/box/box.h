@@ -19,6 +19,7 @@
 #include "box/publisher.h"
 #include "box/session_recorder.h"
 #include "condyle/hal/clock.h"
+#include "wall_clock.h"
 
 namespace condyle::box {
 
@@ -26,8 +27,9 @@ namespace condyle::box {
 class Box {
  public:
   /// Opens what the configuration names and listens; an InputError where that cannot be. The
-  /// facebow need not be there.
-  Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log);
+  /// facebow need not be there. `wall_ns` tells the time of day, to notice when that is set.
+  Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
+      std::function<TimeNs()> wall_ns = host::wall_ns);
   ~Box();
   Box(const Box&) = delete;
   Box& operator=(const Box&) = delete;
@@ -51,6 +53,7 @@ class Box {
   Configuration configuration_;
   hal::Clock& clock_;
   BoxLog& log_;
+  const std::function<TimeNs()> wall_ns_;
   TimeNs begin_ns_;
   FacebowReports facebow_;
   const std::string device_name_;  // copies, for other threads: finding it changes the profile

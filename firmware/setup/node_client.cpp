@@ -123,10 +123,10 @@ void NodeClient::reconnect() {
 
 void NodeClient::send(const hal::RawReport& report) {
   if (!silent_since_ns()) last_answer_ns_ = heard_ns_ = clock_.now_ns();
+  ++reports_sent_;  // also where the line does not take it: it will have no estimate
   tell(hal::ReportMessage{report.host_time_ns, report.data()});
   waiting_.push_back({end_.sent_size(), report.host_time_ns});
   waiting_bytes_ += end_.sent_size();
-  ++reports_sent_;
 }
 
 // Health comes after the answer to every report, so what has none by then will have none; what

@@ -72,6 +72,7 @@ class NodeClient {
   /// that is noticed, of one before it.
   TimeNs answered_host_time_ns() const { return answered_host_time_ns_; }
 
+  /// Also one that the line did not take.
   std::uint64_t reports_sent() const { return reports_sent_; }
   /// Reports that were lost on the line, or whose answers were.
   std::uint64_t reports_lost() const { return reports_lost_; }

@@ -27,6 +27,7 @@ using testing_support::ask;
 using testing_support::Connection;
 using testing_support::EventStream;
 using testing_support::get;
+using testing_support::Listener;
 using testing_support::post;
 using testing_support::RunningBox;
 using testing_support::StreamReader;
@@ -63,7 +64,7 @@ TEST(Box, AReplayIsTheLiveSessionAgain) {
   RunningBox running;
   running.start();
   ASSERT_TRUE(running.is_estimating());
-  EventStream stream(running.port);
+  Listener stream(running);
   std::map<std::int64_t, Json> live;  // of the second run
   StreamReader reader(stream, [&live](const EventStream::Event& event) {
     EXPECT_EQ(event.name, "");
@@ -218,11 +219,12 @@ TEST(Box, SendsDatagrams) {
 
 TEST(Box, TellsAListenerWhereItIs) {
   RunningBox running;
+  running.listened = 0;
   running.start();
   ASSERT_TRUE(running.is_estimating());
   std::uint64_t last = 0;
   {
-    EventStream stream(running.port, "?after=0");
+    Listener stream(running, "?after=0");
     EventStream::Event event;
     for (std::uint64_t i = 1; i <= 100; ++i) {
       ASSERT_TRUE(stream.next(event));
@@ -230,18 +232,29 @@ TEST(Box, TellsAListenerWhereItIs) {
     }
     last = event.id;
   }
-  EventStream again(running.port, "?after=" + std::to_string(last));
+  Listener again(running, "?after=" + std::to_string(last));
   EventStream::Event event;
   ASSERT_TRUE(again.next(event));
   EXPECT_EQ(event.id, last + 1);
 }
 
-// The number of a line from before a restart is none of this box.
-TEST(Box, TellsAListenerOfAnEarlierBoxAllItHas) {
+TEST(Box, SaysThatTheWallClockWasSet) {
   RunningBox running;
   running.start();
   ASSERT_TRUE(running.is_estimating());
-  EventStream stream(running.port, "?after=18446744073709551615");
+  EXPECT_EQ(running.status()["wall_clock"]["steps"], 0);
+  running.wall_offset_ns = -3 * kNanosecondsPerSecond;
+  EXPECT_TRUE(wait_for([&] { return running.status()["wall_clock"]["steps"] == 1; }));
+  EXPECT_NEAR(running.status()["wall_clock"]["last_step_s"].get<double>(), -3.0, 0.2);
+}
+
+// The number of a line from before a restart is none of this box.
+TEST(Box, TellsAListenerOfAnEarlierBoxAllItHas) {
+  RunningBox running;
+  running.listened = 0;
+  running.start();
+  ASSERT_TRUE(running.is_estimating());
+  Listener stream(running, "?after=18446744073709551615");
   EventStream::Event event;
   ASSERT_TRUE(stream.next(event));
   EXPECT_EQ(event.id, 1U);
@@ -281,11 +294,12 @@ TEST(Box, PlaysASessionLog) {
 // nothing.
 TEST(Box, SlowAndDyingListenersHoldUpNobody) {
   RunningBox running;
-  running.configuration.udp_port = 9;  // where nobody listens
+  running.configuration.udp_port = 9;          // where nobody listens
+  running.configuration.most_listeners = 100;  // also those whose end is not noticed yet
+  running.listened = 0;
   running.start();
   ASSERT_TRUE(running.is_estimating());
-  running.listened = 0;
-  EventStream reads(running.port, "?after=0");
+  Listener reads(running, "?after=0");
   const Connection never_reads(running.port);
   ASSERT_TRUE(never_reads.send("GET /v1/estimates HTTP/1.1\r\nHost: localhost\r\n\r\n"));
   std::minstd_rand random(1);
@@ -300,7 +314,6 @@ TEST(Box, SlowAndDyingListenersHoldUpNobody) {
       ASSERT_TRUE(reads.next(event));
       ASSERT_EQ(event.name, "");
       ASSERT_EQ(event.id, ++last);
-      running.listened = last;
     }
   }
   const Json status = running.status();

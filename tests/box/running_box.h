@@ -40,7 +40,8 @@ class RunningBox {
   RunningBox& operator=(const RunningBox&) = delete;
 
   void start() {
-    box = std::make_unique<box::Box>(configuration, clock, log);
+    box = std::make_unique<box::Box>(configuration, clock, log,
+                                     [this] { return wall_offset_ns + clock.now_ns(); });
     port = box->http_port();
     pacer_ = std::thread([this] { pace(); });
     thread_ = std::thread([this] { box->run([this] { return stops_.load(); }); });
@@ -54,6 +55,7 @@ class RunningBox {
 
   /// Its time nearly stands still once so much of it has passed, until `go_on`.
   void pause_after(TimeNs duration_ns) { pause_ns_ = clock.now_ns() + duration_ns; }
+  void pause() { pause_after(0); }
   void go_on() { pause_ns_ = std::numeric_limits<TimeNs>::max(); }
 
   nlohmann::json status() const {
@@ -70,10 +72,12 @@ class RunningBox {
   box::BoxLog log{clock};
   std::unique_ptr<box::Box> box;
   std::uint16_t port = 0;
+  std::atomic<TimeNs> wall_offset_ns = 0;  ///< how far the wall clock is ahead of `clock`
   /// False while a microcontroller is late because the test wants it.
   std::atomic<bool> waits_for_node = true;
-  /// Lines of estimates that a listener has taken which must not miss any.
-  std::atomic<std::uint64_t> listened = std::numeric_limits<std::uint64_t>::max();
+  static constexpr std::uint64_t kNobodyListens = std::numeric_limits<std::uint64_t>::max();
+  /// Number of the last line that a listener has taken which must not miss any.
+  std::atomic<std::uint64_t> listened = kNobodyListens;
 
  private:
   // What may be on its way, far less than there is room for; of reports to a microcontroller so few

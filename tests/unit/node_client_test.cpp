@@ -254,6 +254,15 @@ TEST_F(NodeClientTest, SaysThatTheLineWasCut) {
   }
 }
 
+TEST_F(NodeClientTest, CountsTheReportThatACutLineDidNotTake) {
+  begin(0, {}, {});
+  line_.cut();
+  hal::RawReport report;
+  report.size = 8;
+  EXPECT_THROW(client_.send(report), InputError);
+  EXPECT_EQ(client_.reports_sent(), 1U);
+}
+
 TEST_F(NodeClientTest, KnowsNoHealthAtOnceWhereTheLineWasCut) {
   begin(0, {}, {});
   line_.end_to_near();
