@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <deque>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "bridge_input.h"
+#include "command_line.h"
 #include "commands.h"
 #include "condyle/hal/serial_port.h"
 #include "estimates_file.h"
@@ -331,41 +331,39 @@ int bridge(const BridgeOptions& options) {
 
 }  // namespace
 
-Command add_bridge(CLI::App& app) {
+Command add_bridge(CommandLine app) {
   auto options = std::make_shared<BridgeOptions>();
-  CLI::App* const command = app.add_subcommand(
+  const CommandLine command = app.add_command(
       "bridge",
       "Feed an estimator on a microcontroller with reports over a serial line, and take its "
       "estimates; Ctrl-C ends a live run");
   command
-      ->add_option("INPUT", options->input,
-                   "hid:PROFILE or usb:PROFILE, a device; or a recording, as for replay")
-      ->required();
+      .add_option("INPUT", options->input,
+                  "hid:PROFILE or usb:PROFILE, a device; or a recording, as for replay")
+      .required();
   command
-      ->add_option("--port", options->port,
-                   "Serial port of the microcontroller, or unix:SOCKET of an emulator")
-      ->required();
-  command->add_option("--baud", options->baud, "Symbols per second")->capture_default_str();
-  command->add_flag("--check", options->checks,
-                    "Run the same estimator here as well and compare every answer, byte for byte");
-  options->estimator.add_to(*command);
-  command->add_option("--point", options->followed.point, "Point to follow")
-      ->check(CLI::Range(1, 3))
-      ->capture_default_str();
+      .add_option("--port", options->port,
+                  "Serial port of the microcontroller, or unix:SOCKET of an emulator")
+      .required();
+  command.add_option("--baud", options->baud, "Symbols per second").show_default();
+  command.add_flag("--check", options->checks,
+                   "Run the same estimator here as well and compare every answer, byte for byte");
+  options->estimator.add_to(command);
+  command.add_option("--point", options->followed.point, "Point to follow")
+      .within(1, 3)
+      .show_default();
   auto axis = std::make_shared<std::string>("z");
-  command->add_option("--axis", *axis, "Axis to follow")
-      ->check(CLI::IsMember({"x", "y", "z"}))
-      ->capture_default_str();
+  command.add_option("--axis", *axis, "Axis to follow").one_of({"x", "y", "z"}).show_default();
   auto faults = std::make_shared<std::string>("refuse");
-  command->add_option("--faults", *faults, "What to do with missing, non-finite and reversed rows")
-      ->check(CLI::IsMember({"refuse", "event"}))
-      ->capture_default_str();
-  command->add_option("--unit", options->unit, "Unit of coordinates where the format states none")
-      ->check(CLI::IsMember({"mm", "m"}));
-  command->add_option("--profile", options->reading.profile,
-                      "TOML file that describes the device of a recording");
-  command->add_option("--serial", options->serial, "Serial number, where several are plugged in");
-  command->add_option("--out", options->out, "CSV file for the estimates");
+  command.add_option("--faults", *faults, "What to do with missing, non-finite and reversed rows")
+      .one_of({"refuse", "event"})
+      .show_default();
+  command.add_option("--unit", options->unit, "Unit of coordinates where the format states none")
+      .one_of({"mm", "m"});
+  command.add_option("--profile", options->reading.profile,
+                     "TOML file that describes the device of a recording");
+  command.add_option("--serial", options->serial, "Serial number, where several are plugged in");
+  command.add_option("--out", options->out, "CSV file for the estimates");
   return [options, axis, faults] {
     options->followed.axis = static_cast<Axis>((*axis)[0] - 'x');
     options->reading.faults = *faults == "event" ? FaultPolicy::event : FaultPolicy::refuse;

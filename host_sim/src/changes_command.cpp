@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Looks for changes of effective damping in a recording with a measured drive.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <filesystem>
 #include <memory>
 #include <optional>
 
 #include "change_report.h"
+#include "command_line.h"
 #include "commands.h"
 #include "condyle/estimator/cycle_sensor.h"
 #include "condyle/firmware/run_loop.h"
@@ -15,7 +15,6 @@
 #include "drive_options.h"
 #include "estimator_option.h"
 #include "input_error.h"
-#include "number_option.h"
 #include "parameter_file.h"
 #include "progress.h"
 #include "recording_choice.h"
@@ -205,28 +204,28 @@ int changes(const ChangesOptions& options) {
 
 }  // namespace
 
-Command add_changes(CLI::App& app) {
+Command add_changes(CommandLine app) {
   auto options = std::make_shared<ChangesOptions>();
-  CLI::App* const command = app.add_subcommand(
+  const CommandLine command = app.add_command(
       "changes", "Detect changes in effective damping, where the drive is measured in full");
-  command->add_option("RECORDING", options->recording, "As for replay")->required();
+  command.add_option("RECORDING", options->recording, "As for replay").required();
   command
-      ->add_option("--false-alarm-interval-h", options->false_alarm_interval_h,
-                   "Hours of chewing between two false alarms, on average")
-      ->required()
-      ->check(number_in({1e-6, 1e9}));
+      .add_option("--false-alarm-interval-h", options->false_alarm_interval_h,
+                  "Hours of chewing between two false alarms, on average")
+      .required()
+      .number_in({1e-6, 1e9});
   command
-      ->add_option("--smallest-change-Ns-m", options->smallest_change_Ns_m,
-                   "Smallest lasting change that matters to you (0.05)")
-      ->check(number_in({1e-9, 1e6}));
-  command->add_option("--drive", options->drive,
-                      "Total force along the followed axis, recorded apart: CSV with time_s and "
-                      "drive_N, or a session log");
-  options->drive_stated.add_to(*command);
-  command->add_option("--parameters", options->parameters, "TOML file, as for replay");
-  options->add_to(*command);
-  command->add_option("--out", options->out, "CSV file with a row per cycle");
-  command->add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
+      .add_option("--smallest-change-Ns-m", options->smallest_change_Ns_m,
+                  "Smallest lasting change that matters to you (0.05)")
+      .number_in({1e-9, 1e6});
+  command.add_option("--drive", options->drive,
+                     "Total force along the followed axis, recorded apart: CSV with time_s and "
+                     "drive_N, or a session log");
+  options->drive_stated.add_to(command);
+  command.add_option("--parameters", options->parameters, "TOML file, as for replay");
+  options->add_to(command);
+  command.add_option("--out", options->out, "CSV file with a row per cycle");
+  command.add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
   return [options] { return changes(*options); };
 }
 

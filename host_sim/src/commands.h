@@ -6,9 +6,7 @@
 #include <functional>
 #include <string>
 
-namespace CLI {
-class App;
-}
+#include "command_line.h"
 
 namespace condyle::host {
 
@@ -26,35 +24,35 @@ inline constexpr int kExitInternal = 70;
 using Command = std::function<int()>;
 
 /// `condyle replay`
-Command add_replay(CLI::App& app);
+Command add_replay(CommandLine app);
 /// `condyle simulate`
-Command add_simulate(CLI::App& app);
+Command add_simulate(CommandLine app);
 /// `condyle evaluate`
-Command add_evaluate(CLI::App& app);
+Command add_evaluate(CommandLine app);
 /// `condyle friction`
-Command add_friction(CLI::App& app);
+Command add_friction(CommandLine app);
 /// `condyle observability`
-Command add_observability(CLI::App& app);
+Command add_observability(CommandLine app);
 /// `condyle protocol`
-Command add_protocol(CLI::App& app);
+Command add_protocol(CommandLine app);
 /// `condyle changes`
-Command add_changes(CLI::App& app);
+Command add_changes(CommandLine app);
 /// `condyle tune`
-Command add_tune(CLI::App& app);
+Command add_tune(CommandLine app);
 /// `condyle compare`
-Command add_compare(CLI::App& app);
+Command add_compare(CommandLine app);
 /// `condyle bridge`
-Command add_bridge(CLI::App& app);
+Command add_bridge(CommandLine app);
 /// `condyle record`
-Command add_record(CLI::App& app);
+Command add_record(CommandLine app);
 /// `condyle session`
-Command add_session(CLI::App& app);
+Command add_session(CommandLine app);
 /// `condyle inspect`
-Command add_inspect(CLI::App& app);
+Command add_inspect(CommandLine app);
 /// `condyle doctor`
-Command add_doctor(CLI::App& app);
+Command add_doctor(CommandLine app);
 /// `condyle fake`
-Command add_fake(CLI::App& app);
+Command add_fake(CommandLine app);
 
 /// Writes `text` to the standard output; an InputError where that is closed or full.
 void print_output(const std::string& text);

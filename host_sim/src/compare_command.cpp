@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Several estimators on the same recordings, or several sessions of one subject.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <utility>
 
+#include "command_line.h"
 #include "commands.h"
 #include "comparison/comparison_text.h"
 #include "comparison/session_text.h"
@@ -198,33 +198,33 @@ int compare(const CompareOptions& options) {
 
 }  // namespace
 
-Command add_compare(CLI::App& app) {
+Command add_compare(CommandLine app) {
   auto options = std::make_shared<CompareOptions>();
-  CLI::App* const command = app.add_subcommand(
+  const CommandLine command = app.add_command(
       "compare",
       "Compare estimators on the same recordings, or sessions of one subject, with the smallest "
       "change that can be told from repeat recordings");
-  command->add_option("RECORDING", options->recordings, "Recordings, each as for replay");
+  command.add_option("RECORDING", options->recordings, "Recordings, each as for replay");
   command
-      ->add_option("--with", options->estimators,
-                   "An estimator: recommended, published, recommended:FILE.toml or "
-                   "published:FILE.toml with its parameters; may be given several times, the first "
-                   "is what the others are held to. Without it both, for sessions recommended")
-      ->allow_extra_args(false);
+      .add_option("--with", options->estimators,
+                  "An estimator: recommended, published, recommended:FILE.toml or "
+                  "published:FILE.toml with its parameters; may be given several times, the first "
+                  "is what the others are held to. Without it both, for sessions recommended")
+      .one_value_each();
   command
-      ->add_option("--session", options->sessions,
-                   "NAME=A.csv,B.csv,C.csv: a session and its repeat recordings; may be given "
-                   "several times")
-      ->allow_extra_args(false);
-  command->add_option("--lag", options->lag, "Samples that an estimate waits for (recommended)")
-      ->check(CLI::Range(0, 16))
-      ->capture_default_str();
-  options->plan.choice.add_to(*command);
-  options->plan.drive.add_to(*command);
-  command->add_option("--out", options->out,
-                      "CSV file: a row per recording and estimator; for sessions per quantity and "
-                      "pair of sessions");
-  command->add_option("--figures", options->figures, "Folder for the figure (SVG and PNG)");
+      .add_option("--session", options->sessions,
+                  "NAME=A.csv,B.csv,C.csv: a session and its repeat recordings; may be given "
+                  "several times")
+      .one_value_each();
+  command.add_option("--lag", options->lag, "Samples that an estimate waits for (recommended)")
+      .within(0, 16)
+      .show_default();
+  options->plan.choice.add_to(command);
+  options->plan.drive.add_to(command);
+  command.add_option("--out", options->out,
+                     "CSV file: a row per recording and estimator; for sessions per quantity and "
+                     "pair of sessions");
+  command.add_option("--figures", options->figures, "Folder for the figure (SVG and PNG)");
   return [options] { return compare(*options); };
 }
 

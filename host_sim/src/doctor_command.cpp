@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <memory>
 
+#include "command_line.h"
 #include "commands.h"
 #include "device_argument.h"
 #include "device_profile_file.h"
@@ -39,15 +39,15 @@ int examine_and_tell(const DoctorOptions& options) {
 
 }  // namespace
 
-Command add_doctor(CLI::App& app) {
+Command add_doctor(CommandLine app) {
   auto options = std::make_shared<DoctorOptions>();
-  CLI::App* const command = app.add_subcommand(
+  const CommandLine command = app.add_command(
       "doctor", "Say what this computer lacks to read a facebow, and the commands that mend it");
-  CLI::Option* const device =
-      command->add_option("--device", options->device,
-                          "Device to look at: 1209:0001, /dev/hidraw0, or its USB port, 1-1.4");
-  command->add_option("--profile", options->profile, "TOML file of the device to look at")
-      ->excludes(device);
+  const Option device =
+      command.add_option("--device", options->device,
+                         "Device to look at: 1209:0001, /dev/hidraw0, or its USB port, 1-1.4");
+  command.add_option("--profile", options->profile, "TOML file of the device to look at")
+      .excludes(device);
   return [options] { return examine_and_tell(*options); };
 }
 

@@ -1,42 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive_options.h"
+#include "command_line.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
-
-#include "number_option.h"
 
 namespace condyle::host {
 
-void DriveOptions::add_to(CLI::App& command) {
+void DriveOptions::add_to(CommandLine command) {
   command
       .add_option(
           "--drive-missing", missing_share,
           "Largest share of the total force that the drive may miss; not known unless given")
-      ->check(number_in({0, 1}));
+      .number_in({0, 1});
   command.add_option("--drive-gain-sd", gain_sd, "Relative uncertainty of its gain (0.01)")
-      ->check(number_in({0, 1}));
+      .number_in({0, 1});
   command.add_option("--drive-noise-N", noise_sd_N, "Its noise, of each sample (0.01)")
-      ->check(number_in({1e-9, 1e3}));
+      .number_in({1e-9, 1e3});
   command.add_option("--drive-delay-ms", delay_ms, "How late its samples are stamped (0)")
-      ->check(number_in({-1000, 1000}));
+      .number_in({-1000, 1000});
   command.add_option("--drive-delay-sd-ms", delay_sd_ms, "Uncertainty of that (5)")
-      ->check(number_in({0, 1000}));
+      .number_in({0, 1000});
   command.add_flag("--drive-fit-delay", fits_delay,
                    "Estimate the delay too, from there, rather than widen the intervals");
   command
       .add_option("--coulomb-sd-N", coulomb_sd_N,
                   "Identify Coulomb friction too, of about this size beforehand")
-      ->check(number_in({0, 1e6}));
+      .number_in({0, 1e6});
   constexpr const char* contact = "are not taken: teeth or food may touch there";
   command
       .add_option("--contact-above-mm", contact_above_mm,
                   fmt::format("Positions above {}", contact))
-      ->check(number_in({-1e6, 1e6}));
+      .number_in({-1e6, 1e6});
   command
       .add_option("--contact-below-mm", contact_below_mm,
                   fmt::format("Positions below {}", contact))
-      ->check(number_in({-1e6, 1e6}));
+      .number_in({-1e6, 1e6});
 }
 
 void DriveOptions::apply(JointParameters& joint) const {

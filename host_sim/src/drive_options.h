@@ -3,11 +3,8 @@
 
 #include <optional>
 
+#include "command_line.h"
 #include "condyle/estimator/joint_parameters.h"
-
-namespace CLI {
-class App;
-}
 
 namespace condyle::host {
 
@@ -19,7 +16,7 @@ struct DriveOptions {
   bool fits_delay = false;
 
   /// Gives `command` the options that fill this, which must outlive it.
-  void add_to(CLI::App& command);
+  void add_to(CommandLine command);
   bool is_given() const {
     return missing_share || gain_sd || noise_sd_N || delay_ms || delay_sd_ms || coulomb_sd_N ||
            contact_above_mm || contact_below_mm || fits_delay;

@@ -3,13 +3,12 @@
 #include "emg_command.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <memory>
 
+#include "command_line.h"
 #include "emg_report.h"
 #include "input_error.h"
-#include "number_option.h"
 #include "output_file.h"
 
 namespace condyle::host {
@@ -20,13 +19,13 @@ struct EmgOptions {
   std::string muscles, axis = "z", unit, faults = "refuse", out;
   double noise_mm = 0.05;
   std::optional<double> mass_kg, mass_sd_kg, resolution_Ns_m, error_share;
-  CLI::Option* axis_option = nullptr;
+  Option axis_option;
 };
 
 int run(const EmgOptions& options) {
   EmgSource source = options.source;
   source.followed.axis = static_cast<Axis>(options.axis[0] - 'x');
-  source.axis_given = options.axis_option->count() > 0;
+  source.axis_given = options.axis_option.is_given();
   source.noise_sd_m = 1e-3 * options.noise_mm;
   if (!options.unit.empty()) source.reading.units_per_metre = options.unit == "mm" ? 1000 : 1;
   source.reading.faults = source.emg_reading.faults =
@@ -63,53 +62,53 @@ int run(const EmgOptions& options) {
 
 }  // namespace
 
-Command add_emg(CLI::App& app) {
+Command add_emg(CommandLine app) {
   auto options = std::make_shared<EmgOptions>();
-  CLI::App* const command = app.add_subcommand(
+  const CommandLine command = app.add_command(
       "emg",
       "Friction from EMG and a muscle model, with the mass assumed; or that it is not known");
-  command->add_option("RECORDING", options->source.recording, "As for replay")->required();
-  command->add_option("--emg", options->source.emg, "CSV: time_s and a column per muscle")
-      ->required();
+  command.add_option("RECORDING", options->source.recording, "As for replay").required();
+  command.add_option("--emg", options->source.emg, "CSV: time_s and a column per muscle")
+      .required();
   command
-      ->add_option("--muscles", options->muscles,
-                   "TOML file: jaw, muscles, their columns; host_sim/muscles has some")
-      ->required();
-  command->add_flag("--raw", options->source.emg_reading.is_raw,
-                    "The columns are raw EMG, not envelopes");
+      .add_option("--muscles", options->muscles,
+                  "TOML file: jaw, muscles, their columns; host_sim/muscles has some")
+      .required();
+  command.add_flag("--raw", options->source.emg_reading.is_raw,
+                   "The columns are raw EMG, not envelopes");
   command
-      ->add_option("--raw-maximum", options->source.emg_reading.raw_maximum,
-                   "Envelope of a maximal contraction, for muscles whose maximum the file does not "
-                   "give")
-      ->check(number_in({1e-12, 1e12}));
-  command->add_option("--assumed-mass-kg", options->mass_kg, "Mass at the followed point")
-      ->check(number_in({1e-6, 100}));
-  command->add_option("--assumed-mass-sd-kg", options->mass_sd_kg, "Its standard deviation")
-      ->check(number_in({0, 100}));
+      .add_option("--raw-maximum", options->source.emg_reading.raw_maximum,
+                  "Envelope of a maximal contraction, for muscles whose maximum the file does not "
+                  "give")
+      .number_in({1e-12, 1e12});
+  command.add_option("--assumed-mass-kg", options->mass_kg, "Mass at the followed point")
+      .number_in({1e-6, 100});
+  command.add_option("--assumed-mass-sd-kg", options->mass_sd_kg, "Its standard deviation")
+      .number_in({0, 100});
   command
-      ->add_option("--error-share", options->error_share,
-                   "rms of what the muscles' force gets wrong, of that force (0.46)")
-      ->check(number_in({1e-3, 10}));
+      .add_option("--error-share", options->error_share,
+                  "rms of what the muscles' force gets wrong, of that force (0.46)")
+      .number_in({1e-3, 10});
   command
-      ->add_option("--friction-resolution-Ns-m", options->resolution_Ns_m,
-                   "Smallest difference of friction that matters to you (0.1)")
-      ->check(number_in({1e-9, 1e6}));
-  command->add_option("--noise-mm", options->noise_mm, "Standard deviation of a measured position")
-      ->check(number_in({1e-6, 100}))
-      ->capture_default_str();
-  command->add_option("--point", options->source.followed.point, "Point to follow")
-      ->check(CLI::Range(1, 3))
-      ->capture_default_str();
-  options->axis_option = command->add_option("--axis", options->axis, "Axis to follow")
-                             ->check(CLI::IsMember({"x", "y", "z"}))
-                             ->capture_default_str();
-  command->add_option("--unit", options->unit, "Unit of coordinates where the format states none")
-      ->check(CLI::IsMember({"mm", "m"}));
-  command->add_option("--faults", options->faults, "Rows that cannot be used")
-      ->check(CLI::IsMember({"refuse", "event"}))
-      ->capture_default_str();
-  command->add_option("--out", options->out,
-                      "NAME.json for the values, NAME.csv for a row per position");
+      .add_option("--friction-resolution-Ns-m", options->resolution_Ns_m,
+                  "Smallest difference of friction that matters to you (0.1)")
+      .number_in({1e-9, 1e6});
+  command.add_option("--noise-mm", options->noise_mm, "Standard deviation of a measured position")
+      .number_in({1e-6, 100})
+      .show_default();
+  command.add_option("--point", options->source.followed.point, "Point to follow")
+      .within(1, 3)
+      .show_default();
+  options->axis_option = command.add_option("--axis", options->axis, "Axis to follow")
+                             .one_of({"x", "y", "z"})
+                             .show_default();
+  command.add_option("--unit", options->unit, "Unit of coordinates where the format states none")
+      .one_of({"mm", "m"});
+  command.add_option("--faults", options->faults, "Rows that cannot be used")
+      .one_of({"refuse", "event"})
+      .show_default();
+  command.add_option("--out", options->out,
+                     "NAME.json for the values, NAME.csv for a row per position");
   return [options] { return run(*options); };
 }
 

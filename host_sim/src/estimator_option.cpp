@@ -2,21 +2,21 @@
 #include "estimator_option.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
+#include "command_line.h"
 #include "input_error.h"
 
 namespace condyle::host {
 
-void EstimatorOption::add_to(CLI::App& command) {
+void EstimatorOption::add_to(CommandLine command) {
   command.add_option("--estimator", name, "Which estimator runs")
-      ->check(CLI::IsMember({"recommended", "published"}))
-      ->capture_default_str();
+      .one_of({"recommended", "published"})
+      .show_default();
   command
       .add_option("--lag", lag,
                   "Samples that an estimate waits for, which makes it better (recommended)")
-      ->check(CLI::Range(0, 16))
-      ->capture_default_str();
+      .within(0, 16)
+      .show_default();
   command.add_option("--parameters", parameters, "TOML file with its parameters");
 }
 

@@ -4,13 +4,10 @@
 #include <optional>
 #include <string>
 
+#include "command_line.h"
 #include "condyle/estimator/sample.h"
 #include "parameter_file.h"
 #include "recording.h"
-
-namespace CLI {
-class App;
-}
 
 namespace condyle::host {
 
@@ -21,7 +18,7 @@ struct EstimatorOption {
   int lag = 0;                       ///< samples
 
   /// Gives `command` the options that fill this, which must outlive it.
-  void add_to(CLI::App& command);
+  void add_to(CommandLine command);
 
   bool is_published() const { return name == "published"; }
   /// An InputError where `option`, which only the recommended estimator has, is `given` to the

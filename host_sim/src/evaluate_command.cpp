@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <memory>
 
+#include "command_line.h"
 #include "commands.h"
 #include "drive_options.h"
 #include "estimator_option.h"
@@ -11,7 +11,6 @@
 #include "evaluation/evaluation_figures.h"
 #include "evaluation/evaluation_text.h"
 #include "input_error.h"
-#include "number_option.h"
 #include "output_file.h"
 #include "progress.h"
 #include "simulation/scenario_file.h"
@@ -109,33 +108,33 @@ int evaluate(const EvaluateOptions& options) {
 
 }  // namespace
 
-Command add_evaluate(CLI::App& app) {
+Command add_evaluate(CommandLine app) {
   auto options = std::make_shared<EvaluateOptions>();
-  CLI::App* const command = app.add_subcommand(
+  const CommandLine command = app.add_command(
       "evaluate", "Compare an estimator with the truth of simulated subjects, over many seeds");
-  command->add_option("SCENARIO", options->scenario, "TOML file; host_sim/scenarios has some")
-      ->required();
-  options->estimator.add_to(*command);
-  options->drive.add_to(*command);
-  command->add_flag("--withhold-drive", options->withholds_drive,
-                    "Give the identification the assumed mass times the estimated acceleration "
-                    "instead, which tells nothing of friction and mass");
-  command->add_option("--runs", options->plan.runs, "Number of runs")
-      ->check(number_in({2, 1e6}))
-      ->capture_default_str();
-  command->add_option("--seed", options->plan.first_seed, "First seed")->capture_default_str();
+  command.add_option("SCENARIO", options->scenario, "TOML file; host_sim/scenarios has some")
+      .required();
+  options->estimator.add_to(command);
+  options->drive.add_to(command);
+  command.add_flag("--withhold-drive", options->withholds_drive,
+                   "Give the identification the assumed mass times the estimated acceleration "
+                   "instead, which tells nothing of friction and mass");
+  command.add_option("--runs", options->plan.runs, "Number of runs")
+      .number_in({2, 1e6})
+      .show_default();
+  command.add_option("--seed", options->plan.first_seed, "First seed").show_default();
   command
-      ->add_option("--friction-factors", options->plan.friction_factors,
-                   "The subject's friction is multiplied by these in turn, separated by commas")
-      ->delimiter(',')
-      ->check(number_in({0, 1e6}));
+      .add_option("--friction-factors", options->plan.friction_factors,
+                  "The subject's friction is multiplied by these in turn, separated by commas")
+      .separated_by(',')
+      .number_in({0, 1e6});
   command
-      ->add_option("--mass-factors", options->plan.mass_factors,
-                   "The subject's mass and inertia are multiplied by these in turn")
-      ->delimiter(',')
-      ->check(number_in({1e-3, 1e3}));
-  command->add_option("--out", options->out, "CSV file for the table");
-  command->add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
+      .add_option("--mass-factors", options->plan.mass_factors,
+                  "The subject's mass and inertia are multiplied by these in turn")
+      .separated_by(',')
+      .number_in({1e-3, 1e3});
+  command.add_option("--out", options->out, "CSV file for the table");
+  command.add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
   return [options] { return evaluate(*options); };
 }
 

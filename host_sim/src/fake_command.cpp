@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <memory>
 
+#include "command_line.h"
 #include "commands.h"
 #include "fake/account.h"
 #include "fake/fake_arguments.h"
@@ -55,21 +55,20 @@ int run_fake(const Options& options) {
 
 }  // namespace
 
-Command add_fake(CLI::App& app) {
+Command add_fake(CommandLine app) {
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand(
+  const CommandLine command = app.add_command(
       "fake", "Be a fake USB facebow of this computer's kernel (needs root), with faults");
   command
-      ->add_option("--transport", options->transport,
-                   "uhid: a HID device; vhci: a whole USB device")
-      ->check(CLI::IsMember({"uhid", "vhci"}))
-      ->capture_default_str();
+      .add_option("--transport", options->transport, "uhid: a HID device; vhci: a whole USB device")
+      .one_of({"uhid", "vhci"})
+      .show_default();
   command
-      ->add_option("--product-id", options->product_id,
-                   "Product id of a uhid device, so that several can be told apart")
-      ->capture_default_str();
+      .add_option("--product-id", options->product_id,
+                  "Product id of a uhid device, so that several can be told apart")
+      .show_default();
   options->device.run.settle_s = 0.2;  // kernels drop what comes too early
-  fake::add_arguments(*command, options->device);
+  fake::add_arguments(command, options->device);
   return [options] { return run_fake(*options); };
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pictures of the simulated friction laws' textbook behaviours.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
 
+#include "command_line.h"
 #include "commands.h"
 #include "gnuplot.h"
 #include "output_file.h"
@@ -152,11 +152,11 @@ int draw(const std::string& directory) {
 
 }  // namespace
 
-Command add_friction(CLI::App& app) {
+Command add_friction(CommandLine app) {
   auto directory = std::make_shared<std::string>();
-  CLI::App* const command =
-      app.add_subcommand("friction", "Draw what the simulator's friction laws do");
-  command->add_option("--figures", *directory, "Folder for figures (SVG and PNG)")->required();
+  const CommandLine command =
+      app.add_command("friction", "Draw what the simulator's friction laws do");
+  command.add_option("--figures", *directory, "Folder for figures (SVG and PNG)").required();
   return [directory] { return draw(*directory); };
 }
 

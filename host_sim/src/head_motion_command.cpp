@@ -3,14 +3,13 @@
 #include "head_motion_command.h"
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <memory>
 
+#include "command_line.h"
 #include "head_motion_plan.h"
 #include "head_motion_report.h"
 #include "input_error.h"
-#include "number_option.h"
 #include "output_file.h"
 
 namespace condyle::host {
@@ -24,23 +23,23 @@ struct Stated {
   double delay_sd_ms = 1e3 * HeadMotionParameters{}.delay_sd_s;
   double muscle_share = HeadMotionParameters{}.muscle_share;
 
-  void add_to(CLI::App& command) {
+  void add_to(CommandLine command) {
     command
         .add_option("--acceleration-gain-sd", gain_sd,
                     "Relative uncertainty of the accelerometer's gain")
-        ->check(number_in({1e-6, 1}))
-        ->capture_default_str();
+        .number_in({1e-6, 1})
+        .show_default();
     command
         .add_option("--acceleration-delay-sd-ms", delay_sd_ms,
                     "Uncertainty of how late its samples are stamped")
-        ->check(number_in({0, 1000}))
-        ->capture_default_str();
+        .number_in({0, 1000})
+        .show_default();
     command
         .add_option("--muscle-share", muscle_share,
                     "Largest share of the inertial force that muscles may add; 0: the jaw is "
                     "relaxed, 1: nobody knows")
-        ->check(number_in({0, 1}))
-        ->capture_default_str();
+        .number_in({0, 1})
+        .show_default();
   }
   void apply(HeadMotionParameters& parameters) const {
     parameters.gain_sd = gain_sd;
@@ -56,13 +55,13 @@ struct HeadMotionOptions {
   std::optional<double> noise_mm;
   double resolution_per_s = HeadMotionParameters{}.damping_rate_resolution_per_s;
   std::string axis = "z", unit, out, figures;
-  CLI::Option* axis_option = nullptr;
+  Option axis_option;
 };
 
 int run(HeadMotionOptions& options) {
   HeadMotionSource& source = options.source;
   source.followed.axis = static_cast<Axis>(options.axis[0] - 'x');
-  source.axis_given = options.axis_option->count() > 0;
+  source.axis_given = options.axis_option.is_given();
   if (!options.unit.empty()) source.reading.units_per_metre = options.unit == "mm" ? 1000 : 1;
   if (options.noise_mm) source.noise_sd_m = 1e-3 * *options.noise_mm;
   source.delay_s = 1e-3 * options.delay_ms;
@@ -93,17 +92,17 @@ int run(HeadMotionOptions& options) {
 
 }  // namespace
 
-Command add_plan_head_motion(CLI::App& protocol) {
+Command add_plan_head_motion(CommandLine protocol) {
   struct Planned {
     HeadMotionPlan plan;
     Stated stated{.muscle_share = 0};
   };
   auto planned = std::make_shared<Planned>();
   HeadMotionPlan& plan = planned->plan;
-  CLI::App* const command = protocol.add_subcommand(
+  const CommandLine command = protocol.add_command(
       "plan-head-motion", "Print the standard deviation to expect, and how long to record");
   const auto add = [&](const char* name, double& value, const char* meaning, Range range) {
-    command->add_option(name, value, meaning)->check(number_in(range))->capture_default_str();
+    command.add_option(name, value, meaning).number_in(range).show_default();
   };
   add("--rate-Hz", plan.rate_Hz, "Samples per second, of both", {1, 1e3});
   add("--noise-mm", plan.noise_mm, "Standard deviation of a measured position", {1e-6, 100});
@@ -115,11 +114,11 @@ Command add_plan_head_motion(CLI::App& protocol) {
   add("--damping-rate-per-s", plan.damping_rate_per_s, "Expected kv/m", {0, 1e4});
   add("--natural-frequency-Hz", plan.natural_frequency_Hz,
       "Expected natural frequency, sqrt(ks/m) / (2 pi)", {1e-2, 100});
-  planned->stated.add_to(*command);
+  planned->stated.add_to(command);
   command
-      ->add_option("--wanted-damping-rate-sd-per-s", plan.wanted_damping_rate_sd_per_s,
-                   "Standard deviation of kv/m to reach")
-      ->check(number_in({1e-9, 1e9}));
+      .add_option("--wanted-damping-rate-sd-per-s", plan.wanted_damping_rate_sd_per_s,
+                  "Standard deviation of kv/m to reach")
+      .number_in({1e-9, 1e9});
   return [planned] {
     planned->stated.apply(planned->plan.stated);
     print_output(plan_text(planned->plan));
@@ -127,55 +126,53 @@ Command add_plan_head_motion(CLI::App& protocol) {
   };
 }
 
-Command add_head_motion(CLI::App& protocol) {
+Command add_head_motion(CommandLine protocol) {
   auto options = std::make_shared<HeadMotionOptions>();
-  CLI::App* const command = protocol.add_subcommand(
+  const CommandLine command = protocol.add_command(
       "head-motion",
       "Identify kv/m and ks/m of a relaxed jaw from how the head's acceleration moves it");
   HeadMotionSource& source = options->source;
-  command->add_option("RECORDING", source.recording, "As for replay; relative to the head")
-      ->required();
-  command->add_option(
-      "--acceleration", source.acceleration,
-      "Head acceleration along the followed axis, gravity included, positive as the "
-      "position: CSV with time_s and acceleration_m_s2; else a column of RECORDING");
+  command.add_option("RECORDING", source.recording, "As for replay; relative to the head")
+      .required();
+  command.add_option("--acceleration", source.acceleration,
+                     "Head acceleration along the followed axis, gravity included, positive as the "
+                     "position: CSV with time_s and acceleration_m_s2; else a column of RECORDING");
   command
-      ->add_option("--acceleration-noise-m-s2", source.acceleration_noise_sd_m_s2,
-                   "Its noise, of each sample; else from its sixth differences")
-      ->check(number_in(kPositive));
+      .add_option("--acceleration-noise-m-s2", source.acceleration_noise_sd_m_s2,
+                  "Its noise, of each sample; else from its sixth differences")
+      .number_in(kPositive);
   command
-      ->add_option("--acceleration-delay-ms", options->delay_ms, "How late its samples are stamped")
-      ->check(number_in({-1000, 1000}))
-      ->capture_default_str();
-  options->stated.add_to(*command);
-  command->add_option("--point", source.followed.point, "Point to follow")
-      ->check(CLI::Range(1, 3))
-      ->capture_default_str();
-  options->axis_option = command->add_option("--axis", options->axis, "Axis to follow")
-                             ->check(CLI::IsMember({"x", "y", "z"}))
-                             ->capture_default_str();
-  command->add_option("--unit", options->unit, "Unit of coordinates where the format states none")
-      ->check(CLI::IsMember({"mm", "m"}));
+      .add_option("--acceleration-delay-ms", options->delay_ms, "How late its samples are stamped")
+      .number_in({-1000, 1000})
+      .show_default();
+  options->stated.add_to(command);
+  command.add_option("--point", source.followed.point, "Point to follow")
+      .within(1, 3)
+      .show_default();
+  options->axis_option = command.add_option("--axis", options->axis, "Axis to follow")
+                             .one_of({"x", "y", "z"})
+                             .show_default();
+  command.add_option("--unit", options->unit, "Unit of coordinates where the format states none")
+      .one_of({"mm", "m"});
   command
-      ->add_option("--ignore-column", source.reading.ignored_columns,
-                   "CSV column of RECORDING to leave unread; may be given several times")
-      ->allow_extra_args(false);
+      .add_option("--ignore-column", source.reading.ignored_columns,
+                  "CSV column of RECORDING to leave unread; may be given several times")
+      .one_value_each();
   command
-      ->add_option("--noise-mm", options->noise_mm,
-                   "Standard deviation of a measured position; else from its sixth differences")
-      ->check(number_in({1e-6, 100}));
-  command->add_option("--begin-s", source.begin_s, "First time, from the first sample")
-      ->check(number_in(kTimes));
-  command->add_option("--end-s", source.end_s, "Last time, from the first sample")
-      ->check(number_in(kTimes));
+      .add_option("--noise-mm", options->noise_mm,
+                  "Standard deviation of a measured position; else from its sixth differences")
+      .number_in({1e-6, 100});
+  command.add_option("--begin-s", source.begin_s, "First time, from the first sample")
+      .number_in(kTimes);
+  command.add_option("--end-s", source.end_s, "Last time, from the first sample").number_in(kTimes);
   command
-      ->add_option("--damping-rate-resolution-per-s", options->resolution_per_s,
-                   "Smallest difference of kv/m that matters to you; measured is what is known to "
-                   "half of it")
-      ->check(number_in({1e-9, 1e9}))
-      ->capture_default_str();
-  command->add_option("--out", options->out, "JSON file for the values");
-  command->add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
+      .add_option("--damping-rate-resolution-per-s", options->resolution_per_s,
+                  "Smallest difference of kv/m that matters to you; measured is what is known to "
+                  "half of it")
+      .number_in({1e-9, 1e9})
+      .show_default();
+  command.add_option("--out", options->out, "JSON file for the values");
+  command.add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
   return [options] { return run(*options); };
 }
 

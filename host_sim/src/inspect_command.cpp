@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <sys/ioctl.h>
@@ -9,6 +8,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "command_line.h"
 #include "commands.h"
 #include "condyle/hal/profile_check.h"
 #include "condyle/hal/report_descriptor.h"
@@ -20,7 +20,6 @@
 #include "device_words.h"
 #include "input_error.h"
 #include "live_inspection.h"
-#include "number_option.h"
 
 namespace condyle::host {
 namespace {
@@ -184,32 +183,30 @@ int inspect(const InspectOptions& options) {
 
 }  // namespace
 
-Command add_inspect(CLI::App& app) {
+Command add_inspect(CommandLine app) {
   auto options = std::make_shared<InspectOptions>();
-  CLI::App* const command = app.add_subcommand(
+  const CommandLine command = app.add_command(
       "inspect",
       "List the HID devices that are plugged in; show what one of them sends; say what a report "
       "descriptor describes");
-  command->add_option(
+  command.add_option(
       "--device", options->device,
       "Device to read: its ids as in 1209:0001, /dev/hidraw0, or its USB port, 1-1.4");
-  command->add_option(
+  command.add_option(
       "--profile", options->profile,
       "TOML file that describes a device: read it, and show what the profile makes of "
       "its reports");
-  command->add_option(
+  command.add_option(
       "--descriptor", options->descriptor,
       "File with a report descriptor, binary or hexadecimal text, instead of a device");
-  command->add_option("--serial", options->serial, "Serial number, where several are plugged in");
-  command
-      ->add_option("--backend", options->backend, "hidapi: the kernel's driver; libusb: directly")
-      ->check(CLI::IsMember({"hidapi", "libusb"}))
-      ->capture_default_str();
-  command
-      ->add_option("--duration-s", options->duration_s, "How long to look; Ctrl-C ends it sooner")
-      ->check(number_in({0.1, 1e7}))
-      ->capture_default_str();
-  command->add_flag("--json", options->as_json, "As JSON, for programs");
+  command.add_option("--serial", options->serial, "Serial number, where several are plugged in");
+  command.add_option("--backend", options->backend, "hidapi: the kernel's driver; libusb: directly")
+      .one_of({"hidapi", "libusb"})
+      .show_default();
+  command.add_option("--duration-s", options->duration_s, "How long to look; Ctrl-C ends it sooner")
+      .number_in({0.1, 1e7})
+      .show_default();
+  command.add_flag("--json", options->as_json, "As JSON, for programs");
   return [options] { return inspect(*options); };
 }
 

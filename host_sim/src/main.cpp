@@ -34,22 +34,23 @@ int run(int argc, char** argv) {
   CLI::App app{"Virtual sensor for jaw motion. Research use only; it diagnoses nothing."};
   app.require_subcommand(1);
   app.set_version_flag("--version", "condyle " CONDYLE_VERSION);
+  const CommandLine line(app);
   std::vector<std::pair<const char*, Command>> commands;
-  commands.emplace_back("replay", add_replay(app));
-  commands.emplace_back("simulate", add_simulate(app));
-  commands.emplace_back("evaluate", add_evaluate(app));
-  commands.emplace_back("friction", add_friction(app));
-  commands.emplace_back("observability", add_observability(app));
-  commands.emplace_back("protocol", add_protocol(app));
-  commands.emplace_back("changes", add_changes(app));
-  commands.emplace_back("tune", add_tune(app));
-  commands.emplace_back("compare", add_compare(app));
-  commands.emplace_back("record", add_record(app));
-  commands.emplace_back("bridge", add_bridge(app));
-  commands.emplace_back("session", add_session(app));
-  commands.emplace_back("inspect", add_inspect(app));
-  commands.emplace_back("doctor", add_doctor(app));
-  commands.emplace_back("fake", add_fake(app));
+  commands.emplace_back("replay", add_replay(line));
+  commands.emplace_back("simulate", add_simulate(line));
+  commands.emplace_back("evaluate", add_evaluate(line));
+  commands.emplace_back("friction", add_friction(line));
+  commands.emplace_back("observability", add_observability(line));
+  commands.emplace_back("protocol", add_protocol(line));
+  commands.emplace_back("changes", add_changes(line));
+  commands.emplace_back("tune", add_tune(line));
+  commands.emplace_back("compare", add_compare(line));
+  commands.emplace_back("record", add_record(line));
+  commands.emplace_back("bridge", add_bridge(line));
+  commands.emplace_back("session", add_session(line));
+  commands.emplace_back("inspect", add_inspect(line));
+  commands.emplace_back("doctor", add_doctor(line));
+  commands.emplace_back("fake", add_fake(line));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <memory>
 
+#include "command_line.h"
 #include "commands.h"
 #include "condyle/estimator/observability.h"
 #include "input_error.h"
-#include "number_option.h"
 
 namespace condyle::host {
 namespace {
@@ -60,12 +59,12 @@ int print_table(const Point& point) {
 
 }  // namespace
 
-Command add_observability(CLI::App& app) {
+Command add_observability(CommandLine app) {
   auto point = std::make_shared<Point>();
-  CLI::App* const command = app.add_subcommand(
+  const CommandLine command = app.add_command(
       "observability", "Print the observability of the paper's systems, as printed and corrected");
   const auto add = [command](const char* name, double& value, const char* meaning, Range range) {
-    command->add_option(name, value, meaning)->check(number_in(range))->capture_default_str();
+    command.add_option(name, value, meaning).number_in(range).show_default();
   };
   add("--position-m", point->position_m, "Position p", {-1, 1});
   add("--velocity-m-s", point->velocity_m_s, "Velocity v", {-10, 10});

@@ -2,15 +2,14 @@
 // Protocols for users without a force sensor: plan, fit and combine passive releases; the head's
 // motion is in head_motion_command.cpp.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <memory>
 
+#include "command_line.h"
 #include "commands.h"
 #include "emg_command.h"
 #include "head_motion_command.h"
 #include "input_error.h"
-#include "number_option.h"
 #include "output_file.h"
 #include "release_plan.h"
 #include "release_report.h"
@@ -24,22 +23,21 @@ struct FitOptions {
   double noise_mm = 0;
   ReleaseResolution resolution;
   std::string axis = "z", unit, out, figures;
-  CLI::Option* axis_option = nullptr;
+  Option axis_option;
 
-  void add_to(CLI::App& command) {
+  void add_to(CommandLine command) {
     command.add_option("--point", source.followed.point, "Point to follow")
-        ->check(CLI::Range(1, 3))
-        ->capture_default_str();
-    axis_option = command.add_option("--axis", axis, "Axis to follow")
-                      ->check(CLI::IsMember({"x", "y", "z"}))
-                      ->capture_default_str();
+        .within(1, 3)
+        .show_default();
+    axis_option =
+        command.add_option("--axis", axis, "Axis to follow").one_of({"x", "y", "z"}).show_default();
     command.add_option("--unit", unit, "Unit of coordinates where the format states none")
-        ->check(CLI::IsMember({"mm", "m"}));
+        .one_of({"mm", "m"});
     command
         .add_option("--noise-mm", noise_mm,
                     "Standard deviation of a measured position; without it, the residuals' own, "
                     "which cannot tell a wrong model by its size")
-        ->check(number_in({1e-6, 100}));
+        .number_in({1e-6, 100});
     command.add_option("--out", out, "JSON file for the values");
     command.add_option("--figures", figures, "Folder for figures (SVG and PNG)");
   }
@@ -50,7 +48,7 @@ struct FitOptions {
     result.begin_s = begin_s;
     result.end_s = end_s;
     result.followed.axis = static_cast<Axis>(axis[0] - 'x');
-    result.axis_given = axis_option->count() > 0;
+    result.axis_given = axis_option.is_given();
     if (!unit.empty()) result.reading.units_per_metre = unit == "mm" ? 1000 : 1;
     return result;
   }
@@ -87,12 +85,12 @@ int finish(const FitOptions& options, const std::vector<std::string>& recordings
 
 const Range kTimeRange{0, 1e9};
 
-Command add_plan(CLI::App& app) {
+Command add_plan(CommandLine app) {
   auto plan = std::make_shared<ReleasePlan>();
-  CLI::App* const command = app.add_subcommand(
+  const CommandLine command = app.add_command(
       "plan-release", "Print the standard deviation to expect, and how long to record");
   const auto add = [&](const char* name, double& value, const char* meaning, Range range) {
-    command->add_option(name, value, meaning)->check(number_in(range))->capture_default_str();
+    command.add_option(name, value, meaning).number_in(range).show_default();
   };
   add("--rate-Hz", plan->rate_Hz, "Samples per second", {1, 1e4});
   add("--noise-mm", plan->noise_mm, "Standard deviation of a measured position", {1e-6, 100});
@@ -103,40 +101,40 @@ Command add_plan(CLI::App& app) {
   add("--natural-frequency-Hz", plan->natural_frequency_Hz,
       "Expected natural frequency, sqrt(ks/m) / (2 pi)", {1e-2, 1e3});
   command
-      ->add_option("--wanted-damping-rate-sd-per-s", plan->wanted_damping_rate_sd_per_s,
-                   "Standard deviation of kv/m to reach")
-      ->check(number_in({1e-9, 1e9}));
+      .add_option("--wanted-damping-rate-sd-per-s", plan->wanted_damping_rate_sd_per_s,
+                  "Standard deviation of kv/m to reach")
+      .number_in({1e-9, 1e9});
   return [plan] {
     print_output(plan_text(*plan));
     return kExitOk;
   };
 }
 
-Command add_release(CLI::App& app) {
+Command add_release(CommandLine app) {
   struct Options : FitOptions {
     std::string recording;
     std::optional<double> begin_s, end_s;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand(
+  const CommandLine command = app.add_command(
       "release", "Fit a passive release: kv/m, ks/m, damping ratio and natural frequency");
-  command->add_option("RECORDING", options->recording, "As for replay")->required();
-  options->add_to(*command);
+  command.add_option("RECORDING", options->recording, "As for replay").required();
+  options->add_to(command);
   command
-      ->add_option("--begin-s", options->begin_s,
-                   "First time at which nobody held the jaw, from the first sample; else it is "
-                   "looked for")
-      ->check(number_in(kTimeRange));
+      .add_option("--begin-s", options->begin_s,
+                  "First time at which nobody held the jaw, from the first sample; else it is "
+                  "looked for")
+      .number_in(kTimeRange);
   command
-      ->add_option("--end-s", options->end_s,
-                   "Last time, from the first sample; else 0.6 s after the begin")
-      ->check(number_in(kTimeRange));
+      .add_option("--end-s", options->end_s,
+                  "Last time, from the first sample; else 0.6 s after the begin")
+      .number_in(kTimeRange);
   command
-      ->add_option("--damping-rate-resolution-per-s", options->resolution.damping_rate_per_s,
-                   "Smallest difference of kv/m that matters to you; measured is what is known to "
-                   "half of it")
-      ->check(number_in({1e-9, 1e9}))
-      ->capture_default_str();
+      .add_option("--damping-rate-resolution-per-s", options->resolution.damping_rate_per_s,
+                  "Smallest difference of kv/m that matters to you; measured is what is known to "
+                  "half of it")
+      .number_in({1e-9, 1e9})
+      .show_default();
   return [options] {
     const FittedRelease release =
         fit_release(options->source_of(options->recording, options->begin_s, options->end_s),
@@ -146,35 +144,34 @@ Command add_release(CLI::App& app) {
   };
 }
 
-Command add_combine(CLI::App& app) {
+Command add_combine(CommandLine app) {
   struct Options : FitOptions {
     std::string first, second;
     std::vector<double> begin_s, end_s;
     ReleasePairSettings pair;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* const command = app.add_subcommand(
+  const CommandLine command = app.add_command(
       "combine", "Combine two releases, the second with a known load, into kv, ks and m");
-  command->add_option("FIRST", options->first, "Recording without the load")->required();
-  command->add_option("SECOND", options->second, "Recording with it")->required();
-  options->add_to(*command);
+  command.add_option("FIRST", options->first, "Recording without the load").required();
+  command.add_option("SECOND", options->second, "Recording with it").required();
+  options->add_to(command);
   const auto add_times = [command](const char* name, std::vector<double>& value,
                                    const char* meaning) {
-    command->add_option(name, value, meaning)->expected(2)->check(number_in(kTimeRange));
+    command.add_option(name, value, meaning).values(2).number_in(kTimeRange);
   };
   add_times("--begin-s", options->begin_s, "Begin of the first and of the second release");
   add_times("--end-s", options->end_s, "Their ends");
   const auto add_load = [command](const std::string& name, const char* unit, KnownLoad& load,
                                   const char* meaning) {
-    CLI::Option* const value =
-        command->add_option("--added-" + name + "-" + unit, load.value, meaning)
-            ->check(number_in({-1e4, 1e4}));
+    const Option value = command.add_option("--added-" + name + "-" + unit, load.value, meaning)
+                             .number_in({-1e4, 1e4});
     command
-        ->add_option("--added-" + name + "-sd-" + unit, load.standard_deviation,
-                     "Its standard deviation")
-        ->check(number_in({0, 1e4}))
-        ->needs(value)
-        ->capture_default_str();
+        .add_option("--added-" + name + "-sd-" + unit, load.standard_deviation,
+                    "Its standard deviation")
+        .number_in({0, 1e4})
+        .needs(value)
+        .show_default();
   };
   add_load("mass", "kg", options->pair.load.mass_kg,
            "Mass fixed to the followed point; its weight counts only with --added-weight-N");
@@ -183,10 +180,10 @@ Command add_combine(CLI::App& app) {
   add_load("weight", "N", options->pair.load.weight_N,
            "Constant force on it, in the direction in which the position grows");
   command
-      ->add_option("--friction-resolution-Ns-m", options->pair.friction_resolution_Ns_m,
-                   "Smallest difference of kv that matters to you")
-      ->check(number_in({1e-9, 1e6}))
-      ->capture_default_str();
+      .add_option("--friction-resolution-Ns-m", options->pair.friction_resolution_Ns_m,
+                  "Smallest difference of kv that matters to you")
+      .number_in({1e-9, 1e6})
+      .show_default();
   return [options] {
     const ReleaseLoad& load = options->pair.load;
     if (load.mass_kg.value == 0 && load.stiffness_N_m.value == 0 && load.weight_N.value == 0) {
@@ -216,22 +213,22 @@ Command add_combine(CLI::App& app) {
 
 }  // namespace
 
-Command add_protocol(CLI::App& app) {
-  CLI::App* const command =
-      app.add_subcommand("protocol",
-                         "Protocols without a force sensor: passive releases, the head's motion as "
-                         "a drive, EMG");
-  command->require_subcommand(1);
+Command add_protocol(CommandLine app) {
+  const CommandLine command =
+      app.add_command("protocol",
+                      "Protocols without a force sensor: passive releases, the head's motion as "
+                      "a drive, EMG");
+  command.require_command();
   std::vector<std::pair<const char*, Command>> parts;
-  parts.emplace_back("plan-release", add_plan(*command));
-  parts.emplace_back("release", add_release(*command));
-  parts.emplace_back("combine", add_combine(*command));
-  parts.emplace_back("plan-head-motion", add_plan_head_motion(*command));
-  parts.emplace_back("head-motion", add_head_motion(*command));
-  parts.emplace_back("emg", add_emg(*command));
+  parts.emplace_back("plan-release", add_plan(command));
+  parts.emplace_back("release", add_release(command));
+  parts.emplace_back("combine", add_combine(command));
+  parts.emplace_back("plan-head-motion", add_plan_head_motion(command));
+  parts.emplace_back("head-motion", add_head_motion(command));
+  parts.emplace_back("emg", add_emg(command));
   return [command, parts] {
     for (const auto& [name, part] : parts) {
-      if (command->got_subcommand(name)) return part();
+      if (command.is_given(name)) return part();
     }
     return kExitBadInput;
   };

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <unistd.h>
 
@@ -8,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "command_line.h"
 #include "commands.h"
 #include "condyle/estimator/driven_sensor.h"
 #include "condyle/firmware/latency_histogram.h"
@@ -17,7 +17,6 @@
 #include "device_words.h"
 #include "input_error.h"
 #include "live_estimates.h"
-#include "number_option.h"
 #include "parameter_file.h"
 #include "session_device.h"
 #include "text_file.h"
@@ -288,45 +287,40 @@ int record(const RecordOptions& options) {
 
 }  // namespace
 
-Command add_record(CLI::App& app) {
+Command add_record(CommandLine app) {
   auto options = std::make_shared<RecordOptions>();
-  CLI::App* const command = app.add_subcommand(
+  const CommandLine command = app.add_command(
       "record",
       "Record the raw reports of a facebow, and estimate while they come; Ctrl-C ends it");
-  command->add_option("--profile", options->profile, "TOML file that describes the device")
-      ->required();
-  command->add_option("--out", options->out, "Session log to write (MCAP); must not exist")
-      ->required();
+  command.add_option("--profile", options->profile, "TOML file that describes the device")
+      .required();
+  command.add_option("--out", options->out, "Session log to write (MCAP); must not exist")
+      .required();
+  command.add_option("--backend", options->backend, "hidapi: the kernel's driver; libusb: directly")
+      .one_of({"hidapi", "libusb"})
+      .show_default();
+  command.add_option("--serial", options->serial, "Serial number, where several are plugged in");
   command
-      ->add_option("--backend", options->backend, "hidapi: the kernel's driver; libusb: directly")
-      ->check(CLI::IsMember({"hidapi", "libusb"}))
-      ->capture_default_str();
-  command->add_option("--serial", options->serial, "Serial number, where several are plugged in");
-  command
-      ->add_option("--companion", options->companions,
-                   "Profile of an instrument to record beside the facebow, such as a force sensor; "
-                   "FILE@SERIAL where several are plugged in; may be given several times")
-      ->allow_extra_args(false);
-  command->add_option("--subject", options->subject, "Pseudonymous code of the subject");
-  command->add_option("--estimates", options->estimates, "CSV file for the estimates");
-  command->add_option("--parameters", options->parameters,
-                      "TOML file with parameters of the recommended estimator");
-  command->add_option("--point", options->point, "Point to follow")
-      ->check(CLI::Range(1, 3))
-      ->capture_default_str();
+      .add_option("--companion", options->companions,
+                  "Profile of an instrument to record beside the facebow, such as a force sensor; "
+                  "FILE@SERIAL where several are plugged in; may be given several times")
+      .one_value_each();
+  command.add_option("--subject", options->subject, "Pseudonymous code of the subject");
+  command.add_option("--estimates", options->estimates, "CSV file for the estimates");
+  command.add_option("--parameters", options->parameters,
+                     "TOML file with parameters of the recommended estimator");
+  command.add_option("--point", options->point, "Point to follow").within(1, 3).show_default();
   auto axis = std::make_shared<std::string>("z");
-  command->add_option("--axis", *axis, "Axis to follow")
-      ->check(CLI::IsMember({"x", "y", "z"}))
-      ->capture_default_str();
-  command->add_option("--duration-s", options->duration_s, "Stop after so long; 0: never")
-      ->check(number_in({0, 1e7}))
-      ->capture_default_str();
+  command.add_option("--axis", *axis, "Axis to follow").one_of({"x", "y", "z"}).show_default();
+  command.add_option("--duration-s", options->duration_s, "Stop after so long; 0: never")
+      .number_in({0, 1e7})
+      .show_default();
   command
-      ->add_option("--idle-s", options->idle_s, "Stop when nothing has come for so long; 0: never")
-      ->check(number_in({0, 1e7}))
-      ->capture_default_str();
-  command->add_option("--samples", options->samples, "Stop after so many samples; 0: never")
-      ->capture_default_str();
+      .add_option("--idle-s", options->idle_s, "Stop when nothing has come for so long; 0: never")
+      .number_in({0, 1e7})
+      .show_default();
+  command.add_option("--samples", options->samples, "Stop after so many samples; 0: never")
+      .show_default();
   return [options, axis] {
     options->axis = static_cast<Axis>((*axis)[0] - 'x');
     return record(*options);

@@ -3,50 +3,45 @@
 
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <CLI/CLI.hpp>
 
 #include <set>
 #include <utility>
 
+#include "command_line.h"
 #include "input_error.h"
 
 namespace condyle::host {
 
-void RecordingChoice::add_to(CLI::App& command) {
-  command.add_option("--point", followed.point, "Point to follow")
-      ->check(CLI::Range(1, 3))
-      ->capture_default_str();
+void RecordingChoice::add_to(CommandLine command) {
+  command.add_option("--point", followed.point, "Point to follow").within(1, 3).show_default();
   const auto take_axis = [this](const std::string& axis) {
     followed.axis = static_cast<Axis>(axis[0] - 'x');
     axis_given = true;
   };
-  command.add_option_function<std::string>("--axis", take_axis, "Axis to follow")
-      ->check(CLI::IsMember({"x", "y", "z"}))
-      ->default_str("z");
+  command.on_option("--axis", take_axis, "Axis to follow")
+      .one_of({"x", "y", "z"})
+      .show_default("z");
   const auto take_faults = [this](const std::string& policy) {
     reading.faults = policy == "event" ? FaultPolicy::event : FaultPolicy::refuse;
   };
   command
-      .add_option_function<std::string>("--faults", take_faults,
-                                        "What to do with missing, non-finite and reversed rows")
-      ->check(CLI::IsMember({"refuse", "event"}))
-      ->default_str("refuse");
+      .on_option("--faults", take_faults, "What to do with missing, non-finite and reversed rows")
+      .one_of({"refuse", "event"})
+      .show_default("refuse");
   command
       .add_option("--ignore-column", reading.ignored_columns,
                   "CSV column to leave unread; may be given several times")
-      ->allow_extra_args(false);
+      .one_value_each();
   command.add_option("--profile", reading.profile,
                      "TOML file that describes the device of a capture");
   const auto take_unit = [this](const std::string& unit) {
     reading.units_per_metre = unit == "mm" ? 1000 : 1;
   };
-  command
-      .add_option_function<std::string>("--unit", take_unit,
-                                        "Unit of coordinates where the format states none")
-      ->check(CLI::IsMember({"mm", "m"}));
+  command.on_option("--unit", take_unit, "Unit of coordinates where the format states none")
+      .one_of({"mm", "m"});
   command.add_option("--movement", reading.movement, "Movement of a Zebris XML file")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
+      .within(1, 1'000'000)
+      .show_default();
 }
 
 void RecordingChoice::check(const std::string& source, const RecordingInfo& info) const {

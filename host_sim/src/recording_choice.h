@@ -4,12 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "command_line.h"
 #include "condyle/estimator/sample.h"
 #include "recording.h"
-
-namespace CLI {
-class App;
-}
 
 namespace condyle::host {
 
@@ -21,7 +18,7 @@ struct RecordingChoice {
 
   /// Gives `command` --point, --axis, --faults, --ignore-column, --profile, --unit and --movement,
   /// which fill this; it must outlive them.
-  void add_to(CLI::App& command);
+  void add_to(CommandLine command);
   /// An InputError where the recording `source` does not have what is to be followed.
   void check(const std::string& source, const RecordingInfo& info) const;
 };

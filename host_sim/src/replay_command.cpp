@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <filesystem>
 #include <memory>
 #include <optional>
 
+#include "command_line.h"
 #include "commands.h"
 #include "condyle/estimator/driven_sensor.h"
 #include "condyle/estimator/published_sensor.h"
@@ -17,7 +17,6 @@
 #include "estimator_option.h"
 #include "figures.h"
 #include "input_error.h"
-#include "number_option.h"
 #include "parameter_file.h"
 #include "progress.h"
 #include "recording_choice.h"
@@ -225,37 +224,37 @@ int replay(const ReplayOptions& options) {
 
 }  // namespace
 
-Command add_replay(CLI::App& app) {
+Command add_replay(CommandLine app) {
   auto options = std::make_shared<ReplayOptions>();
-  CLI::App* const command = app.add_subcommand(
+  const CommandLine command = app.add_command(
       "replay", "Run a recording through an estimator and write estimates and figures");
   command
-      ->add_option("RECORDING", options->recording,
-                   "CSV, Zebris text or XML, JAWS3D text, SSFF, session log (MCAP) or capture of "
-                   "USB traffic (pcap, pcapng), recognised by its content; or synth:SCENARIO.toml")
-      ->required();
-  options->estimator.add_to(*command);
-  options->RecordingChoice::add_to(*command);
+      .add_option("RECORDING", options->recording,
+                  "CSV, Zebris text or XML, JAWS3D text, SSFF, session log (MCAP) or capture of "
+                  "USB traffic (pcap, pcapng), recognised by its content; or synth:SCENARIO.toml")
+      .required();
+  options->estimator.add_to(command);
+  options->RecordingChoice::add_to(command);
   command
-      ->add_option("--jaw-point-mm", options->jaw_point_mm,
-                   "X Y Z of a point fixed to the jaw, in the frame of the three points (origin "
-                   "point 1, x from point 3 to 2, z in their plane towards the middle of 2 and 3)")
-      ->expected(3)
-      ->check(number_in({-1000, 1000}))
-      ->excludes("--point");
-  command->add_option("--speed", options->speed, "0 as fast as possible, 1 real time")
-      ->check(number_in({0, 1e6}))
-      ->capture_default_str();
-  command->add_option("--drive", options->drive,
-                      "Total force along the followed axis, recorded apart: CSV with time_s and "
-                      "drive_N, or a session log");
-  options->drive_stated.add_to(*command);
-  command->add_option("--out", options->out, "CSV file for the estimates");
-  command->add_option(
+      .add_option("--jaw-point-mm", options->jaw_point_mm,
+                  "X Y Z of a point fixed to the jaw, in the frame of the three points (origin "
+                  "point 1, x from point 3 to 2, z in their plane towards the middle of 2 and 3)")
+      .values(3)
+      .number_in({-1000, 1000})
+      .excludes("--point");
+  command.add_option("--speed", options->speed, "0 as fast as possible, 1 real time")
+      .number_in({0, 1e6})
+      .show_default();
+  command.add_option("--drive", options->drive,
+                     "Total force along the followed axis, recorded apart: CSV with time_s and "
+                     "drive_N, or a session log");
+  options->drive_stated.add_to(command);
+  command.add_option("--out", options->out, "CSV file for the estimates");
+  command.add_option(
       "--values", options->values,
       "Folder for what the devices of a session log or capture measured beside position: force, "
       "EMG (CSV)");
-  command->add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
+  command.add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
   return [options] { return replay(*options); };
 }
 

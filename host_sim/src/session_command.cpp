@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <httplib.h>
 
-#include <CLI/CLI.hpp>
-
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "command_line.h"
 #include "commands.h"
 #include "input_error.h"
 #include "text_file.h"
@@ -66,25 +65,25 @@ int print_status(const SessionOptions& options) {
 
 }  // namespace
 
-Command add_session(CLI::App& app) {
+Command add_session(CommandLine app) {
   auto options = std::make_shared<SessionOptions>();
-  CLI::App* const command =
-      app.add_subcommand("session", "Start, mark and stop recordings of a measurement box");
-  command->add_option("--box", options->box, "Where the box listens")->capture_default_str();
-  command->add_option("--token-file", options->token_file, "File with the box's token");
-  CLI::App* const start = command->add_subcommand("start", "Begin to record");
-  start->add_option("--subject", options->subject, "Pseudonymous code of the subject");
-  CLI::App* const mark = command->add_subcommand("mark", "Note something that happens now");
-  mark->add_option("TEXT", options->text, "What happens")->required();
-  CLI::App* const stop = command->add_subcommand("stop", "End the recording");
-  CLI::App* const status = command->add_subcommand("status", "Show how the box does, as JSON");
-  command->require_subcommand(1);
-  for (CLI::App* const part : {start, mark, stop, status}) part->fallthrough();
+  const CommandLine command =
+      app.add_command("session", "Start, mark and stop recordings of a measurement box");
+  command.add_option("--box", options->box, "Where the box listens").show_default();
+  command.add_option("--token-file", options->token_file, "File with the box's token");
+  const CommandLine start = command.add_command("start", "Begin to record");
+  start.add_option("--subject", options->subject, "Pseudonymous code of the subject");
+  const CommandLine mark = command.add_command("mark", "Note something that happens now");
+  mark.add_option("TEXT", options->text, "What happens").required();
+  const CommandLine stop = command.add_command("stop", "End the recording");
+  const CommandLine status = command.add_command("status", "Show how the box does, as JSON");
+  command.require_command();
+  for (CommandLine part : {start, mark, stop, status}) part.pass_on_unknown();
   return [options, start, mark, stop] {
-    if (start->parsed())
+    if (start.is_given())
       return post(*options, "/v1/session/start", {{"subject", options->subject}});
-    if (mark->parsed()) return post(*options, "/v1/session/marker", {{"text", options->text}});
-    if (stop->parsed()) return post(*options, "/v1/session/stop", nlohmann::json::object());
+    if (mark.is_given()) return post(*options, "/v1/session/marker", {{"text", options->text}});
+    if (stop.is_given()) return post(*options, "/v1/session/stop", nlohmann::json::object());
     return print_status(*options);
   };
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <filesystem>
 #include <memory>
 #include <optional>
 
+#include "command_line.h"
 #include "commands.h"
 #include "input_error.h"
 #include "number_text.h"
@@ -90,15 +90,15 @@ int simulate(const SimulateOptions& options) {
 
 }  // namespace
 
-Command add_simulate(CLI::App& app) {
+Command add_simulate(CommandLine app) {
   auto options = std::make_shared<SimulateOptions>();
-  CLI::App* const command =
-      app.add_subcommand("simulate", "Simulate a subject and the instruments that see it");
-  command->add_option("SCENARIO", options->scenario, "TOML file; host_sim/scenarios has some")
-      ->required();
-  command->add_option("--out", options->out, "CSV file for the recording")->required();
-  command->add_option("--truth", options->truth, "CSV file for the true states");
-  command->add_option("--seed", options->seed, "Seed of all random numbers, not the scenario's");
+  const CommandLine command =
+      app.add_command("simulate", "Simulate a subject and the instruments that see it");
+  command.add_option("SCENARIO", options->scenario, "TOML file; host_sim/scenarios has some")
+      .required();
+  command.add_option("--out", options->out, "CSV file for the recording").required();
+  command.add_option("--truth", options->truth, "CSV file for the true states");
+  command.add_option("--seed", options->seed, "Seed of all random numbers, not the scenario's");
   return [options] { return simulate(*options); };
 }
 

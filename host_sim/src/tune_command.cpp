@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tunes the estimators to recordings.
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <filesystem>
 #include <memory>
 #include <optional>
 
+#include "command_line.h"
 #include "commands.h"
 #include "condyle/hal/clock.h"
 #include "input_error.h"
-#include "number_option.h"
 #include "parameter_file.h"
 #include "progress.h"
 #include "recording_choice.h"
@@ -232,46 +231,45 @@ int tune(const TuneOptions& options) {
 
 }  // namespace
 
-Command add_tune(CLI::App& app) {
+Command add_tune(CommandLine app) {
   auto options = std::make_shared<TuneOptions>();
-  CLI::App* const command =
-      app.add_subcommand("tune", "Find an estimator's noise parameters from recordings");
-  command->add_option("RECORDING", options->recordings, "As for replay; one or more")->required();
+  const CommandLine command =
+      app.add_command("tune", "Find an estimator's noise parameters from recordings");
+  command.add_option("RECORDING", options->recordings, "As for replay; one or more").required();
   command
-      ->add_option("--criterion", options->criterion,
-                   "likelihood: what makes the recordings most likely (recommended estimator); "
-                   "published: that the published cascade returns its assumed mass, as the paper "
-                   "tunes, with all that this leaves open")
-      ->check(CLI::IsMember({"likelihood", "published"}))
-      ->capture_default_str();
-  command->add_option("--out", options->out, "TOML file for the parameters")->required();
-  command->add_option("--parameters", options->parameters,
-                      "TOML file to start from; it also gives what is not tuned");
+      .add_option("--criterion", options->criterion,
+                  "likelihood: what makes the recordings most likely (recommended estimator); "
+                  "published: that the published cascade returns its assumed mass, as the paper "
+                  "tunes, with all that this leaves open")
+      .one_of({"likelihood", "published"})
+      .show_default();
+  command.add_option("--out", options->out, "TOML file for the parameters").required();
+  command.add_option("--parameters", options->parameters,
+                     "TOML file to start from; it also gives what is not tuned");
   command
-      ->add_option("--starts", options->starts,
-                   "Number of starts of the search (likelihood 12, published 100)")
-      ->check(CLI::Range(1, 100'000));
-  command->add_option("--seed", options->seed, "From which starts are drawn")
-      ->capture_default_str();
+      .add_option("--starts", options->starts,
+                  "Number of starts of the search (likelihood 12, published 100)")
+      .within(1, 100'000);
+  command.add_option("--seed", options->seed, "From which starts are drawn").show_default();
   command
-      ->add_option("--noise-bounds-mm", options->noise_mm,
-                   "Lowest and highest noise (0.0001 10; likelihood)")
-      ->expected(2)
-      ->check(number_in({1e-4, 100}));
+      .add_option("--noise-bounds-mm", options->noise_mm,
+                  "Lowest and highest noise (0.0001 10; likelihood)")
+      .values(2)
+      .number_in({1e-4, 100});
   command
-      ->add_option("--jerk-density-bounds", options->jerk_density,
-                   "Lowest and highest density of the jerk in m^2/s^5 (1e-6 1e6; likelihood)")
-      ->expected(2)
-      ->check(number_in({1e-6, 1e6}));
+      .add_option("--jerk-density-bounds", options->jerk_density,
+                  "Lowest and highest density of the jerk in m^2/s^5 (1e-6 1e6; likelihood)")
+      .values(2)
+      .number_in({1e-6, 1e6});
   command
-      ->add_option("--most-samples", options->most_samples,
-                   "Samples kept in memory, of all recordings together (likelihood 200000, evenly "
-                   "spread; published 20000, the first)")
-      ->check(CLI::Range(2'000, 100'000'000));
-  options->choice.add_to(*command);
-  command->add_option("--tunings", options->tunings,
-                      "CSV file for all tunings that satisfy the criterion (published)");
-  command->add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
+      .add_option("--most-samples", options->most_samples,
+                  "Samples kept in memory, of all recordings together (likelihood 200000, evenly "
+                  "spread; published 20000, the first)")
+      .within(2'000, 100'000'000);
+  options->choice.add_to(command);
+  command.add_option("--tunings", options->tunings,
+                     "CSV file for all tunings that satisfy the criterion (published)");
+  command.add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
   return [options] { return tune(*options); };
 }
 

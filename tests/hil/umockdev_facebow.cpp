@@ -89,7 +89,7 @@ int run(int argc, char** argv) {
   app.add_flag(
       "--interrupt", interrupts,
       "Interrupt the program once the device is gone for good and the program let go of it");
-  host::fake::add_arguments(app, options);
+  host::fake::add_arguments(host::CommandLine(app), options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// The options of condyle's commands. CLI11 is behind them, and included by as few files as can be:
+// it takes many seconds to compile.
+#pragma once
+
+#include <functional>
+#include <initializer_list>
+#include <string>
+
+#include "condyle/estimator/parameters.h"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace condyle::host {
+
+/// An option or argument; a handle, which may be copied.
+class Option {
+ public:
+  Option() = default;
+  explicit Option(CLI::Option& option) : option_(&option) {}
+
+  Option required();
+  /// --help shows the value that the variable has now.
+  Option show_default();
+  Option show_default(const std::string& value);
+  Option one_of(std::initializer_list<const char*> words);
+  /// A whole number from `lowest` to `highest`.
+  Option within(int lowest, int highest);
+  /// A number in `range`, and a number: CLI11's own check lets NaN pass.
+  Option number_in(Range range);
+  /// It takes so many values.
+  Option values(int count);
+  /// It takes one value each time that it is given.
+  Option one_value_each();
+  Option separated_by(char separator);
+  Option excludes(const std::string& name);
+  Option excludes(Option other);
+  /// It may be given only with `other`.
+  Option needs(Option other);
+
+  /// After parsing.
+  bool is_given() const;
+
+ private:
+  CLI::Option* option_ = nullptr;
+};
+
+/// What is on the line after the name of a command; a handle, which may be copied.
+class CommandLine {
+ public:
+  explicit CommandLine(CLI::App& app) : app_(&app) {}
+
+  CommandLine add_command(const std::string& name, const std::string& meaning) const;
+  /// Parsing fills `value`, which must live until then: text, a number, or several of them.
+  template <class Value>
+  Option add_option(const std::string& name, Value& value, const std::string& meaning) const;
+  Option add_flag(const std::string& name, bool& value, const std::string& meaning) const;
+  /// Calls `take` where the option is given.
+  Option on_option(const std::string& name, std::function<void(const std::string&)> take,
+                   const std::string& meaning) const;
+  Option on_flag(const std::string& name, std::function<void()> take,
+                 const std::string& meaning) const;
+  /// One of its commands must be given.
+  void require_command() const;
+  /// Options that it does not know are those of the command that it belongs to.
+  void pass_on_unknown() const;
+
+  /// After parsing: this command, or its command `name`.
+  bool is_given() const;
+  bool is_given(const std::string& name) const;
+
+ private:
+  CLI::App* app_;
+};
+
+}  // namespace condyle::host
