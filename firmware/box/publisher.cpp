@@ -15,6 +15,7 @@ namespace condyle::box {
 namespace {
 
 constexpr TimeNs kPeriod_ns = 5'000'000;
+constexpr int kMostBetweenTicks = 100;
 
 int connected_socket(const std::string& address, std::uint16_t port) {
   sockaddr_in v4{};
@@ -58,9 +59,9 @@ void Publisher::start(EstimateRing& ring, std::function<void()> tick) {
   tick_ = std::move(tick);
   thread_ = std::thread([this] {
     while (!stops_) {
-      take_all();
+      const bool are_all = take_some();
       tick_();
-      clock_.sleep_until(clock_.now_ns() + kPeriod_ns);
+      if (are_all) clock_.sleep_until(clock_.now_ns() + kPeriod_ns);
     }
   });
 }
@@ -69,13 +70,16 @@ void Publisher::stop() {
   stops_ = true;
   if (!thread_.joinable()) return;
   thread_.join();
-  take_all();
+  while (!take_some()) {
+  }
   tick_();
 }
 
-void Publisher::take_all() {
+// Not all at once: where estimates come as fast as they are taken, there would be no tick.
+bool Publisher::take_some() {
   BoxEstimate estimate;
-  while (ring_->pop(estimate)) {
+  for (int i = 0; i < kMostBetweenTicks; ++i) {
+    if (!ring_->pop(estimate)) return true;
     std::string line = estimate_line(estimate);
     if (socket_ >= 0) {
       const bool is_sent = ::send(socket_, line.data(), line.size(), MSG_DONTWAIT | MSG_NOSIGNAL) ==
@@ -85,6 +89,7 @@ void Publisher::take_all() {
     history_.add(std::move(line));
     ++published_;
   }
+  return false;
 }
 
 PublisherCounts Publisher::counts() const {

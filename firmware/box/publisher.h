@@ -30,7 +30,8 @@ class Publisher {
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
-  /// `tick` is called every 5 ms, after the estimates that came were added to the history.
+  /// `tick` is called after the estimates that came were added to the history: every 5 ms, and more
+  /// often where many came.
   void start(EstimateRing& ring, std::function<void()> tick);
   /// Publishes what is left.
   void stop();
@@ -38,7 +39,7 @@ class Publisher {
   PublisherCounts counts() const;
 
  private:
-  void take_all();
+  bool take_some();  // true where none are left
 
   EstimateHistory& history_;
   hal::Clock& clock_;

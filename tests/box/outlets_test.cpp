@@ -2,12 +2,17 @@
 // What estimates and messages look like outside, and how much of them is kept.
 #include <gmock/gmock.h>
 
+#include <atomic>
 #include <cstdio>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "box/box_log.h"
 #include "box/estimate_history.h"
 #include "box/estimate_text.h"
+#include "box/publisher.h"
+#include "support/wait_for.h"
 
 namespace condyle::box {
 namespace {
@@ -27,6 +32,27 @@ TEST(EstimateHistory, TellsAReaderWhatItMissed) {
   EXPECT_EQ(*history.after(4).text, "line 5");
   EXPECT_EQ(history.after(5).number, 0U);
   EXPECT_EQ(history.after(500).number, 0U);
+}
+
+// Listeners are woken by the ticks, also where estimates come as fast as they are published.
+TEST(Publisher, TicksWhileThereAreMoreEstimates) {
+  EstimateHistory history(10);
+  hal::ManualClock clock;
+  auto ring = std::make_unique<EstimateRing>();
+  while (ring->push({})) {
+  }
+  Publisher publisher(history, "", 0, clock);
+  std::vector<std::uint64_t> published;  // at each tick
+  std::atomic<bool> is_done = false;
+  publisher.start(*ring, [&] {
+    if (is_done) return;
+    published.push_back(publisher.counts().published);
+    is_done = published.back() >= 4096;
+  });
+  EXPECT_TRUE(testing_support::wait_for([&] { return is_done.load(); }));
+  publisher.stop();
+  EXPECT_GE(published.size(), 10U);
+  EXPECT_LE(published.front(), 500U);
 }
 
 TEST(EstimateLine, KeepsEveryBitAndSaysWhatIsNotKnown) {
