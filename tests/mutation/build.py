@@ -18,6 +18,9 @@ PROGRAMS = {
     "estimator": ["estimator_tests"],
     "hal": ["hal_tests", "device_tests", "link_tests", "back_end_tests", "session_log_tests"],
 }
+# What reads devices has its tests in the test bed of tests/hil, optimised as there.
+BED_FILES = ["hal/src/device_list.cpp", "hal/src/hidapi_source.cpp", "hal/src/libusb_source.cpp",
+             "hal/src/usb_device.cpp", "hal/src/usb_device.h"]
 BASE_FLAGS = ("-w -Wpedantic -DGTEST_HAS_PTHREAD=1 -DEIGEN_DONT_PARALLELIZE -DEIGEN_DONT_VECTORIZE "
               "-DEIGEN_MAX_STATIC_ALIGN_BYTES=0 -fno-tree-slp-vectorize -ffp-contract=off "
               "-fno-math-errno -std=c++20")
@@ -155,7 +158,7 @@ class Build:
     @functools.lru_cache(None)
     def members(self, program, test):
         """The object files of the libraries that a program of this one test file links."""
-        output = run([*self._link(program, test, {}), "-o", os.devnull, "-Wl,--trace"],
+        output = run([*self._link(program, test, {}), "-o", os.devnull, "-Wl,-t,-t"],
                      cwd=self.build).stdout
         found = set()
         for archive, member in re.findall(r"(lib\w+)\.a\)?\(?(\w+\.cpp\.o)\)?", output):
@@ -221,7 +224,7 @@ class Build:
     def is_equivalent(self, mutant, place):
         changed = str(self.tree / mutant.path)
         objects = []
-        for program in self.programs:
+        for program in PROGRAMS[mutant.folder]:
             tests = self.including(mutant.path, program)
             libraries = [x for x in self.commands if x.startswith("hal/")]
             for name in libraries + tests:
@@ -248,3 +251,37 @@ class Build:
             if pair[0] != pair[1]:
                 return False
         return True
+
+    # The test bed: a build as users have it, in which the readers of devices alone hold mutants.
+    def prepare_bed(self):
+        self.bed = self.folder / "bed"
+        for name, text in self.texts.items():
+            if name in BED_FILES:
+                text = self._bed_text(name, self.switched(name, text))
+            write_if_other(self.bed / name, text)
+        write_if_other(self.bed / "hal/src/mutant_switch.h", (HERE / "mutant_switch.h").read_bytes())
+        build = self.bed / "build/release"
+        if not (build / "build.ninja").exists():
+            result = run(["cmake", "--preset", "release", "-DCMAKE_UNITY_BUILD=OFF",
+                          "-DCONDYLE_BUILD_BOX=OFF"], cwd=self.bed)
+            if result.returncode != 0:
+                sys.exit(f"cannot configure the test bed:\n{result.stdout}")
+        print("building the test bed", flush=True)
+        result = run(["ninja", "-C", build, f"-j{self.jobs}", "hil_tests"])
+        if result.returncode != 0:
+            sys.exit(f"the test bed fails:\n{result.stdout[-3000:]}")
+        return build / "bin/hil_tests"
+
+    @staticmethod
+    def _bed_text(name, text):
+        return b'#include "mutant_switch.h"\n' + text if name.endswith(".cpp") else text
+
+    def put_in_bed(self, mutant):
+        """Builds the reader with this mutant as text, or, with None, without."""
+        for name in BED_FILES:
+            if mutant is not None and name == mutant.path:
+                text = m.with_mutant(mutant.source.text, mutant).encode()
+            else:
+                text = self.switched(name, self.texts[name])
+            write_if_other(self.bed / name, self._bed_text(name, text))
+        return run(["ninja", "-C", self.bed / "build/release", "read_reports"]).returncode == 0
