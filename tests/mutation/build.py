@@ -16,7 +16,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PROGRAMS = {
     "estimator": ["estimator_tests"],
-    "hal": ["hal_tests", "device_tests", "link_tests", "back_end_tests", "session_log_tests"],
+    "hal": ["hal_tests", "device_tests", "link_tests", "back_end_tests",
+            "libusb_tests", "session_log_tests"],
 }
 # What reads devices has its tests in the test bed of tests/hil, optimised as there.
 BED_FILES = ["hal/src/device_list.cpp", "hal/src/hidapi_source.cpp", "hal/src/libusb_source.cpp",

@@ -2,9 +2,9 @@
 // Precompiled before every file of the mutated build.
 #pragma once
 
-#include <Eigen/Dense>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
+#include <Eigen/Dense>
 
 #include "mutant_switch.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Linked into every test program of the mutated build. Writes to the file CONDYLE_REACHED a line for
-// each test: its name, its time in ms, the numbers of the mutants that it reached. What a whole suite
-// or the program's start reached has a line of its own, with * for the name.
+// Linked into every test program of the mutated build. Writes to the file CONDYLE_REACHED a line
+// for each test: its name, its time in ms, the numbers of the mutants that it reached. What a whole
+// suite or the program's start reached has a line of its own, with * for the name.
 #include <fstream>
 
 #include "gtest/gtest.h"
