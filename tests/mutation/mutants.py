@@ -13,21 +13,21 @@ KINDS = ("arithmetic", "condition", "constant", "statement")
 PER_KIND = 25  # of each folder: 2 folders x 4 kinds x 25 = 200
 SEED = "condyle 1"
 
-ARITHMETIC = {"+": "-", "-": "+", "*": "/", "/": "*", "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*="}
+ARITHMETIC = {"+": "-", "-": "+", "*": "/", "/": "*",
+              "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*="}
 CONDITION = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "&&": "||",
              "||": "&&"}
 
 
 class Mutant:
-    def __init__(self, path, source, kind, first, last, replacement, region=None):
+    def __init__(self, path, source, kind, first, last, replacement):
         self.path, self.source, self.kind = path, source, kind
         self.first, self.last, self.replacement = first, last, replacement
         self.start, self.end = source.tokens[first].start, source.tokens[last].end
         self.original = source.slice(first, last)
         self.line = source.line_of(self.start)
-        self.region = region or self._innermost_region()
-        self.id = ""
-        self.number = 0
+        self.region = self._innermost_region()
+        self.id, self.folder, self.number = "", "", 0  # given when it is drawn
 
     def _innermost_region(self):
         holding = [r for r in self.source.regions if r.first <= self.first and self.last <= r.last]
@@ -59,7 +59,7 @@ def other_number(text):
     if not match:
         return f"({text} * 2)" if float_value(text) != 0 else text.replace("0.0", "1.0", 1)
     digits, suffix = match[1].replace("'", ""), match[2]
-    value = int(digits, 0) if digits[:1] != "0" or len(digits) == 1 or not digits.isdigit() else int(digits, 8)
+    value = int(digits, 8 if re.fullmatch("0[0-7]+", digits) else 0)
     if value in (0, 1):
         return f"{1 - value}{suffix}"
     return (hex(value + 1) if digits[:2] in ("0x", "0X") else str(value + 1)) + suffix
@@ -127,7 +127,8 @@ def sample(root):
 def with_mutant(text, mutant):
     """`text`, mutated; dropped statements keep their lines."""
     old = text[mutant.start:mutant.end]
-    return text[:mutant.start] + (mutant.replacement or ";") + "\n" * old.count("\n") + text[mutant.end:]
+    lines = "\n" * old.count("\n")
+    return text[:mutant.start] + (mutant.replacement or ";") + lines + text[mutant.end:]
 
 
 def with_switches(source, mutants):
