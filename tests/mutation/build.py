@@ -200,8 +200,9 @@ class Build:
                 if result.returncode != 0:
                     return None, result.stdout
         replaced = {x: done[x] for x in wanted}
-        result = run([*self._link(program, test, replaced), "-o", place / "program"], cwd=self.build)
-        return (place / "program", "") if result.returncode == 0 else (None, result.stdout)
+        path = self.build / "bin" / place.name  # beside the programs that tests run
+        result = run([*self._link(program, test, replaced), "-o", path], cwd=self.build)
+        return (path, "") if result.returncode == 0 else (None, result.stdout)
 
     def _elsewhere(self, words, place, output):
         """A compiler's command, with the mutated copies of estimator/ and hal/."""
@@ -227,7 +228,7 @@ class Build:
         objects = []
         for program in PROGRAMS[mutant.folder]:
             tests = self.including(mutant.path, program)
-            libraries = [x for x in self.commands if x.startswith("hal/")]
+            libraries = [x for x in self.commands if x.startswith(("estimator/", "hal/"))]
             for name in libraries + tests:
                 if (changed in self.files_of.get(name, ()) or self.commands[name][-1] == changed) \
                         and name not in objects:
