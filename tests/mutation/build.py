@@ -95,7 +95,8 @@ class Build:
             f'add_compile_options(-w -isystem /usr/include/eigen3 "SHELL:-include '
             f'{self.folder}/include/prefix.h")\n'
             "add_compile_definitions(GTEST_HAS_PTHREAD=1)\n"
-            f"set(CMAKE_CXX_STANDARD_LIBRARIES {self.folder}/listener.o)\n")
+            # Programs that tests start have no GoogleTest of their own.
+            f'set(CMAKE_CXX_STANDARD_LIBRARIES "{self.folder}/listener.o -lgtest")\n')
         result = run(["cmake", "-S", self.tree, "-B", self.build, "-G", "Ninja",
                       "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O1",
                       "-DCMAKE_CXX_COMPILER=g++", "-DCMAKE_UNITY_BUILD=OFF",
