@@ -84,9 +84,10 @@ class Build:
                             "-x", "c++-header", include / "prefix.h", "-o",
                             include / "prefix.h.gch"], check=True)
         listener = self.folder / "listener.o"
-        if not listener.exists():
+        source = HERE / "reached_listener.cpp"
+        if not listener.exists() or listener.stat().st_mtime < source.stat().st_mtime:
             subprocess.run(["g++", *BASE_FLAGS.split(), "-O1", f"-I{include}", "-c",
-                            HERE / "reached_listener.cpp", "-o", listener], check=True)
+                            source, "-o", listener], check=True)
 
     def _configure(self):
         # Read by project(): not by CMake's own test of the compiler.
@@ -261,6 +262,9 @@ class Build:
         for name, text in self.texts.items():
             if name in BED_FILES:
                 text = self._bed_text(name, self.switched(name, text))
+            elif name == "hal/CMakeLists.txt":
+                readers = " ".join(x[len("hal/"):] for x in BED_FILES if x.endswith(".cpp"))
+                text += f"set_source_files_properties({readers} PROPERTIES COMPILE_OPTIONS -w)\n".encode()
             write_if_other(self.bed / name, text)
         write_if_other(self.bed / "hal/src/mutant_switch.h", (HERE / "mutant_switch.h").read_bytes())
         build = self.bed / "build/release"
@@ -268,11 +272,11 @@ class Build:
             result = run(["cmake", "--preset", "release", "-DCMAKE_UNITY_BUILD=OFF",
                           "-DCONDYLE_BUILD_BOX=OFF"], cwd=self.bed)
             if result.returncode != 0:
-                sys.exit(f"cannot configure the test bed:\n{result.stdout}")
+                raise RuntimeError(f"cannot configure the test bed:\n{result.stdout[-3000:]}")
         print("building the test bed", flush=True)
         result = run(["ninja", "-C", build, f"-j{self.jobs}", "hil_tests"])
         if result.returncode != 0:
-            sys.exit(f"the test bed fails:\n{result.stdout[-3000:]}")
+            raise RuntimeError(f"the test bed fails:\n{result.stdout[-3000:]}")
         return build / "bin/hil_tests"
 
     @staticmethod
