@@ -16,6 +16,8 @@ NOT_EXPRESSIONS = {"return", "break", "continue", "throw", "goto", "delete", "st
                    "const", "auto", "using", "typedef", "struct", "class", "enum", "union",
                    "template", "static_assert", "friend", "public", "private", "protected"}
 
+NOT_MEMBERS = (set(NOT_EXPRESSIONS) | {"operator", "virtual"}) - {"const"}
+
 
 class Token:
     def __init__(self, kind, text, start, before, after):
@@ -166,11 +168,30 @@ class Source:
                 parents.append(is_block)
                 if is_block:
                     blocks.append(i)
+                elif {"class", "struct"} & set(self._text_of_head(i)):
+                    self._members(i + 1, token.partner)
             elif token.text == "}" and token.kind == "operator":
                 parents.pop()
         for i in blocks:
             if i not in self._visited:
                 self._block(i)
+
+    def _members(self, first, end):
+        """The initialisers of a class's members."""
+        tokens, i = self.tokens, first
+        while i < end:
+            text, partner = tokens[i].text, tokens[i].partner
+            if partner is not None and partner > i:
+                i = partner
+                if text == "{" and tokens[i + 1].text not in (";", ","):  # of a function
+                    first = i + 1
+            elif text == ":" and tokens[i - 1].text in ("public", "private", "protected"):
+                first = i + 1
+            elif text == ";":
+                if not NOT_MEMBERS & {t.text for t in tokens[first:i]}:
+                    self._declaration(first, i)
+                first = i + 1
+            i += 1
 
     def _block(self, i):
         self._visited.add(i)

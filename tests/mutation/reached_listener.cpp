@@ -12,7 +12,8 @@ namespace {
 
 class ReachedListener : public testing::EmptyTestEventListener {
  public:
-  explicit ReachedListener(const char* path) : file_(path) {}
+  // Appended: programs that tests start open it too.
+  explicit ReachedListener(const char* path) : file_(path, std::ios::app) {}
 
  private:
   void OnTestProgramStart(const testing::UnitTest&) override { write("*", 0); }
