@@ -139,6 +139,16 @@ RC_GTEST_PROP(ClockFitStep, StartsAnewWhereTheDeviceFellBehind, ()) {
   RC_ASSERT(fit.steps() == 1U);
 }
 
+// The first report was held up, those after it less and less.
+TEST(ClockFitStep, TakesNoCatchingUpForAStep) {
+  ClockFit fit;
+  for (TimeNs i = 0; i < 100; ++i) {
+    const TimeNs late_ns = std::max<TimeNs>(150'000'000 - i * 15'000'000, 0);
+    (void)fit.add(i * 20'000'000, i * 20'000'000 + late_ns);
+    EXPECT_EQ(fit.outcome(), i == 0 ? FitOutcome::started : FitOutcome::followed) << i;
+  }
+}
+
 // While nothing arrives the drift may have changed by 200 ppm.
 TEST(ClockFitStep, TakesNoDriftWithinAPauseForAStep) {
   for (const double gained_s : {0.09, 0.25, 0.35}) {
