@@ -54,17 +54,20 @@ TEST(JointIdentification, BeginsWithThePriors) {
 TEST(JointIdentification, TakesPositionsWhereTheyWereMeasured) {
   constexpr double kT_s = 0.01, kSpeed_m_s = 0.1;
   JointParameters parameters;
+  parameters.mass_kg = {0.25, 1e-3};
+  parameters.friction_Ns_m = {0, 1e-3};
   parameters.stiffness_N_m = {0, 1e-3};
+  parameters.offset_N = {0, 1e-3};
   JointIdentification<double> stage(parameters);
   for (int i = 0; i < 200; ++i) {
     stage.drive(kT_s, 0);
     const double share = i % 2 == 0 ? 0.2 : 0.9;
     const double z = kSpeed_m_s * kT_s * (i + share);
-    const auto estimate = stage.measure(share, z, 1e-6);
+    const auto estimate = stage.measure(share, z, 1e-5);
     if (i < 20) continue;
     ASSERT_EQ(estimate.outcome, JointOutcome::updated) << i;
     ASSERT_LT(estimate.nis, 1) << i;
-    ASSERT_NEAR(estimate.velocity_m_s, kSpeed_m_s, 1e-3) << i;
+    ASSERT_NEAR(estimate.velocity_m_s, kSpeed_m_s, 5e-3) << i;
   }
 }
 
