@@ -57,8 +57,8 @@ int read(Source& source, hal::Clock& clock, const char* name, const Goal& goal,
   tally.disconnections = counts.disconnections;
   tally.stalls = counts.stalls;
   tally.failed_transfers = counts.transfer_errors;
-  const bool is_well = is_in_order && last_time_ns <= clock.now_ns() && counts.oversized == 0 &&
-                       descriptor_bytes > 0;
+  const bool is_well = is_in_order && last_time_ns > 0 && last_time_ns <= clock.now_ns() &&
+                       counts.oversized == 0 && descriptor_bytes > 0;
   tally.print(name);
   if (!is_well) return 4;
   if (close_every > 0) return has_enough() ? 0 : 1;

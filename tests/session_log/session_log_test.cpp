@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is recorded comes back, bit for bit; what cannot be recorded is refused or counted.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <limits>
@@ -309,6 +311,10 @@ TEST(SessionLog, ADiskFullFromTheStartLeavesNothingBehind) {
     hal::SessionLogWriter log;
     EXPECT_EQ(log.open(folder / "log.mcap", make_header()), SessionLogFailure::disk_full);
     EXPECT_FALSE(log.write(0, make_report(0, 29, 0)));
+    // A file opened now has the number that the log's had; closing the log leaves it open.
+    const int other = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+    EXPECT_EQ(log.close(), SessionLogFailure::disk_full);
+    EXPECT_EQ(::close(other), 0);
   }
   std::signal(SIGXFSZ, before);
   EXPECT_EQ(folder.count(), 0);

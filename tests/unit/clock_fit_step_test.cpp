@@ -41,7 +41,7 @@ TEST(ClockFitStep, SaysWhatTiesATimeToTheHost) {
   EXPECT_EQ(fit.add(7'000'000, 50'000'000), 50'000'000) << "the first report: its arrival";
   EXPECT_EQ(fit.outcome(), FitOutcome::started);
   EXPECT_EQ(fit.provenance(), TimeProvenance::host_arrival);
-  EXPECT_GE(fit.uncertainty_s(), 1e-3);
+  EXPECT_DOUBLE_EQ(fit.uncertainty_s(), 1e-3) << "what delays may differ by";
   for (TimeNs i = 1; i < 2000; ++i) {
     const TimeNs device_ns = 7'000'000 + i * kPeriod_ns;
     const TimeNs time_ns = fit.add(device_ns, 50'000'000 + i * kPeriod_ns + (i % 3) * 100'000);
@@ -137,6 +137,29 @@ RC_GTEST_PROP(ClockFitStep, StartsAnewWhereTheDeviceFellBehind, ()) {
   RC_ASSERT(found_s > at_s + step_s);
   RC_ASSERT(found_s < at_s + step_s + 6);
   RC_ASSERT(fit.steps() == 1U);
+}
+
+// The first report was held up, those after it less and less.
+TEST(ClockFitStep, TakesNoCatchingUpForAStep) {
+  ClockFit fit;
+  for (TimeNs i = 0; i < 100; ++i) {
+    const TimeNs late_ns = std::max<TimeNs>(150'000'000 - i * 15'000'000, 0);
+    (void)fit.add(i * 20'000'000, i * 20'000'000 + late_ns);
+    EXPECT_EQ(fit.outcome(), i == 0 ? FitOutcome::started : FitOutcome::followed) << i;
+  }
+}
+
+// While nothing arrives the drift may have changed by 200 ppm.
+TEST(ClockFitStep, TakesNoDriftWithinAPauseForAStep) {
+  for (const double gained_s : {0.09, 0.25, 0.35}) {
+    Reports reports(1);
+    ClockFit fit;
+    for (double t = 0; t < 20; t += kPeriod_s) reports.add(fit, t, t);
+    reports.add(fit, 1020, 1020 + gained_s);
+    const bool is_step = gained_s > 0.1 + 200e-6 * 1000 + 0.005;  // delays of some ms
+    EXPECT_EQ(fit.outcome(), is_step ? FitOutcome::ran_ahead : FitOutcome::followed) << gained_s;
+    EXPECT_EQ(fit.steps(), is_step ? 1U : 0U) << gained_s;
+  }
 }
 
 TEST(ClockFitStep, SlewsAStepThatIsSmall) {

@@ -126,6 +126,11 @@ TEST(EmgEnvelope, StartsAnewAfterALongHold) {
   EXPECT_EQ(envelope.add(100).envelope, 0) << "a constant is no EMG, however large";
 }
 
+TEST(EmgEnvelope, RestsWhereTheFirstSampleIs) {
+  EmgEnvelope<double> envelope({});
+  for (int i = 0; i < 200; ++i) ASSERT_NEAR(envelope.add(100).envelope, 0, 1e-9) << i;
+}
+
 RC_GTEST_PROP(EmgEnvelope, ScalesWithTheEmg, ()) {
   const double factor = *rc::gen::map(rc::gen::inRange(1, 1000), [](int n) { return n / 32.0; });
   EmgEnvelope<double> one({}), scaled({});

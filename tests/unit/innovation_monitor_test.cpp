@@ -108,6 +108,18 @@ TYPED_TEST(Monitor, IsNotMisledByGlitchesGapsAndMissingPositions) {
   EXPECT_FALSE(monitor.is_filtered()) << monitor.noise_correlation();
 }
 
+// What a gap parts is no pair.
+TYPED_TEST(Monitor, PairsNothingAcrossAGap) {
+  Autocorrelation<TypeParam, 2> correlation;
+  correlation.add(1);
+  correlation.add(std::numeric_limits<TypeParam>::quiet_NaN());
+  correlation.add(1);
+  EXPECT_EQ(correlation.pairs(1), TypeParam(0));
+  correlation.add(1);
+  EXPECT_EQ(correlation.pairs(1), TypeParam(1));
+  EXPECT_EQ(correlation.pairs(2), TypeParam(0));
+}
+
 // rho of n white innovations scatters by 1/sqrt(n): 400 runs of 1000, the largest of which stays
 // below 0.1267 (four standard deviations) with probability 0.987.
 TYPED_TEST(Monitor, KnowsCorrelatedInnovations) {

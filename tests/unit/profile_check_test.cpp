@@ -116,6 +116,8 @@ TEST(ProfileCheck, FindsProblemsOfTheRest) {
   expect([](auto& p) { p.checksum->field.width_bits = 8; }, checksum, "another width");
   expect([](auto& p) { p.checksum->polynomial = 0; }, checksum, "polynomial of zero");
   expect([](auto& p) { p.checksum->polynomial = 0x11021; }, checksum, "wider than the sum");
+  EXPECT_THAT(problem_of([](auto& p) { p.checksum->polynomial = 0; }).mend,
+              HasSubstr("at most 65535"));
   expect([](auto& p) { p.checksum->end_byte = 28; }, checksum, "covers its own bytes");
   expect([](auto& p) { p.checksum->end_byte = 30; }, checksum, "beyond the report's 29");
   expect([](auto& p) { p.checksum->end_byte = 0; }, checksum, "covers no bytes");

@@ -64,6 +64,20 @@ TEST(ReleasePair, SaysWhereTheRecordingsDisagree) {
   EXPECT_EQ(wrong.outcome, ReleasePairOutcome::disagree);
 }
 
+// Fieller's: where the difference of a and x b is q of its standard deviations.
+TEST(ReleasePair, ARatiosIntervalEndsWhereFiellerSays) {
+  const double a = 3, b = 2, aa = 0.04, ab = 0.01, bb = 0.02, q = 1.96;
+  const auto [low, high] = internal::ratio_interval(a, b, aa, ab, bb, q);
+  for (const double x : {low, high}) {
+    EXPECT_NEAR(std::abs(a - x * b), q * std::sqrt(aa - 2 * x * ab + x * x * bb), 1e-12);
+  }
+  EXPECT_LT(low, a / b);
+  EXPECT_GT(high, a / b);
+  const auto unknown = internal::ratio_interval(a, 0.2, aa, ab, bb, q);  // b may be 0
+  EXPECT_EQ(unknown.first, -INFINITY);
+  EXPECT_EQ(unknown.second, INFINITY);
+}
+
 // A load without effect: the mass has no upper end.
 TEST(ReleasePair, SaysSoWhereTheLoadIsTooSmall) {
   ReleasePairSettings settings;

@@ -13,6 +13,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <numeric>
 #include <string>
 #include <thread>
@@ -87,6 +88,27 @@ TEST(SerialPort, CarriesEveryByteBothWays) {
     got += static_cast<std::size_t>(count);
   }
   EXPECT_THAT(back, ElementsAreArray(bytes));
+}
+
+TEST(SerialPort, HasTheSpeedAskedFor) {
+  const std::map<unsigned, speed_t> speeds = {
+      {9600, B9600},       {19200, B19200},     {38400, B38400},     {57600, B57600},
+      {115200, B115200},   {230400, B230400},   {460800, B460800},   {500000, B500000},
+      {921600, B921600},   {1000000, B1000000}, {1500000, B1500000}, {2000000, B2000000},
+      {3000000, B3000000}, {4000000, B4000000}};
+  EXPECT_EQ(SerialPort::rates().size(), speeds.size());
+  SteadyClock clock;
+  Terminal other;
+  SerialPort port(clock);
+  for (const auto& [baud, speed] : speeds) {
+    ASSERT_EQ(port.open(other.name(), baud), Status::ok) << port.problem();
+    termios settings{};
+    ASSERT_EQ(tcgetattr(other.file(), &settings), 0);
+    EXPECT_EQ(cfgetispeed(&settings), speed) << baud;
+    EXPECT_EQ(cfgetospeed(&settings), speed) << baud;
+  }
+  EXPECT_EQ(port.open(other.name(), 9601), Status::bad_report);
+  EXPECT_EQ(port.problem(), "no serial port has 9601 baud");
 }
 
 // Many a board resets when DTR drops.
