@@ -25,8 +25,9 @@ class Cursor {
  public:
   explicit Cursor(std::string bytes) : bytes_(std::move(bytes)) {}
 
+  // Not inlined: GCC 12 then takes the bytes for uninitialised.
   template <typename Number>
-  Number number() {
+  [[gnu::noinline]] Number number() {
     std::uint64_t value = 0;
     for (std::size_t i = 0; i < sizeof(Number); ++i) {
       value |= std::uint64_t{static_cast<unsigned char>(bytes_.at(at_++))} << (8 * i);
