@@ -2,7 +2,6 @@
 // How much of a long test runs: the environment variable CONDYLE_TIER says.
 #pragma once
 
-#include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
@@ -38,7 +37,8 @@ inline bool tier_is_at_least(Tier least) {
 }
 
 /// How many runs a test takes.
-inline std::size_t runs(std::size_t check, std::size_t full, std::size_t release) {
+template <class Count>
+Count runs(Count check, Count full, Count release) {
   switch (tier()) {
     case Tier::check:
       return check;
