@@ -9,30 +9,25 @@
 #include <iostream>
 #include <vector>
 
-#include "condyle/estimator/drive_timeline.h"
+#include "consistency/acceptance.h"
+#include "consistency/joint_estimates.h"
 #include "consistency/simulated_chewing.h"
 #include "evaluation/chi_square.h"
+#include "support/tier.h"
 
 namespace condyle {
 namespace {
 
-using testing_support::ApartRates;
 using testing_support::chew;
-using testing_support::chew_apart;
 using testing_support::DrivenSample;
+using testing_support::fewest_hits;
 using testing_support::kDriveSd_N;
 using testing_support::kPositionSd_m;
+using testing_support::matched;
+using testing_support::most_rms_ratio;
+using testing_support::nees;
+using testing_support::runs;
 using Truth = testing_support::DrivenTruth;
-
-// As chew says: the whole drive, and well calibrated.
-JointParameters matched() {
-  JointParameters parameters;
-  parameters.drive.noise_sd_N = kDriveSd_N;
-  parameters.drive.gain_sd = 0;
-  parameters.drive.delay_sd_s = 0;
-  parameters.drive.missing_share = 0;
-  return parameters;
-}
 
 template <class Scalar>
 JointEstimate<Scalar> identify(JointIdentification<Scalar>& stage,
@@ -53,33 +48,25 @@ JointEstimate<Scalar> identify(JointIdentification<Scalar>& stage,
   return estimate;
 }
 
-// Of friction and mass together, by the delta method.
-double nees(const JointEstimate<double>& estimate, const Truth& truth) {
-  const double m = estimate.mass_kg.fitted, kv = estimate.friction_Ns_m.fitted;
-  Eigen::Matrix2d covariance;
-  covariance << std::pow(estimate.friction_Ns_m.filter_sd, 2), estimate.friction_mass_covariance,
-      estimate.friction_mass_covariance, std::pow(estimate.mass_kg.filter_sd, 2);
-  const Eigen::Vector2d error(kv - truth.friction_Ns_m, m - truth.mass_kg);
-  return error.dot(covariance.inverse() * error);
-}
-
 struct Setting {
   double rate_Hz, friction_Ns_m;
 };
 
 class JointRuns : public testing::TestWithParam<Setting> {};
 
-// 200 runs. The bounds on the averages are left by a consistent filter once in 100 times, for each
-// of four settings: with these seeds it is not. (The mass within 1 % is of these seeds too: of 800
-// others at 60 Hz the worst is off by 1.4 %.) Truth is within two standard deviations in 95 %.
+// A consistent filter leaves the bounds on the NEES once in 100 times, those on the rms errors once
+// in 200 (of 200 runs once in 43), that on the bias of 40 runs once in 600, that on the coverage
+// once in 500, for each of four settings: with these seeds it does not. Of 40 runs the NEES finds
+// intervals that are 25 % too narrow seven times in eight. (The mass within 1 % is of these seeds
+// too: of 800 others at 60 Hz the worst is off by 1.4 %.)
 TEST_P(JointRuns, FindFrictionAndMassAsWellAsTheySay) {
-  constexpr int kRuns = 200;
+  const unsigned kRuns = runs(40U, 100U, 200U);
   const Setting setting = GetParam();
   Truth truth;
   truth.friction_Ns_m = setting.friction_Ns_m;
   double nees_sum = 0, friction_sum = 0, friction_sd = 0, nis_sum = 0, mass_worst = 0;
   double mass_sum = 0, mass_sd = 0, friction_squares = 0, mass_squares = 0;
-  int measured = 0, covered = 0;
+  unsigned measured = 0, covered = 0;
   for (unsigned seed = 1; seed <= kRuns; ++seed) {
     JointIdentification<double> stage(matched());
     double nis = 0;
@@ -98,11 +85,11 @@ TEST_P(JointRuns, FindFrictionAndMassAsWellAsTheySay) {
     mass_worst = std::max(mass_worst, std::abs(mass.value / truth.mass_kg - 1));
     covered += std::abs(friction.value - truth.friction_Ns_m) <
                        kNormalQuantile95 * friction.standard_deviation
-                   ? 1
-                   : 0;
+                   ? 1U
+                   : 0U;
     measured +=
-        friction.provenance == Provenance::measured && mass.provenance == Provenance::measured ? 1
-                                                                                               : 0;
+        friction.provenance == Provenance::measured && mass.provenance == Provenance::measured ? 1U
+                                                                                               : 0U;
   }
   const double bias = friction_sum / kRuns;
   const auto bounds = host::mean_chi_square_bounds(2, kRuns, 0.99);
@@ -113,14 +100,15 @@ TEST_P(JointRuns, FindFrictionAndMassAsWellAsTheySay) {
             << bias << " of sd " << friction_sd << " Ns/m, rms " << friction_ratio
             << " sd, mass bias " << 1e3 * mass_sum / kRuns << " of sd " << 1e3 * mass_sd
             << " g, rms " << mass_ratio << " sd, within " << 100 * mass_worst << " %, covered "
-            << covered << ", measured " << measured << " of 200\n";
+            << covered << ", measured " << measured << " of " << kRuns << '\n';
   EXPECT_TRUE(bounds.contains(nees_sum / kRuns));
   EXPECT_NEAR(nis_sum / kRuns, 1, 0.02);
   EXPECT_LT(std::abs(bias), std::max(friction_sd / 2, 0.003 * truth.friction_Ns_m));
-  EXPECT_LT(friction_ratio, 1.1);
-  EXPECT_LT(mass_ratio, 1.1);
+  const double worst_ratio = most_rms_ratio(kRuns, runs(0.005, 0.005, 0.023));  // 1.1 of 200
+  EXPECT_LT(friction_ratio, worst_ratio);
+  EXPECT_LT(mass_ratio, worst_ratio);
   EXPECT_LT(mass_worst, 0.01);
-  EXPECT_GE(covered, 180);
+  EXPECT_GE(covered, fewest_hits(kRuns, 0.95, 0.002));  // 180 of 200
   EXPECT_EQ(measured, kRuns);
 }
 INSTANTIATE_TEST_SUITE_P(Rates, JointRuns,
@@ -182,91 +170,6 @@ TEST(Joint, ItsStandardDeviationsAreTheCramerRaoBound) {
   EXPECT_NEAR(estimate.mass_kg.filter_sd / std::sqrt(bound(1, 1)), 1, 0.05);
   EXPECT_NEAR(estimate.stiffness_N_m.filter_sd / std::sqrt(bound(2, 2)), 1, 0.05);
   EXPECT_NEAR(estimate.offset_N.filter_sd / std::sqrt(bound(3, 3)), 1, 0.05);
-}
-
-// A drive of its own rate, slower and faster than the positions. 60 runs each; a consistent filter
-// leaves the bounds once in 100 times each.
-TEST(Joint, IsAsGoodWhereDriveAndPositionsComeApart) {
-  constexpr int kRuns = 60;
-  const Truth truth;
-  for (const ApartRates& rates : {ApartRates{137, 60}, ApartRates{40, 90}}) {
-    double nees_sum = 0;
-    for (unsigned seed = 1; seed <= kRuns; ++seed) {
-      nees_sum += nees(chew_apart(truth, rates, seed, DriveTimeline<double>(matched())), truth);
-    }
-    std::cout << "             drive " << rates.drive_Hz << " Hz, positions " << rates.position_Hz
-              << " Hz: NEES " << nees_sum / kRuns << '\n';
-    EXPECT_TRUE(host::mean_chi_square_bounds(2, kRuns, 0.99).contains(nees_sum / kRuns));
-  }
-}
-
-// A late drive is found out, and costs friction what the bound of model and delay says: the rhythm
-// tells the two apart. 60 runs; a consistent filter leaves the bounds once in 100 times.
-TEST(Joint, FindsTheDelayOfTheDrive) {
-  constexpr int kRuns = 60;
-  const Truth truth;
-  for (const double rate_Hz : {60.0, 200.0}) {
-    JointParameters parameters = matched();
-    parameters.delay = DelayModel::fitted;
-    parameters.drive.delay_sd_s = 0.005;
-    double nees_sum = 0, delay_sum = 0, friction_sd = 0, delay_sd = 0, friction_bias = 0;
-    int measured = 0;
-    for (unsigned seed = 1; seed <= kRuns; ++seed) {
-      const auto estimate = chew_apart(truth, {rate_Hz, rate_Hz, 0.003, 0.005}, seed,
-                                       DriveTimeline<double>(parameters));
-      nees_sum += nees(estimate, truth);
-      const auto& delay = estimate.delay_s;
-      delay_sum += std::pow((delay.fitted - 0.005) / delay.filter_sd, 2);
-      friction_sd += estimate.friction_Ns_m.fitted_sd / kRuns;
-      friction_bias += (estimate.friction_Ns_m.fitted - truth.friction_Ns_m) / kRuns;
-      delay_sd += delay.filter_sd / kRuns;
-      measured += estimate.friction_Ns_m.limit == JointLimit::none ? 1 : 0;
-    }
-    std::cout << "             " << rate_Hz << " Hz: NEES " << nees_sum / kRuns << ", of the delay "
-              << delay_sum / kRuns << ", sd " << friction_sd << " Ns/m, " << 1e3 * delay_sd
-              << " ms, bias " << friction_bias << " Ns/m, measured " << measured << '\n';
-    EXPECT_TRUE(host::mean_chi_square_bounds(2, kRuns, 0.99).contains(nees_sum / kRuns));
-    EXPECT_TRUE(host::mean_chi_square_bounds(1, kRuns, 0.99).contains(delay_sum / kRuns));
-    EXPECT_LT(friction_sd, 0.015);
-    EXPECT_GE(measured, 54);
-  }
-}
-
-// Viscous and Coulomb friction together: 95 % intervals hold the truth in 90 % of the runs, or it
-// is withheld, as it is where nobody says that there is Coulomb friction.
-TEST(Joint, TellsViscousFromCoulombFriction) {
-  constexpr int kRuns = 30;
-  for (const double coulomb_N : {0.01, 0.03, 0.1}) {
-    Truth truth;
-    truth.coulomb_N = coulomb_N;
-    JointParameters parameters = matched();
-    parameters.coulomb_N.sd = 0.5;
-    int shown = 0, wrong = 0, held = 0, withheld = 0;
-    for (unsigned seed = 1; seed <= kRuns; ++seed) {
-      const auto both = chew_apart(truth, {60, 60}, seed, DriveTimeline<double>(parameters));
-      const auto viscous = chew_apart(truth, {60, 60}, seed, DriveTimeline<double>(matched()));
-      const auto& friction = both.friction_Ns_m;
-      const auto& coulomb = both.coulomb_N;
-      shown += friction.limit == JointLimit::none ? 1 : 0;
-      wrong +=
-          friction.limit == JointLimit::none && std::abs(friction.fitted - truth.friction_Ns_m) >
-                                                    kNormalQuantile95 * friction.fitted_sd
-              ? 1
-              : 0;
-      held += coulomb.limit != JointLimit::none ||
-                      std::abs(coulomb.fitted - coulomb_N) < kNormalQuantile95 * coulomb.fitted_sd
-                  ? 1
-                  : 0;
-      withheld += viscous.friction_Ns_m.limit == JointLimit::model ? 1 : 0;
-    }
-    std::cout << "             " << coulomb_N << " N: friction shown in " << shown << " of "
-              << kRuns << ", wrong in " << wrong << "; Coulomb friction held or withheld in "
-              << held << "; without it withheld in " << withheld << '\n';
-    EXPECT_LE(wrong, kRuns / 10);
-    EXPECT_GE(held, kRuns - kRuns / 10);
-    EXPECT_GE(withheld, coulomb_N < 0.03 ? 0 : kRuns - kRuns / 10);
-    EXPECT_GE(shown, coulomb_N < 0.02 ? kRuns - kRuns / 10 : 0);
-  }
 }
 
 // Starts wrong by four either way, in mass and in friction, end at the right values, with priors as

@@ -13,8 +13,8 @@ std::vector<DrivenSample> chew(const DrivenTruth& truth, double rate_Hz, unsigne
   return samples;
 }
 
-JointEstimate<double> chew_apart(const DrivenTruth& truth, const ApartRates& rates, unsigned seed,
-                                 DriveTimeline<double> timeline) {
+void chew_apart(const DrivenTruth& truth, const ApartRates& rates, unsigned seed,
+                const std::vector<DriveTimeline<double>*>& timelines) {
   constexpr double kRate_Hz = 3000, kDuration_s = 30;
   DrivenChewing chewing(truth, kRate_Hz, seed);
   std::mt19937_64 random(seed + 1'000'000);
@@ -30,17 +30,25 @@ JointEstimate<double> chew_apart(const DrivenTruth& truth, const ApartRates& rat
     const double now_s = k / kRate_Hz;
     for (double t = drives / rates.drive_Hz; t < now_s; t = ++drives / rates.drive_Hz) {
       const double measured_N = at(t, &DrivenSample::true_drive_N) + kDriveSd_N * normal(random);
-      timeline.add_drive(nanoseconds(t + rates.drive_delay_s), measured_N);
+      for (auto* const timeline : timelines) {
+        timeline->add_drive(nanoseconds(t + rates.drive_delay_s), measured_N);
+      }
     }
     const auto next_s = [&] { return rates.first_position_s + positions / rates.position_Hz; };
     for (; next_s() < now_s; ++positions) {
-      timeline.add_position(
-          nanoseconds(next_s()),
-          at(next_s(), &DrivenSample::true_position_m) + kPositionSd_m * normal(random),
-          kPositionSd_m);
+      const double measured_m =
+          at(next_s(), &DrivenSample::true_position_m) + kPositionSd_m * normal(random);
+      for (auto* const timeline : timelines) {
+        timeline->add_position(nanoseconds(next_s()), measured_m, kPositionSd_m);
+      }
     }
     before = sample;
   }
+}
+
+JointEstimate<double> chew_apart(const DrivenTruth& truth, const ApartRates& rates, unsigned seed,
+                                 DriveTimeline<double> timeline) {
+  chew_apart(truth, rates, seed, {&timeline});
   return timeline.estimate();
 }
 

@@ -21,6 +21,9 @@ struct ApartRates {
   double first_position_s = 0.003;
   double drive_delay_s = 0;  ///< how late the drive is stamped
 };
+/// Gives the same chewing to each of `timelines`.
+void chew_apart(const DrivenTruth& truth, const ApartRates& rates, unsigned seed,
+                const std::vector<DriveTimeline<double>*>& timelines);
 /// What `timeline` says at its end.
 JointEstimate<double> chew_apart(const DrivenTruth& truth, const ApartRates& rates, unsigned seed,
                                  DriveTimeline<double> timeline);
