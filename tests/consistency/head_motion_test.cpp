@@ -11,16 +11,21 @@
 #include <cmath>
 #include <iostream>
 
+#include "consistency/acceptance.h"
 #include "consistency/head_motion_samples.h"
 #include "evaluation/chi_square.h"
+#include "support/tier.h"
 
 namespace condyle {
 namespace {
 
+using testing_support::fewest_hits;
 using testing_support::HeadMotionTruth;
+using testing_support::most_hits;
 using testing_support::NoddingHead;
+using testing_support::runs;
 
-constexpr double kGainSd = 0.02, kSeeds = 200;
+constexpr double kGainSd = 0.02;
 
 HeadMotionParameters relaxed() {
   HeadMotionParameters parameters;
@@ -44,13 +49,16 @@ HeadMotionEstimate<double> identify(const HeadMotionTruth& truth,
 }
 
 struct Score {
-  double nees = 0, covered = 0, mean_sd = 0;
+  unsigned seeds;
+  double nees = 0, mean_sd = 0;
+  unsigned covered = 0;
   void add(const IdentifiedValue<double>& value, double truth) {
     const double deviation = (value.fitted - truth) / value.fitted_sd;
-    nees += deviation * deviation / kSeeds;
-    covered += std::abs(deviation) < kNormalQuantile95 ? 1 : 0;
-    mean_sd += value.fitted_sd / kSeeds;
+    nees += deviation * deviation / seeds;
+    covered += std::abs(deviation) < kNormalQuantile95 ? 1U : 0U;
+    mean_sd += value.fitted_sd / seeds;
   }
+  double covered_percent() const { return 100.0 * covered / seeds; }
 };
 
 struct Case {
@@ -59,11 +67,13 @@ struct Case {
 
 class HeadMotion : public testing::TestWithParam<Case> {};
 
-// 200 seeds of 10 s, each with a gain of its own. A consistent estimate leaves the bounds of each
-// average once in 100 times, that of the coverage once in 1000.
+// 10 s, each seed with a gain of its own. A consistent estimate leaves the bounds of each average
+// once in 100 times, that of the coverage once in 1000. Of 40 seeds each of the twelve averages
+// finds intervals that are 25 % too narrow in 6 of 10 times.
 TEST_P(HeadMotion, IsKnownAsWellAsIsSaid) {
+  const unsigned kSeeds = runs(40U, 100U, 200U);
   const auto [damping_rate_per_s, rate_Hz] = GetParam();
-  Score damping, stiffness;
+  Score damping{kSeeds}, stiffness{kSeeds};
   double nis = 0, measured = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     std::mt19937_64 random(1000 + seed);
@@ -78,12 +88,9 @@ TEST_P(HeadMotion, IsKnownAsWellAsIsSaid) {
   }
   for (const auto& [name, score] : {std::pair{"kv/m", damping}, std::pair{"ks/m", stiffness}}) {
     std::cout << "             " << name << ": NEES " << score.nees << ", covered "
-              << 100 * score.covered / kSeeds << " %, sd " << score.mean_sd << '\n';
+              << score.covered_percent() << " %, sd " << score.mean_sd << '\n';
     EXPECT_TRUE(host::mean_chi_square_bounds(1, kSeeds, 0.99).contains(score.nees)) << name;
-    EXPECT_TRUE(
-        host::proportion_interval(static_cast<int>(score.covered), static_cast<int>(kSeeds), 0.999)
-            .contains(0.95))
-        << name;
+    EXPECT_TRUE(host::proportion_interval(score.covered, kSeeds, 0.999).contains(0.95)) << name;
   }
   std::cout << "             mean NIS " << nis << ", kv/m measured in " << 100 * measured / kSeeds
             << " %\n";
@@ -162,11 +169,13 @@ TEST(HeadMotionBound, IsNearlyReached) {
   }
 }
 
-// A delay within its stated uncertainty, a new one in each of 200 runs.
+// A delay within its stated uncertainty, a new one in each run. Intervals of 95 % hold in fewer
+// once in 300 times.
 TEST(HeadMotionGranted, CoversTheDelayThatIsStated) {
+  const unsigned kSeeds = runs(40U, 100U, 200U);
   HeadMotionParameters parameters = relaxed();
   parameters.delay_sd_s = 0.003;
-  Score damping, stiffness;
+  Score damping{kSeeds}, stiffness{kSeeds};
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     std::mt19937_64 random(2000 + seed);
     HeadMotionTruth truth;
@@ -175,16 +184,18 @@ TEST(HeadMotionGranted, CoversTheDelayThatIsStated) {
     damping.add(estimate.damping_rate_per_s, truth.damping_rate_per_s);
     stiffness.add(estimate.stiffness_per_mass_per_s2, truth.stiffness_per_mass_per_s2);
   }
-  std::cout << "             covered kv/m " << 100 * damping.covered / kSeeds << " %, ks/m "
-            << 100 * stiffness.covered / kSeeds << " %; NEES " << damping.nees << ", "
-            << stiffness.nees << '\n';
-  EXPECT_GT(damping.covered / kSeeds, 0.9);
-  EXPECT_GT(stiffness.covered / kSeeds, 0.9);
+  std::cout << "             covered kv/m " << damping.covered_percent() << " %, ks/m "
+            << stiffness.covered_percent() << " %; NEES " << damping.nees << ", " << stiffness.nees
+            << '\n';
+  const auto fewest = fewest_hits(kSeeds, 0.95, 1.0 / 300);  // more than 90 % of 200
+  EXPECT_GE(damping.covered, fewest);
+  EXPECT_GE(stiffness.covered, fewest);
 }
 
 // Muscles that answer to velocity, position, both, acceleration or in bursts, as much as is stated
-// (rms), 100 runs each: whatever is called measured is covered, as is nearly every interval where
-// the innovations do not show the force.
+// (rms): whatever is called measured is covered, as is nearly every interval where the innovations
+// do not show the force. Intervals of 95 % hold in fewer runs than asked for once in 80 times, for
+// each of twelve settings; they are wider, since they allow for what the muscles do at worst.
 TEST(HeadMotionGranted, CoversOrWithholdsWhatMusclesAdd) {
   constexpr double a_m_s2 = 1.27, v_m_s = 0.08, p_m = 0.0054;  // rms of the relaxed motion
   using Muscles = double (*)(double, double, double);
@@ -195,10 +206,11 @@ TEST(HeadMotionGranted, CoversOrWithholdsWhatMusclesAdd) {
       {"both", [](double, double v, double p) { return 0.7 * a_m_s2 * (v / v_m_s - p / p_m); }},
       {"acceleration", [](double a, double, double) { return a; }},
       {"bursts", [](double, double v, double) { return v > 0 ? a_m_s2 : -a_m_s2; }}};
-  constexpr int kRuns = 100, kDefaultRuns = 5;
+  const unsigned kRuns = runs(25U, 100U, 200U), kDefaultRuns = runs(2U, 5U, 5U);
+  const auto most_misses = most_hits(kRuns, 0.05, 1.0 / 80);  // 10 of 100
   for (const double share : {0.02, 0.1}) {
     for (const auto& [name, muscles] : kinds) {
-      int covered = 0, withheld = 0, wrong = 0, by_default = 0;
+      unsigned covered = 0, withheld = 0, wrong = 0, by_default = 0;
       for (unsigned seed = 1; seed <= kRuns; ++seed) {
         HeadMotionTruth truth;
         truth.muscles = [force = muscles, share](double a, double v, double p) {
@@ -210,20 +222,20 @@ TEST(HeadMotionGranted, CoversOrWithholdsWhatMusclesAdd) {
         const auto estimate = identify(truth, parameters, 60, 20, seed).damping_rate_per_s;
         const bool holds = std::abs(estimate.fitted - truth.damping_rate_per_s) <
                            kNormalQuantile95 * estimate.fitted_sd;
-        covered += holds ? 1 : 0;
-        withheld += estimate.limit != JointLimit::none ? 1 : 0;
-        wrong += estimate.limit == JointLimit::none && !holds ? 1 : 0;
+        covered += holds ? 1U : 0U;
+        withheld += estimate.limit != JointLimit::none ? 1U : 0U;
+        wrong += estimate.limit == JointLimit::none && !holds ? 1U : 0U;
         if (seed > kDefaultRuns) continue;
         parameters.muscle_share = HeadMotionParameters{}.muscle_share;
         by_default +=
             identify(truth, parameters, 60, 30, seed).damping_rate_per_s.limit != JointLimit::none
-                ? 1
-                : 0;
+                ? 1U
+                : 0U;
       }
       std::cout << "             " << share << " as " << name << ": covered " << covered
                 << ", withheld " << withheld << ", wrong " << wrong << " of " << kRuns << '\n';
-      EXPECT_LE(wrong, kRuns / 10) << name;
-      EXPECT_GE(covered, kRuns * 9 / 10) << name;
+      EXPECT_LE(wrong, most_misses) << name;
+      EXPECT_LE(kRuns - covered, most_misses) << name;
       EXPECT_EQ(by_default, kDefaultRuns) << name;
     }
   }
