@@ -2,10 +2,11 @@
 // Passive releases, alone and in pairs: as good as any estimator can be, and known as well as they
 // say. The seeds are fixed, so the outcomes are too.
 //
-// Of 400 runs a consistent estimator's rms error is above 1.1 times its bound once in 400 times
-// (its standard deviation is 1 / sqrt 800), its bias above 0.164 of its standard deviation once in
-// 1000, and its coverage outside 0.922 .. 0.978 once in 100. With other seeds one of the three
-// dozen checks would fail in every fifth run.
+// A consistent estimator's rms error is above its limit once in 400 times (1.1 times the bound in
+// 400 runs), its bias once in 950 (0.164 of its standard deviation), and its coverage is outside
+// its limits once in 100 (0.922 .. 0.978). With other seeds one of the three dozen checks would
+// fail in every fifth run. Of 80 runs the coverage of one value finds intervals that are 25 % too
+// narrow in 7 of 10 times.
 #include "condyle/estimator/passive_release.h"
 
 #include <gtest/gtest.h>
@@ -14,34 +15,50 @@
 #include <iostream>
 
 #include "condyle/estimator/release_pair.h"
+#include "consistency/acceptance.h"
+#include "support/tier.h"
 #include "unit/release_samples.h"
 
 namespace condyle {
 namespace {
 
+using testing_support::fewest_hits;
 using testing_support::fit;
+using testing_support::most_hits;
+using testing_support::most_mean_ratio;
+using testing_support::most_rms_ratio;
 using testing_support::Random;
 using testing_support::release_samples;
 using testing_support::ReleaseTruth;
 
-constexpr double kNoise_m = 5e-5, kRuns = 400;
-constexpr std::uint64_t kSeeds = 400;
-constexpr double kLowestCoverage = 0.922, kHighestCoverage = 0.978;
+constexpr double kNoise_m = 5e-5;
+
+std::uint64_t seeds() {
+  return testing_support::runs(80U, 400U, 400U);
+}
 
 // Errors of one value over the runs.
 struct Errors {
-  double truth, bound, squares = 0, sum = 0, covered = 0, measured = 0, withheld = 0;
+  double truth, bound, squares = 0, sum = 0;
+  std::uint64_t runs = 0, covered = 0, measured = 0, withheld = 0;
   void add(const ReleaseValue<double>& value, double estimate) {
-    squares += std::pow(estimate - truth, 2) / kRuns;
-    sum += (estimate - truth) / kRuns;
-    covered += value.low95 <= truth && truth <= value.high95 ? 1 / kRuns : 0;
-    measured += value.quantity.provenance == Provenance::measured ? 1 / kRuns : 0;
-    withheld += std::isnan(value.quantity.value) ? 1 / kRuns : 0;
+    ++runs;
+    squares += std::pow(estimate - truth, 2);
+    sum += estimate - truth;
+    covered += value.low95 <= truth && truth <= value.high95 ? 1U : 0U;
+    measured += value.quantity.provenance == Provenance::measured ? 1U : 0U;
+    withheld += std::isnan(value.quantity.value) ? 1U : 0U;
   }
+  double rms_ratio() const { return std::sqrt(squares / static_cast<double>(runs)) / bound; }
+  double bias_ratio() const { return sum / static_cast<double>(runs) / bound; }
   void print(const char* name) const {
-    std::cout << "             " << name << ": rms/bound " << std::sqrt(squares) / bound
-              << ", bias/bound " << sum / bound << ", coverage " << covered << ", measured "
+    std::cout << "             " << name << ": rms/bound " << rms_ratio() << ", bias/bound "
+              << bias_ratio() << ", of " << runs << " covered " << covered << ", measured "
               << measured << ", withheld " << withheld << '\n';
+  }
+  void expect_covered() const {
+    EXPECT_GE(covered, fewest_hits(runs, 0.95, 0.0068));
+    EXPECT_LE(covered, most_hits(runs, 0.95, 0.0018));
   }
 };
 
@@ -64,7 +81,7 @@ class PassiveReleases : public testing::TestWithParam<Setting> {
                                     Errors{truth.kappa_per_s2, bound.stiffness_per_mass_per_s2},
                                     Errors{truth.lambda_per_s / 40, bound.damping_ratio},
                                     Errors{20, bound.natural_frequency_rad_s}};
-    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    for (std::uint64_t seed = 1; seed <= seeds(); ++seed) {
       const auto release = fit(release_samples(truth, kNoise_m, seed),
                                {.noise_sd_m = GetParam().knows_noise ? kNoise_m : 0});
       const double omega = std::sqrt(release.rates.kappa);
@@ -72,26 +89,25 @@ class PassiveReleases : public testing::TestWithParam<Setting> {
       errors[1].add(release.stiffness_per_mass_per_s2, release.rates.kappa);
       errors[2].add(release.damping_ratio, release.rates.lambda / (2 * omega));
       errors[3].add(release.natural_frequency_rad_s, omega);
-      trusted_ += release.outcome == ReleaseOutcome::converged && has_trusted_residuals(release)
-                      ? 1 / kRuns
-                      : 0;
+      distrusted_ +=
+          release.outcome == ReleaseOutcome::converged && has_trusted_residuals(release) ? 0U : 1U;
     }
     constexpr const char* names[] = {"kv/m", "ks/m", "damping ratio", "natural frequency"};
     for (std::size_t i = 0; i < errors.size(); ++i) errors[i].print(names[i]);
     return errors;
   }
-  double trusted_ = 0;
+  std::uint64_t distrusted_ = 0;
 };
 
 class UsualReleases : public PassiveReleases {};
 TEST_P(UsualReleases, AreFoundAsWellAsCanBe) {
   for (const Errors& errors : run()) {
-    EXPECT_LE(std::sqrt(errors.squares) / errors.bound, 1.1);
-    EXPECT_LT(std::abs(errors.sum / errors.bound), 0.164);
-    EXPECT_GE(errors.covered, kLowestCoverage);
-    EXPECT_LE(errors.covered, kHighestCoverage);
+    EXPECT_LE(errors.rms_ratio(), most_rms_ratio(seeds(), 1.0 / 400));
+    EXPECT_LT(std::abs(errors.bias_ratio()), most_mean_ratio(seeds(), 1.0 / 950));
+    errors.expect_covered();
   }
-  EXPECT_GE(trusted_, 0.99);  // a false alarm in 1000; more than four in 400: once in 1000
+  // Each has a false alarm in 1000; more of them than that, three of 400: once in 1000.
+  EXPECT_LE(distrusted_, most_hits(seeds(), 1.0 / 1000, 1.0 / 1000));
 }
 INSTANTIATE_TEST_SUITE_P(Damping, UsualReleases,
                          testing::Values(Setting{2, true}, Setting{8, true}, Setting{8, false},
@@ -102,9 +118,11 @@ INSTANTIATE_TEST_SUITE_P(Damping, UsualReleases,
 class StrongDamping : public PassiveReleases {};
 TEST_P(StrongDamping, IsCoveredOrWithheld) {
   const auto errors = run();
-  for (const Errors& one : errors) EXPECT_GE(one.covered, kLowestCoverage);
-  EXPECT_EQ(errors[0].measured, 0);
-  EXPECT_EQ(errors[1].measured, 0);
+  for (const Errors& one : errors) {
+    EXPECT_GE(one.covered, fewest_hits(seeds(), 0.95, 0.0068));
+  }
+  EXPECT_EQ(errors[0].measured, 0U);
+  EXPECT_EQ(errors[1].measured, 0U);
 }
 INSTANTIATE_TEST_SUITE_P(Damping, StrongDamping,
                          testing::Values(Setting{80, true}, Setting{80, false}));
@@ -122,8 +140,9 @@ TEST_P(ReleasePairs, IntervalsHoldTheTruth) {
   const PairSetting setting = GetParam();
   const double kv = setting.lambda_per_s * kMass_kg;
   Errors friction{kv, 1}, stiffness{kStiffness_N_m, 1}, mass{kMass_kg, 1};
-  double chi_square = 0, agreed = 0;
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+  double chi_square = 0;
+  std::uint64_t agreed = 0;
+  for (std::uint64_t seed = 1; seed <= seeds(); ++seed) {
     Random random(seed + 1000);
     ReleasePairSettings settings;
     const auto put_on = [&random](double value, KnownLoad& known) {
@@ -144,24 +163,22 @@ TEST_P(ReleasePairs, IntervalsHoldTheTruth) {
     const auto second = fit(release_samples(loaded, kNoise_m, 2 * seed + 1), noise);
     const auto pair = combine_releases(first, second, settings);
     if (pair.outcome != ReleasePairOutcome::combined) continue;
-    agreed += 1 / kRuns;
-    chi_square += pair.chi_square / pair.degrees_of_freedom / kRuns;
+    ++agreed;
+    chi_square += pair.chi_square / pair.degrees_of_freedom / static_cast<double>(seeds());
     friction.add(pair.friction_Ns_m, pair.friction_Ns_m.quantity.value);
     stiffness.add(pair.stiffness_N_m, pair.stiffness_N_m.quantity.value);
     mass.add(pair.mass_kg, pair.mass_kg.quantity.value);
   }
-  std::cout << "             rms " << std::sqrt(friction.squares) << " Ns/m, "
-            << std::sqrt(stiffness.squares) << " N/m, " << std::sqrt(mass.squares)
-            << " kg; chi-square " << chi_square << ", agreed " << agreed << '\n';
+  std::cout << "             chi-square " << chi_square << ", agreed " << agreed << '\n';
   friction.print("friction");
   stiffness.print("stiffness");
   mass.print("mass");
-  EXPECT_GE(agreed, 0.985);
-  EXPECT_NEAR(chi_square, 1, 0.25);  // its standard deviation is at most sqrt(2 / 400)
-  for (const Errors& errors : {friction, stiffness, mass}) {
-    EXPECT_GE(errors.covered / agreed, kLowestCoverage);
-    EXPECT_LE(errors.covered / agreed, kHighestCoverage);
-  }
+  // The two fits and their agreement each have a false alarm in 1000; once in 1000 more of them
+  // than six of 400.
+  EXPECT_LE(seeds() - agreed, most_hits(seeds(), 0.003, 1.0 / 1000));
+  // 3.5 of its standard deviations at most; 0.25 of 400.
+  EXPECT_NEAR(chi_square, 1, 3.53 * std::sqrt(2 / static_cast<double>(seeds())));
+  for (const Errors& errors : {friction, stiffness, mass}) errors.expect_covered();
 }
 INSTANTIATE_TEST_SUITE_P(Loads, ReleasePairs,
                          testing::Values(PairSetting{8, 0.1, 0, 0}, PairSetting{8, 0, 100, 0},
