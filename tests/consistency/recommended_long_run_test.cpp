@@ -17,8 +17,7 @@ namespace condyle {
 namespace {
 
 using testing_support::Random;
-using testing_support::Tier;
-using testing_support::tier_is_at_least;
+using testing_support::runs;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(NDEBUG)
 constexpr bool kIsSlowBuild = true;
@@ -74,15 +73,10 @@ void expect_float_is_double(TimeNs steps) {
   }
 }
 
-TEST(RecommendedLongRun, AMillionStepsInFloat) {
-  if (kIsSlowBuild) std::cout << "             100,000 in this build, which is not optimised\n";
-  expect_float_is_double(kIsSlowBuild ? 100'000 : 1'000'000);
-}
-
-TEST(RecommendedLongRun, TenMillionStepsInFloat) {
-  if (!tier_is_at_least(Tier::full)) GTEST_SKIP() << "set CONDYLE_TIER=full";
-  if (kIsSlowBuild) GTEST_SKIP() << "only where optimised: here it would take minutes";
-  expect_float_is_double(10'000'000);
+TEST(RecommendedLongRun, FloatStaysWithDouble) {
+  const TimeNs steps = kIsSlowBuild ? 100'000 : runs(300'000, 1'000'000, 10'000'000);
+  std::cout << "             " << steps << " steps\n";
+  expect_float_is_double(steps);
 }
 
 }  // namespace
