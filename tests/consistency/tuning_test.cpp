@@ -10,13 +10,19 @@
 
 #include "condyle/estimator/recommended_estimator.h"
 #include "condyle/estimator/white_jerk.h"
+#include "consistency/acceptance.h"
 #include "evaluation/chi_square.h"
 #include "simulation/random.h"
 #include "simulation/reference_motion.h"
+#include "support/tier.h"
 #include "tuning/likelihood_tuning.h"
 
 namespace condyle::host {
 namespace {
+
+using testing_support::fewest_hits;
+using testing_support::most_hits;
+using testing_support::runs;
 
 // Positions with the velocity that is true.
 struct KnownMotion {
@@ -109,12 +115,15 @@ void PrintTo(const ChewingCase& one, std::ostream* out) {
 
 class TunedChewing : public testing::TestWithParam<ChewingCase> {};
 
-// 20 seeds; noise and density start wrong by 30 to 1000 times, in all four directions.
+// Noise and density start wrong by 30 to 1000 times; four seeds go in all four directions. Where R
+// is too far off in one seed of 100, it is in one of 20 once in 5 times, in four of 200 once in 7:
+// more than allowed.
 TEST_P(TunedChewing, FindsNoiseAndTheBestVelocityFromStartsWrongByAThousand) {
   const ChewingCase& one = GetParam();
   double worst_R = 0, mean_R = 0, worst_velocity = 0;
-  constexpr std::uint64_t kSeeds = 20;
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+  unsigned far = 0;
+  const unsigned kSeeds = runs(4U, 20U, 200U);
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     const KnownMotion known = chew_and_pause(one.rate_Hz, one.noise_m, one.duration_s, seed);
     LikelihoodPlan plan;
     plan.starts = 1;
@@ -126,6 +135,7 @@ TEST_P(TunedChewing, FindsNoiseAndTheBestVelocityFromStartsWrongByAThousand) {
     const double R = std::pow(found.written.position_sd_m / one.noise_m, 2);
     mean_R += R / kSeeds;
     worst_R = std::max(worst_R, std::abs(R - 1));
+    far += std::abs(R - 1) < one.worst_R ? 0U : 1U;
     double best_m_s = std::numeric_limits<double>::infinity();
     for (int i = -8; i <= 8; ++i) {
       const NoiseModel grid{one.noise_m, found.written.jerk_density_m2_s5 * std::pow(10, 0.15 * i),
@@ -136,9 +146,9 @@ TEST_P(TunedChewing, FindsNoiseAndTheBestVelocityFromStartsWrongByAThousand) {
         std::max(worst_velocity, velocity_errors(known, found.written).rms_m_s / best_m_s - 1);
   }
   std::cout << "             R / truth " << mean_R << " on average, off by " << worst_R
-            << " at most; velocity error above the grid's best by " << worst_velocity
-            << " at most\n";
-  EXPECT_LT(worst_R, one.worst_R);
+            << " at most, too far in " << far << "; velocity error above the grid's best by "
+            << worst_velocity << " at most\n";
+  EXPECT_LE(far, most_hits(kSeeds, 0.01, 0.2));
   EXPECT_LT(worst_velocity, 0.03);
 }
 
@@ -152,10 +162,11 @@ INSTANTIATE_TEST_SUITE_P(Rates, TunedChewing,
 
 // Motion that is white jerk: the intervals hold the truth, and nothing speaks against the model.
 TEST(Tuning, IntervalsHoldTheTruthWhereTheModelHolds) {
-  constexpr int kRuns = 200;
+  const unsigned kRuns = runs(40U, 100U, 200U);
   const NoiseModel truth{1e-4, 10, 0};
   constexpr double kStep_s = 0.01;
-  int covered_sd = 0, covered_q = 0, inside = 0, white = 0, reasons = 0;
+  unsigned covered_sd = 0, covered_q = 0, inside = 0, white = 0, reasons = 0;
+  double nees_sd = 0, nees_q = 0;
   for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
     RandomGenerator random(seed, 5);
     KnownMotion known;
@@ -176,24 +187,33 @@ TEST(Tuning, IntervalsHoldTheTruthWhereTheModelHolds) {
     LikelihoodPlan plan;
     plan.starts = 1;
     const LikelihoodTuning found = tune(known, plan);
-    const auto covers = [](const FittedParameter& parameter, double value) {
-      return std::abs(std::log(parameter.value / value)) < 1.96 * parameter.log_sd ? 1 : 0;
+    const auto judge = [&](const FittedParameter& parameter, double value, unsigned& covered,
+                           double& nees) {
+      const double deviation = std::log(parameter.value / value) / parameter.log_sd;
+      covered += std::abs(deviation) < 1.96 ? 1U : 0U;
+      nees += deviation * deviation / kRuns;
     };
-    covered_sd += covers(found.white.parameters[0], truth.position_sd_m);
-    covered_q += covers(found.white.parameters[1], truth.jerk_density_m2_s5);
-    inside += found.white.held_out.nis_inside ? 1 : 0;
-    white += found.white.held_out.whiteness_p > 0.05 ? 1 : 0;
-    reasons += found.reasons.empty() ? 0 : 1;
+    judge(found.white.parameters[0], truth.position_sd_m, covered_sd, nees_sd);
+    judge(found.white.parameters[1], truth.jerk_density_m2_s5, covered_q, nees_q);
+    inside += found.white.held_out.nis_inside ? 1U : 0U;
+    white += found.white.held_out.whiteness_p > 0.05 ? 1U : 0U;
+    reasons += found.reasons.empty() ? 0U : 1U;
   }
   std::cout << "             of " << kRuns << ": noise covered " << covered_sd << ", density "
-            << covered_q << ", NIS inside " << inside << ", white " << white << ", with reasons "
-            << reasons << "\n";
-  // Each of these fails by chance with probability below 1e-3 if the stated 95 % are true.
-  EXPECT_GT(covered_sd, 0.89 * kRuns);
-  EXPECT_GT(covered_q, 0.89 * kRuns);
-  EXPECT_GT(inside, 0.89 * kRuns);
-  EXPECT_GT(white, 0.89 * kRuns);
-  EXPECT_LT(reasons, 0.13 * kRuns);
+            << covered_q << ", NEES " << nees_sd << " " << nees_q << ", NIS inside " << inside
+            << ", white " << white << ", with reasons " << reasons << "\n";
+  // Each of these fails by chance with probability below 1e-3 if the stated 95 % are true. Of 40
+  // runs each NEES finds intervals that are 30 % too narrow in 6 of 10 times.
+  const auto fewest = fewest_hits(kRuns, 0.95, 0.001);
+  EXPECT_GE(covered_sd, fewest);
+  EXPECT_GE(covered_q, fewest);
+  EXPECT_GE(inside, fewest);
+  EXPECT_GE(white, fewest);
+  const Interval bounds = mean_chi_square_bounds(1, kRuns, 0.999);
+  EXPECT_TRUE(bounds.contains(nees_sd)) << nees_sd;
+  EXPECT_TRUE(bounds.contains(nees_q)) << nees_q;
+  // Whiteness speaks against it in 1 %, the stretches' dispersion in 5 %.
+  EXPECT_LE(reasons, most_hits(kRuns, 0.06, 0.001));
 }
 
 struct SmoothedCase {
@@ -228,7 +248,7 @@ TEST_P(TunedSmoothed, WritesValuesWhoseIntervalsHold) {
 
 // Smoothed by one maker, not by the other, who is slower: the intervals hold for both.
 TEST(Tuning, WritesValuesThatAreWideEnoughForEachRate) {
-  KnownMotion fast = chew_and_pause(1000, 100e-6, 30, 3, 5);
+  KnownMotion fast = chew_and_pause(1000, 100e-6, runs(10.0, 30.0, 30.0), 3, 5);
   const KnownMotion slow = chew_and_pause(60, 100e-6, 120, 4);
   fast.recording.filtered_lag = 1;
   LikelihoodPlan plan;
