@@ -141,4 +141,21 @@ bool CommandLine::is_given(const std::string& name) const {
   return app_->got_subcommand(name);
 }
 
+Program::Program(const std::string& meaning) : app_(std::make_unique<CLI::App>(meaning)) {}
+
+Program::~Program() = default;
+
+void Program::set_version(const std::string& version) {
+  app_->set_version_flag("--version", version);
+}
+
+Program::Parsed Program::parse(int argc, char** argv) {
+  try {
+    app_->parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app_->exit(error) == 0 ? Parsed::answered : Parsed::wrong;
+  }
+  return Parsed::run;
+}
+
 }  // namespace condyle::host

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options of condyle's commands. CLI11 is behind them, and included by as few files as can be:
-// it takes many seconds to compile.
+// The options of condyle's commands. CLI11 is behind them, and included by one file: it takes many
+// seconds to compile.
 #pragma once
 
 #include <functional>
 #include <initializer_list>
+#include <memory>
 #include <string>
 
 #include "condyle/estimator/parameters.h"
@@ -74,6 +75,27 @@ class CommandLine {
 
  private:
   CLI::App* app_;
+};
+
+/// A program and what it was started with.
+class Program {
+ public:
+  explicit Program(const std::string& meaning);
+  ~Program();
+
+  /// --version prints `version`.
+  void set_version(const std::string& version);
+  CommandLine line() const { return CommandLine(*app_); }
+
+  enum class Parsed {
+    run,       ///< the arguments are good
+    answered,  ///< they asked for help or the version, which was printed
+    wrong,     ///< what is wrong was printed
+  };
+  Parsed parse(int argc, char** argv);
+
+ private:
+  std::unique_ptr<CLI::App> app_;
 };
 
 }  // namespace condyle::host

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The condyle command; exit codes are in commands.h.
-#include <CLI/CLI.hpp>
-
 #include <atomic>
 #include <csignal>
 #include <cstdio>
@@ -31,10 +29,10 @@ int run(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a write error, reported as one
   std::signal(SIGXFSZ, SIG_IGN);  // and so is a file that may not grow
 
-  CLI::App app{"Virtual sensor for jaw motion. Research use only; it diagnoses nothing."};
-  app.require_subcommand(1);
-  app.set_version_flag("--version", "condyle " CONDYLE_VERSION);
-  const CommandLine line(app);
+  Program program("Virtual sensor for jaw motion. Research use only; it diagnoses nothing.");
+  program.set_version("condyle " CONDYLE_VERSION);
+  const CommandLine line = program.line();
+  line.require_command();
   std::vector<std::pair<const char*, Command>> commands;
   commands.emplace_back("replay", add_replay(line));
   commands.emplace_back("simulate", add_simulate(line));
@@ -51,14 +49,13 @@ int run(int argc, char** argv) {
   commands.emplace_back("inspect", add_inspect(line));
   commands.emplace_back("doctor", add_doctor(line));
   commands.emplace_back("fake", add_fake(line));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kExitOk : kExitBadInput;
+  const Program::Parsed parsed = program.parse(argc, argv);
+  if (parsed != Program::Parsed::run) {
+    return parsed == Program::Parsed::answered ? kExitOk : kExitBadInput;
   }
   try {
     for (const auto& [name, command] : commands) {
-      if (app.got_subcommand(name)) return command();
+      if (line.is_given(name)) return command();
     }
   } catch (const InputError& error) {
     if (stop_requested()) {  // what looks like an error is the interrupted wait

@@ -270,8 +270,8 @@ std::string RecommendedSummary::nothing_text() const {
   };
   add(fits_.degenerate, "had three points that coincide or lie on a line");
   add(fits_.not_rigid, "had points that did not keep their distances");
-  add(fits_.unsettled,
-      fmt::format("were held back to learn the body's shape, which takes {}", BodyShape::kSamples));
+  add(fits_.unsettled, fmt::format("were held back to learn the body's shape, which takes {}",
+                                   BodyShape<double>::kSamples));
   return reasons.empty() ? "none: no sample had a position"
                          : "none: the jaw's pose is not known: " + reasons;
 }

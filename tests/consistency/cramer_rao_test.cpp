@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "consistency/random.h"
-#include "evaluation/linear_gaussian_toy.h"
+#include "consistency/linear_gaussian_toy.h"
 
 namespace condyle::host {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "condyle/estimator/recommended_estimator.h"
 #include "consistency/random.h"
-#include "evaluation/linear_gaussian_toy.h"
+#include "consistency/linear_gaussian_toy.h"
 #include "evaluation/monte_carlo.h"
 
 namespace condyle::host {

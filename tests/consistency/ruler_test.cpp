@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "consistency/random.h"
-#include "evaluation/linear_gaussian_toy.h"
+#include "consistency/linear_gaussian_toy.h"
 #include "evaluation/monte_carlo.h"
 #include "evaluation/response_slope.h"
 

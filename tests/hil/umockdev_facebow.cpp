@@ -5,13 +5,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
-
 #include <csignal>
 #include <cstdio>
 #include <optional>
 #include <vector>
 
+#include "command_line.h"
 #include "fake/fake_arguments.h"
 #include "fake/fake_run.h"
 #include "hil/umockdev_transport.h"
@@ -70,30 +69,30 @@ class Child {
 };
 
 int run(int argc, char** argv) {
-  CLI::App app{"Runs a program with a fake facebow under it, for tests"};
+  host::Program self("Runs a program with a fake facebow under it, for tests");
+  const host::CommandLine line = self.line();
   std::string personality, interloper;
   std::vector<std::string> program;
   bool begins_at_stop = false, interrupts = false;
   std::uint64_t most_stopped = 0;
   host::fake::FakeOptions options;
-  app.add_option("PERSONALITY", personality, "What the program uses: hidraw or libusb")
-      ->required()
-      ->check(CLI::IsMember({"hidraw", "libusb"}));
-  app.add_option("PROGRAM", program, "The program and its arguments, after --")->required();
-  app.add_option("--interloper", interloper,
-                 "Serial number of another device that hidraw shows at every second plugging");
-  app.add_flag("--begin-at-stop", begins_at_stop,
-               "Send nothing before the program stopped itself (SIGSTOP)");
-  app.add_option("--continue-after", most_stopped,
-                 "Continue a program that stopped itself after so many further reports");
-  app.add_flag(
+  line.add_option("PERSONALITY", personality, "What the program uses: hidraw or libusb")
+      .required()
+      .one_of({"hidraw", "libusb"});
+  line.add_option("PROGRAM", program, "The program and its arguments, after --").required();
+  line.add_option("--interloper", interloper,
+                  "Serial number of another device that hidraw shows at every second plugging");
+  line.add_flag("--begin-at-stop", begins_at_stop,
+                "Send nothing before the program stopped itself (SIGSTOP)");
+  line.add_option("--continue-after", most_stopped,
+                  "Continue a program that stopped itself after so many further reports");
+  line.add_flag(
       "--interrupt", interrupts,
       "Interrupt the program once the device is gone for good and the program let go of it");
-  host::fake::add_arguments(host::CommandLine(app), options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kExitUsage;
+  host::fake::add_arguments(line, options);
+  const host::Program::Parsed parsed = self.parse(argc, argv);
+  if (parsed != host::Program::Parsed::run) {
+    return parsed == host::Program::Parsed::answered ? 0 : kExitUsage;
   }
 
   host::fake::FakeSetup setup = host::fake::set_up(options);

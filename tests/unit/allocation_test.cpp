@@ -231,13 +231,13 @@ TEST_F(Allocation, FollowingAPointAndNoticingAFreezeHaveNone) {
   sample.coordinates[6] = -0.025;
   sample.coordinates[5] = sample.coordinates[8] = 0.03;
   const long before = allocation_count();
-  PointFollower follower(FollowedPoint{1, Eigen::Vector3d(0, 0, 0.1)});
+  PointFollower<double> follower(FollowedPoint{1, Eigen::Vector3d(0, 0, 0.1)});
   FrozenDetector detector;
   int frozen = 0;
   for (int i = 0; i < 100; ++i) {
-    sample.coordinates[0] = 1e-5 * std::min(i, BodyShape::kSamples);  // learns, then rests
+    sample.coordinates[0] = 1e-5 * std::min(i, BodyShape<double>::kSamples);  // learns, then rests
     EXPECT_EQ(follower.follow(sample).status,
-              i + 1 < BodyShape::kSamples ? PoseStatus::unsettled : PoseStatus::ok);
+              i + 1 < BodyShape<double>::kSamples ? PoseStatus::unsettled : PoseStatus::ok);
     frozen += detector.add(sample) ? 1 : 0;
   }
   sample.coordinates[5] = 1;

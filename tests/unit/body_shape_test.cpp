@@ -60,7 +60,7 @@ FollowedPoint condyle(BodyFits& fits) {
 // The mean error (m) of the condyle over 600 samples, whose first `bad_samples` have point
 // `bad_point` 3 mm off.
 Vector3d mean_error_m(int bad_samples, int bad_point, const Vector3d& off_m, BodyFits& fits) {
-  PointFollower follower(condyle(fits));
+  PointFollower<double> follower(condyle(fits));
   Fork fork(2e-5);
   Vector3d sum = Vector3d::Zero();
   int found_count = 0;
@@ -94,7 +94,7 @@ TEST(BodyShape, BadFirstSamplesBiasNothing) {
 TEST(BodyShape, ToleranceIsTiedToTheResidualsSeen) {
   for (const double noise_sd_m : {0.0, 5e-6, 5e-5, 2e-4, 6e-4}) {
     BodyFits fits;
-    PointFollower follower(condyle(fits));
+    PointFollower<double> follower(condyle(fits));
     Fork fork(noise_sd_m);
     for (int i = 0; i < 2000; ++i) follower.follow(sample_of(fork.points()));
     EXPECT_EQ(fits.unsettled, 14U);
@@ -110,7 +110,7 @@ TEST(BodyShape, ToleranceIsTiedToTheResidualsSeen) {
 
 TEST(BodyShape, PointsThatKeepNoDistancesMakeNoBody) {
   BodyFits fits;
-  PointFollower follower(condyle(fits));
+  PointFollower<double> follower(condyle(fits));
   Fork fork(2e-3);
   for (int i = 0; i < 200; ++i) {
     EXPECT_EQ(follower.follow(sample_of(fork.points())).status,
@@ -122,7 +122,7 @@ TEST(BodyShape, PointsThatKeepNoDistancesMakeNoBody) {
 
 TEST(BodyShape, DistancesThatChangeForGoodAreSeenForGood) {
   BodyFits fits;
-  PointFollower follower(condyle(fits));
+  PointFollower<double> follower(condyle(fits));
   Fork fork(2e-5);
   for (int i = 0; i < 500; ++i) {
     Matrix3d points = fork.points();
@@ -135,7 +135,7 @@ TEST(BodyShape, DistancesThatChangeForGoodAreSeenForGood) {
 // Twelve samples with the same error settle a wrong shape: then nothing fits, and nothing is taken.
 TEST(BodyShape, AWrongShapeIsNoPosition) {
   BodyFits fits;
-  PointFollower follower(condyle(fits));
+  PointFollower<double> follower(condyle(fits));
   Fork fork(2e-5);
   for (int i = 0; i < 500; ++i) {
     Matrix3d points = fork.points();
@@ -147,7 +147,7 @@ TEST(BodyShape, AWrongShapeIsNoPosition) {
 }
 
 TEST(BodyShape, ARepeatSaysNothingNew) {
-  BodyShape shape(kRigidTolerance_m);
+  BodyShape<double> shape(kRigidTolerance_m);
   Fork fork(2e-5);
   Matrix3d bad = fork.points();
   bad(2, 0) += 0.003;
@@ -160,7 +160,7 @@ TEST(BodyShape, ARepeatSaysNothingNew) {
 
 TEST(BodyShape, PointsOnALineAreCountedAndTeachNothing) {
   BodyFits fits;
-  PointFollower follower(condyle(fits));
+  PointFollower<double> follower(condyle(fits));
   Fork fork(2e-5);
   for (int i = 0; i < 60; ++i) {
     Matrix3d points = fork.points();

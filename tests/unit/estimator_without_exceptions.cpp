@@ -27,6 +27,7 @@ template class condyle::EmgIdentification<float>;
 template class condyle::EmgIdentification<double>;
 template class condyle::EmgTimeline<float>;
 template class condyle::EmgTimeline<double>;
+template class condyle::PointFollower<float>;
 template class condyle::PublishedCascade<float>;
 template class condyle::PublishedCascade<double>;
 template class condyle::RecommendedEstimator<float, 1>;
@@ -53,8 +54,10 @@ Observability<float> judge(const OperatingPoint<float>& point);
 Observability<float> judge(const OperatingPoint<float>& point) {
   return judge_observability(observability_matrix<FullSystem>(point));
 }
-FollowedPosition follow(PointFollower& follower, FrozenDetector& detector, const Sample& sample);
-FollowedPosition follow(PointFollower& follower, FrozenDetector& detector, const Sample& sample) {
+FollowedPosition follow(PointFollower<double>& follower, FrozenDetector& detector,
+                        const Sample& sample);
+FollowedPosition follow(PointFollower<double>& follower, FrozenDetector& detector,
+                        const Sample& sample) {
   if (detector.add(sample)) return {.status = PoseStatus::missing};
   return follower.follow(sample);
 }

@@ -38,7 +38,7 @@ Vector3d vector_within(double limit) {
           *number_between(-limit, limit)};
 }
 
-Pose any_pose() {
+Pose<double> any_pose() {
   const Vector3d axis = vector_within(1);
   RC_PRE(axis.norm() > 0.01);
   const double angle = *number_between(-std::numbers::pi, std::numbers::pi);
@@ -51,12 +51,12 @@ Matrix3d any_triangle() {
   return points;
 }
 
-Matrix3d moved(const Pose& pose, const Matrix3d& points) {
+Matrix3d moved(const Pose<double>& pose, const Matrix3d& points) {
   return (pose.rotation * points).colwise() + pose.translation;
 }
 
-RigidBody body_of(const Matrix3d& points) {
-  return RigidBody::from_distances(distances_of(points));
+RigidBody<double> body_of(const Matrix3d& points) {
+  return RigidBody<double>::from_distances(distances_of(points));
 }
 
 double off_rotation(const Matrix3d& R) {
@@ -84,7 +84,7 @@ Matrix3d rotation_after_horn(const Matrix3d& from, const Matrix3d& to) {
 
 TEST(RigidBody, JawFrameOfTheUsualForkIsTheForksOwn) {
   EXPECT_LE((body_of(usual_fork()).shape_m() - usual_fork()).norm(), 1e-17);
-  const PoseFit fit = RigidBody(usual_fork()).fit(usual_fork());
+  const PoseFit<double> fit = RigidBody<double>(usual_fork()).fit(usual_fork());
   EXPECT_EQ(fit.status, PoseStatus::ok);
   EXPECT_LE((fit.pose.rotation - Matrix3d::Identity()).norm(), 1e-15);
   EXPECT_LE(fit.pose.translation.norm(), 1e-17);
@@ -102,9 +102,9 @@ RC_GTEST_PROP(RigidBody, JawFrameDoesNotDependOnTheFirstPose, ()) {
 }
 
 RC_GTEST_PROP(RigidBody, FitRecoversThePose, ()) {
-  const Pose pose = any_pose();
-  const RigidBody body = body_of(any_triangle());
-  const PoseFit fit = body.fit(moved(pose, body.shape_m()));
+  const Pose<double> pose = any_pose();
+  const RigidBody<double> body = body_of(any_triangle());
+  const PoseFit<double> fit = body.fit(moved(pose, body.shape_m()));
   RC_ASSERT(fit.status == PoseStatus::ok);
   RC_ASSERT((fit.pose.rotation - pose.rotation).norm() <= 1e-12);
   RC_ASSERT((fit.pose.translation - pose.translation).norm() <= 1e-12);
@@ -116,9 +116,9 @@ RC_GTEST_PROP(RigidBody, FitRecoversThePose, ()) {
 
 // Also of noise alone, which no rotation explains: never a reflection, always the closest.
 RC_GTEST_PROP(RigidBody, FitIsTheClosestRotation, ()) {
-  const RigidBody body(usual_fork());
+  const RigidBody<double> body(usual_fork());
   const Matrix3d points = any_triangle();
-  const PoseFit fit = body.fit(points, 1);
+  const PoseFit<double> fit = body.fit(points, 1);
   RC_ASSERT(fit.status == PoseStatus::ok);
   RC_ASSERT(off_rotation(fit.pose.rotation) <= 1e-14);
   const Matrix3d after_horn = rotation_after_horn(usual_fork(), points);
@@ -129,7 +129,7 @@ RC_GTEST_PROP(RigidBody, FitIsTheClosestRotation, ()) {
 }
 
 TEST(RigidBody, PointsThatMakeNoBodyAreRefused) {
-  const auto status = [](const Matrix3d& points) { return RigidBody(points).status(); };
+  const auto status = [](const Matrix3d& points) { return RigidBody<double>(points).status(); };
   const Vector3d a(0, 0, 0), b(0.03, 0.01, 0.02);
   EXPECT_EQ(status(usual_fork()), PoseStatus::ok);
   EXPECT_EQ(status(Matrix3d::Zero()), PoseStatus::degenerate);
@@ -141,9 +141,9 @@ TEST(RigidBody, PointsThatMakeNoBodyAreRefused) {
   EXPECT_EQ(status(1e200 * usual_fork()), PoseStatus::degenerate) << "too large to multiply";
   for (const Vector3d& distances : {Vector3d(0, 0, 0), Vector3d(0, 0.03, 0.03),
                                     Vector3d(0.05, 0.03, 0.02), Vector3d(0.05, 0.02, 0.02)}) {
-    EXPECT_EQ(RigidBody::from_distances(distances).status(), PoseStatus::degenerate);
+    EXPECT_EQ(RigidBody<double>::from_distances(distances).status(), PoseStatus::degenerate);
   }
-  const RigidBody body(usual_fork()), line = RigidBody(columns(a, b, 2.5 * b));
+  const RigidBody<double> body(usual_fork()), line = RigidBody<double>(columns(a, b, 2.5 * b));
   EXPECT_EQ(line.fit(usual_fork()).status, PoseStatus::degenerate);
   EXPECT_EQ(body.fit(columns(a, b, 2.5 * b), 1).status, PoseStatus::degenerate);
   EXPECT_EQ(body.fit(1e200 * usual_fork()).status, PoseStatus::degenerate);
@@ -152,17 +152,17 @@ TEST(RigidBody, PointsThatMakeNoBodyAreRefused) {
       Matrix3d points = usual_fork();
       points(i) = bad;
       EXPECT_EQ(status(points), PoseStatus::missing);
-      EXPECT_EQ(RigidBody(points).status(), PoseStatus::missing);
+      EXPECT_EQ(RigidBody<double>(points).status(), PoseStatus::missing);
       EXPECT_EQ(body.fit(points).status, PoseStatus::missing);
     }
   }
 }
 
 TEST(RigidBody, PointThatJumpsIsNoticedInThePlaneAndNotOutOfIt) {
-  const RigidBody body(usual_fork());
+  const RigidBody<double> body(usual_fork());
   Matrix3d points = usual_fork();
   points(2, 1) += 0.010;
-  const PoseFit fit = body.fit(points);
+  const PoseFit<double> fit = body.fit(points);
   EXPECT_EQ(fit.status, PoseStatus::not_rigid);
   EXPECT_GT(fit.residual_rms_m, kRigidTolerance_m);
   EXPECT_EQ(body.fit(points, 0.010).status, PoseStatus::ok);
@@ -174,7 +174,7 @@ TEST(RigidBody, PointThatJumpsIsNoticedInThePlaneAndNotOutOfIt) {
 // A device's three points share one 6-DoF noise. Were they measured one by one, their mean's error
 // would be sqrt(1/3) of a point's.
 TEST(RigidBody, AveragingPointsOfOneRigidBodyGainsNothing) {
-  const RigidBody body(usual_fork());
+  const RigidBody<double> body(usual_fork());
   const double position_sd_m = 5e-5, rotation_sd_rad = 1e-3;
   Random random(1);
   const auto normal_vector = [&random] {
@@ -184,10 +184,10 @@ TEST(RigidBody, AveragingPointsOfOneRigidBodyGainsNothing) {
   double mean_squares = 0, independent_squares = 0;
   for (int i = 0; i < draws; ++i) {
     const Vector3d turn = rotation_sd_rad * normal_vector();
-    const Pose noise{Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix(),
-                     position_sd_m * normal_vector()};
+    const Pose<double> noise{Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix(),
+                             position_sd_m * normal_vector()};
     const Matrix3d points = moved(noise, usual_fork());
-    const Pose pose = body.fit(points).pose;
+    const Pose<double> pose = body.fit(points).pose;
     for (int j = 0; j < 3; ++j) {
       ASSERT_LE((point_of(pose, usual_fork().col(j)) - points.col(j)).norm(), 1e-15)
           << "the fitted point has the raw point's error";
@@ -228,23 +228,27 @@ TEST(PointNoise, OfAFarPointIsThatOfTheFormula) {
 
 TEST(PoseFromQuaternion, IsTheRotation) {
   const double half = std::sqrt(0.5);
-  const PoseFit quarter = pose_from_quaternion({1, 2, 3}, {half, 0, 0, half});  // about z
+  const PoseFit<double> quarter =
+      pose_from_quaternion<double>({1, 2, 3}, {half, 0, 0, half});  // about z
   EXPECT_EQ(quarter.status, PoseStatus::ok);
   EXPECT_LE((point_of(quarter.pose, {0.1, 0, 0}) - Vector3d(1, 2.1, 3)).norm(), 1e-15);
-  const PoseFit printed = pose_from_quaternion({0, 0, 0}, {0.7076, 0, 0, 0.7076});
+  const PoseFit<double> printed = pose_from_quaternion<double>({0, 0, 0}, {0.7076, 0, 0, 0.7076});
   EXPECT_EQ(printed.status, PoseStatus::ok) << "norm 1.0007";
   EXPECT_LE(off_rotation(printed.pose.rotation), 1e-14);
 }
 
 TEST(PoseFromQuaternion, RefusesWhatIsNoRotation) {
-  const auto status = [](const Vector4d& q) { return pose_from_quaternion({0, 0, 0}, q).status; };
+  const auto status = [](const Vector4d& q) {
+    return pose_from_quaternion<double>({0, 0, 0}, q).status;
+  };
   EXPECT_EQ(status({0, 0, 0, 0}), PoseStatus::not_a_rotation);
   EXPECT_EQ(status({1.0011, 0, 0, 0}), PoseStatus::not_a_rotation);
   EXPECT_EQ(status({0, 0.9989, 0, 0}), PoseStatus::not_a_rotation);
   EXPECT_EQ(status({1e200, 0, 0, 0}), PoseStatus::not_a_rotation);
   EXPECT_EQ(status({0, 0.9991, 0, 0}), PoseStatus::ok);
   EXPECT_EQ(status({kNaN, 0, 0, 1}), PoseStatus::missing);
-  EXPECT_EQ(pose_from_quaternion({0, kInfinity, 0}, {1, 0, 0, 0}).status, PoseStatus::missing);
+  EXPECT_EQ(pose_from_quaternion<double>({0, kInfinity, 0}, {1, 0, 0, 0}).status,
+            PoseStatus::missing);
 }
 
 Sample sample_of(const Matrix3d& points) {
@@ -258,14 +262,15 @@ TEST(PointFollower, FollowsPointsOfTheInstrumentAsTheyAre) {
   Sample sample;
   for (int i = 0; i < 9; ++i) sample.coordinates[i] = i;
   const auto status = [&sample](int point) {
-    return PointFollower(FollowedPoint{point, {}}).follow(sample).status;
+    return PointFollower<double>(FollowedPoint{point, {}}).follow(sample).status;
   };
   EXPECT_EQ(status(1), PoseStatus::unavailable) << "one axis is no point";
   sample.kind = SampleKind::one_point;
   EXPECT_EQ(status(1), PoseStatus::ok);
   EXPECT_EQ(status(2), PoseStatus::unavailable);
   sample.kind = SampleKind::three_points;
-  EXPECT_EQ(PointFollower(FollowedPoint{3, {}}).follow(sample).position_m, Vector3d(6, 7, 8))
+  EXPECT_EQ(PointFollower<double>(FollowedPoint{3, {}}).follow(sample).position_m,
+            Vector3d(6, 7, 8))
       << "a line of points makes no body, and needs none";
   EXPECT_EQ(status(0), PoseStatus::unavailable);
   EXPECT_EQ(status(4), PoseStatus::unavailable);
@@ -276,11 +281,11 @@ TEST(PointFollower, FollowsPointsOfTheInstrumentAsTheyAre) {
   EXPECT_EQ(status(3), PoseStatus::missing);
   sample.kind = SampleKind::pose;
   sample.position_valid = true;
-  EXPECT_EQ(PointFollower(FollowedPoint{}).follow(sample).position_m, Vector3d(0, 1, 2));
+  EXPECT_EQ(PointFollower<double>(FollowedPoint{}).follow(sample).position_m, Vector3d(0, 1, 2));
 }
 
 TEST(PointFollower, FollowsAPointOfTheJawThroughAPose) {
-  PointFollower follower(FollowedPoint{1, Vector3d(0.1, 0, 0)});
+  PointFollower<double> follower(FollowedPoint{1, Vector3d(0.1, 0, 0)});
   Sample sample;
   EXPECT_EQ(follower.follow(sample).status, PoseStatus::unavailable);
   sample.kind = SampleKind::one_point;
@@ -295,22 +300,22 @@ TEST(PointFollower, FollowsAPointOfTheJawThroughAPose) {
 }
 
 // Lets `follower` learn the usual fork's shape, seen in various poses.
-void settle(PointFollower& follower) {
-  for (int i = 0; i < BodyShape::kSamples; ++i) {
-    const Pose pose{Matrix3d::Identity(), Vector3d(0, 0, 1e-3 * i)};
+void settle(PointFollower<double>& follower) {
+  for (int i = 0; i < BodyShape<double>::kSamples; ++i) {
+    const Pose<double> pose{Matrix3d::Identity(), Vector3d(0, 0, 1e-3 * i)};
     follower.follow(sample_of(moved(pose, usual_fork())));
   }
 }
 
 RC_GTEST_PROP(PointFollower, FollowsAPointOfTheJawThroughThreePoints, ()) {
   const Vector3d condyle = vector_within(0.15);
-  PointFollower learning(FollowedPoint{1, condyle});
-  PointFollower knowing(FollowedPoint{1, condyle}, RigidBody(usual_fork()));
+  PointFollower<double> learning(FollowedPoint{1, condyle});
+  PointFollower<double> knowing(FollowedPoint{1, condyle}, RigidBody<double>(usual_fork()));
   settle(learning);
   for (int i = 0; i < 3; ++i) {
-    const Pose pose = any_pose();
+    const Pose<double> pose = any_pose();
     const Sample sample = sample_of(moved(pose, usual_fork()));
-    for (PointFollower* follower : {&learning, &knowing}) {
+    for (PointFollower<double>* follower : {&learning, &knowing}) {
       const FollowedPosition found = follower->follow(sample);
       RC_ASSERT(found.status == PoseStatus::ok);
       RC_ASSERT((found.position_m - point_of(pose, condyle)).norm() <= 1e-12);
@@ -322,7 +327,7 @@ TEST(PointFollower, TakesTheRealBiteForkForARigidBody) {
   const auto samples = testing_support::zebris_samples();
   if (samples.empty()) GTEST_SKIP() << "set CONDYLE_REFERENCE_DATA to the folder of reference data";
   ASSERT_EQ(samples.size(), 634U);
-  PointFollower follower(FollowedPoint{1, Vector3d(0, 0, 0)});
+  PointFollower<double> follower(FollowedPoint{1, Vector3d(0, 0, 0)});
   double largest_m = 0;
   int unsettled = 0;
   for (const Sample& sample : samples) {
@@ -333,7 +338,7 @@ TEST(PointFollower, TakesTheRealBiteForkForARigidBody) {
     }
     ASSERT_EQ(found.status, PoseStatus::ok);
     largest_m = std::max(largest_m, found.residual_rms_m);
-    EXPECT_LE((found.position_m - points_of(sample).col(0)).norm(), 1e-5);
+    EXPECT_LE((found.position_m - points_of<double>(sample).col(0)).norm(), 1e-5);
   }
   EXPECT_LT(largest_m, 1e-5) << "also within the glitches";
   EXPECT_LT(unsettled, 30) << "of which repeats count once";

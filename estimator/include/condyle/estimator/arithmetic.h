@@ -23,6 +23,10 @@ namespace condyle {
 template <class Scalar>
 using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
 
+/// 3 x 3.
+template <class Scalar>
+using Matrix3 = Eigen::Matrix<Scalar, 3, 3>;
+
 /// Array of `n`; an int, as its indices are.
 template <class T, int n>
 using Array = T[static_cast<std::size_t>(n)];

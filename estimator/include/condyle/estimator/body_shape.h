@@ -28,17 +28,18 @@ namespace condyle {
 inline constexpr double kSmallestTolerance_m = 1e-4;
 
 /// See the model above. Fixed size.
+template <class Scalar>
 class BodyShape {
  public:
   /// Samples that are looked at, and how many of them must agree.
   static constexpr int kSamples = 15, kAgreeing = 12;
 
   /// `largest_tolerance_m`: residual beyond which no sample fits.
-  explicit BodyShape(double largest_tolerance_m) : largest_tolerance_m_(largest_tolerance_m) {}
+  explicit BodyShape(Scalar largest_tolerance_m) : largest_tolerance_m_(largest_tolerance_m) {}
 
   /// Takes a sample's points, finite, one a column (m). Points that repeat the last ones bit for
   /// bit say nothing new and do not count.
-  void add(const Eigen::Matrix3d& points_m) {
+  void add(const Matrix3<Scalar>& points_m) {
     if (count_ > 0 && points_m == last_m_) return;
     last_m_ = points_m;
     distances_m_.col(next_) = distances_of(points_m);
@@ -52,40 +53,41 @@ class BodyShape {
   /// True where they agree: only then does what follows hold.
   bool is_settled() const { return is_settled_; }
   /// The body, in the jaw frame.
-  RigidBody body() const { return RigidBody::from_distances(median_m_); }
+  RigidBody<Scalar> body() const { return RigidBody<Scalar>::from_distances(median_m_); }
   /// Residual beyond which a sample does not fit (m).
-  double tolerance_m() const { return tolerance_m_; }
+  Scalar tolerance_m() const { return tolerance_m_; }
 
  private:
   // The middle one of an odd number of values, which lose their order.
   template <class Values>
-  static double median(Values& values) {
-    double* const middle = values.data() + values.size() / 2;
+  static Scalar median(Values& values) {
+    Scalar* const middle = values.data() + values.size() / 2;
     std::nth_element(values.data(), middle, values.data() + values.size());
     return *middle;
   }
 
   void judge() {
     for (int k = 0; k < 3; ++k) {
-      Eigen::Matrix<double, kSamples, 1> row_m = distances_m_.row(k);
+      Eigen::Matrix<Scalar, kSamples, 1> row_m = distances_m_.row(k);
       median_m_[k] = median(row_m);
     }
-    Eigen::Matrix<double, 3, kSamples> deviations_m = distances_m_.colwise() - median_m_;
-    const Eigen::Matrix<double, kSamples, 1> misfits_m =
-        deviations_m.colwise().norm() / std::sqrt(6.0);
+    Eigen::Matrix<Scalar, 3, kSamples> deviations_m = distances_m_.colwise() - median_m_;
+    const Eigen::Matrix<Scalar, kSamples, 1> misfits_m =
+        deviations_m.colwise().norm() / std::sqrt(Scalar(6));
     deviations_m = deviations_m.cwiseAbs().eval();
-    const double spread_m = 1.4826 * median(deviations_m) / std::sqrt(2.0);
-    tolerance_m_ = std::min(std::max(6 * spread_m, kSmallestTolerance_m), largest_tolerance_m_);
+    const Scalar spread_m = Scalar(1.4826) * median(deviations_m) / std::sqrt(Scalar(2));
+    tolerance_m_ =
+        std::min(std::max(6 * spread_m, Scalar(kSmallestTolerance_m)), largest_tolerance_m_);
     is_settled_ = (misfits_m.array() <= tolerance_m_).count() >= kAgreeing &&
                   3 * spread_m <= largest_tolerance_m_ && body().status() == PoseStatus::ok;
   }
 
-  double largest_tolerance_m_;
-  Eigen::Matrix<double, 3, kSamples> distances_m_;  // a sample a column, in turn
+  Scalar largest_tolerance_m_;
+  Eigen::Matrix<Scalar, 3, kSamples> distances_m_;  // a sample a column, in turn
   int next_ = 0, count_ = 0;
-  Eigen::Matrix3d last_m_ = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d median_m_ = Eigen::Vector3d::Zero();
-  double tolerance_m_ = 0;
+  Matrix3<Scalar> last_m_ = Matrix3<Scalar>::Zero();
+  Vector3<Scalar> median_m_ = Vector3<Scalar>::Zero();
+  Scalar tolerance_m_ = 0;
   bool is_settled_ = false;
 };
 

@@ -31,8 +31,7 @@
 //              through a and p, which a pure sinusoid makes proportional.
 #pragma once
 
-#include <Eigen/Eigenvalues>
-
+#include "condyle/estimator/eigen_solvers.h"
 #include "condyle/estimator/innovation_monitor.h"
 #include "condyle/estimator/joint_estimate.h"
 #include "condyle/estimator/joint_parameters.h"
@@ -259,8 +258,7 @@ class JointConclusion {
         if (scale > Scalar(0)) scaled(i, j) = C_(i, j) / scale;
       }
     }
-    const Eigen::SelfAdjointEigenSolver<Table> solver(scaled, Eigen::EigenvaluesOnly);
-    return information_share(solver.eigenvalues().maxCoeff(), Scalar(1));
+    return information_share(largest_eigenvalue(scaled), Scalar(1));
   }
 
   const JointParameters& parameters_;

@@ -20,13 +20,12 @@
 //   (43)        mass column at order 2 over m^4. Right: over m^2 (2 kv a / m^2 for constant u).
 #pragma once
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <limits>
 #include <utility>
 
 #include "condyle/estimator/arithmetic.h"
 #include "condyle/estimator/dual.h"
+#include "condyle/estimator/eigen_solvers.h"
 #include "condyle/estimator/tracked.h"
 
 namespace condyle {
@@ -275,11 +274,11 @@ Observability<Scalar> judge_observability(const ObservabilityMatrix<Scalar, rows
     }
   }
   const Scalar noise = few_epsilon * rounding.norm();
-  const auto scaled_values = Eigen::JacobiSVD<decltype(scaled)>(scaled).singularValues();
+  const auto scaled_values = singular_values(scaled);
   int rank = 0;
   while (rank < n && scaled_values[rank] > noise) ++rank;
   if (rank < n) return {n, rank, 0, infinity};
-  const auto values = Eigen::JacobiSVD<decltype(scaled)>(matrix.O).singularValues();
+  const auto values = singular_values(matrix.O);
   return {n, rank, values[n - 1], values[0] / values[n - 1]};
 }
 

@@ -49,8 +49,9 @@ constexpr bool is_available(SampleKind kind, const FollowedPoint& followed) {
 }
 
 /// Points 1, 2, 3 of a sample of kind three_points, one a column (m).
-inline Eigen::Matrix3d points_of(const Sample& sample) {
-  return Eigen::Map<const Eigen::Matrix3d>(sample.coordinates);
+template <class Scalar>
+Matrix3<Scalar> points_of(const Sample& sample) {
+  return Eigen::Map<const Eigen::Matrix3d>(sample.coordinates).template cast<Scalar>();
 }
 
 /// Where the followed point is.
@@ -64,18 +65,19 @@ struct FollowedPosition {
 };
 
 /// Takes samples, gives the followed point's position. It remembers the body's shape, nothing else.
+template <class Scalar>
 class PointFollower {
  public:
   /// Learns the body's shape. `largest_tolerance_m`: residual beyond which a sample is not_rigid,
   /// however noisy the points are.
   explicit PointFollower(const FollowedPoint& followed,
-                         double largest_tolerance_m = kRigidTolerance_m)
+                         Scalar largest_tolerance_m = Scalar(kRigidTolerance_m))
       : followed_(followed), shape_(largest_tolerance_m) {}
 
   /// Follows a point of the known `body`. `tolerance_m`: residual beyond which a sample is
   /// not_rigid.
-  PointFollower(const FollowedPoint& followed, const RigidBody& body,
-                double tolerance_m = kRigidTolerance_m)
+  PointFollower(const FollowedPoint& followed, const RigidBody<Scalar>& body,
+                Scalar tolerance_m = Scalar(kRigidTolerance_m))
       : followed_(followed), shape_(tolerance_m), tolerance_m_(tolerance_m), body_(body) {}
 
   /// The followed point in `sample`, or why it is not there; see PoseStatus.
@@ -83,19 +85,22 @@ class PointFollower {
     if (!is_available(sample.kind, followed_)) return {.status = PoseStatus::unavailable};
     if (!sample.position_valid) return {.status = PoseStatus::missing};
     if (!followed_.body_point_m) return instrument_point(sample);
-    const PoseFit fit = pose_of(sample);
+    const PoseFit<Scalar> fit = pose_of(sample);
     if (fit.status != PoseStatus::ok) {
       return {.residual_rms_m = fit.residual_rms_m, .status = fit.status};
     }
-    const Eigen::Vector3d position_m = point_of(fit.pose, *followed_.body_point_m);
-    const Eigen::Vector3d best_m = sample.kind == SampleKind::pose
-                                       ? fit.pose.translation
-                                       : Eigen::Vector3d(points_of(sample).rowwise().mean());
-    return {position_m, position_m - best_m, fit.residual_rms_m, PoseStatus::ok};
+    const Vector3<Scalar> position_m =
+        point_of(fit.pose, followed_.body_point_m->template cast<Scalar>());
+    const Vector3<Scalar> best_m =
+        sample.kind == SampleKind::pose
+            ? fit.pose.translation
+            : Vector3<Scalar>(points_of<Scalar>(sample).rowwise().mean());
+    return {position_m.template cast<double>(), (position_m - best_m).template cast<double>(),
+            fit.residual_rms_m, PoseStatus::ok};
   }
 
   /// The body whose points the samples hold; none until its shape is settled.
-  const std::optional<RigidBody>& body() const { return body_; }
+  const std::optional<RigidBody<Scalar>>& body() const { return body_; }
 
  private:
   FollowedPosition instrument_point(const Sample& sample) const {
@@ -107,19 +112,20 @@ class PointFollower {
     return result;
   }
 
-  PoseFit pose_of(const Sample& sample) {
-    const double* c = sample.coordinates;
+  PoseFit<Scalar> pose_of(const Sample& sample) {
     if (sample.kind == SampleKind::pose) {
-      return pose_from_quaternion({c[0], c[1], c[2]}, {c[3], c[4], c[5], c[6]});
+      const Eigen::Map<const Eigen::Matrix<double, 7, 1>> values(sample.coordinates);
+      return pose_from_quaternion<Scalar>(values.template head<3>().template cast<Scalar>(),
+                                          values.template tail<4>().template cast<Scalar>());
     }
-    const PoseFit fit = pose_of_points(points_of(sample));
+    const PoseFit<Scalar> fit = pose_of_points(points_of<Scalar>(sample));
     if (followed_.fits != nullptr) count(fit, *followed_.fits);
     return fit;
   }
 
-  PoseFit pose_of_points(const Eigen::Matrix3d& points_m) {
+  PoseFit<Scalar> pose_of_points(const Matrix3<Scalar>& points_m) {
     if (body_) return body_->fit(points_m, tolerance_m_);
-    const PoseStatus status = RigidBody(points_m).status();
+    const PoseStatus status = RigidBody<Scalar>(points_m).status();
     if (status != PoseStatus::ok) return {.status = status};
     shape_.add(points_m);
     if (!shape_.has_seen_enough()) return {.status = PoseStatus::unsettled};
@@ -129,20 +135,21 @@ class PointFollower {
     return body_->fit(points_m, tolerance_m_);
   }
 
-  void count(const PoseFit& fit, BodyFits& fits) const {
+  void count(const PoseFit<Scalar>& fit, BodyFits& fits) const {
     fits.fitted += fit.status == PoseStatus::ok ? 1U : 0U;
     fits.unsettled += fit.status == PoseStatus::unsettled ? 1U : 0U;
     fits.degenerate += fit.status == PoseStatus::degenerate ? 1U : 0U;
     fits.not_rigid += fit.status == PoseStatus::not_rigid ? 1U : 0U;
     if (fit.status != PoseStatus::ok) return;
-    fits.residual_square_sum_m2 += fit.residual_rms_m * fit.residual_rms_m;
+    const double residual_rms_m = fit.residual_rms_m;
+    fits.residual_square_sum_m2 += residual_rms_m * residual_rms_m;
     fits.tolerance_m = tolerance_m_;
   }
 
   FollowedPoint followed_;
-  BodyShape shape_;
-  double tolerance_m_ = 0;
-  std::optional<RigidBody> body_;
+  BodyShape<Scalar> shape_;
+  Scalar tolerance_m_ = 0;
+  std::optional<RigidBody<Scalar>> body_;
 };
 
 }  // namespace condyle

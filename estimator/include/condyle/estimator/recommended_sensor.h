@@ -96,7 +96,7 @@ class RecommendedSensor {
   }
 
   NoiseParameters noise_;
-  PointFollower follower_;
+  PointFollower<double> follower_;
   FrozenDetector frozen_;
   bool has_noise_ = false;
   Measurement last_;     // before it was looked at for a freeze

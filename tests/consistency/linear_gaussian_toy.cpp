@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "evaluation/linear_gaussian_toy.h"
+#include "consistency/linear_gaussian_toy.h"
 
 #include <Eigen/Cholesky>
 #include <cmath>
