@@ -142,6 +142,15 @@ TEST(ReportDescriptor, ReadsMaximaAsUnsignedWhereMinimaAreNot) {
   EXPECT_EQ(descriptor.reports.at(0).fields.at(0).physical_maximum, 255);  // none given: as logical
 }
 
+TEST(ReportDescriptor, AFieldWithoutSizeOrCountHasNoBits) {
+  const auto without_count =
+      decoded(DescriptorBytes().begin().logical(0, 1).item(0x74, 8, 1).input().end());
+  EXPECT_EQ(without_count.reports.at(0).size_bits, 0U);
+  const auto without_size =
+      decoded(DescriptorBytes().begin().logical(0, 1).item(0x94, 2, 1).input().end());
+  EXPECT_EQ(without_size.reports.at(0).size_bits, 0U);
+}
+
 TEST(ReportDescriptor, RestoresTheGlobalStateOnPop) {
   const auto descriptor = decoded(DescriptorBytes()
                                       .usage_page(1)
