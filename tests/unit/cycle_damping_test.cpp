@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -176,6 +177,64 @@ TEST(CycleDamping, CyclesThatTellTooLittleDoNotCount) {
   for (const auto& cycle : cycles_of(hasty, chewing, 30)) {
     EXPECT_EQ(cycle.outcome, CycleOutcome::irregular);
   }
+}
+
+// The share of a cycle's positions that are missing decides, to the position.
+TEST(CycleDamping, CountsTheMissingPositionsOfEachCycle) {
+  CycleParameters parameters;
+  parameters.share_not_taken = 0.05;
+  DrivenChewing chewing({}, 60, 9);
+  testing_support::Random random(9);
+  CycleDamping<double> stage(kBaseline, matched(), parameters);
+  std::vector<bool> is_missing;
+  int at_the_limit = 0;
+  for (int i = 0; i < 12000; ++i) {
+    DrivenSample sample = chewing.next();
+    is_missing.push_back(random.uniform() < 0.05);
+    if (is_missing.back()) sample.position_m = kNone;
+    const auto report = take(stage, sample, 1.0 / 60);
+    if (report.outcome == CycleOutcome::none) continue;
+    const auto samples = std::lround(report.duration_s * 60);
+    const auto missing = std::count(is_missing.end() - samples, is_missing.end(), true);
+    const bool is_incomplete = static_cast<double>(missing) > 0.05 * static_cast<double>(samples);
+    EXPECT_EQ(report.outcome == CycleOutcome::incomplete, is_incomplete) << i;
+    at_the_limit +=
+        is_incomplete && static_cast<double>(missing) <= 0.05 * static_cast<double>(samples + 1)
+            ? 1
+            : 0;
+  }
+  EXPECT_GT(at_the_limit, 0);
+}
+
+// Ten in a row, from the first one on and after some that were right.
+TEST(CycleDamping, SaysAfterTenWrongPositionsThatThePointIsLost) {
+  auto stage = stage_at<double>(kBaseline);
+  for (const int right : {1, 5}) {
+    for (int i = 0; i < right; ++i)
+      EXPECT_EQ(stage.step(0.01, 0, 0, 5e-5).outcome, CycleOutcome::none);
+    for (int wrong = 1; wrong <= 10; ++wrong) {
+      const auto report = stage.step(0.01, 0, 1, 5e-5);
+      EXPECT_EQ(report.outcome, wrong < 10 ? CycleOutcome::none : CycleOutcome::lost) << wrong;
+    }
+  }
+}
+
+// The default says how well a cycle is known that counts: to 0.25 Ns/m, whatever the noise.
+TEST(CycleDamping, ByDefaultNoCycleThatCountsIsFarOff) {
+  int counted = 0, uncertain = 0;
+  for (const double noise_N : {0.03, 0.1, 0.15}) {
+    JointParameters joint = matched();
+    joint.drive.noise_sd_N = noise_N;
+    CycleDamping<double> stage(kBaseline, joint, {});
+    DrivenChewing chewing({}, 60, 10);
+    for (const auto& cycle : cycles_of(stage, chewing, 30)) {
+      counted += cycle.outcome == CycleOutcome::counted ? 1 : 0;
+      uncertain += cycle.outcome == CycleOutcome::uncertain ? 1 : 0;
+      if (cycle.outcome == CycleOutcome::counted) EXPECT_LT(cycle.standard_deviation, 0.255);
+    }
+  }
+  EXPECT_GT(counted, 40);
+  EXPECT_GT(uncertain, 20);
 }
 
 // Whatever comes, a cycle that counts has a finite value, and what comes later counts again.
