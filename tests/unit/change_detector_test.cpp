@@ -111,6 +111,16 @@ TEST(ChangeDetector, ThresholdFollowsTheInterval) {
   }
 }
 
+// One false alarm in 37440 cycles, however small the change that is looked for.
+TEST(ChangeDetector, HardlyEverAlarmsFalselyWhateverMatters) {
+  for (const double change_Ns_m : {1e-9, 1e-4, 1e-2, 1.0, 1e6}) {
+    ChangeDetector<double> detector({.change_Ns_m = change_Ns_m});
+    testing_support::Random random(7);
+    add_cycles(detector, random, 1000, 0.022);
+    EXPECT_EQ(detector.state(), ChangeState::watching) << change_Ns_m;
+  }
+}
+
 TEST(ChangeDetector, CyclesThatAreAllTheSameAreNoAlarm) {
   ChangeDetector<float> detector({});
   for (int i = 0; i < 1000; ++i) EXPECT_FALSE((detector.add(0.022F, 0.035F), detector.is_alarm()));

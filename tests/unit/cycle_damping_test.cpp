@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -50,6 +51,21 @@ std::vector<CycleReport<Scalar>> cycles_of(CycleDamping<Scalar>& stage, DrivenCh
   return cycles;
 }
 
+// A point of the baseline's properties, with noise.
+DrivenSample measured(double p, double v, double a, testing_support::Random& random) {
+  const double drive_N = 0.25 * a + 0.022 * v + 20 * p - 0.2;
+  return {p + 5e-5 * random.normal(), drive_N + 0.01 * random.normal()};
+}
+
+// The same at `t`, in cycles of two harmonics.
+DrivenSample of_two_harmonics(double t, double cycle_Hz, testing_support::Random& random) {
+  constexpr double A = 0.0075;
+  const double w = 2 * std::numbers::pi * cycle_Hz, x = w * t;
+  return measured(A * (0.8 - std::cos(x) + 0.2 * std::cos(2 * x)),
+                  A * w * (std::sin(x) - 0.4 * std::sin(2 * x)),
+                  A * w * w * (std::cos(x) - 0.8 * std::cos(2 * x)), random);
+}
+
 // Cycles of two harmonics; after each, the point stands still, longer every time. What it stands
 // for is no part of them.
 TEST(CycleDamping, CountsEveryCycleAndNoPause) {
@@ -58,12 +74,10 @@ TEST(CycleDamping, CountsEveryCycleAndNoPause) {
     for (const double cycle_Hz : {0.65, 0.9, 1.3, 1.6}) {
       for (const double pause_s : {0.0, 0.1}) {
         auto stage = stage_at<double>(kBaseline);
-        const double T = 1 / rate_Hz, w = 2 * std::numbers::pi * cycle_Hz, A = 0.0075;
+        const double T = 1 / rate_Hz;
         int ends = 0, counted = 0;
-        const auto add = [&](double p, double v, double a) {
-          const double drive_N = 0.25 * a + 0.022 * v + 20 * p - 0.2;
-          const auto report =
-              take(stage, {p + 5e-5 * random.normal(), drive_N + 0.01 * random.normal()}, T);
+        const auto add = [&](const DrivenSample& sample) {
+          const auto report = take(stage, sample, T);
           if (report.outcome == CycleOutcome::none) return;
           ++ends;
           counted += report.outcome == CycleOutcome::counted ? 1 : 0;
@@ -71,13 +85,8 @@ TEST(CycleDamping, CountsEveryCycleAndNoPause) {
           EXPECT_LT(report.duration_s, 1 / cycle_Hz + 0.5);
         };
         for (int cycle = 0; cycle < 40; ++cycle) {
-          for (double t = 0; t < 1 / cycle_Hz; t += T) {
-            const double x = w * t;
-            add(A * (0.8 - std::cos(x) + 0.2 * std::cos(2 * x)),
-                A * w * (std::sin(x) - 0.4 * std::sin(2 * x)),
-                A * w * w * (std::cos(x) - 0.8 * std::cos(2 * x)));
-          }
-          for (double t = 0; t < pause_s * cycle; t += T) add(0, 0, 0);
+          for (double t = 0; t < 1 / cycle_Hz; t += T) add(of_two_harmonics(t, cycle_Hz, random));
+          for (double t = 0; t < pause_s * cycle; t += T) add(measured(0, 0, 0, random));
         }
         EXPECT_NEAR(ends, 39, 1) << rate_Hz << ' ' << cycle_Hz << ' ' << pause_s;
         EXPECT_EQ(counted, ends) << rate_Hz << ' ' << cycle_Hz << ' ' << pause_s;
@@ -175,6 +184,63 @@ TEST(CycleDamping, CyclesThatTellTooLittleDoNotCount) {
   CycleDamping<double> hasty(kBaseline, matched(), slow);
   for (const auto& cycle : cycles_of(hasty, chewing, 30)) {
     EXPECT_EQ(cycle.outcome, CycleOutcome::irregular);
+  }
+}
+
+// The share of a cycle's positions that are missing decides, to the position.
+TEST(CycleDamping, CountsTheMissingPositionsOfEachCycle) {
+  CycleParameters parameters;
+  parameters.share_not_taken = 0.05;
+  DrivenChewing chewing({}, 60, 9);
+  testing_support::Random random(9);
+  CycleDamping<double> stage(kBaseline, matched(), parameters);
+  std::vector<bool> is_missing;
+  int at_the_limit = 0;
+  for (int i = 0; i < 12000; ++i) {
+    DrivenSample sample = chewing.next();
+    is_missing.push_back(random.uniform() < 0.05);
+    if (is_missing.back()) sample.position_m = kNone;
+    const auto report = take(stage, sample, 1.0 / 60);
+    if (report.outcome == CycleOutcome::none) continue;
+    const auto samples = std::lround(report.duration_s * 60);
+    const auto missing = std::count(is_missing.end() - samples, is_missing.end(), true);
+    const bool is_incomplete = static_cast<double>(missing) > 0.05 * static_cast<double>(samples);
+    EXPECT_EQ(report.outcome == CycleOutcome::incomplete, is_incomplete) << i;
+    at_the_limit +=
+        is_incomplete && static_cast<double>(missing) <= 0.05 * static_cast<double>(samples + 1)
+            ? 1
+            : 0;
+  }
+  EXPECT_GT(at_the_limit, 0);
+}
+
+// Ten in a row, from the first one on and after some that were right.
+TEST(CycleDamping, SaysAfterTenWrongPositionsThatThePointIsLost) {
+  auto stage = stage_at<double>(kBaseline);
+  for (const int right : {1, 5}) {
+    for (int i = 0; i < right; ++i) {
+      EXPECT_EQ(stage.step(0.01, 0, 0, 5e-5).outcome, CycleOutcome::none);
+    }
+    for (int wrong = 1; wrong <= 10; ++wrong) {
+      const auto report = stage.step(0.01, 0, 1, 5e-5);
+      EXPECT_EQ(report.outcome, wrong < 10 ? CycleOutcome::none : CycleOutcome::lost) << wrong;
+    }
+  }
+}
+
+// By default a cycle takes a quarter of a second at least.
+TEST(CycleDamping, TakesThreeCyclesASecondForChewingAndFiveNot) {
+  testing_support::Random random(11);
+  for (const double cycle_Hz : {3.0, 5.0}) {
+    auto stage = stage_at<double>(kBaseline);
+    int ends = 0;
+    for (double t = 0; t < 20; t += 0.005) {
+      const auto report = take(stage, of_two_harmonics(t, cycle_Hz, random), 0.005);
+      if (report.outcome == CycleOutcome::none) continue;
+      ++ends;
+      EXPECT_EQ(report.outcome, cycle_Hz < 4 ? CycleOutcome::counted : CycleOutcome::irregular);
+    }
+    EXPECT_NEAR(ends, 20 * cycle_Hz, 2);
   }
 }
 

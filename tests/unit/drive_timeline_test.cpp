@@ -134,6 +134,38 @@ TEST_F(Timeline, KeepsWhatItKnowsThroughAGap) {
   EXPECT_EQ(after.position_m, position_at(400 * kStep_ns));
 }
 
+// The longest gap is one that is bridged.
+TEST_F(Timeline, BridgesTheLongestGap) {
+  const TimeNs longest_ns = nanoseconds(parameters_.drive.longest_gap_s);
+  DriveTimeline<double> timeline(parameters_);
+  timeline.add_drive(0, 0.1);
+  timeline.add_drive(longest_ns, 0.1);
+  EXPECT_EQ(timeline.counts().drive_gaps, 0U);
+  timeline.add_drive(2 * longest_ns + 1, 0.1);
+  EXPECT_EQ(timeline.counts().drive_gaps, 1U);
+}
+
+// A drive that does not change needs no correction for a curve, before a gap either.
+TEST_F(Timeline, HoldsAConstantDriveAsItIs) {
+  DriveTimeline<double> timeline(parameters_);
+  JointIdentification<double> stage(parameters_);
+  constexpr double kDrive_N = 0.1;
+  for (int i = 0; i < 60; ++i) {
+    const int after_gap = i < 30 ? 0 : 100;
+    const double position_m = 1e-3 * i * i;
+    timeline.add_drive((i + after_gap) * kStep_ns, kDrive_N);
+    timeline.add_position((i + after_gap) * kStep_ns, position_m, kSd_m);
+    if (i == 30) stage.interrupt();
+    (void)stage.step(seconds(kStep_ns), kDrive_N, position_m, kSd_m);
+  }
+  timeline.add_drive(160 * kStep_ns, kDrive_N);
+  EXPECT_EQ(timeline.counts().drive_gaps, 1U);
+  const auto actual = timeline.estimate(), expected = stage.estimate();
+  EXPECT_NEAR(actual.mass_kg.fitted, expected.mass_kg.fitted, 1e-10);
+  EXPECT_NEAR(actual.friction_Ns_m.fitted, expected.friction_Ns_m.fitted, 1e-10);
+  EXPECT_NEAR(actual.position_m, expected.position_m, 1e-12);
+}
+
 TEST_F(Timeline, OutlastsExtremeTimes) {
   DriveTimeline<double> timeline(parameters_);
   for (const TimeNs t : {std::numeric_limits<TimeNs>::min(), std::numeric_limits<TimeNs>::max(),

@@ -171,6 +171,29 @@ TEST(EmgIdentification, StartsAnewRatherThanGiveNonsense) {
   EXPECT_GT(stage.estimate().restarts, 0U);
 }
 
+// Of a still point neither its place nor its stiffness is known: p = p0 (1 - kappa T^2 / 2) and
+// v = -kappa T p0 vary by the products of two unknowns, which no linear part shows.
+TEST(EmgIdentification, CountsWhatTwoUnknownsDoTogether) {
+  constexpr double kT_s = 0.1, kKappa_sd = 50, kPlace_sd_m = 1e-3, kMeasured_m = 1.5e-3;
+  EmgParameters parameters;
+  parameters.mass_kg = {kMass_kg, 0};
+  parameters.friction_Ns_m = parameters.offset_N = {0, 1e-9};
+  parameters.gain = {1, 1e-9};
+  parameters.stiffness_N_m = {0, kKappa_sd * kMass_kg};
+  parameters.velocity_sd_m_s = 1e-6;
+  EmgIdentification<double> stage(parameters, 1);
+  stage.drive(kT_s, {});
+  ASSERT_EQ(stage.measure(1, 0, kPlace_sd_m), EmgOutcome::started);
+  stage.drive(kT_s, {});
+  ASSERT_EQ(stage.measure(1, kMeasured_m, 1e-7), EmgOutcome::updated);
+  const double half = kKappa_sd * kT_s * kT_s / 2;  // sd of kappa T^2 / 2
+  const double variance = (1 + half * half) * kPlace_sd_m * kPlace_sd_m;
+  EXPECT_NEAR(stage.estimate().nis * variance / (kMeasured_m * kMeasured_m), 1, 0.01);
+  const double of_both = 2 * half * half / kT_s * kPlace_sd_m * kPlace_sd_m;  // of p and v
+  const double velocity_m_s = of_both / variance * kMeasured_m;
+  EXPECT_NEAR(stage.estimate().velocity_m_s, velocity_m_s, 0.01 * velocity_m_s);
+}
+
 TEST(EmgIdentification, KeepsWhatItKnowsThroughAnInterruption) {
   EmgParameters parameters = known_mass();
   parameters.error_share = 0.02;

@@ -96,6 +96,44 @@ TEST(HeadMotion, MusclesWidenByTheirShare) {
       expected, 1e-9);
 }
 
+// What an interval is widened by is what an accelerometer that is late by a standard deviation does
+// to the value.
+TEST(HeadMotion, ADelayWidensByWhatItDoes) {
+  constexpr double kLate_s = 0.005;
+  const auto of_a_head = [](double delay_s, double said_delay_sd_s, double noise_m_s2) {
+    HeadMotionTruth truth;
+    truth.delay_s = delay_s;
+    truth.acceleration_sd_m_s2 = noise_m_s2;
+    HeadMotionParameters parameters = relaxed();
+    parameters.delay_sd_s = said_delay_sd_s;
+    parameters.gain_sd = 0.3;
+    parameters.acceleration_noise_sd_m_s2 = noise_m_s2;
+    NoddingHead head(truth, 60, 1);
+    HeadMotionIdentification<double> stage(parameters);
+    for (int i = 0; i < 1800; ++i) {
+      const auto sample = head.next();
+      stage.accelerate(1.0 / 60, sample.acceleration_m_s2);
+      stage.measure(1, sample.position_m, 5e-5);
+    }
+    return stage.estimate();
+  };
+  for (const double noise_m_s2 : {0.05, 0.5}) {
+    const auto punctual = of_a_head(0, kLate_s, noise_m_s2);
+    const auto late = of_a_head(kLate_s, 0, noise_m_s2);
+    const auto widened_by = [](const IdentifiedValue<double>& value) {
+      return std::sqrt(value.fitted_sd * value.fitted_sd - value.filter_sd * value.filter_sd);
+    };
+    const double damping = late.damping_rate_per_s.fitted - punctual.damping_rate_per_s.fitted;
+    const double stiffness =
+        late.stiffness_per_mass_per_s2.fitted - punctual.stiffness_per_mass_per_s2.fitted;
+    EXPECT_NEAR(widened_by(punctual.damping_rate_per_s), std::abs(damping), 0.3 * std::abs(damping))
+        << noise_m_s2;
+    EXPECT_NEAR(widened_by(punctual.stiffness_per_mass_per_s2), std::abs(stiffness),
+                0.3 * std::abs(stiffness))
+        << noise_m_s2;
+  }
+}
+
 TEST(HeadMotion, FloatIsAsGood) {
   const auto in_double = identify<double>(relaxed(), 900);
   const auto in_float = identify<float>(relaxed(), 900);
@@ -118,6 +156,23 @@ TEST(HeadMotion, GoesOnAfterAGap) {
   const auto value = stage.estimate().damping_rate_per_s;
   EXPECT_EQ(value.limit, JointLimit::none);
   EXPECT_LT(std::abs(value.fitted - 8), 4 * value.fitted_sd);
+}
+
+// At the first acceleration after a gap nothing is known of how it changes.
+TEST(HeadMotion, TakesTwoPositionsOfOneInstant) {
+  NoddingHead head({}, 60, 1);
+  HeadMotionParameters parameters = relaxed();
+  parameters.delay_sd_s = 0.005;
+  HeadMotionIdentification<double> stage(parameters);
+  for (int i = 0; i < 600; ++i) {
+    const auto sample = head.next();
+    if (i == 300) stage.interrupt();
+    stage.accelerate(1.0 / 60, sample.acceleration_m_s2);
+    for (int k = 0; k < 2; ++k) stage.measure(1, sample.position_m, 5e-5);
+  }
+  const auto value = stage.estimate().damping_rate_per_s;
+  EXPECT_TRUE(std::isfinite(value.fitted_sd)) << value.fitted_sd;
+  EXPECT_GT(value.fitted_sd, value.filter_sd);
 }
 
 TEST(HeadMotion, ParametersAreChecked) {

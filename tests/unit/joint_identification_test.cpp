@@ -71,6 +71,28 @@ TEST(JointIdentification, TakesPositionsWhereTheyWereMeasured) {
   }
 }
 
+// At a constant speed all of the drive is friction: what the drive may miss of it, the friction may
+// be wrong by, however long it lasts.
+TEST(JointIdentification, FrictionMayBeWrongByTheShareThatTheDriveMisses) {
+  constexpr double kT_s = 0.01, kSpeed_m_s = 0.1, kFriction_Ns_m = 2, kShare = 0.1;
+  JointParameters parameters;
+  parameters.mass_kg = {0.25, 1e-3};
+  parameters.friction_Ns_m = {0, 10};
+  parameters.stiffness_N_m = {0, 1e-3};
+  parameters.offset_N = {0, 1e-3};
+  parameters.drive.gain_sd = parameters.drive.delay_sd_s = 0;
+  parameters.drive.missing_share = kShare;
+  JointIdentification<double> stage(parameters);
+  for (int i = 0; i < 800; ++i) {
+    (void)stage.step(kT_s, kFriction_Ns_m * kSpeed_m_s, kSpeed_m_s * kT_s * i, 1e-5);
+    if (i != 199 && i != 799) continue;
+    const auto friction = stage.estimate().friction_Ns_m;
+    EXPECT_NEAR(friction.fitted, kFriction_Ns_m, 0.05);
+    EXPECT_NEAR(friction.fitted_sd, kShare * kFriction_Ns_m, 0.02 * kShare * kFriction_Ns_m) << i;
+    EXPECT_LT(friction.filter_sd, 0.1 * friction.fitted_sd);
+  }
+}
+
 // A block that slides on dry ground: what brakes it is constant.
 TEST(JointIdentification, FindsTheCoulombFrictionOfASlidingBlock) {
   constexpr double kT_s = 0.002, kSpeed_m_s = 0.8, kMass_kg = 0.5, kCoulomb_N = 0.4;

@@ -112,6 +112,20 @@ RC_GTEST_PROP(Observability, FullSystemNeedsADriveThatIsNotProportionalToVelocit
   RC_ASSERT(rank_of(observability_matrix<FullSystem>(at)) == 4);
 }
 
+// Of two columns that differ by rounding, or by more; the second is what is left of terms a
+// thousand times as large. The unit of a state scales its column.
+TEST(Observability, RoundingCountsInAnyUnit) {
+  for (const double unit : {1e-9, 1.0, 1e9}) {
+    for (const double difference : {1e-13, 1e-9}) {
+      ObservabilityMatrix<double, 2, 2> matrix;
+      matrix.O << 1, unit, 1, unit * (1 + difference);
+      matrix.term_size << 1, 1000 * unit, 1, 1000 * unit;
+      EXPECT_EQ(judge_observability(matrix).rank, difference > 1e-10 ? 2 : 1)
+          << unit << ' ' << difference;
+    }
+  }
+}
+
 TEST(Observability, FiguresOfAKnownMatrix) {
   ObservabilityMatrix<double, 3, 3> matrix;
   matrix.O = Eigen::Vector3d(4, 2, 0.5).asDiagonal();

@@ -95,7 +95,8 @@ TEST(PassiveReleaseFit, DistrustsWhatTheModelDoesNotExplain) {
   const auto is_withheld = [](const PassiveRelease<double>& release) {
     return std::isnan(release.damping_rate_per_s.quantity.value) &&
            std::isnan(release.stiffness_per_mass_per_s2.quantity.value) &&
-           std::isinf(release.damping_rate_per_s.high95);
+           std::isinf(release.damping_rate_per_s.high95) &&
+           release.damping_rate_per_s.information == 0;
   };
   const auto stated_small = fit(clean, {.noise_sd_m = kNoise_m / 3});
   EXPECT_EQ(stated_small.residuals, ReleaseResiduals::larger);
