@@ -211,6 +211,8 @@ class Source:
 
     def _statement(self, i):
         tokens = self.tokens
+        while tokens[i].text == tokens[i + 1].text == "[":  # an attribute
+            i = tokens[i].partner + 1
         text = tokens[i].text
         if text == "{":
             return self._block(i)
