@@ -27,7 +27,7 @@ struct EmgParameters {
   double error_time_s = 0.2;     ///< time over which that error stays alike (s)
   double lag_s = 0;              ///< of the force behind its EMG, beyond the activation's own (s)
   double lag_sd_s = 0.03;        ///< uncertainty of that (s)
-  double longest_gap_s = 0.05;   ///< of the EMG, from which on it is not known between (s)
+  double longest_gap_s = 0.05;   ///< of the EMG, beyond which it is not known between (s)
   double velocity_sd_m_s = 0.1;  ///< of the velocity before the first sample (m/s)
   double gate_sd = 6;            ///< deviation from which on a position is not taken (sd)
   /// The smallest differences that matter to the user; a value is shown as derived where its

@@ -27,7 +27,7 @@ struct DriveParameters {
   /// Share of the total force that it may miss, 0 to 1. 1, the default: nobody knows, so that
   /// nothing that needs the total drive is called measured.
   double missing_share = 1;
-  double longest_gap_s = 0.05;  ///< between its samples, from which on it is not known between (s)
+  double longest_gap_s = 0.05;  ///< between its samples, beyond which it is not known between (s)
   /// False: it was computed from the position itself, so that it tells nothing of the point.
   bool is_measured = true;
 };
