@@ -8,8 +8,8 @@
 #include <complex>
 #include <vector>
 
-#include "consistency/random.h"
 #include "consistency/linear_gaussian_toy.h"
+#include "consistency/random.h"
 
 namespace condyle::host {
 namespace {

@@ -11,8 +11,8 @@
 #include <iostream>
 
 #include "condyle/estimator/recommended_estimator.h"
-#include "consistency/random.h"
 #include "consistency/linear_gaussian_toy.h"
+#include "consistency/random.h"
 #include "evaluation/monte_carlo.h"
 
 namespace condyle::host {

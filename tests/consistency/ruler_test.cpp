@@ -8,8 +8,8 @@
 #include <array>
 #include <cmath>
 
-#include "consistency/random.h"
 #include "consistency/linear_gaussian_toy.h"
+#include "consistency/random.h"
 #include "evaluation/monte_carlo.h"
 #include "evaluation/response_slope.h"
 
