@@ -11,6 +11,7 @@
 
 #include "condyle/estimator/recommended_estimator.h"
 #include "consistency/random.h"
+#include "support/sanitizer.h"
 #include "support/tier.h"
 
 namespace condyle {
@@ -19,7 +20,7 @@ namespace {
 using testing_support::Random;
 using testing_support::runs;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(NDEBUG)
+#if CONDYLE_UNDER_SANITIZER || !defined(NDEBUG)
 constexpr bool kIsSlowBuild = true;
 #else
 constexpr bool kIsSlowBuild = false;

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "replay/command.h"
+#include "support/sanitizer.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle {
@@ -98,7 +99,7 @@ TEST_F(BadInput, ALineOfAGigabyteInBoundedMemory) {
   expect_refused(path, {"bad.csv:2: the line is longer than 1048576 bytes"});
   const CommandResult result = run_condyle({"replay", path});
   EXPECT_EQ(result.exit_code, 2);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if !CONDYLE_UNDER_SANITIZER
   EXPECT_LT(result.peak_memory_kB, 64 * 1024);
 #endif
 }

@@ -9,6 +9,7 @@
 #include "replay/command.h"
 #include "replay/table.h"
 #include "support/paths.h"
+#include "support/sanitizer.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle {
@@ -265,7 +266,7 @@ TEST(Replay, EstimatesMayGoIntoTheFiguresFolder) {
 }
 
 TEST(Replay, MemoryDoesNotGrowWithTheRecording) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if CONDYLE_UNDER_SANITIZER
   GTEST_SKIP() << "the sanitizers' own memory grows";
 #endif
   const TemporaryFolder folder;

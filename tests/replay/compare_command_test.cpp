@@ -9,6 +9,7 @@
 #include "replay/compare_fixture.h"
 #include "replay/table.h"
 #include "support/paths.h"
+#include "support/sanitizer.h"
 
 namespace condyle {
 namespace {
@@ -194,7 +195,7 @@ TEST_F(CompareEstimators, UnitsMakeNoDifference) {
 }
 
 TEST_F(CompareEstimators, MemoryDoesNotGrowWithTheRecording) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if CONDYLE_UNDER_SANITIZER
   GTEST_SKIP() << "the sanitizers' own memory grows";
 #endif
   const auto peak_kB = [&](double duration_s) {

@@ -13,6 +13,7 @@
 #include "replay/table.h"
 #include "simulation/random.h"
 #include "support/paths.h"
+#include "support/sanitizer.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle {
@@ -142,7 +143,7 @@ TEST_F(Tune, SaysThatAValueAtItsBoundIsNotKnown) {
 }
 
 TEST_F(Tune, TakesAHundredRecordingsInBoundedMemory) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if CONDYLE_UNDER_SANITIZER
   GTEST_SKIP() << "the sanitizers' own memory grows";
 #endif
   const std::string some = first_rows(400);

@@ -8,6 +8,7 @@
 
 #include "condyle/hal/session_log_reader.h"
 #include "session_log/session.h"
+#include "support/sanitizer.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle {
@@ -18,7 +19,7 @@ using testing_support::make_header;
 using testing_support::make_report;
 using testing_support::TemporaryFolder;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if CONDYLE_UNDER_SANITIZER
 constexpr std::uint64_t kCutStep = 13, kFlipStep = 13;  // tens of times slower
 #elif defined(__OPTIMIZE__)
 constexpr std::uint64_t kCutStep = 1, kFlipStep = 1;

@@ -7,7 +7,9 @@
 #include <cstddef>
 #include <cstdlib>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#include "support/sanitizer.h"
+
+#if CONDYLE_UNDER_SANITIZER
 #define MALLOC_IS_TAKEN 1
 #else
 #define MALLOC_IS_TAKEN 0

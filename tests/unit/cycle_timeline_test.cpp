@@ -76,7 +76,8 @@ void expect_known_as_said(int ticks_of_drive) {
     information += 1 / (sd * sd);
     ++cycles;
   };
-  for (TimeNs tick = 0; cycles < 1500; ++tick) {
+  TimeNs tick = 0;
+  while (cycles < 1500) {
     const auto sample = chewing.next();
     if (tick % ticks_of_drive == 5 % ticks_of_drive) {
       timeline.add_drive(tick * kTick_ns, sample.drive_N, keep);
@@ -84,6 +85,7 @@ void expect_known_as_said(int ticks_of_drive) {
     if (tick % 10 == 0) {
       timeline.add_position(tick * kTick_ns, sample.position_m, DrivenChewing::kPositionSd_m, keep);
     }
+    ++tick;
   }
   std::printf("             NEES %.3f, bias %.2g of sd %.2g Ns/m\n", squares / cycles, sum / cycles,
               std::sqrt(cycles / information));
