@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiled with -fno-exceptions -fno-rtti: everything a target without an operating system uses.
+// Compiled with -fno-exceptions -fno-rtti: everything a target without an operating system uses. In
+// float alone: what throws does not depend on the scalar.
 #include "condyle/estimator/change_detector.h"
 #include "condyle/estimator/cycle_damping.h"
 #include "condyle/estimator/driven_sensor.h"
@@ -14,49 +15,33 @@
 #include "condyle/firmware/run_loop.h"
 
 template class condyle::ChangeDetector<float>;
-template class condyle::ChangeDetector<double>;
 template class condyle::CycleDamping<float>;
-template class condyle::CycleDamping<double>;
 template class condyle::JointIdentification<float>;
-template class condyle::JointIdentification<double>;
 template class condyle::DrivenSensor<float, 3>;
-template class condyle::DrivenSensor<double, 1>;
 template class condyle::EmgEnvelope<float>;
-template class condyle::EmgEnvelope<double>;
 template class condyle::EmgIdentification<float>;
-template class condyle::EmgIdentification<double>;
 template class condyle::EmgTimeline<float>;
-template class condyle::EmgTimeline<double>;
 template class condyle::PointFollower<float>;
 template class condyle::PublishedCascade<float>;
-template class condyle::PublishedCascade<double>;
 template class condyle::RecommendedEstimator<float, 1>;
-template class condyle::RecommendedEstimator<double, 1>;
 template class condyle::RecommendedEstimator<float, 3>;
-template class condyle::RecommendedEstimator<double, 3>;
 template class condyle::RecommendedEstimator<float, 1, 0>;  // where memory is short
 
 template condyle::PassiveRelease<float> condyle::fit_passive_release(std::span<const float>,
                                                                      std::span<const float>,
                                                                      const ReleaseSettings&);
-template condyle::PassiveRelease<double> condyle::fit_passive_release(std::span<const double>,
-                                                                      std::span<const double>,
-                                                                      const ReleaseSettings&);
 template condyle::ReleasePair<float> condyle::combine_releases(const PassiveRelease<float>&,
                                                                const PassiveRelease<float>&,
                                                                const ReleasePairSettings&);
-template condyle::ReleasePair<double> condyle::combine_releases(const PassiveRelease<double>&,
-                                                                const PassiveRelease<double>&,
-                                                                const ReleasePairSettings&);
 
 namespace condyle {
 Observability<float> judge(const OperatingPoint<float>& point);
 Observability<float> judge(const OperatingPoint<float>& point) {
   return judge_observability(observability_matrix<FullSystem>(point));
 }
-FollowedPosition follow(PointFollower<double>& follower, FrozenDetector& detector,
+FollowedPosition follow(PointFollower<float>& follower, FrozenDetector& detector,
                         const Sample& sample);
-FollowedPosition follow(PointFollower<double>& follower, FrozenDetector& detector,
+FollowedPosition follow(PointFollower<float>& follower, FrozenDetector& detector,
                         const Sample& sample) {
   if (detector.add(sample)) return {.status = PoseStatus::missing};
   return follower.follow(sample);
