@@ -9,7 +9,7 @@ check_format() {
     xargs -0 -n 40 -P "$(nproc)" clang-format-14 --dry-run --Werror
 }
 
-build() {  # PRESET [TARGET...]; the variable jobs: how many at a time, otherwise as many as cores
+build() {  # PRESET [TARGET...]
   local options=()
   if [ "$1" = release ]; then
     case $CONDYLE_TIER in
@@ -19,7 +19,7 @@ build() {  # PRESET [TARGET...]; the variable jobs: how many at a time, otherwis
     esac
   fi
   cmake --preset "$1" "${options[@]}" >/dev/null
-  cmake --build --preset "$1" --parallel "${jobs:-$(nproc)}" ${2:+--target "${@:2}"}
+  cmake --build --preset "$1" --parallel "$(nproc)" ${2:+--target "${@:2}"}
 }
 
 # Of the cores whose images run but are not measured: what runs.
