@@ -31,9 +31,11 @@ enum class Event : std::uint8_t {
   state_restarted,      ///< the filter starts anew from this sample
   state_lost,           ///< no measurement for so long that nothing is known
   noise_at_limit,       ///< the estimated noise is at its floor or ceiling
+  motion_changed,       ///< not as the motion went on, and taken as a change of the motion
+  liveliness_at_limit,  ///< the motion is as lively as the estimator can tell from noise
 };
 /// Number of events.
-inline constexpr std::size_t kEventCount = 22;
+inline constexpr std::size_t kEventCount = 24;
 
 /// Name of an event as it stands in files and summaries.
 constexpr const char* event_name(Event event) {
@@ -43,7 +45,8 @@ constexpr const char* event_name(Event event) {
       "not_started",        "update_refused",    "estimate_not_finite", "variance_negative",
       "parameters_invalid", "position_repeated", "position_frozen",     "points_not_rigid",
       "outlier_weighted",   "outlier_rejected",  "outlier_revoked",     "state_restarted",
-      "state_lost",         "noise_at_limit"};
+      "state_lost",         "noise_at_limit",
+      "motion_changed",     "liveliness_at_limit"};
   return names[static_cast<std::size_t>(event)];
 }
 

@@ -5,40 +5,35 @@
 //   z       measured position along one axis (m)
 //   R, q    variance of its noise (m^2), density of the jerk (m^2/s^5)
 //   r = q/R what a filter's gain depends on, besides the times (1/s^5); each member i has its own
+//           (liveliness_grid.h)
 //   x_i     state (p, v, a) of member i along one axis (m, m/s, m/s^2)
 //   P_i     its covariance in units of R: the same for all axes, whatever was measured
 //   nu, S   innovation z - p (m), its variance in units of R: S = P_pp + 1
-//   <>      mean over the last n samples, older ones forgotten exponentially; n grows to `memory_s`
+//   n       samples that noise and weights rest on; it grows to `memory_s`
 //
-// Noise.     For a given r the likelihood is largest at R_i = <nu^2 / S>: a mean of positive
-//            numbers, held between floor and ceiling. Then q_i = r_i R_i. Each nu^2 / S counts at
-//            most huber^2 R_i, so that glitches do not become noise. n grows by kGrowth a sample,
-//            so that the first guess is forgotten as n^-3, not as 1/n. The noise is known once
-//            kFewestLearned samples more were within huber than beyond it.
-// Weights.   log w_i = max(long_i - max long, -kLead) + short_i, up to a constant:
-//            long_i    log likelihood over the memory, -n/2 (log R_i + <log S_i>), tempered: jaw
-//                      motion is no white jerk, innovations are correlated, and n of them count as
-//                      kIndependentShare n
-//            short_i   log likelihood of about the last kShortMemory samples, -1/2 sum(log R_i S +
-//                      nu^2 / (R_i S)), nu^2 / (R_i S) at most gate^2
-//            What served best so far leads, its R and q are those reported, but by no more than
-//            e^kLead: when the jaw starts or stops, a few samples put another member in charge.
+// Noise and weights of the members, axis by axis: member_weights.h. n grows by kGrowth a sample, so
+// that the first guess is forgotten as n^-3, not as 1/n. The noise is known once kFewestLearned
+// samples more were within huber than beyond it. A fresh start teaches no noise for kFresh samples:
+// there S is far above 1, and nu^2 / S, however small, says nothing of R.
+// A sample that no member expects leaves the weights as they are. The noise may have grown: R does,
+// and older samples count less.
+//
 // Estimate.  Mean of the mixture: sum w_i x_i; variance sum w_i (R'_i P_i + (x_i - mean)^2), times
-//            n/(n-2) because R was estimated from n samples (Student's t). R'_i is R_i, but no less
-//            than the R of the member that leads: a member of larger r explains noise as motion,
-//            and when a start or a stop puts it in charge, the instrument is no better than it was.
+//            n/(n-2) because R was estimated from n samples (Student's t); R'_i is the stated R of
+//            member_weights.h.
 //
 // D. T. Magill, Optimal adaptive estimation of sampled stochastic processes, IEEE Trans. Autom.
-// Control 10 (1965) 434-439 (the bank); P. R. Kalata, The tracking index, IEEE Trans. Aerosp.
-// Electron. Syst. 20 (1984) 174-182 (r T^5). The two memories are this project's. Their constants
-// were chosen on simulated chewing: kShortMemory 4 to 12, kLead 8 to 12 and kIndependentShare 0.15
-// to 1 change the mean velocity error by less than 1 %.
+// Control 10 (1965) 434-439 (the bank). The two memories of the weights are this project's. Their
+// constants were chosen on simulated chewing: kShortMemory 4 to 12, kLead 8 to 12 and
+// kIndependentShare 0.15 to 1 change the mean velocity error by less than 1 %.
 #pragma once
 
 #include <algorithm>
 
 #include "condyle/estimator/elementary.h"
 #include "condyle/estimator/fixed_lag.h"
+#include "condyle/estimator/liveliness_grid.h"
+#include "condyle/estimator/member_weights.h"
 #include "condyle/estimator/recommended_parameters.h"
 #include "condyle/estimator/white_jerk.h"
 
@@ -59,7 +54,7 @@ template <class Scalar, int kAxes>
 class MotionBank {
  public:
   /// Most members.
-  static constexpr int kMostMembers = 14;
+  static constexpr int kMostMembers = CONDYLE_MEMBERS;
   using Position = Array<Scalar, kAxes>;
   using Step = FilteredStep<Scalar, kAxes>;
 
@@ -81,35 +76,39 @@ class MotionBank {
     n_ = kFirstSamples;
     mean_step_s_ = 0;
     learned_ = 0;
-    for (int axis = 0; axis < kAxes; ++axis) leader_[axis] = adaptive_ ? kMostMembers / 2 : axis;
-    for (int i = 0; i < member_count_; ++i) {
-      Member& member = members_[i];
-      member.mean_log_S = 0;
-      for (Scalar& score : member.short_score) score = 0;
-      for (int axis = 0; axis < kAxes; ++axis) {
-        const Scalar R = noise_sd_m[axis] * noise_sd_m[axis];
-        member.R[axis] = adaptive_ ? std::clamp(R, lowest_R_, highest_R_) : R;
-        member.log_R[axis] = elementary::quick_log(member.R[axis]);
-        member.weight[axis] = adaptive_   ? Scalar(1) / Scalar(member_count_)
-                              : i == axis ? Scalar(1)
-                                          : Scalar(0);
+    grid_ = {};
+    for (int axis = 0; axis < kAxes; ++axis) {
+      const Scalar R = noise_sd_m[axis] * noise_sd_m[axis];
+      if (adaptive_) {
+        weights_[axis].start(member_count_, R, lowest_R_, highest_R_);
+      } else {
+        weights_[axis].start_fixed(member_count_, axis, R);
+        members_[axis].r = jerk_density_m2_s5_ / R;
       }
-      member.r =
-          adaptive_ ? static_cast<Scalar>(kRatios[i]) : jerk_density_m2_s5_ / member.R[i % kAxes];
     }
+    for (Scalar& mean : mean_log_S_) mean = 0;
+    if (adaptive_) take_ratios();
   }
 
   /// Starts the motion at `position_m`, measured; velocity and acceleration from the prior.
   void start_motion(const Position& position_m) {
-    for (int i = 0; i < member_count_; ++i) {
-      Member& member = members_[i];
-      // One covariance for all axes: the least noise leaves the prior widest.
-      const Scalar R = adaptive_ ? *std::min_element(member.R, member.R + kAxes) : member.R[i];
-      member.step = Step();
-      member.step.P = SymmetricMatrix3<Scalar>::diagonal(
-          {1, prior_velocity_variance_ / R, prior_acceleration_variance_ / R});
-      for (int axis = 0; axis < kAxes; ++axis) member.step.x[axis] = {position_m[axis], 0, 0};
+    Array<Vector3<Scalar>, kAxes> x;
+    for (int axis = 0; axis < kAxes; ++axis) x[axis] = {position_m[axis], 0, 0};
+    start_motion(x, 1);
+  }
+
+  /// The motion has changed: it goes on from `position_m`, measured, with the velocity and
+  /// acceleration it had, but their variances are the prior's times `scale`. Every member has the
+  /// same say; what is known of the noise stays.
+  void change_motion(const Position& position_m, Scalar scale) {
+    Array<Vector3<Scalar>, kAxes> x;
+    for (int axis = 0; axis < kAxes; ++axis) {
+      x[axis] = moments(axis).mean;
+      x[axis][kPosition] = position_m[axis];
     }
+    start_motion(x, scale);
+    if (!adaptive_) return;
+    for (auto& weights : weights_) weights.forget_weights(mean_log_S_, n_);
   }
 
   /// Moves all members by a step of `F` and Q / q (white_jerk.h).
@@ -128,22 +127,21 @@ class MotionBank {
   /// What was expected of the measurement `z_m` along `axis`, after `predict`.
   Expectation<Scalar> expectation(int axis, Scalar z_m) const {
     Expectation<Scalar> expected;
-    Scalar weight_sum = 0;
+    const Weights& weights = weights_[axis];
+    Scalar weight_sum = 0, own_variance_m2 = 0;
     expected.of_likely_squared = std::numeric_limits<Scalar>::infinity();
-    Scalar own_variance_m2 = 0;
     for (int i = 0; i < member_count_; ++i) {
-      const Member& member = members_[i];
-      const Scalar weight = member.weight[axis];
-      if (!(weight > kPlausible)) continue;
-      const Scalar innovation_m = z_m - member.step.x[axis][kPosition];
-      const Scalar S = member.step.P(kPosition, kPosition) + Scalar(1);
+      const Scalar weight = weights.weight(i);
+      if (!(weight > Weights::kPlausible)) continue;
+      const Scalar innovation_m = z_m - members_[i].step.x[axis][kPosition];
+      const Scalar S = innovation_variance(i);
       weight_sum += weight;
-      expected.position_m += weight * member.step.x[axis][kPosition];
-      expected.variance_m2 += weight * stated_R(member, axis) * S;
-      own_variance_m2 += weight * member.R[axis] * S;
-      if (weight > kExcuses) {
+      expected.position_m += weight * members_[i].step.x[axis][kPosition];
+      expected.variance_m2 += weight * stated_R(axis, i) * S;
+      own_variance_m2 += weight * weights.R(i) * S;
+      if (weight > Weights::kExcuses) {
         expected.of_likely_squared = std::min(expected.of_likely_squared,
-                                              innovation_m * innovation_m / (member.R[axis] * S));
+                                              innovation_m * innovation_m / (weights.R(i) * S));
       }
     }
     expected.position_m /= weight_sum;
@@ -153,32 +151,80 @@ class MotionBank {
     return expected;
   }
 
+  /// Log density of the measurement `z_m` (1/m along each axis), after `predict`: of the mixture,
+  /// with the noise as it is stated.
+  Scalar log_density(const Position& z_m) const {
+    Scalar sum = 0;
+    for (int axis = 0; axis < kAxes; ++axis) {
+      const Weights& weights = weights_[axis];
+      Scalar density = 0, weight_sum = 0;
+      for (int i = 0; i < member_count_; ++i) {
+        const Scalar weight = weights.weight(i);
+        if (!(weight > Weights::kPlausible)) continue;
+        const Scalar innovation_m = z_m[axis] - members_[i].step.x[axis][kPosition];
+        const Scalar variance_m2 = stated_R(axis, i) * innovation_variance(i);
+        const Scalar exponent =
+            std::max(Scalar(-0.5) * innovation_m * innovation_m / variance_m2, kLeastExponent);
+        weight_sum += weight;
+        density += weight * elementary::exp(exponent) / std::sqrt(kTwoPi * variance_m2);
+      }
+      sum += elementary::quick_log(
+          std::max(density / weight_sum, std::numeric_limits<Scalar>::min()));
+    }
+    return sum;
+  }
+
   /// Learns noise and weights from the measurement `z_m`, `T` s after the last, after `predict`.
   void learn(const Position& z_m, Scalar T) {
     if (!adaptive_) return;
     const Scalar gain = grow_memory(T);
-    Array<Array<Scalar, kAxes>, kMostMembers> long_score;
+    if (grid_.follow(mean_step_s_)) take_ratios();
+    typename Weights::Each log_S, inverse_S;
     for (int i = 0; i < member_count_; ++i) {
-      Member& member = members_[i];
-      const Scalar S = member.step.P(kPosition, kPosition) + Scalar(1);
-      const Scalar inverse_S = Scalar(1) / S;
-      const Scalar log_S = elementary::quick_log(S);
-      member.mean_log_S += gain * (log_S - member.mean_log_S);
-      for (int axis = 0; axis < kAxes; ++axis) {
-        Scalar& R = member.R[axis];
-        Scalar& log_R = member.log_R[axis];
-        Scalar& short_score = member.short_score[axis];
-        const Scalar innovation_m = z_m[axis] - member.step.x[axis][kPosition];
-        const Scalar share = innovation_m * innovation_m * inverse_S;
-        short_score -= short_score * (Scalar(1) / kShortMemory) +
-                       Scalar(0.5) * (log_R + log_S + std::min(share / R, largest_deviation_));
-        R = std::clamp(R + gain * (std::min(share, largest_share_ * R) - R), lowest_R_, highest_R_);
-        log_R = elementary::quick_log(R);
-        long_score[i][axis] = Scalar(-0.5) * kIndependentShare * n_ * (log_R + member.mean_log_S);
+      const Scalar S = innovation_variance(i);
+      inverse_S[i] = Scalar(1) / S;
+      log_S[i] = elementary::quick_log(S);
+    }
+    Array<typename Weights::Each, kAxes> share;
+    bool is_expected = true;
+    for (int axis = 0; axis < kAxes; ++axis) {
+      for (int i = 0; i < member_count_; ++i) {
+        const Scalar innovation_m = z_m[axis] - members_[i].step.x[axis][kPosition];
+        share[axis][i] = innovation_m * innovation_m * inverse_S[i];
+      }
+      if (weights_[axis].is_expected(share[axis], largest_deviation_)) continue;
+      is_expected = false;
+      weights_[axis].learn_noise_of_unexpected(Scalar(1) + gain * (largest_share_ - Scalar(1)));
+    }
+    if (!is_expected) {
+      n_ = std::max(n_ * kKeptOfMemory, kFirstSamples);
+      return;
+    }
+    const bool learns_noise = fresh_ == 0;
+    if (fresh_ > 0) --fresh_;
+    if (learns_noise) {
+      for (int i = 0; i < member_count_; ++i) {
+        mean_log_S_[i] += gain * (log_S[i] - mean_log_S_[i]);
       }
     }
-    for (int axis = 0; axis < kAxes; ++axis) weigh(axis, long_score);
-    if (!noise_is_known()) judge_guess(z_m);
+    if (!noise_is_known()) judge_guess(share);
+    for (int axis = 0; axis < kAxes; ++axis) {
+      weights_[axis].learn(share[axis], log_S, gain, learns_noise, largest_share_,
+                           largest_deviation_);
+      weights_[axis].weigh(mean_log_S_, n_);
+    }
+  }
+
+  /// No less noise than `R` along `axis` (m^2), that of rounding. Known noise stays as it is.
+  void hold_noise_above(int axis, Scalar R) {
+    if (adaptive_) weights_[axis].hold_above(R);
+  }
+  /// No less noise than `other` has made out.
+  void take_larger_noise(const MotionBank& other) {
+    if (!adaptive_) return;
+    for (int axis = 0; axis < kAxes; ++axis) {
+      weights_[axis].take_larger_noise(other.weights_[axis]);
+    }
   }
 
   /// Takes the measurement `z_m` with `weight` (1: in full), after `predict`. False where an
@@ -209,15 +255,15 @@ class MotionBank {
     Vector3<Scalar> reference = Vector3<Scalar>::Zero();
     Scalar weight_sum = 0;
     for (int i = 0; i < member_count_; ++i) {
-      const Scalar weight = members_[i].weight[axis];
-      if (!(weight > kPlausible)) continue;
+      const Scalar weight = weights_[axis].weight(i);
+      if (!(weight > Weights::kPlausible)) continue;
       const MotionMoments<Scalar> moments = moments_of(i);
       if (weight_sum == Scalar(0)) reference = moments.mean;
       // Deviations from one member's mean: sums of squares of the means themselves would cancel.
       const Vector3<Scalar> deviation = moments.mean - reference;
       weight_sum += weight;
       mixed.mean += weight * deviation;
-      mixed.variance += weight * stated_R(members_[i], axis) * moments.variance;
+      mixed.variance += weight * stated_R(axis, i) * moments.variance;
       square_sum += weight * deviation.cwiseProduct(deviation);
     }
     const Scalar scale = Scalar(1) / weight_sum;
@@ -235,99 +281,100 @@ class MotionBank {
 
   /// True where member `i` has a say along any axis.
   bool is_plausible(int i) const {
-    for (const Scalar weight : members_[i].weight) {
-      if (weight > kPlausible) return true;
+    for (const Weights& weights : weights_) {
+      if (weights.weight(i) > Weights::kPlausible) return true;
     }
     return false;
   }
 
   /// Variance of the noise along `axis` (m^2), as given or as the member that leads estimates it.
-  Scalar noise_variance_m2(int axis) const { return leader(axis).R[axis]; }
-  /// Density of the jerk along `axis` (m^2/s^5), as given or estimated likewise.
-  Scalar jerk_density_m2_s5(int axis) const { return leader(axis).r * leader(axis).R[axis]; }
+  Scalar noise_variance_m2(int axis) const { return weights_[axis].R(leader(axis)); }
+  /// Density of the jerk along `axis` (m^2/s^5), as given or estimated by the same member.
+  Scalar jerk_density_m2_s5(int axis) const {
+    return members_[leader(axis)].r * noise_variance_m2(axis);
+  }
+  /// Velocity along `axis` by the member that leads (m/s).
+  Scalar leading_velocity_m_s(int axis) const {
+    return members_[leader(axis)].step.x[axis][kVelocity];
+  }
   /// False while the noise is still the first guess more than what the samples say: intervals then
   /// rest on the guess.
   bool noise_is_known() const { return !adaptive_ || learned_ >= kFewestLearned; }
   /// True where the estimated noise along `axis` is held at its floor or ceiling.
-  bool noise_is_at_limit(int axis) const {
-    const Scalar R = noise_variance_m2(axis);
-    return adaptive_ && (R <= lowest_R_ * Scalar(1.001) || R >= highest_R_ * Scalar(0.999));
+  bool noise_is_at_limit(int axis) const { return adaptive_ && weights_[axis].noise_is_at_limit(); }
+  /// True where the motion along `axis` is as lively as the bank can tell: what is noise and what
+  /// is motion cannot be told apart.
+  bool liveliness_is_at_limit(int axis) const {
+    return adaptive_ && leader(axis) == member_count_ - 1;
   }
 
   /// Number of members.
   int member_count() const { return member_count_; }
+  /// Ratio r of member `i` (1/s^5).
+  Scalar ratio(int i) const { return members_[i].r; }
+  /// Weight of member `i` along `axis`.
+  Scalar weight(int axis, int i) const { return weights_[axis].weight(i); }
   /// Member `i` after the last sample.
   const Step& step(int i) const { return members_[i].step; }
 
  private:
-  // Members of the adaptive bank: log10 r = 6.5, 7, ..., 13.
-  static constexpr Array<double, kMostMembers> kRatios = {
-      3.1622776601683795e6,  1e7,  3.1622776601683795e7,  1e8,  3.1622776601683795e8,  1e9,
-      3.1622776601683795e9,  1e10, 3.1622776601683795e10, 1e11, 3.1622776601683795e11, 1e12,
-      3.1622776601683795e12, 1e13};
+  using Weights = MemberWeights<Scalar, kMostMembers>;
+
   static constexpr Scalar kFirstSamples = 5;  // samples that the first guess of R counts as
   static constexpr int kFewestLearned = 15;   // then a first guess is forgotten
+  static constexpr int kFresh = 3;
   static constexpr Scalar kGrowth = Scalar(1) / Scalar(3);
-  static constexpr Scalar kIndependentShare = Scalar(0.3);
-  static constexpr Scalar kLead = 8;
-  static constexpr Scalar kShortMemory = 8;           // samples
-  static constexpr Scalar kPlausible = Scalar(1e-3);  // least weight that has a say
-  static constexpr Scalar kExcuses = Scalar(0.01);    // and that can excuse an unexpected sample
-  static constexpr Scalar kHopeless = -20;            // log weight behind the best
+  static constexpr Scalar kKeptOfMemory = Scalar(CONDYLE_KEPT);  // by a sample that nobody expects
+  static constexpr Scalar kLeastExponent = -80;           // e^-80 is still a number in float
+  static constexpr Scalar kTwoPi = Scalar(6.283185307179586);
 
   struct Member {
     Scalar r{};
-    Scalar mean_log_S{};
-    Array<Scalar, kAxes> R = {};
-    Array<Scalar, kAxes> log_R = {};
-    Array<Scalar, kAxes> short_score = {};
-    Array<Scalar, kAxes> weight = {};
     Step step;
   };
 
   static Scalar square(double value) { return static_cast<Scalar>(value * value); }
 
+  void start_motion(const Array<Vector3<Scalar>, kAxes>& x, Scalar scale) {
+    fresh_ = kFresh;
+    for (int i = 0; i < member_count_; ++i) {
+      // One covariance for all axes: the least noise leaves the prior widest.
+      Scalar R = stated_R(adaptive_ ? 0 : i, i);
+      for (int axis = 1; adaptive_ && axis < kAxes; ++axis) R = std::min(R, stated_R(axis, i));
+      Step& step = members_[i].step;
+      step = Step();
+      step.P = SymmetricMatrix3<Scalar>::diagonal({1, scale * prior_velocity_variance_ / R,
+                                                   scale * prior_acceleration_variance_ / R});
+      for (int axis = 0; axis < kAxes; ++axis) step.x[axis] = x[axis];
+    }
+  }
+
+  void take_ratios() {
+    for (int i = 0; i < member_count_; ++i) members_[i].r = grid_[i];
+  }
+
+  // S of member `i`.
+  Scalar innovation_variance(int i) const {
+    return members_[i].step.P(kPosition, kPosition) + Scalar(1);
+  }
+
   // Counts one more sample, `T` s after the last; its share in the means.
   Scalar grow_memory(Scalar T) {
     n_ += kGrowth;
-    mean_step_s_ += (T - mean_step_s_) / n_;
+    mean_step_s_ += mean_step_s_ > Scalar(0) ? (T - mean_step_s_) / n_ : T;
     // Compared without a division: steps may be 0.
     if (n_ * mean_step_s_ > memory_s_) n_ = std::max(memory_s_ / mean_step_s_, kFirstSamples);
     return Scalar(1) / n_;
   }
 
   // A noise that samples keep exceeding is still on its way up from the guess.
-  void judge_guess(const Position& z_m) {
+  void judge_guess(const Array<typename Weights::Each, kAxes>& share) {
     bool is_within = true;
     for (int axis = 0; axis < kAxes; ++axis) {
-      const Member& member = leader(axis);
-      const Scalar innovation_m = z_m[axis] - member.step.x[axis][kPosition];
-      const Scalar S = member.step.P(kPosition, kPosition) + Scalar(1);
-      is_within = is_within && innovation_m * innovation_m <= largest_share_ * member.R[axis] * S;
+      const int i = leader(axis);
+      is_within = is_within && share[axis][i] <= largest_share_ * weights_[axis].R(i);
     }
     learned_ = is_within ? learned_ + 1 : std::max(learned_ - 1, 0);
-  }
-
-  void weigh(int axis, const Array<Array<Scalar, kAxes>, kMostMembers>& long_score) {
-    leader_[axis] = 0;
-    for (int i = 1; i < member_count_; ++i) {
-      if (long_score[i][axis] > long_score[leader_[axis]][axis]) leader_[axis] = i;
-    }
-    const Scalar best_long = long_score[leader_[axis]][axis];
-    Array<Scalar, kMostMembers> score;
-    Scalar best = -std::numeric_limits<Scalar>::infinity();
-    for (int i = 0; i < member_count_; ++i) {
-      score[i] = std::max(long_score[i][axis] - best_long, -kLead) + members_[i].short_score[axis];
-      best = std::max(best, score[i]);
-    }
-    Scalar sum = 0;
-    for (int i = 0; i < member_count_; ++i) {
-      const Scalar behind = score[i] - best;
-      members_[i].weight[axis] = behind < kHopeless ? Scalar(0) : elementary::exp(behind);
-      sum += members_[i].weight[axis];
-    }
-    const Scalar inverse_sum = Scalar(1) / sum;
-    for (int i = 0; i < member_count_; ++i) members_[i].weight[axis] *= inverse_sum;
   }
 
   MotionMoments<Scalar> filtered_moments(int i, int axis) const {
@@ -337,13 +384,11 @@ class MotionBank {
 
   Scalar uncertainty_of_noise() const { return adaptive_ ? n_ / (n_ - Scalar(2)) : Scalar(1); }
 
-  // R' of a member, see above.
-  Scalar stated_R(const Member& member, int axis) const {
-    return adaptive_ ? std::max(member.R[axis], leader(axis).R[axis]) : member.R[axis];
+  // R' of member `i`, see above.
+  Scalar stated_R(int axis, int i) const {
+    return adaptive_ ? weights_[axis].stated_R(i) : weights_[axis].R(i);
   }
-
-  // The member that served best over the memory.
-  const Member& leader(int axis) const { return members_[leader_[axis]]; }
+  int leader(int axis) const { return weights_[axis].leader(); }
 
   bool adaptive_;
   Scalar memory_s_, jerk_density_m2_s5_, lowest_R_, highest_R_;
@@ -353,7 +398,10 @@ class MotionBank {
   Scalar n_ = kFirstSamples;
   Scalar mean_step_s_ = 0;
   int learned_ = 0;  // samples within huber, less those beyond
-  Array<int, kAxes> leader_ = {};
+  int fresh_ = 0;    // samples that will still teach no noise
+  LivelinessGrid<Scalar, kMostMembers> grid_;
+  typename Weights::Each mean_log_S_ = {};
+  Array<Weights, kAxes> weights_;
   Array<Member, kMostMembers> members_;
 };
 

@@ -2,10 +2,12 @@
 // The recommended estimator: position, velocity and acceleration along up to three axes from
 // measured positions and their times, and the net force that an assumed mass makes of them.
 //
-//   motion_bank.h    motion: exact white-jerk filters; noise and liveliness learned from the data
-//   outlier_gate.h   outliers: full weight, less, none, then a new start
-//   fixed_lag.h      each estimate may wait for up to kMostLag later samples
-//   force            assumed mass times acceleration
+//   motion_bank.h        motion: exact white-jerk filters; noise and liveliness learned from the data
+//   outlier_gate.h       outliers: full weight, less, none
+//   motion_hypotheses.h  outlier or change of the motion: both, until later samples decide
+//   rounding_step.h      positions that are rounded, whose noise is no less than that of rounding
+//   fixed_lag.h          each estimate may wait for up to kMostLag later samples
+//   force                assumed mass times acceleration
 //
 // One decision for all axes of a sample: a glitch rarely keeps to one. Time is taken from the
 // samples, differences as integers. Where nothing was measured the filter predicts, and after
@@ -20,49 +22,11 @@
 // where the guess is far too low.
 #pragma once
 
-#include "condyle/estimator/events.h"
-#include "condyle/estimator/motion_bank.h"
-#include "condyle/estimator/outlier_gate.h"
-#include "condyle/estimator/provenance.h"
-#include "condyle/estimator/sample.h"
+#include "condyle/estimator/motion_instant.h"
+#include "condyle/estimator/recommended_estimate.h"
+#include "condyle/estimator/rounding_step.h"
 
 namespace condyle {
-
-/// What is said of one axis at one instant. NaN and `not_computed` where there is no value.
-template <class Scalar>
-struct AxisEstimate {
-  static constexpr Scalar kNone = std::numeric_limits<Scalar>::quiet_NaN();
-
-  Quantity<Scalar> position_m, velocity_m_s, acceleration_m_s2, force_N;
-  Scalar measured_position_m = kNone;  ///< as it came in
-  Scalar innovation_m = kNone;         ///< measured minus predicted position
-  Scalar innovation_sd_m = kNone;      ///< its standard deviation, predicted
-  Scalar noise_sd_m = kNone;           ///< of the instrument, as estimated or given
-  Scalar jerk_density_m2_s5 = kNone;   ///< of the motion, as estimated or given
-};
-
-/// What one step says about one instant.
-template <class Scalar>
-struct RecommendedEstimate {
-  static constexpr Scalar kNone = std::numeric_limits<Scalar>::quiet_NaN();
-
-  bool is_ready = false;    ///< false while the lag fills: there is nothing to show yet
-  TimeNs time_ns = 0;       ///< the instant that is estimated
-  bool time_valid = false;  ///< its time is known
-  int axis_count = 0;
-  AxisEstimate<Scalar> axes[3];
-  Scalar nis = kNone;  ///< normalised innovation squared, one degree of freedom per axis
-  EventSet events;     ///< what was unusual about the sample of that instant
-};
-
-/// A measured position and its time.
-template <class Scalar, int kAxes>
-struct TimedPosition {
-  TimeNs time_ns = 0;
-  bool is_measured = false;  ///< false: the position is missing and the filter only predicts
-  Array<Scalar, kAxes> position_m = {};
-  EventSet events;  ///< what was unusual about the sample; passed on
-};
 
 /// The recommended estimator for `kAxes` (1 or 3) axes. Estimates are of `lag` samples ago, at most
 /// `kMostLag`. One object per run; copying it copies the run.
@@ -82,9 +46,7 @@ class RecommendedEstimator {
         longest_gap_s_(static_cast<Scalar>(parameters.outliers.longest_gap_s)),
         lag_(lag),
         parameters_valid_(is_valid(parameters) && lag >= 0 && lag <= kMostLag),
-        bank_(parameters),
-        gate_(parameters.outliers),
-        without_suspect_(parameters) {
+        motion_(parameters) {
     for (Scalar& sd_m : noise_sd_m_) sd_m = static_cast<Scalar>(parameters.noise.position_sd_m);
   }
 
@@ -114,7 +76,7 @@ class RecommendedEstimator {
     if (started_ && difference_s(time_ns_, taken_ns_) > longest_gap_s_) lose_motion();
     if (started_) {
       instant.F = white_jerk_jacobian(T);
-      bank_.predict(instant.F, white_jerk_covariance(T));
+      motion_.predict(instant.F, white_jerk_covariance(T));
     }
     instant.is_measured = measurement.is_measured;
     for (const Scalar position_m : measurement.position_m) {
@@ -128,7 +90,7 @@ class RecommendedEstimator {
       instant.events.add(Event::state_lost, is_lost_);
     }
     instant.has_state = started_;
-    remember(bank_, instant);
+    remember(instant);
     return newest_ready();
   }
 
@@ -151,11 +113,14 @@ class RecommendedEstimator {
   /// motion is lost, and nothing is said of those that still wait.
   void forget_frozen(int samples) {
     for (int back = 0; back < std::min(samples, kInstants); ++back) {
-      Instant& instant = at(back);
+      Instant& instant = instants_.at(back);
       instant.events.add(Event::position_frozen);
       instant.events.add(Event::state_lost);
-      instant.is_taken = instant.has_state = false;
-      instant.is_restart = true;  // nothing connects what is before with what is after
+      instant.has_state = false;
+      for (auto& track : instant.tracks) {
+        track.is_taken = false;
+        track.is_restart = true;  // nothing connects what is before with what is after
+      }
     }
     if (started_) lose_motion();
   }
@@ -171,26 +136,17 @@ class RecommendedEstimator {
   /// Samples that an estimate lies behind.
   int lag() const { return lag_; }
   /// The filters behind the estimate.
-  const MotionBank<Scalar, kAxes>& bank() const { return bank_; }
+  const MotionBank<Scalar, kAxes>& bank() const { return motion_.main(); }
+  /// Both hypotheses, where there are two.
+  const MotionHypotheses<Scalar, kAxes>& motion() const { return motion_; }
+  /// The step that positions along `axis` are rounded to (m); 0 where none has been found.
+  Scalar rounding_step_m(int axis) const { return rounding_[axis].step_m(); }
 
  private:
+  static constexpr int kInstants = kMostLag + 1;
   using Bank = MotionBank<Scalar, kAxes>;
-
-  // One sample and what was made of it.
-  struct Instant {
-    TimeNs time_ns = 0;
-    bool time_valid = true;
-    bool is_measured = false;  // a position came in
-    bool is_taken = false;     // and was used
-    bool is_restart = false;   // nothing connects it with what was before
-    bool has_state = false;
-    EventSet events;
-    Array<Scalar, kAxes> position_m = {};
-    Array<Scalar, kAxes> innovation_m = {};
-    Array<Scalar, kAxes> innovation_variance_m2 = {};
-    TransitionJacobian<Scalar> F;  // from the sample before
-    Array<typename Bank::Step, (kMostLag > 0 ? Bank::kMostMembers : 1)> members;
-  };
+  using Instants = MotionInstants<Scalar, kAxes, kInstants>;
+  using Instant = typename Instants::Instant;
 
   static Scalar square(double value) { return static_cast<Scalar>(value * value); }
 
@@ -208,124 +164,70 @@ class RecommendedEstimator {
     return estimate;
   }
 
-  // The instant `back` samples before the newest.
-  Instant& at(int back) { return instants_[(newest_ + kInstants - back) % kInstants]; }
-
   Instant& next_instant(const Measurement& measurement) {
-    newest_ = (newest_ + 1) % kInstants;
-    if (suspect_back_ >= 0) ++suspect_back_;
     waiting_ = std::min(waiting_ + 1, lag_ + 1);
-    Instant& instant = at(0);
+    Instant& instant = instants_.advance();
     instant.time_ns = measurement.time_ns;
-    instant.time_valid = true;
-    instant.is_measured = instant.is_taken = instant.is_restart = instant.has_state = false;
     instant.events = measurement.events;
-    instant.F = white_jerk_jacobian(Scalar(0));
-    for (int axis = 0; axis < kAxes; ++axis)
+    instant.track = motion_.main_index();
+    for (int axis = 0; axis < kAxes; ++axis) {
       instant.position_m[axis] = measurement.position_m[axis];
+    }
     return instant;
   }
 
   void lose_motion() {
-    suspect_back_ = -1;
+    instants_.settle(motion_.main_index());
     started_ = false;
     is_lost_ = true;
   }
 
   // Takes the measured position of `instant`, `T` s after the last sample.
   void take(Scalar T, Instant& instant) {
+    for (int axis = 0; axis < kAxes; ++axis) rounding_[axis].add(instant.position_m[axis]);
     if (!started_) {
       start(instant);
       return;
     }
-    Deviation deviation = compare(bank_, instant);
-    if (gate_.is_outlier(deviation.of_likely) && suspect_back_ > 0) {
-      if (revoke_suspect(instant)) instant.events.add(Event::outlier_revoked);
-      deviation = compare(bank_, instant);
-    }
-    const Acceptance<Scalar> acceptance = gate_.judge(deviation.of_likely);
-    instant.events.add(acceptance.events);
-    suspect_back_ = -1;
-    if (acceptance.weight > Scalar(0) && gate_.is_doubtful(deviation.of_mixture)) {
-      suspect_back_ = 0;
-      without_suspect_ = bank_;
-      taken_before_suspect_ns_ = taken_ns_;
-    }
-    // One rejected sample is a glitch and says nothing of the noise; two in a row may be a noise,
-    // or a motion, larger than was thought.
-    if (gate_.rejections() != 1) bank_.learn(instant.position_m, T);
-    if (acceptance.restart) {
-      start(instant);
-    } else if (acceptance.weight > Scalar(0)) {
-      instant.events.add(Event::update_refused,
-                         !bank_.update(instant.position_m, acceptance.weight));
-      instant.is_taken = true;
-      taken_ns_ = instant.time_ns;
-    }
-  }
-
-  // Squared deviations from what was expected, the largest of all axes.
-  struct Deviation {
-    Scalar of_likely = 0;   // from the likely member that it fits best
-    Scalar of_mixture = 0;  // from the mixture
-  };
-
-  // Compares `instant` with what `bank` expected of it, and notes that in `instant`.
-  static Deviation compare(const Bank& bank, Instant& instant) {
-    Deviation deviation;
-    // So that NaN is the largest.
-    const auto enlarge = [](Scalar& largest, Scalar value) {
-      if (!(value <= largest)) largest = value;
-    };
     for (int axis = 0; axis < kAxes; ++axis) {
-      const auto expected = bank.expectation(axis, instant.position_m[axis]);
-      const Scalar innovation_m = instant.position_m[axis] - expected.position_m;
-      instant.innovation_m[axis] = innovation_m;
-      instant.innovation_variance_m2[axis] = expected.variance_m2;
-      enlarge(deviation.of_likely, expected.of_likely_squared);
-      enlarge(deviation.of_mixture, expected.of_mixture_squared);
+      const Scalar step_m = rounding_[axis].step_m();
+      motion_.hold_noise_above(axis, step_m * step_m / Scalar(12));
     }
-    return deviation;
+    const auto verdict = motion_.take(instant.position_m, T);
+    instant.events.add(verdict.events);
+    for (int axis = 0; axis < kAxes; ++axis) {
+      instant.innovation_m[axis] = verdict.innovation_m[axis];
+      instant.innovation_variance_m2[axis] = verdict.variance_m2[axis];
+    }
+    for (int i = 0; i < 2; ++i) {
+      instant.tracks[i].is_taken = verdict.is_taken[i];
+      instant.tracks[i].is_restart = verdict.is_start[i];
+    }
+    instant.track = motion_.main_index();
+    if (motion_.has_decided()) instants_.settle(motion_.main_index());
+    if (verdict.is_known) taken_ns_ = instant.time_ns;
   }
 
-  // The sample taken last was doubtful, and now `instant` is an outlier: if it is none without that
-  // sample, that sample was one. Then the filter goes on as if it had not been taken.
-  bool revoke_suspect(Instant& instant) {
-    Bank without = without_suspect_;
-    const Scalar T = difference_s(instant.time_ns, taken_ns_);
-    without.predict(white_jerk_jacobian(T), white_jerk_covariance(T));
-    if (gate_.is_doubtful(compare(without, instant).of_mixture)) return false;
-    bank_ = without;
-    taken_ns_ = taken_before_suspect_ns_;
-    if (suspect_back_ >= kInstants) return true;
-    Instant& suspect = at(suspect_back_);
-    suspect.is_taken = false;
-    suspect.events.add(Event::outlier_rejected);
-    for (int back = suspect_back_; back > 0; --back) {
-      Instant& past = at(back);
-      if (back < suspect_back_) {
-        without_suspect_.predict(past.F, white_jerk_covariance(past.F.vx));
-      }
-      remember(without_suspect_, past);
-    }
-    return true;
-  }
-
-  void remember(const Bank& bank, Instant& instant) const {
+  void remember(Instant& instant) {
+    instant.is_open = started_ && motion_.has_other();
     if constexpr (kMostLag > 0) {
-      for (int i = 0; lag_ > 0 && i < bank.member_count(); ++i) instant.members[i] = bank.step(i);
+      if (lag_ == 0 || !started_) return;
+      const int main = motion_.main_index();
+      for (int i = 0; i < motion_.main().member_count(); ++i) {
+        instant.tracks[main].members[i] = motion_.main().step(i);
+        if (instant.is_open) instant.tracks[1 - main].members[i] = motion_.other().step(i);
+      }
     }
   }
 
   void start(Instant& instant) {
-    if (!noise_started_) bank_.start_noise(noise_sd_m_);
+    if (!noise_started_) motion_.start_noise(noise_sd_m_);
     instant.events.add(Event::state_restarted, noise_started_);
-    bank_.start_motion(instant.position_m);
-    gate_.restart();
-    suspect_back_ = -1;
+    motion_.start_motion(instant.position_m);
     noise_started_ = started_ = true;
-    is_lost_ = false;
-    instant.is_taken = instant.is_restart = true;
+    is_lost_ = has_shown_ = false;
+    instant.track = motion_.main_index();
+    instant.seen_by(instant.track).is_taken = instant.seen_by(instant.track).is_restart = true;
     taken_ns_ = instant.time_ns;
   }
 
@@ -338,51 +240,69 @@ class RecommendedEstimator {
 
   // The estimate of the instant `back` samples ago, by all samples up to now.
   Estimate estimate_of(int back) {
-    const Instant& instant = at(back);
+    const Instant& instant = instants_.at(back);
     Estimate estimate;
     estimate.is_ready = true;
     estimate.time_ns = instant.time_ns;
     estimate.time_valid = instant.time_valid;
     estimate.axis_count = kAxes;
     estimate.events = instant.events;
-    if (instant.is_measured) describe_measurement(instant, estimate);
+    const int main = motion_.main_index();
+    const bool is_first = instant.seen_by(main).is_restart;
+    if (instant.is_measured) describe_measurement(instant, is_first, estimate);
     if (!instant.has_state) return estimate;
-    Array<Array<MotionMoments<Scalar>, kAxes>, Bank::kMostMembers> smoothed;
-    if (back > 0) smooth(back, smoothed);
+    Array<MotionMoments<Scalar>, kAxes> moments;
+    if (back > 0) {
+      smooth(back, moments);
+    } else {
+      filter(instant, moments);
+    }
+    const bool is_taken = instant.seen_by(main).is_taken ||
+                          (instant.is_open && instant.events.has(Event::motion_changed));
     for (int axis = 0; axis < kAxes; ++axis) {
-      describe_state(back == 0 ? bank_.moments(axis)
-                               : bank_.mixture(axis, [&](int i) { return smoothed[i][axis]; }),
-                     instant.is_taken, estimate.axes[axis], estimate.events);
-      estimate.axes[axis].noise_sd_m = std::sqrt(bank_.noise_variance_m2(axis));
-      estimate.axes[axis].jerk_density_m2_s5 = bank_.jerk_density_m2_s5(axis);
-      estimate.events.add(Event::noise_at_limit, bank_.noise_is_at_limit(axis));
+      describe_state(moments[axis], is_taken, estimate.axes[axis], estimate.events);
+      estimate.axes[axis].noise_sd_m = std::sqrt(bank().noise_variance_m2(axis));
+      estimate.axes[axis].jerk_density_m2_s5 = bank().jerk_density_m2_s5(axis);
+      estimate.events.add(Event::noise_at_limit, bank().noise_is_at_limit(axis));
+      estimate.events.add(Event::liveliness_at_limit, bank().liveliness_is_at_limit(axis));
     }
     return estimate;
   }
 
-  void smooth(int back, Array<Array<MotionMoments<Scalar>, kAxes>, Bank::kMostMembers>& smoothed) {
-    for (int i = 0; i < bank_.member_count(); ++i) {
-      if (!bank_.is_plausible(i)) continue;
-      LaterEvidence<Scalar, kAxes> evidence;
-      for (int j = 0; j < back; ++j) {
-        const Instant& later = at(j);
-        if (later.is_restart) {
-          evidence.forget();
-        } else {
-          if (later.is_taken) evidence.go_back_over_measurement(later.members[i]);
-          evidence.go_back_over_step(later.F);
-        }
+  // Motion at the newest instant. Without a measurement nothing becomes better known.
+  void filter(const Instant& instant, Array<MotionMoments<Scalar>, kAxes>& moments) {
+    const bool is_taken = instant.tracks[0].is_taken || instant.tracks[1].is_taken;
+    const bool is_unexpected = instant.is_measured && instant.events.has(Event::outlier_rejected);
+    for (int axis = 0; axis < kAxes; ++axis) {
+      moments[axis] = motion_.moments(axis);
+      Vector3<Scalar>& variance = moments[axis].variance;
+      if (has_shown_ && (!is_taken || is_unexpected)) {
+        variance = variance.cwiseMax(shown_variance_[axis]);
       }
-      const auto& step = at(back).members[i];
-      for (int axis = 0; axis < kAxes; ++axis) {
-        smoothed[i][axis] = evidence.smoothed(step, axis);
-      }
+      shown_variance_[axis] = variance;
+    }
+    has_shown_ = true;
+  }
+
+  // Motion `back` samples ago, by all samples since.
+  void smooth(int back, Array<MotionMoments<Scalar>, kAxes>& moments) {
+    typename Instants::Smoothed smoothed;
+    instants_.smooth(motion_.main(), motion_.main_index(), back, smoothed);
+    const auto member = [&](int axis) { return [&, axis](int i) { return smoothed[i][axis]; }; };
+    for (int axis = 0; axis < kAxes; ++axis) {
+      moments[axis] = motion_.main().mixture(axis, member(axis));
+    }
+    if (!(motion_.share_of_other() > Scalar(0))) return;
+    instants_.smooth(motion_.other(), 1 - motion_.main_index(), back, smoothed);
+    for (int axis = 0; axis < kAxes; ++axis) {
+      moments[axis] =
+          motion_.mixture(moments[axis], motion_.other().mixture(axis, member(axis)));
     }
   }
 
-  static void describe_measurement(const Instant& instant, Estimate& estimate) {
+  static void describe_measurement(const Instant& instant, bool is_first, Estimate& estimate) {
     Scalar nis = 0;
-    bool has_nis = !instant.is_restart;
+    bool has_nis = !is_first;
     for (int axis = 0; axis < kAxes; ++axis) {
       AxisEstimate<Scalar>& described = estimate.axes[axis];
       described.measured_position_m = instant.position_m[axis];
@@ -404,7 +324,7 @@ class RecommendedEstimator {
       events.add(Event::variance_negative, moments.variance[i] < Scalar(0));
     }
     const auto unless_guessed = [&](Provenance provenance) {
-      return bank_.noise_is_known() ? carried(provenance, is_taken) : Provenance::assumed;
+      return bank().noise_is_known() ? carried(provenance, is_taken) : Provenance::assumed;
     };
     const auto provenance = [&](StateIndex i, Scalar prior_variance) {
       return unless_guessed(
@@ -437,14 +357,12 @@ class RecommendedEstimator {
     return {moments.mean[i], std::sqrt(variance), provenance};
   }
 
-  static constexpr int kInstants = kMostLag + 1;
-
   Scalar assumed_mass_kg_, prior_velocity_variance_, prior_acceleration_variance_;
   Scalar longest_gap_s_;
   int lag_;
   bool parameters_valid_;
-  Bank bank_;
-  OutlierGate<Scalar> gate_;
+  MotionHypotheses<Scalar, kAxes> motion_;
+  Array<RoundingStep<Scalar>, kAxes> rounding_;
   Array<Scalar, kAxes> noise_sd_m_;
   bool has_time_ = false;       // a sample's time is known,
   TimeNs time_ns_ = 0;          // the last one's
@@ -452,11 +370,10 @@ class RecommendedEstimator {
   bool noise_started_ = false;  // a position was ever taken
   bool started_ = false;        // there is a state,
   bool is_lost_ = false;        // or there was one
-  int newest_ = 0, waiting_ = 0;
-  int suspect_back_ = -1;  // samples since one that was taken though doubtful; -1: none
-  Bank without_suspect_;   // as it would be had that one not been taken
-  TimeNs taken_before_suspect_ns_ = 0;
-  Array<Instant, kInstants> instants_;
+  int waiting_ = 0;
+  bool has_shown_ = false;  // an estimate of the newest instant,
+  Array<Vector3<Scalar>, kAxes> shown_variance_;  // with these variances
+  Instants instants_;
 };
 
 }  // namespace condyle

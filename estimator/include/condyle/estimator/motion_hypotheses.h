@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+// What samples say that a motion does not expect: two hypotheses, each a bank of filters, until
+// later samples have decided between them.
+//
+//   main    the motion goes on as it was, and a sample beyond the gate is an outlier
+//   other   the motion changed: it goes on from that sample, with the velocity it had, but
+//           velocity and acceleration hardly known
+//   o       log odds of other against main; s = 1 / (1 + e^-o), its share
+//   nu, S   innovation of a sample along one axis (m), and its variance (m^2)
+//   d       innovation of the sample that other starts from
+//
+// Start.   o = log N(d; S + kChange V T^2) - log u, between kLeastOdds and 0; V the variance of
+//          velocity that a jaw's prior and this motion's speeds allow, u the density of outliers,
+//          anywhere within 50 mm. The variance of other's velocity is that V and (d/T)^2: a motion
+//          that went so far within a step may go on as fast.
+// Tests.   A sample that fits either of them adds log p_other - log p_main, where each p is at least
+//          that of an outlier: outliers come in bursts, and the next is about as far off as the
+//          first, N(nu; S + (2 d)^2), with probability 1/2 where main is right, e^-3 where other is.
+//          One that fits neither says nothing for either; other starts anew from it.
+// End.     o > kSure: the motion changed; o < -kUnlikely: it did not; after kMostTests the likelier.
+// Shown.   The mixture of both, its first two moments matched. Where neither takes a sample,
+//          nothing that is stated gets narrower.
+//
+// A sample within the gate but beyond huber counts less. Main has taken it; the second bank goes on
+// without it until the next sample. Where that is an outlier, and likelier by e^3 without, main was
+// misled and the second bank takes its place. A bank of fewer than kSettled samples is too wide to
+// judge.
+#pragma once
+
+#include "condyle/estimator/events.h"
+#include "condyle/estimator/motion_bank.h"
+#include "condyle/estimator/outlier_gate.h"
+
+namespace condyle {
+
+/// What was made of one sample.
+template <class Scalar, int kAxes>
+struct SampleVerdict {
+  Array<Scalar, kAxes> innovation_m = {};
+  Array<Scalar, kAxes> variance_m2 = {};  ///< of the innovation
+  bool is_taken[2] = {};  ///< by the first and the second bank
+  bool is_start[2] = {};  ///< it starts anew from this sample
+  bool is_known = false;  ///< a hypothesis expected it
+  EventSet events;
+};
+
+/// Two hypotheses about one motion. Banks are named by their index, 0 or 1.
+template <class Scalar, int kAxes>
+class MotionHypotheses {
+ public:
+  using Bank = MotionBank<Scalar, kAxes>;
+  using Position = typename Bank::Position;
+  using Verdict = SampleVerdict<Scalar, kAxes>;
+
+  /// `parameters` must be valid.
+  explicit MotionHypotheses(const RecommendedParameters& parameters)
+      : prior_velocity_variance_(static_cast<Scalar>(parameters.prior.velocity_sd_m_s *
+                                                     parameters.prior.velocity_sd_m_s)),
+        most_failures_(static_cast<Scalar>(parameters.outliers.reset_after)),
+        gate_(parameters.outliers),
+        banks_{Bank(parameters), Bank(parameters)} {}
+
+  /// Starts noise and weights (m).
+  void start_noise(const Position& noise_sd_m) { main_bank().start_noise(noise_sd_m); }
+
+  /// The motion starts at `position_m`, measured.
+  void start_motion(const Position& position_m) {
+    main_bank().start_motion(position_m);
+    doubt_ = Doubt::none;
+    settled_ = 0;
+    failures_ = 0;
+  }
+
+  /// Moves all banks by a step of `F` and Q / q.
+  void predict(const TransitionJacobian<Scalar>& F, const SymmetricMatrix3<Scalar>& Q) {
+    main_bank().predict(F, Q);
+    if (doubt_ != Doubt::none) other_bank().predict(F, Q);
+  }
+
+  /// No less noise than `R` along `axis` (m^2), that of rounding.
+  void hold_noise_above(int axis, Scalar R) {
+    main_bank().hold_noise_above(axis, R);
+    if (doubt_ != Doubt::none) other_bank().hold_noise_above(axis, R);
+  }
+
+  /// Takes the measurement `z_m`, `T` s after the last sample, after `predict`.
+  Verdict take(const Position& z_m, Scalar T) {
+    Verdict verdict;
+    just_decided_ = false;
+    if (doubt_ == Doubt::motion) {
+      take_in_doubt(z_m, T, verdict);
+    } else {
+      take_alone(z_m, T, verdict);
+    }
+    return verdict;
+  }
+
+  /// Log odds of the second hypothesis turned into its share, 0 to 1.
+  Scalar share_of_other() const {
+    if (doubt_ != Doubt::motion) return 0;
+    return Scalar(1) / (Scalar(1) + elementary::exp(-odds_));
+  }
+  /// True where there are two banks, of whatever doubt.
+  bool has_other() const { return doubt_ != Doubt::none; }
+  /// True where the last sample decided between two banks; `main_index` is the one that is left.
+  bool has_decided() const { return just_decided_; }
+  int main_index() const { return main_; }
+  const Bank& main() const { return banks_[main_]; }
+  const Bank& other() const { return banks_[1 - main_]; }
+
+  /// Moments of the mixture of both, of which `of_main` and `of_other` are given.
+  MotionMoments<Scalar> mixture(MotionMoments<Scalar> of_main,
+                                const MotionMoments<Scalar>& of_other) const {
+    const Scalar share = share_of_other();
+    const Vector3<Scalar> gap = of_other.mean - of_main.mean;
+    of_main.mean += share * gap;
+    of_main.variance = (Scalar(1) - share) * of_main.variance + share * of_other.variance +
+                       share * (Scalar(1) - share) * gap.cwiseProduct(gap);
+    return of_main;
+  }
+
+  /// Motion along `axis`, both hypotheses.
+  MotionMoments<Scalar> moments(int axis) const {
+    if (doubt_ != Doubt::motion) return main().moments(axis);
+    return mixture(main().moments(axis), other().moments(axis));
+  }
+
+ private:
+  enum class Doubt { none, sample, motion };
+
+  static constexpr Scalar kOutlierDensity = 20;  // 1/m
+  static constexpr Scalar kTwoPi = Scalar(6.283185307179586);
+  static constexpr Scalar kLeastOdds = -4;
+  static constexpr Scalar kSure = CONDYLE_SURE, kUnlikely = CONDYLE_UNLIKELY;
+  static constexpr Scalar kMainBurst = Scalar(CONDYLE_MB);  // log 1/2
+  static constexpr Scalar kOtherBurst = Scalar(CONDYLE_OB);
+  static constexpr Scalar kLikelier = 3;
+  static constexpr int kMostTests = CONDYLE_TESTS;
+  static constexpr int kSettled = 5;
+
+  // What a bank makes of a sample.
+  struct Comparison {
+    Position innovation_m = {}, variance_m2 = {};
+    Scalar of_likely = 0;   // squared deviation from the likely member that it fits best,
+    Scalar of_mixture = 0;  // from the mixture; the largest of all axes
+  };
+
+  Bank& main_bank() { return banks_[main_]; }
+  Bank& other_bank() { return banks_[1 - main_]; }
+
+  static Comparison compare(const Bank& bank, const Position& z_m) {
+    Comparison result;
+    // So that NaN is the largest.
+    const auto enlarge = [](Scalar& largest, Scalar value) {
+      if (!(value <= largest)) largest = value;
+    };
+    for (int axis = 0; axis < kAxes; ++axis) {
+      const auto expected = bank.expectation(axis, z_m[axis]);
+      result.innovation_m[axis] = z_m[axis] - expected.position_m;
+      result.variance_m2[axis] = expected.variance_m2;
+      enlarge(result.of_likely, expected.of_likely_squared);
+      enlarge(result.of_mixture, expected.of_mixture_squared);
+    }
+    return result;
+  }
+
+  static void note(const Comparison& comparison, Verdict& verdict) {
+    for (int axis = 0; axis < kAxes; ++axis) {
+      verdict.innovation_m[axis] = comparison.innovation_m[axis];
+      verdict.variance_m2[axis] = comparison.variance_m2[axis];
+    }
+  }
+
+  void take_alone(const Position& z_m, Scalar T, Verdict& verdict) {
+    Comparison comparison = compare(main(), z_m);
+    if (gate_.is_outlier(comparison.of_likely) && doubt_ == Doubt::sample && is_misled(z_m)) {
+      main_ = 1 - main_;
+      comparison = compare(main(), z_m);
+      verdict.events.add(Event::outlier_revoked);
+    }
+    if (doubt_ == Doubt::sample) decide();
+    note(comparison, verdict);
+    if (gate_.is_outlier(comparison.of_likely)) {
+      failures_ = 0;
+      doubt_motion(z_m, T, comparison, verdict);
+      return;
+    }
+    if (gate_.is_doubtful(comparison.of_mixture) && settled_ >= kSettled) {
+      other_bank() = main();
+      doubt_ = Doubt::sample;
+    }
+    update(main_, z_m, T, comparison, verdict);
+    verdict.is_known = true;
+    settled_ = std::min(settled_ + 1, kSettled);
+    learn_speed();
+  }
+
+  // Main has taken a doubtful sample before `z_m`, and `z_m` is far likelier without it.
+  bool is_misled(const Position& z_m) const {
+    return !gate_.is_doubtful(compare(other(), z_m).of_mixture) &&
+           other().log_density(z_m) >
+               std::max(main().log_density(z_m), kAxes * log(kOutlierDensity)) + kLikelier;
+  }
+
+  void take_in_doubt(const Position& z_m, Scalar T, Verdict& verdict) {
+    const Comparison by_main = compare(main(), z_m), by_other = compare(other(), z_m);
+    note_mixture(by_main, by_other, verdict);
+    const bool fits_main = !gate_.is_outlier(by_main.of_likely);
+    const bool fits_other = !gate_.is_outlier(by_other.of_likely);
+    if (!fits_main && !fits_other) {
+      main_bank().learn(z_m, T);
+      ++failures_;
+      doubt_motion(z_m, T, by_main, verdict);
+      if (static_cast<Scalar>(failures_) < most_failures_) return;
+      main_ = 1 - main_;
+      decide();
+      settled_ = 0;
+      verdict.is_known = true;
+      verdict.events.add(Event::state_restarted);
+      return;
+    }
+    odds_ += log_likelihood(other(), by_other, z_m, kOtherBurst) -
+             log_likelihood(main(), by_main, z_m, kMainBurst);
+    ++tests_;
+    if (fits_main) {
+      update(main_, z_m, T, by_main, verdict);
+    } else {
+      main_bank().learn(z_m, T);
+    }
+    if (fits_other) update(1 - main_, z_m, T, by_other, verdict);
+    verdict.is_known = true;
+    const bool is_over = tests_ >= kMostTests;
+    if (odds_ < -kUnlikely || (is_over && !(odds_ > Scalar(0)))) {
+      decide();
+    } else if (odds_ > kSure || is_over) {
+      other_bank().take_larger_noise(main());
+      main_ = 1 - main_;
+      settled_ = 0;
+      decide();
+    }
+    if (!fits_main) verdict.events.add(Event::motion_changed);
+  }
+
+  // The second bank starts from `z_m`, which main did not expect.
+  void doubt_motion(const Position& z_m, Scalar T, const Comparison& by_main, Verdict& verdict) {
+    const Scalar allowed = prior_velocity_variance_ + 4 * mean_square_speed_;
+    const Scalar step_s = std::max(T, kShortestStep_s);
+    Scalar log_changed = 0, square_speed = 0;
+    for (int axis = 0; axis < kAxes; ++axis) {
+      const Scalar d = by_main.innovation_m[axis], S = by_main.variance_m2[axis];
+      log_changed += log_normal(d, S + kChange * allowed * step_s * step_s);
+      square_speed = std::max(square_speed, d * d / (step_s * step_s));
+      burst_variance_m2_[axis] = 4 * d * d;
+    }
+    other_bank() = main();
+    other_bank().change_motion(
+        z_m, std::min((allowed + square_speed) / prior_velocity_variance_, kWidest));
+    const Scalar prior = log_changed - kAxes * log(kOutlierDensity);
+    odds_ = std::clamp(prior + Scalar(CONDYLE_FAIL) * static_cast<Scalar>(failures_), kLeastOdds, Scalar(CONDYLE_MAXP));
+    tests_ = 0;
+    doubt_ = Doubt::motion;
+    const int index = 1 - main_;
+    verdict.is_start[index] = verdict.is_taken[index] = true;
+    verdict.events.add(odds_ >= Scalar(CONDYLE_EVT) ? Event::motion_changed : Event::outlier_rejected);
+  }
+
+  Scalar log_likelihood(const Bank& bank, const Comparison& comparison, const Position& z_m,
+                        Scalar burst) const {
+    Scalar outlier = burst;
+    for (int axis = 0; axis < kAxes; ++axis) {
+      outlier += log_normal(comparison.innovation_m[axis],
+                            comparison.variance_m2[axis] + burst_variance_m2_[axis]);
+    }
+    return std::max(bank.log_density(z_m), outlier);
+  }
+
+  // By the bank `index`, which expected it.
+  void update(int index, const Position& z_m, Scalar T, const Comparison& comparison,
+              Verdict& verdict) {
+    const Scalar weight = gate_.weight(comparison.of_likely);
+    verdict.events.add(Event::outlier_weighted, weight < Scalar(1));
+    banks_[index].learn(z_m, T);
+    verdict.events.add(Event::update_refused, !banks_[index].update(z_m, weight));
+    verdict.is_taken[index] = true;
+  }
+
+  void note_mixture(const Comparison& by_main, const Comparison& by_other, Verdict& verdict) const {
+    const Scalar share = share_of_other();
+    for (int axis = 0; axis < kAxes; ++axis) {
+      const Scalar gap = by_other.innovation_m[axis] - by_main.innovation_m[axis];
+      verdict.innovation_m[axis] = by_main.innovation_m[axis] + share * gap;
+      verdict.variance_m2[axis] = (1 - share) * by_main.variance_m2[axis] +
+                                  share * by_other.variance_m2[axis] +
+                                  share * (1 - share) * gap * gap;
+    }
+  }
+
+  void decide() {
+    doubt_ = Doubt::none;
+    just_decided_ = true;
+  }
+
+  void learn_speed() {
+    Scalar square_speed = 0;
+    for (int axis = 0; axis < kAxes; ++axis) {
+      const Scalar velocity_m_s = main().leading_velocity_m_s(axis);
+      square_speed = std::max(square_speed, velocity_m_s * velocity_m_s);
+    }
+    mean_square_speed_ += kSpeedGain * (square_speed - mean_square_speed_);
+  }
+
+  static Scalar log(Scalar x) { return elementary::quick_log(x); }
+  static Scalar log_normal(Scalar x, Scalar variance) {
+    return Scalar(-0.5) * (x * x / variance + log(kTwoPi * variance));
+  }
+
+  static constexpr Scalar kChange = CONDYLE_CHANGE;
+  static constexpr Scalar kSpeedGain = Scalar(0.01);
+  static constexpr Scalar kShortestStep_s = Scalar(1e-4);
+  static constexpr Scalar kWidest = Scalar(1e6);
+
+  Scalar prior_velocity_variance_, most_failures_;
+  OutlierGate<Scalar> gate_;
+  Bank banks_[2];
+  int main_ = 0;
+  Doubt doubt_ = Doubt::none;
+  bool just_decided_ = false;
+  int tests_ = 0, failures_ = 0, settled_ = 0;
+  Scalar odds_ = 0;
+  Scalar mean_square_speed_ = 0;
+  Position burst_variance_m2_ = {};
+};
+
+}  // namespace condyle
