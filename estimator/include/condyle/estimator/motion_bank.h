@@ -23,9 +23,7 @@
 //            member_weights.h.
 //
 // D. T. Magill, Optimal adaptive estimation of sampled stochastic processes, IEEE Trans. Autom.
-// Control 10 (1965) 434-439 (the bank). The two memories of the weights are this project's. Their
-// constants were chosen on simulated chewing: kShortMemory 4 to 12, kLead 8 to 12 and
-// kIndependentShare 0.15 to 1 change the mean velocity error by less than 1 %.
+// Control 10 (1965) 434-439 (the bank).
 #pragma once
 
 #include <algorithm>
@@ -54,7 +52,7 @@ template <class Scalar, int kAxes>
 class MotionBank {
  public:
   /// Most members.
-  static constexpr int kMostMembers = CONDYLE_MEMBERS;
+  static constexpr int kMostMembers = 18;
   using Position = Array<Scalar, kAxes>;
   using Step = FilteredStep<Scalar, kAxes>;
 
@@ -201,11 +199,9 @@ class MotionBank {
       return;
     }
     const bool learns_noise = fresh_ == 0;
-    if (fresh_ > 0) --fresh_;
-    if (learns_noise) {
-      for (int i = 0; i < member_count_; ++i) {
-        mean_log_S_[i] += gain * (log_S[i] - mean_log_S_[i]);
-      }
+    if (!learns_noise) --fresh_;
+    for (int i = 0; learns_noise && i < member_count_; ++i) {
+      mean_log_S_[i] += gain * (log_S[i] - mean_log_S_[i]);
     }
     if (!noise_is_known()) judge_guess(share);
     for (int axis = 0; axis < kAxes; ++axis) {
@@ -293,17 +289,14 @@ class MotionBank {
   Scalar jerk_density_m2_s5(int axis) const {
     return members_[leader(axis)].r * noise_variance_m2(axis);
   }
-  /// Velocity along `axis` by the member that leads (m/s).
-  Scalar leading_velocity_m_s(int axis) const {
-    return members_[leader(axis)].step.x[axis][kVelocity];
-  }
+  /// Velocity along `axis` by the same member (m/s).
+  Scalar leading_velocity_m_s(int axis) const { return step(leader(axis)).x[axis][kVelocity]; }
   /// False while the noise is still the first guess more than what the samples say: intervals then
   /// rest on the guess.
   bool noise_is_known() const { return !adaptive_ || learned_ >= kFewestLearned; }
   /// True where the estimated noise along `axis` is held at its floor or ceiling.
   bool noise_is_at_limit(int axis) const { return adaptive_ && weights_[axis].noise_is_at_limit(); }
-  /// True where the motion along `axis` is as lively as the bank can tell: what is noise and what
-  /// is motion cannot be told apart.
+  /// True where the motion along `axis` is as lively as the bank can tell from noise.
   bool liveliness_is_at_limit(int axis) const {
     return adaptive_ && leader(axis) == member_count_ - 1;
   }
@@ -324,7 +317,7 @@ class MotionBank {
   static constexpr int kFewestLearned = 15;   // then a first guess is forgotten
   static constexpr int kFresh = 3;
   static constexpr Scalar kGrowth = Scalar(1) / Scalar(3);
-  static constexpr Scalar kKeptOfMemory = Scalar(CONDYLE_KEPT);  // by a sample that nobody expects
+  static constexpr Scalar kKeptOfMemory = Scalar(0.9);  // by a sample that no member expects
   static constexpr Scalar kLeastExponent = -80;           // e^-80 is still a number in float
   static constexpr Scalar kTwoPi = Scalar(6.283185307179586);
 

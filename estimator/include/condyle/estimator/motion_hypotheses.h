@@ -9,17 +9,19 @@
 //   nu, S   innovation of a sample along one axis (m), and its variance (m^2)
 //   d       innovation of the sample that other starts from
 //
-// Start.   o = log N(d; S + kChange V T^2) - log u, between kLeastOdds and 0; V the variance of
+// Start.   o = log N(d; S + V T^2) - log u, between kLeastOdds and kMostOdds; V the variance of
 //          velocity that a jaw's prior and this motion's speeds allow, u the density of outliers,
-//          anywhere within 50 mm. The variance of other's velocity is that V and (d/T)^2: a motion
-//          that went so far within a step may go on as fast.
+//          anywhere within 50 mm. At kMostOdds the sample may well be a change (`motion_changed`),
+//          below it is an outlier that a change could hardly make (`outlier_rejected`). The variance
+//          of other's velocity is V + (d/T)^2: a motion that went so far within a step may go on as
+//          fast.
 // Tests.   A sample that fits either of them adds log p_other - log p_main, where each p is at least
 //          that of an outlier: outliers come in bursts, and the next is about as far off as the
 //          first, N(nu; S + (2 d)^2), with probability 1/2 where main is right, e^-3 where other is.
-//          One that fits neither says nothing for either; other starts anew from it.
+//          One that fits neither says nothing for either; other starts anew from it, likelier each
+//          time, and after `reset_after` in a row main is given up.
 // End.     o > kSure: the motion changed; o < -kUnlikely: it did not; after kMostTests the likelier.
-// Shown.   The mixture of both, its first two moments matched. Where neither takes a sample,
-//          nothing that is stated gets narrower.
+// Shown.   The mixture of both, its first two moments matched.
 //
 // A sample within the gate but beyond huber counts less. Main has taken it; the second bank goes on
 // without it until the next sample. Where that is an outlier, and likelier by e^3 without, main was
@@ -41,6 +43,7 @@ struct SampleVerdict {
   bool is_taken[2] = {};  ///< by the first and the second bank
   bool is_start[2] = {};  ///< it starts anew from this sample
   bool is_known = false;  ///< a hypothesis expected it
+  int settled = -1;       ///< the bank that was right about the samples before this; -1: open
   EventSet events;
 };
 
@@ -56,7 +59,7 @@ class MotionHypotheses {
   explicit MotionHypotheses(const RecommendedParameters& parameters)
       : prior_velocity_variance_(static_cast<Scalar>(parameters.prior.velocity_sd_m_s *
                                                      parameters.prior.velocity_sd_m_s)),
-        most_failures_(static_cast<Scalar>(parameters.outliers.reset_after)),
+        most_refusals_(static_cast<Scalar>(parameters.outliers.reset_after)),
         gate_(parameters.outliers),
         banks_{Bank(parameters), Bank(parameters)} {}
 
@@ -68,8 +71,10 @@ class MotionHypotheses {
     main_bank().start_motion(position_m);
     doubt_ = Doubt::none;
     settled_ = 0;
-    failures_ = 0;
   }
+
+  /// The motion is lost, and with it what was open.
+  void lose_motion() { doubt_ = Doubt::none; }
 
   /// Moves all banks by a step of `F` and Q / q.
   void predict(const TransitionJacobian<Scalar>& F, const SymmetricMatrix3<Scalar>& Q) {
@@ -86,7 +91,7 @@ class MotionHypotheses {
   /// Takes the measurement `z_m`, `T` s after the last sample, after `predict`.
   Verdict take(const Position& z_m, Scalar T) {
     Verdict verdict;
-    just_decided_ = false;
+    if (T > Scalar(0)) step_s_ = T;
     if (doubt_ == Doubt::motion) {
       take_in_doubt(z_m, T, verdict);
     } else {
@@ -102,8 +107,6 @@ class MotionHypotheses {
   }
   /// True where there are two banks, of whatever doubt.
   bool has_other() const { return doubt_ != Doubt::none; }
-  /// True where the last sample decided between two banks; `main_index` is the one that is left.
-  bool has_decided() const { return just_decided_; }
   int main_index() const { return main_; }
   const Bank& main() const { return banks_[main_]; }
   const Bank& other() const { return banks_[1 - main_]; }
@@ -130,13 +133,17 @@ class MotionHypotheses {
 
   static constexpr Scalar kOutlierDensity = 20;  // 1/m
   static constexpr Scalar kTwoPi = Scalar(6.283185307179586);
-  static constexpr Scalar kLeastOdds = -4;
-  static constexpr Scalar kSure = CONDYLE_SURE, kUnlikely = CONDYLE_UNLIKELY;
-  static constexpr Scalar kMainBurst = Scalar(CONDYLE_MB);  // log 1/2
-  static constexpr Scalar kOtherBurst = Scalar(CONDYLE_OB);
+  static constexpr Scalar kLeastOdds = -6, kMostOdds = -1;
+  static constexpr Scalar kRefusalOdds = Scalar(0.7);  // log 2: of a burst that goes on
+  static constexpr Scalar kSure = 4, kUnlikely = 3;
+  static constexpr Scalar kMainBurst = Scalar(-0.7);  // log 1/2
+  static constexpr Scalar kOtherBurst = -3;
   static constexpr Scalar kLikelier = 3;
-  static constexpr int kMostTests = CONDYLE_TESTS;
+  static constexpr int kMostTests = 10;
   static constexpr int kSettled = 5;
+  static constexpr Scalar kSpeedGain = Scalar(0.01);
+  static constexpr Scalar kFirstStep_s = Scalar(0.01);
+  static constexpr Scalar kWidest = Scalar(1e6);
 
   // What a bank makes of a sample.
   struct Comparison {
@@ -178,11 +185,11 @@ class MotionHypotheses {
       comparison = compare(main(), z_m);
       verdict.events.add(Event::outlier_revoked);
     }
-    if (doubt_ == Doubt::sample) decide();
+    if (doubt_ == Doubt::sample) settle(main_, verdict);
     note(comparison, verdict);
     if (gate_.is_outlier(comparison.of_likely)) {
-      failures_ = 0;
-      doubt_motion(z_m, T, comparison, verdict);
+      refusals_ = 1;
+      doubt_motion(z_m, comparison, verdict);
       return;
     }
     if (gate_.is_doubtful(comparison.of_mixture) && settled_ >= kSettled) {
@@ -208,17 +215,10 @@ class MotionHypotheses {
     const bool fits_main = !gate_.is_outlier(by_main.of_likely);
     const bool fits_other = !gate_.is_outlier(by_other.of_likely);
     if (!fits_main && !fits_other) {
-      main_bank().learn(z_m, T);
-      ++failures_;
-      doubt_motion(z_m, T, by_main, verdict);
-      if (static_cast<Scalar>(failures_) < most_failures_) return;
-      main_ = 1 - main_;
-      decide();
-      settled_ = 0;
-      verdict.is_known = true;
-      verdict.events.add(Event::state_restarted);
+      refuse(z_m, T, by_main, verdict);
       return;
     }
+    refusals_ = 0;
     odds_ += log_likelihood(other(), by_other, z_m, kOtherBurst) -
              log_likelihood(main(), by_main, z_m, kMainBurst);
     ++tests_;
@@ -231,37 +231,49 @@ class MotionHypotheses {
     verdict.is_known = true;
     const bool is_over = tests_ >= kMostTests;
     if (odds_ < -kUnlikely || (is_over && !(odds_ > Scalar(0)))) {
-      decide();
+      settle(main_, verdict);
     } else if (odds_ > kSure || is_over) {
       other_bank().take_larger_noise(main());
-      main_ = 1 - main_;
-      settled_ = 0;
-      decide();
+      settle(1 - main_, verdict);
     }
-    if (!fits_main) verdict.events.add(Event::motion_changed);
+    verdict.events.add(Event::motion_changed, !fits_main);
+  }
+
+  // Neither hypothesis expected `z_m`.
+  void refuse(const Position& z_m, Scalar T, const Comparison& by_main, Verdict& verdict) {
+    verdict.settled = main_;
+    main_bank().learn(z_m, T);
+    ++refusals_;
+    doubt_motion(z_m, by_main, verdict);
+    if (static_cast<Scalar>(refusals_) < most_refusals_) return;
+    main_ = 1 - main_;
+    settled_ = 0;
+    doubt_ = Doubt::none;
+    verdict.is_known = true;
+    verdict.events = {};
+    verdict.events.add(Event::state_restarted);
   }
 
   // The second bank starts from `z_m`, which main did not expect.
-  void doubt_motion(const Position& z_m, Scalar T, const Comparison& by_main, Verdict& verdict) {
+  void doubt_motion(const Position& z_m, const Comparison& by_main, Verdict& verdict) {
     const Scalar allowed = prior_velocity_variance_ + 4 * mean_square_speed_;
-    const Scalar step_s = std::max(T, kShortestStep_s);
-    Scalar log_changed = 0, square_speed = 0;
+    const Scalar square_step = step_s_ * step_s_;
+    Scalar square_innovation = 0;
+    odds_ = kRefusalOdds * static_cast<Scalar>(refusals_ - 1);
     for (int axis = 0; axis < kAxes; ++axis) {
       const Scalar d = by_main.innovation_m[axis], S = by_main.variance_m2[axis];
-      log_changed += log_normal(d, S + kChange * allowed * step_s * step_s);
-      square_speed = std::max(square_speed, d * d / (step_s * step_s));
+      odds_ += log_normal(d, S + allowed * square_step) - log(kOutlierDensity);
+      square_innovation = std::max(square_innovation, d * d);
       burst_variance_m2_[axis] = 4 * d * d;
     }
+    odds_ = std::clamp(odds_, kLeastOdds, kMostOdds);
+    const Scalar variance = allowed + square_innovation / square_step;
     other_bank() = main();
-    other_bank().change_motion(
-        z_m, std::min((allowed + square_speed) / prior_velocity_variance_, kWidest));
-    const Scalar prior = log_changed - kAxes * log(kOutlierDensity);
-    odds_ = std::clamp(prior + Scalar(CONDYLE_FAIL) * static_cast<Scalar>(failures_), kLeastOdds, Scalar(CONDYLE_MAXP));
+    other_bank().change_motion(z_m, std::min(variance / prior_velocity_variance_, kWidest));
     tests_ = 0;
     doubt_ = Doubt::motion;
-    const int index = 1 - main_;
-    verdict.is_start[index] = verdict.is_taken[index] = true;
-    verdict.events.add(odds_ >= Scalar(CONDYLE_EVT) ? Event::motion_changed : Event::outlier_rejected);
+    verdict.is_start[1 - main_] = verdict.is_taken[1 - main_] = true;
+    verdict.events.add(odds_ < kMostOdds ? Event::outlier_rejected : Event::motion_changed);
   }
 
   Scalar log_likelihood(const Bank& bank, const Comparison& comparison, const Position& z_m,
@@ -295,9 +307,12 @@ class MotionHypotheses {
     }
   }
 
-  void decide() {
+  // The bank `index` was right.
+  void settle(int index, Verdict& verdict) {
+    if (index != main_) settled_ = 0;
+    main_ = index;
     doubt_ = Doubt::none;
-    just_decided_ = true;
+    verdict.settled = index;
   }
 
   void learn_speed() {
@@ -314,19 +329,16 @@ class MotionHypotheses {
     return Scalar(-0.5) * (x * x / variance + log(kTwoPi * variance));
   }
 
-  static constexpr Scalar kChange = CONDYLE_CHANGE;
-  static constexpr Scalar kSpeedGain = Scalar(0.01);
-  static constexpr Scalar kShortestStep_s = Scalar(1e-4);
-  static constexpr Scalar kWidest = Scalar(1e6);
-
-  Scalar prior_velocity_variance_, most_failures_;
+  Scalar prior_velocity_variance_, most_refusals_;
   OutlierGate<Scalar> gate_;
   Bank banks_[2];
   int main_ = 0;
   Doubt doubt_ = Doubt::none;
-  bool just_decided_ = false;
-  int tests_ = 0, failures_ = 0, settled_ = 0;
-  Scalar odds_ = 0;
+  int tests_ = 0;     // samples that have tested the present doubt
+  int refusals_ = 0;  // samples in a row that fitted nothing
+  int settled_ = 0;   // samples that main has taken since its start, at most kSettled
+  Scalar odds_ = 0;   // log odds of other against main
+  Scalar step_s_ = kFirstStep_s;
   Scalar mean_square_speed_ = 0;
   Position burst_variance_m2_ = {};
 };

@@ -178,6 +178,7 @@ class RecommendedEstimator {
 
   void lose_motion() {
     instants_.settle(motion_.main_index());
+    motion_.lose_motion();
     started_ = false;
     is_lost_ = true;
   }
@@ -204,7 +205,7 @@ class RecommendedEstimator {
       instant.tracks[i].is_restart = verdict.is_start[i];
     }
     instant.track = motion_.main_index();
-    if (motion_.has_decided()) instants_.settle(motion_.main_index());
+    if (verdict.settled >= 0) instants_.settle(verdict.settled);
     if (verdict.is_known) taken_ns_ = instant.time_ns;
   }
 

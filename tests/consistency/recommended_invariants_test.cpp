@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+// What must hold whatever is recorded: glitches in bursts of any shape, abrupt starts and stops,
+// any rate, noise, rounding, dropouts and frozen stretches, in any order.
+//
+// Everything is drawn from fixed seeds, over wider ranges than any recording at hand.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "condyle/estimator/recommended_sensor.h"
+#include "consistency/random.h"
+
+namespace condyle::testing_support {
+namespace {
+
+using Sensor = RecommendedSensor<double, 1>;
+using Estimates = std::vector<RecommendedEstimate<double>>;
+
+struct Recording {
+  std::vector<Sample> samples;
+  std::vector<double> truth_m;
+
+  void add(double t, double truth, double measured, bool is_measured = true) {
+    Sample sample;
+    sample.time_ns = nanoseconds(t);
+    sample.coordinates[0] = measured;
+    sample.position_valid = is_measured;
+    samples.push_back(sample);
+    truth_m.push_back(truth);
+  }
+};
+
+Estimates run(const Recording& recording, double rate_Hz) {
+  Sensor sensor(RecommendedParameters{});
+  SampleChecker checker(nanoseconds(1 / rate_Hz));
+  Estimates estimates;
+  for (const Sample& sample : recording.samples) {
+    estimates.push_back(sensor.process(sample, checker.check(sample)));
+  }
+  return estimates;
+}
+
+double log_between(Random& random, double lowest, double highest) {
+  return lowest * std::pow(highest / lowest, random.uniform());
+}
+std::size_t index_below(Random& random, std::size_t count) {
+  return std::min(static_cast<std::size_t>(random.uniform() * static_cast<double>(count)),
+                  count - 1);
+}
+
+// A course of least jerk (T. Flash, N. Hogan, J. Neurosci. 5 (1985) 1688) from 0 to 1.
+double minimum_jerk(double share) {
+  const double s = std::clamp(share, 0.0, 1.0);
+  return s * s * s * (10 - 15 * s + 6 * s * s);
+}
+
+// Chewing of some rhythm and height with its second harmonic.
+std::function<double(double)> any_chewing(Random& random) {
+  const double w = 2 * std::numbers::pi * (0.6 + 1.4 * random.uniform());
+  const double height_m = log_between(random, 2e-3, 20e-3), phase = 6 * random.uniform();
+  return [=](double t) {
+    return height_m * (0.5 * std::sin(w * t + phase) + 0.1 * std::sin(2 * w * t));
+  };
+}
+
+// Offsets of a burst of glitches, in metres.
+double burst_m(int shape, double size_m, std::size_t i, Random& random) {
+  const auto k = static_cast<double>(i);
+  switch (shape) {
+    case 0:
+      return size_m;
+    case 1:
+      return i % 2 == 0 ? size_m : -size_m;
+    case 2:
+      return size_m * (1 + k);
+    case 3:
+      return size_m * (2 * random.uniform() - 1);
+    default:
+      return size_m * random.normal();
+  }
+}
+
+bool is_shown(const RecommendedEstimate<double>& estimate) {
+  return std::isfinite(estimate.axes[0].position_m.value);
+}
+
+// In any order: rest, chewing, jumps to a stop, bursts, dropouts, frozen stretches.
+Recording anything(Random& random, double rate_Hz) {
+  Recording recording;
+  const double noise_m = log_between(random, 3e-6, 300e-6);
+  const double grid_m = random.uniform() < 0.3 ? log_between(random, 1e-5, 3e-4) : 0;
+  double t = 0, offset_m = 0;
+  const auto measured = [&](double truth) {
+    const double z = truth + noise_m * random.normal();
+    return grid_m > 0 ? grid_m * std::round(z / grid_m) : z;
+  };
+  for (int part = 0; part < 12; ++part) {
+    const auto course = any_chewing(random);
+    const std::size_t kind = index_below(random, 6);
+    const double duration_s = kind < 2 ? 1 + random.uniform() : 0.02 + 0.4 * random.uniform();
+    const auto count = static_cast<std::size_t>(duration_s * rate_Hz) + 1;
+    const int shape = static_cast<int>(index_below(random, 5));
+    const double size_m = log_between(random, 20 * noise_m, 0.2);
+    const double start_m = course(0);
+    for (std::size_t i = 0; i < count; ++i, t += 1 / rate_Hz) {
+      const double moved = kind == 0 ? 0 : course(static_cast<double>(i) / rate_Hz) - start_m;
+      const double truth = offset_m + moved;
+      const bool is_glitch = kind == 3 && i < 8;
+      const double z = measured(truth) + (is_glitch ? burst_m(shape, size_m, i, random) : 0);
+      const bool is_frozen = kind == 5 && !recording.samples.empty();
+      recording.add(t, truth, is_frozen ? recording.samples.back().coordinates[0] : z, kind != 4);
+    }
+    offset_m = recording.truth_m.back();
+  }
+  return recording;
+}
+
+constexpr std::array kRates_Hz = {60.0, 100.0, 200.0, 500.0, 1000.0};
+
+class Invariants : public testing::TestWithParam<double> {
+ protected:
+  double rate_Hz() const { return GetParam(); }
+};
+INSTANTIATE_TEST_SUITE_P(Rates, Invariants, testing::ValuesIn(kRates_Hz));
+
+TEST_P(Invariants, NoDeviationFallsWhereNothingIsTaken) {
+  std::size_t untaken = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    Random random(seed);
+    const Estimates estimates = run(anything(random, rate_Hz()), rate_Hz());
+    for (std::size_t i = 1; i < estimates.size(); ++i) {
+      const EventSet events = estimates[i].events;
+      const bool is_untaken =
+          events.has(Event::outlier_rejected) || events.has(Event::position_missing) ||
+          events.has(Event::position_repeated) || events.has(Event::position_frozen);
+      if (!is_untaken || events.has(Event::state_restarted)) continue;
+      if (!is_shown(estimates[i]) || !is_shown(estimates[i - 1])) continue;
+      ++untaken;
+      const auto &now = estimates[i].axes[0], &before = estimates[i - 1].axes[0];
+      ASSERT_GE(now.position_m.standard_deviation, before.position_m.standard_deviation)
+          << "seed " << seed << " sample " << i;
+      ASSERT_GE(now.velocity_m_s.standard_deviation, before.velocity_m_s.standard_deviation);
+      ASSERT_GE(now.acceleration_m_s2.standard_deviation,
+                before.acceleration_m_s2.standard_deviation);
+    }
+  }
+  EXPECT_GT(untaken, 500U);
+}
+
+// The truth is within 5 sd from the fourth sample after the burst on, and nothing good is refused
+// from then on. A burst of one offset that lasts is a step: the way back is one too.
+TEST_P(Invariants, AfterABurstTheMotionIsFoundAgain) {
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+    Random random(seed);
+    const auto course = any_chewing(random);
+    const double noise_m = log_between(random, 3e-6, 300e-6);
+    const double size_m = log_between(random, std::max(30 * noise_m, 1e-3), 0.3);
+    const int shape = static_cast<int>(index_below(random, 5));
+    const std::size_t length = 1 + index_below(random, 8);
+    const auto start = static_cast<std::size_t>(5 * rate_Hz() * (1 + random.uniform()));
+    const std::size_t end = start + length;
+    Recording recording;
+    for (std::size_t i = 0; i < end + 60; ++i) {
+      const double t = static_cast<double>(i) / rate_Hz();
+      const bool is_glitch = i >= start && i < end;
+      const double offset_m = is_glitch ? burst_m(shape, size_m, i - start, random) : 0;
+      recording.add(t, course(t), course(t) + offset_m + noise_m * random.normal());
+    }
+    const Estimates estimates = run(recording, rate_Hz());
+    for (std::size_t i = end + 4; i < end + 60; ++i) {
+      const auto& position = estimates[i].axes[0].position_m;
+      ASSERT_LE(std::abs(position.value - recording.truth_m[i]), 5 * position.standard_deviation)
+          << "seed " << seed << ", " << length << " of shape " << shape << ", " << i - end
+          << " after";
+      ASSERT_FALSE(estimates[i].events.has(Event::outlier_rejected))
+          << "seed " << seed << ", " << length << " of shape " << shape << ", " << i - end
+          << " after";
+    }
+  }
+}
+
+// Rest, then a movement of least jerk at up to 1 m/s: at most one sample is refused.
+TEST_P(Invariants, AnOnsetCostsAtMostOneSample) {
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+    Random random(seed);
+    const double noise_m = log_between(random, 3e-6, 300e-6);
+    const double way_m = log_between(random, 2e-3, 50e-3);
+    const double speed_m_s = log_between(random, 0.02, 1);
+    const double duration_s = 1.875 * way_m / speed_m_s;
+    const double rest_s = 2 + 4 * random.uniform();
+    Recording recording;
+    const auto count = static_cast<std::size_t>((rest_s + duration_s + 0.5) * rate_Hz());
+    for (std::size_t i = 0; i < count; ++i) {
+      const double t = static_cast<double>(i) / rate_Hz();
+      const double truth = way_m * minimum_jerk((t - rest_s) / duration_s);
+      recording.add(t, truth, truth + noise_m * random.normal());
+    }
+    const auto settled = static_cast<std::size_t>(rate_Hz());
+    int refused = 0, restarted = 0;
+    const Estimates estimates = run(recording, rate_Hz());
+    for (std::size_t i = settled; i < count; ++i) {
+      refused += estimates[i].events.has(Event::outlier_rejected);
+      restarted += estimates[i].events.has(Event::state_restarted);
+    }
+    EXPECT_EQ(restarted, 0) << "seed " << seed;
+    EXPECT_LE(refused, 1) << "seed " << seed << ", noise " << noise_m << ", way " << way_m
+                          << ", speed " << speed_m_s;
+  }
+}
+
+// Rounded at rest, then moving: nothing is refused, and the noise is no less than that of rounding.
+TEST_P(Invariants, RoundingIsNoise) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    Random random(seed);
+    const double grid_m = log_between(random, 1e-5, 3e-4);
+    const double noise_m = grid_m * log_between(random, 0.2, 0.5);
+    const auto course = any_chewing(random);
+    const double rest_s = 3 + 3 * random.uniform();
+    Recording recording;
+    const auto count = static_cast<std::size_t>((rest_s + 3) * rate_Hz());
+    for (std::size_t i = 0; i < count; ++i) {
+      const double t = static_cast<double>(i) / rate_Hz();
+      const double ease = minimum_jerk((t - rest_s) / 0.5);
+      const double truth = ease * (course(t) - course(rest_s));
+      const double z = truth + noise_m * random.normal();
+      recording.add(t, truth, grid_m * std::round(z / grid_m));
+    }
+    const Estimates estimates = run(recording, rate_Hz());
+    const auto settled = static_cast<std::size_t>(2 * rate_Hz());
+    for (std::size_t i = settled; i < count; ++i) {
+      ASSERT_FALSE(estimates[i].events.has(Event::outlier_rejected))
+          << "seed " << seed << " at " << static_cast<double>(i) / rate_Hz() - rest_s;
+      if (!is_shown(estimates[i])) continue;
+      ASSERT_GE(estimates[i].axes[0].noise_sd_m, 0.98 * grid_m / std::sqrt(12));
+    }
+  }
+}
+
+// The same motion sampled at T, T/2 and T/4: what leads is none of the bank's ends.
+TEST(Invariants, TheSameMotionLiesInsideTheBankAtAnyRate) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    const auto course = any_chewing(random);
+    const double noise_m = log_between(random, 3e-6, 100e-6);
+    for (const double rate_Hz : {50.0, 100.0, 200.0, 400.0}) {
+      RecommendedEstimator<double, 1> estimator(RecommendedParameters{});
+      RecommendedEstimate<double> estimate;
+      for (TimeNs i = 0; i < static_cast<TimeNs>(10 * rate_Hz); ++i) {
+        const double t = static_cast<double>(i) / rate_Hz;
+        estimate =
+            estimator.step({nanoseconds(t), true, {course(t) + noise_m * random.normal()}, {}});
+      }
+      EXPECT_FALSE(estimate.events.has(Event::liveliness_at_limit)) << seed << " " << rate_Hz;
+      const double r = estimate.axes[0].jerk_density_m2_s5 /
+                       std::pow(estimate.axes[0].noise_sd_m, 2);
+      const auto& bank = estimator.bank();
+      EXPECT_GT(r, 1.01 * bank.ratio(0)) << seed << " " << rate_Hz;
+      EXPECT_LT(r, 0.99 * bank.ratio(bank.member_count() - 1)) << seed << " " << rate_Hz;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace condyle::testing_support
