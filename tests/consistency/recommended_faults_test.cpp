@@ -98,6 +98,7 @@ TEST_P(RecommendedFaults, EveryGlitchIsNoticedAndNothingIsNaN) {
       std::size_t next = i + 1;
       while (!faulty.motion.is_measured[next]) ++next;
       EXPECT_TRUE(events.has(Event::outlier_rejected) || events.has(Event::outlier_weighted) ||
+                  events.has(Event::motion_changed) ||
                   estimates[next].events.has(Event::outlier_revoked))
           << "seed " << seed << " sample " << i;
       rejected += events.has(Event::outlier_rejected);

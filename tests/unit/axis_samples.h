@@ -11,21 +11,25 @@
 
 namespace condyle::testing_support {
 
+/// Whether samples that are far off, for good or once, are drawn.
+enum class Far { drawn, left_out };
+
 /// 1 s to 2 s of samples at irregular times: mostly ordinary ones with noise of `noise_sd_m`, some
 /// missing, not numbers, displaced a little, far off (for good or once), repeated or reversed in
 /// time, after a gap.
-inline rc::Gen<std::vector<AxisSample>> troubled_samples(double noise_sd_m) {
+inline rc::Gen<std::vector<AxisSample>> troubled_samples(double noise_sd_m, Far far) {
   enum Trouble : int { none, missing, no_number, outlier, glitch, jump, repeated, reversed, gap };
   struct Draw {
     Trouble trouble;
     double step, noise;
   };
+  const std::size_t often = far == Far::drawn ? 2 : 0;
   const auto trouble = rc::gen::weightedElement<Trouble>({{30, none},
                                                           {3, missing},
                                                           {1, no_number},
                                                           {2, outlier},
-                                                          {2, glitch},
-                                                          {2, jump},
+                                                          {often, glitch},
+                                                          {often, jump},
                                                           {1, repeated},
                                                           {1, reversed},
                                                           {1, gap}});

@@ -76,7 +76,8 @@ struct AxisSample {
   double position_m = 0;
 };
 
-/// What the recommended estimator should say along one axis, noise and jerk density known.
+/// What the recommended estimator should say along one axis, noise and jerk density known, where no
+/// sample is beyond the gate.
 class DenseTwin {
  public:
   explicit DenseTwin(const RecommendedParameters& parameters) : parameters_(parameters) {
@@ -90,15 +91,11 @@ class DenseTwin {
     if (!is_reversed) {
       const double T = instants_.empty() ? 0 : seconds(sample.time_ns - time_ns_);
       time_ns_ = sample.time_ns;
-      if (seconds(time_ns_ - taken_ns_) > parameters_.outliers.longest_gap_s) {
-        started_ = false;
-        suspect_.reset();
-      }
+      if (seconds(time_ns_ - taken_ns_) > parameters_.outliers.longest_gap_s) started_ = false;
       if (started_) {
         const WhiteJerkMatrices model = white_jerk_by_series(T);
         filter_.predict(model);
         instant.F = model.F;
-        instant.T = T;
       }
       instant.predicted = filter_;
       if (sample.is_measured && std::isfinite(sample.position_m)) take(sample, instant);
@@ -128,12 +125,10 @@ class DenseTwin {
 
   int restarts() const { return restarts_; }
   int weighted() const { return weighted_; }
-  int revoked() const { return revoked_; }
 
  private:
   struct Instant {
     bool has_state = false, is_restart = false;
-    double T = 0;
     RealMatrix F = RealMatrix::Identity();
     DenseMoments predicted, after;
   };
@@ -142,49 +137,17 @@ class DenseTwin {
     return std::abs(z - filter_.x[0]) / std::sqrt(filter_.innovation_variance());
   }
 
-  // Goes on from before the doubtful sample to `instant`, if `z` is then expected.
-  bool revoke(Real z, Instant& instant) {
-    const DenseFilter with = filter_;
-    static_cast<DenseMoments&>(filter_) = instants_[*suspect_].predicted;
-    std::vector<Instant> revised(instants_.begin() + static_cast<std::ptrdiff_t>(*suspect_),
-                                 instants_.end());
-    revised[0].after = filter_;
-    for (std::size_t i = 1; i < revised.size(); ++i) {
-      if (!revised[i].has_state) continue;
-      filter_.predict(white_jerk_by_series(revised[i].T));
-      revised[i].predicted = revised[i].after = filter_;
-    }
-    filter_.predict(white_jerk_by_series(instant.T));
-    if (deviation_of(z) > parameters_.outliers.huber_sd) {
-      filter_ = with;
-      return false;
-    }
-    instant.predicted = filter_;
-    std::copy(revised.begin(), revised.end(),
-              instants_.begin() + static_cast<std::ptrdiff_t>(*suspect_));
-    ++revoked_;
-    return true;
-  }
-
   void take(const AxisSample& sample, Instant& instant) {
-    const OutlierParameters& outliers = parameters_.outliers;
+    const double huber = parameters_.outliers.huber_sd;
     const Real z = sample.position_m;
-    if (started_ && suspect_ && deviation_of(z) > outliers.gate_sd) revoke(z, instant);
-    suspect_.reset();
-    const Real deviation = deviation_of(z);
-    const bool is_rejected = started_ && deviation > outliers.gate_sd;
-    rejections_ = is_rejected ? rejections_ + 1 : 0;
-    if (!started_ || rejections_ >= outliers.reset_after) {
+    if (!started_) {
       filter_.start(z, parameters_.prior.velocity_sd_m_s, parameters_.prior.acceleration_sd_m_s2);
       restarts_ += has_started_;
       started_ = has_started_ = instant.is_restart = true;
-      rejections_ = 0;
-    } else if (is_rejected) {
-      return;
     } else {
-      weighted_ += deviation > outliers.huber_sd;
-      if (deviation > outliers.huber_sd) suspect_ = instants_.size();
-      filter_.update(z, deviation > outliers.huber_sd ? outliers.huber_sd / deviation : 1);
+      const Real deviation = deviation_of(z);
+      weighted_ += deviation > huber;
+      filter_.update(z, deviation > huber ? huber / deviation : 1);
     }
     taken_ns_ = sample.time_ns;
   }
@@ -194,8 +157,7 @@ class DenseTwin {
   std::vector<Instant> instants_;
   bool started_ = false, has_started_ = false;
   TimeNs time_ns_ = 0, taken_ns_ = 0;
-  int rejections_ = 0, restarts_ = 0, weighted_ = 0, revoked_ = 0;
-  std::optional<std::size_t> suspect_;  // index of the doubtful sample taken last
+  int restarts_ = 0, weighted_ = 0;
 };
 
 }  // namespace condyle::testing_support

@@ -10,6 +10,7 @@ namespace {
 
 using testing_support::AxisSample;
 using testing_support::DenseTwin;
+using testing_support::Far;
 using testing_support::troubled_samples;
 
 RecommendedParameters known_noise() {
@@ -40,9 +41,10 @@ void expect_is(const RecommendedEstimate<double>& estimate, const DenseTwin& twi
 
 // Every estimate, those of the samples after the last included.
 RC_GTEST_PROP(FixedLag, IsTheFixedIntervalSmootherOverItsWindow, ()) {
-  const RecommendedParameters parameters = known_noise();
+  RecommendedParameters parameters = known_noise();
+  parameters.outliers.gate_sd = 1000;  // what is beyond the gate: below
   const int lag = *rc::gen::inRange(0, 17);
-  const auto samples = *troubled_samples(parameters.noise.position_sd_m);
+  const auto samples = *troubled_samples(parameters.noise.position_sd_m, Far::left_out);
   RecommendedEstimator<double, 1> estimator(parameters, lag);
   DenseTwin twin(parameters);
   std::size_t next = 0;
@@ -56,7 +58,69 @@ RC_GTEST_PROP(FixedLag, IsTheFixedIntervalSmootherOverItsWindow, ()) {
   RC_ASSERT(next == samples.size());
   RC_CLASSIFY(twin.restarts() > 0, "with restarts");
   RC_CLASSIFY(twin.weighted() > 0, "with outliers that count less");
-  RC_CLASSIFY(twin.revoked() > 0, "with outliers revoked");
+}
+
+constexpr TimeNs kStep_ns = 10'000'000;
+
+double swing_m(TimeNs i) {
+  return 0.005 * std::sin(0.08 * static_cast<double>(i)) +
+         5e-5 * static_cast<double>(i * 7919 % 31 - 15) / 9;
+}
+
+// Estimates of `count` samples of a swing, each `lag` samples late. Sample `bad` is displaced by
+// `offset_m`, or missing.
+std::vector<RecommendedEstimate<double>> late_swing(TimeNs count, int lag, TimeNs bad,
+                                                    double offset_m, bool is_missing) {
+  RecommendedEstimator<double, 1> estimator({}, lag);
+  std::vector<RecommendedEstimate<double>> estimates;
+  for (TimeNs i = 0; i < count; ++i) {
+    const bool is_bad = i == bad;
+    const auto estimate = estimator.step({i * kStep_ns,
+                                          !(is_bad && is_missing),
+                                          {swing_m(i) + (is_bad ? offset_m : 0)},
+                                          {}});
+    if (estimate.is_ready) estimates.push_back(estimate);
+  }
+  RecommendedEstimate<double> estimate;
+  while (estimator.drain(estimate)) estimates.push_back(estimate);
+  return estimates;
+}
+
+// Once later samples have shown a glitch to be one, all that is still to be said is as if it were
+// missing, bit for bit.
+TEST(FixedLag, AGlitchFoundOutIsAsIfItWereMissing) {
+  for (const double offset_m : {0.001, -0.004, 0.02, 0.5}) {
+    for (const int lag : {1, 3, 10}) {
+      const auto with = late_swing(160, lag, 120, offset_m, false);
+      const auto without = late_swing(160, lag, 120, 0, true);
+      ASSERT_TRUE(with[120].events.has(Event::outlier_rejected)) << offset_m;
+      for (std::size_t i = 0; i < with.size(); ++i) {
+        const auto &one = with[i].axes[0], &other = without[i].axes[0];
+        ASSERT_EQ(one.position_m.value, other.position_m.value) << offset_m << " " << i;
+        ASSERT_EQ(one.velocity_m_s.value, other.velocity_m_s.value) << offset_m << " " << i;
+        ASSERT_EQ(one.velocity_m_s.standard_deviation, other.velocity_m_s.standard_deviation);
+      }
+    }
+  }
+}
+
+// A step of what is followed: what is said of its first samples, late enough for both hypotheses to
+// have been compared, is of the new place, and no worse known than elsewhere.
+TEST(FixedLag, AChangeOfTheMotionIsFollowedFromItsFirstSample) {
+  for (const double step_m : {0.002, 0.05}) {
+    RecommendedEstimator<double, 1> estimator({}, 10);
+    for (TimeNs i = 0; i < 170; ++i) {
+      const auto estimate =
+          estimator.step({i * kStep_ns, true, {swing_m(i) + (i < 120 ? 0 : step_m)}, {}});
+      if (!estimate.is_ready || estimate.time_ns < 100 * kStep_ns) continue;
+      const TimeNs at = estimate.time_ns / kStep_ns;
+      const double truth_m =
+          0.005 * std::sin(0.08 * static_cast<double>(at)) + (at < 120 ? 0 : step_m);
+      const auto& position = estimate.axes[0].position_m;
+      EXPECT_LE(std::abs(position.value - truth_m), 4 * position.standard_deviation) << at;
+      EXPECT_LE(position.standard_deviation, 1e-4) << at;
+    }
+  }
 }
 
 // After a restart the old motion is estimated as if nothing had followed it.
@@ -85,7 +149,7 @@ TEST(FixedLag, EvidenceDoesNotCrossARestart) {
 // Rows are samples: each once, in order, with its own time, events and measurement.
 RC_GTEST_PROP(FixedLag, EstimatesAreTheSamplesInOrder, ()) {
   const int lag = *rc::gen::inRange(0, 17);
-  const auto samples = *troubled_samples(1e-4);
+  const auto samples = *troubled_samples(1e-4, Far::drawn);
   const bool adapts = *rc::gen::arbitrary<bool>();
   RecommendedEstimator<double, 1> estimator(adapts ? RecommendedParameters{} : known_noise(), lag),
       prompt(adapts ? RecommendedParameters{} : known_noise());
@@ -113,7 +177,9 @@ RC_GTEST_PROP(FixedLag, EstimatesAreTheSamplesInOrder, ()) {
     RC_ASSERT(rows[i].events.has(Event::zero_filled) == (i % 7 == 3));
     for (std::size_t event = 0; event < kEventCount; ++event) {
       const auto named = static_cast<Event>(event);
-      if (named == Event::noise_at_limit) continue;  // of the noise as it is now
+      if (named == Event::noise_at_limit || named == Event::liveliness_at_limit) {
+        continue;  // of the noise and the motion as they are now
+      }
       // A later sample may have shown it to be one.
       if (named == Event::outlier_rejected && rows[i].events.has(named)) continue;
       RC_ASSERT(rows[i].events.has(named) == prompt_rows[i].events.has(named));

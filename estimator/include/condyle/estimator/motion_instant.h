@@ -29,6 +29,7 @@ struct MotionInstant {
   bool time_valid = true;
   bool is_measured = false;  ///< a position came in
   bool has_state = false;
+  bool is_first = false;  ///< nothing was expected of it
   bool is_open = false;  ///< both tracks hold; otherwise that of `track`
   int track = 0;
   EventSet events;
@@ -59,7 +60,7 @@ class MotionInstants {
     newest_ = (newest_ + 1) % kInstants;
     Instant& instant = at(0);
     instant.time_valid = true;
-    instant.is_measured = instant.has_state = instant.is_open = false;
+    instant.is_measured = instant.has_state = instant.is_first = instant.is_open = false;
     for (auto& track : instant.tracks) track.is_taken = track.is_restart = false;
     instant.F = white_jerk_jacobian(Scalar(0));
     return instant;

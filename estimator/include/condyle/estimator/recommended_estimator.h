@@ -117,6 +117,7 @@ class RecommendedEstimator {
       instant.events.add(Event::position_frozen);
       instant.events.add(Event::state_lost);
       instant.has_state = false;
+      instant.is_first = true;
       for (auto& track : instant.tracks) {
         track.is_taken = false;
         track.is_restart = true;  // nothing connects what is before with what is after
@@ -228,7 +229,8 @@ class RecommendedEstimator {
     noise_started_ = started_ = true;
     is_lost_ = has_shown_ = false;
     instant.track = motion_.main_index();
-    instant.seen_by(instant.track).is_taken = instant.seen_by(instant.track).is_restart = true;
+    auto& track = instant.tracks[instant.track];
+    instant.is_first = track.is_taken = track.is_restart = true;
     taken_ns_ = instant.time_ns;
   }
 
@@ -249,8 +251,7 @@ class RecommendedEstimator {
     estimate.axis_count = kAxes;
     estimate.events = instant.events;
     const int main = motion_.main_index();
-    const bool is_first = instant.seen_by(main).is_restart;
-    if (instant.is_measured) describe_measurement(instant, is_first, estimate);
+    if (instant.is_measured) describe_measurement(instant, estimate);
     if (!instant.has_state) return estimate;
     Array<MotionMoments<Scalar>, kAxes> moments;
     if (back > 0) {
@@ -301,9 +302,9 @@ class RecommendedEstimator {
     }
   }
 
-  static void describe_measurement(const Instant& instant, bool is_first, Estimate& estimate) {
+  static void describe_measurement(const Instant& instant, Estimate& estimate) {
     Scalar nis = 0;
-    bool has_nis = !is_first;
+    bool has_nis = !instant.is_first;
     for (int axis = 0; axis < kAxes; ++axis) {
       AxisEstimate<Scalar>& described = estimate.axes[axis];
       described.measured_position_m = instant.position_m[axis];
