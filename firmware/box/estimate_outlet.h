@@ -95,7 +95,7 @@ void EstimateOutlet::publish(const Estimate& estimate, TimeNs arrival_ns,
   const int axis = estimate.axis_count == 3 ? static_cast<int>(followed_) : 0;
   is_ready_.store(true, std::memory_order_relaxed);
   noise_sd_m_.store(estimate.axes[axis].noise_sd_m, std::memory_order_relaxed);
-  if (std::isfinite(estimate.nis) && !estimate.events.has(Event::outlier_rejected)) {
+  if (std::isfinite(estimate.nis) && !is_unexpected(estimate.events)) {
     const double mean = mean_nis_.load(std::memory_order_relaxed);
     mean_nis_.store(mean + (estimate.nis / estimate.axis_count - mean) / kMemory,
                     std::memory_order_relaxed);

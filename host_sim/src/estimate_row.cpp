@@ -11,7 +11,7 @@ bool is_told_twice(const EstimateRow& row) {
 }
 
 double standardised_innovation(const EstimateRow& row, int axis) {
-  if (row.events.has(Event::outlier_rejected)) return EstimateRow::kNone;
+  if (is_unexpected(row.events)) return EstimateRow::kNone;
   if (row.axis_count == 0) return std::copysign(std::sqrt(row.motion_nis), row.innovation_m);
   return row.axes[axis].innovation_m / row.axes[axis].innovation_sd_m;
 }

@@ -90,7 +90,7 @@ void ReplaySummary::add(const EstimateRow& row) {
   if (std::isfinite(row.innovation_m)) {
     innovation_square_sum_m2_ += row.innovation_m * row.innovation_m;
     ++innovations_;
-    judged_ += row.events.has(Event::outlier_rejected) ? 0U : 1U;
+    judged_ += is_unexpected(row.events) ? 0U : 1U;
   }
   events_.add(row.events);
   if (row.position_m.provenance != Provenance::not_computed) last_ = row;

@@ -70,6 +70,12 @@ class EventSet {
   std::uint32_t bits_ = 0;
 };
 
+/// True where a sample was not what the motion had led to expect: an outlier or a change. Its
+/// innovation says nothing of the instrument's noise.
+constexpr bool is_unexpected(EventSet events) {
+  return events.has(Event::outlier_rejected) || events.has(Event::motion_changed);
+}
+
 /// How often each event happened.
 class EventCounts {
  public:

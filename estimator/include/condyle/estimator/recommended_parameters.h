@@ -35,7 +35,7 @@ struct MotionPriorParameters {
 struct OutlierParameters {
   double huber_sd = 3;          ///< deviation from which on a sample counts less (sd)
   double gate_sd = 6;           ///< deviation from which on it is rejected (sd)
-  double reset_after = 5;       ///< rejections in a row after which the filter starts anew
+  double reset_after = 5;       ///< samples in a row that fit nothing, then the filter starts anew
   double longest_gap_s = 0.25;  ///< time without a measurement after which nothing is known (s)
 };
 
