@@ -305,6 +305,8 @@ class MotionBank {
   int member_count() const { return member_count_; }
   /// Ratio r of member `i` (1/s^5).
   Scalar ratio(int i) const { return members_[i].r; }
+  /// Noise that member `i` makes out along `axis` (m^2).
+  Scalar R(int axis, int i) const { return weights_[axis].R(i); }
   /// Weight of member `i` along `axis`.
   Scalar weight(int axis, int i) const { return weights_[axis].weight(i); }
   /// Member `i` after the last sample.
