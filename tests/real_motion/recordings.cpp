@@ -72,8 +72,8 @@ void add_faults(TreatedRecording& treated) {
   std::size_t kind = 0;
   const std::size_t apart = std::max(samples(1.1), std::size_t{30});
   for (std::size_t i = samples(1.0); i + samples(0.8) + 1 < recording.size(); i += apart) {
-    const std::size_t count = kind == 1   ? std::max(samples(0.1 + 0.2 * random.uniform()),
-                                                     std::size_t{1})
+    const std::size_t count = kind == 1
+                                  ? std::max(samples(0.1 + 0.2 * random.uniform()), std::size_t{1})
                               : kind == 2 ? samples(0.5)
                               : kind == 3 ? 2
                                           : 1;
@@ -130,11 +130,11 @@ const char* name_of(Treatment treatment) {
 
 TreatedRecording treat(const RealRecording& recording, Treatment treatment) {
   TreatedRecording treated;
-  treated.recording = treatment == Treatment::every_second       ? thinned(recording, 2)
-                      : treatment == Treatment::every_fourth     ? thinned(recording, 4)
-                      : treatment == Treatment::rounded_0_1_mm   ? rounded(recording, 1e-4)
-                      : treatment == Treatment::rounded_0_01_mm  ? rounded(recording, 1e-5)
-                                                                 : recording;
+  treated.recording = treatment == Treatment::every_second      ? thinned(recording, 2)
+                      : treatment == Treatment::every_fourth    ? thinned(recording, 4)
+                      : treatment == Treatment::rounded_0_1_mm  ? rounded(recording, 1e-4)
+                      : treatment == Treatment::rounded_0_01_mm ? rounded(recording, 1e-5)
+                                                                : recording;
   treated.clean = treated.recording;
   treated.is_spoiled.assign(treated.recording.size(), false);
   if (treatment == Treatment::faults) add_faults(treated);

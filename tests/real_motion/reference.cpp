@@ -49,7 +49,8 @@ Values smoothed(const Values& y, double lambda) {
   for (auto& row : L) row = {1, 0, 0, 0};
   for (std::size_t i = 0; i + 3 < n; ++i) {
     for (std::size_t a = 0; a < 4; ++a) {
-      for (std::size_t b = 0; b <= a; ++b) L[i + a][a - b] += lambda * kDifference[a] * kDifference[b];
+      for (std::size_t b = 0; b <= a; ++b)
+        L[i + a][a - b] += lambda * kDifference[a] * kDifference[b];
     }
   }
   Values x = y;
@@ -73,7 +74,8 @@ Values smoothed(const Values& y, double lambda) {
 Values derivative(const Values& x, double T) {
   Values v(x.size(), kNone);
   for (std::size_t i = 3; i + 3 < x.size(); ++i) {
-    v[i] = (45 * (x[i + 1] - x[i - 1]) - 9 * (x[i + 2] - x[i - 2]) + x[i + 3] - x[i - 3]) / (60 * T);
+    v[i] =
+        (45 * (x[i + 1] - x[i - 1]) - 9 * (x[i + 2] - x[i - 2]) + x[i + 3] - x[i - 3]) / (60 * T);
   }
   return v;
 }
@@ -212,8 +214,8 @@ ReferenceMotion reference_motion(const RealRecording& recording, std::size_t axi
   std::copy_if(y.begin(), y.end(), std::back_inserter(measured),
                [](double value) { return std::isfinite(value); });
   const double range = quantile(measured, 0.975) - quantile(measured, 0.025);
-  motion.noise_m = std::max({std::sqrt(square_sum / std::max(samples, 1.0)), step / std::sqrt(12),
-                             1e-7});
+  motion.noise_m =
+      std::max({std::sqrt(square_sum / std::max(samples, 1.0)), step / std::sqrt(12), 1e-7});
   motion.is_scored = samples > 0 && range > std::max(8 * motion.noise_m, 1e-5);
   return motion;
 }

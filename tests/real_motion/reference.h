@@ -7,9 +7,9 @@
 //   irregular   |e| > 8 s: a glitch, a step, an impact too fast for the rate
 //   valid       |e| <= 4 s, and no irregular sample within 2
 // The spline minimises sum (y - x)^2 + lambda sum (third difference of x)^2 over each stretch of 30
-// regular samples or more; lambda by generalised cross-validation (P. Craven, G. Wahba, Numer. Math.
-// 31 (1979) 377). The standard deviation of its velocity is that of the noise and half of what
-// lambda times and divided by 8 change. Four samples at each end are left out.
+// regular samples or more; lambda by generalised cross-validation (P. Craven, G. Wahba, Numer.
+// Math. 31 (1979) 377). The standard deviation of its velocity is that of the noise and half of
+// what lambda times and divided by 8 change. Four samples at each end are left out.
 #pragma once
 
 #include <vector>

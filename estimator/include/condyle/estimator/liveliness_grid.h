@@ -9,7 +9,9 @@
 // The lower ratios are half decades, from that of a calm jaw seen by a poor instrument on: there
 // the error depends on r, whatever the sample time. The upper ones are spread up to
 // r T^5 = kHighestIndex: there noise plays no part, and the filter only continues its last samples,
-// so that a decade more changes what it says of its error and not its gain. So a motion that lies inside at T lies inside at T/2 and T/4 too.
+// so that a decade more changes what it says of its error and not its gain. With a noise of 1 um
+// the highest expects the next sample within 1 um sqrt(kHighestIndex / 20) = 22 mm (sd): whatever
+// a jaw does. A motion that lies inside at T lies inside at T/2 and T/4 too.
 #pragma once
 
 #include <algorithm>
@@ -40,7 +42,7 @@ class LivelinessGrid {
   static constexpr double kLowest = 3.1622776601683795e6;  // 1/s^5
   static constexpr double kHalfDecade = 3.1622776601683795;
   static constexpr int kHalfDecades = 13;
-  static constexpr double kHighestIndex = 1e8;
+  static constexpr double kHighestIndex = 1e10;
   static constexpr double kFirstStep_s = 0.01;
   static constexpr double kShortestStep_s = 5e-4, kLongestStep_s = 0.1;
   static constexpr double kSlack = 1.5;

@@ -44,7 +44,7 @@ class MemberWeights {
   using Each = Array<Scalar, kMembers>;
 
   static constexpr Scalar kPlausible = Scalar(1e-3);  ///< least weight that has a say
-  static constexpr Scalar kExcuses = Scalar(0.01);    ///< and that can excuse a sample
+  static constexpr Scalar kExcuses = Scalar(0.003);   ///< and that can excuse a sample
 
   /// Adaptive members: all start with the noise `R` (m^2), held between `lowest_R` and
   /// `highest_R`, and the same weight.

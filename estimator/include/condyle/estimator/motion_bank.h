@@ -138,8 +138,8 @@ class MotionBank {
       expected.variance_m2 += weight * stated_R(axis, i) * S;
       own_variance_m2 += weight * weights.R(i) * S;
       if (weight > Weights::kExcuses) {
-        expected.of_likely_squared = std::min(expected.of_likely_squared,
-                                              innovation_m * innovation_m / (weights.R(i) * S));
+        expected.of_likely_squared =
+            std::min(expected.of_likely_squared, innovation_m * innovation_m / (weights.R(i) * S));
       }
     }
     expected.position_m /= weight_sum;
@@ -166,8 +166,8 @@ class MotionBank {
         weight_sum += weight;
         density += weight * elementary::exp(exponent) / std::sqrt(kTwoPi * variance_m2);
       }
-      sum += elementary::quick_log(
-          std::max(density / weight_sum, std::numeric_limits<Scalar>::min()));
+      sum +=
+          elementary::quick_log(std::max(density / weight_sum, std::numeric_limits<Scalar>::min()));
     }
     return sum;
   }
@@ -192,10 +192,10 @@ class MotionBank {
       }
       if (weights_[axis].is_expected(share[axis], largest_deviation_)) continue;
       is_expected = false;
-      weights_[axis].learn_noise_of_unexpected(Scalar(1) + gain * (largest_share_ - Scalar(1)));
+      weights_[axis].learn_noise_of_unexpected(growth_of_noise(gain));
     }
     if (!is_expected) {
-      n_ = std::max(n_ * kKeptOfMemory, kFirstSamples);
+      forget_unexpected();
       return;
     }
     const bool learns_noise = fresh_ == 0;
@@ -209,6 +209,15 @@ class MotionBank {
                            largest_deviation_);
       weights_[axis].weigh(mean_log_S_, n_);
     }
+  }
+
+  /// Learns from a sample that is most likely an outlier: the noise may have grown, R does, and
+  /// older samples count less. The weights stay.
+  void learn_of_unexpected(Scalar T) {
+    if (!adaptive_) return;
+    const Scalar gain = grow_memory(T);
+    for (auto& weights : weights_) weights.learn_noise_of_unexpected(growth_of_noise(gain));
+    forget_unexpected();
   }
 
   /// No less noise than `R` along `axis` (m^2), that of rounding. Known noise stays as it is.
@@ -320,7 +329,7 @@ class MotionBank {
   static constexpr int kFresh = 3;
   static constexpr Scalar kGrowth = Scalar(1) / Scalar(3);
   static constexpr Scalar kKeptOfMemory = Scalar(0.9);  // by a sample that no member expects
-  static constexpr Scalar kLeastExponent = -80;           // e^-80 is still a number in float
+  static constexpr Scalar kLeastExponent = -80;         // e^-80 is still a number in float
   static constexpr Scalar kTwoPi = Scalar(6.283185307179586);
 
   struct Member {
@@ -338,8 +347,8 @@ class MotionBank {
       for (int axis = 1; adaptive_ && axis < kAxes; ++axis) R = std::min(R, stated_R(axis, i));
       Step& step = members_[i].step;
       step = Step();
-      step.P = SymmetricMatrix3<Scalar>::diagonal({1, scale * prior_velocity_variance_ / R,
-                                                   scale * prior_acceleration_variance_ / R});
+      step.P = SymmetricMatrix3<Scalar>::diagonal(
+          {1, scale * prior_velocity_variance_ / R, scale * prior_acceleration_variance_ / R});
       for (int axis = 0; axis < kAxes; ++axis) step.x[axis] = x[axis];
     }
   }
@@ -361,6 +370,11 @@ class MotionBank {
     if (n_ * mean_step_s_ > memory_s_) n_ = std::max(memory_s_ / mean_step_s_, kFirstSamples);
     return Scalar(1) / n_;
   }
+
+  Scalar growth_of_noise(Scalar gain) const {
+    return Scalar(1) + gain * (largest_share_ - Scalar(1));
+  }
+  void forget_unexpected() { n_ = std::max(n_ * kKeptOfMemory, kFirstSamples); }
 
   // A noise that samples keep exceeding is still on its way up from the guess.
   void judge_guess(const Array<typename Weights::Each, kAxes>& share) {

@@ -12,21 +12,24 @@
 // Start.   o = log N(d; S + V T^2) - log u, between kLeastOdds and kMostOdds; V the variance of
 //          velocity that a jaw's prior and this motion's speeds allow, u the density of outliers,
 //          anywhere within 50 mm. At kMostOdds the sample may well be a change (`motion_changed`),
-//          below it is an outlier that a change could hardly make (`outlier_rejected`). The variance
-//          of other's velocity is V + (d/T)^2: a motion that went so far within a step may go on as
-//          fast.
-// Tests.   A sample that fits either of them adds log p_other - log p_main, where each p is at least
+//          below it is an outlier that a change could hardly make (`outlier_rejected`). The
+//          variance of other's velocity is V + (d/T)^2: a motion that went so far within a step may
+//          go on as fast.
+// Tests.   A sample that fits either of them adds log p_other - log p_main, where each p is at
+// least
 //          that of an outlier: outliers come in bursts, and the next is about as far off as the
-//          first, N(nu; S + (2 d)^2), with probability 1/2 where main is right, e^-3 where other is.
-//          One that fits neither says nothing for either; other starts anew from it, likelier each
-//          time, and after `reset_after` in a row main is given up.
-// End.     o > kSure: the motion changed; o < -kUnlikely: it did not; after kMostTests the likelier.
-// Shown.   The mixture of both, its first two moments matched.
+//          first, N(nu; S + (2 d)^2), with probability 1/2 where main is right, e^-3 where other
+//          is. One that fits neither says nothing for either; other starts anew from it, likelier
+//          each time, and after `reset_after` in a row main is given up.
+// End.     o > kSure: the motion changed; o < -kUnlikely: it did not; after kMostTests the
+// likelier. Shown.   The mixture of both, its first two moments matched.
 //
 // A sample within the gate but beyond huber counts less. Main has taken it; the second bank goes on
-// without it until the next sample. Where that is an outlier, and likelier by e^3 without, main was
-// misled and the second bank takes its place. A bank of fewer than kSettled samples is too wide to
-// judge.
+// without it until the next sample. Where that is an outlier, main is misled if both samples are
+// likelier by e^3 with the first as the outlier:
+//          log u' + log p_second(z) > log p_main(first) + max(log p_main(z), log u') + 3
+// u' being u times kLogRarity's share. Then the second bank takes main's place. A bank of fewer
+// than kSettled samples is too wide to judge.
 #pragma once
 
 #include "condyle/estimator/events.h"
@@ -40,10 +43,10 @@ template <class Scalar, int kAxes>
 struct SampleVerdict {
   Array<Scalar, kAxes> innovation_m = {};
   Array<Scalar, kAxes> variance_m2 = {};  ///< of the innovation
-  bool is_taken[2] = {};  ///< by the first and the second bank
-  bool is_start[2] = {};  ///< it starts anew from this sample
-  bool is_known = false;  ///< a hypothesis expected it
-  int settled = -1;       ///< the bank that was right about the samples before this; -1: open
+  bool is_taken[2] = {};                  ///< by the first and the second bank
+  bool is_start[2] = {};                  ///< it starts anew from this sample
+  bool is_known = false;                  ///< a hypothesis expected it
+  int settled = -1;  ///< the bank that was right about the samples before this; -1: open
   EventSet events;
 };
 
@@ -139,6 +142,7 @@ class MotionHypotheses {
   static constexpr Scalar kMainBurst = Scalar(-0.7);  // log 1/2
   static constexpr Scalar kOtherBurst = -3;
   static constexpr Scalar kLikelier = 3;
+  static constexpr Scalar kLogRarity = Scalar(-4.6);  // log 1/100: of outliers
   static constexpr int kMostTests = 10;
   static constexpr int kSettled = 5;
   static constexpr Scalar kSpeedGain = Scalar(0.01);
@@ -194,6 +198,7 @@ class MotionHypotheses {
     }
     if (gate_.is_doubtful(comparison.of_mixture) && settled_ >= kSettled) {
       other_bank() = main();
+      suspect_log_density_ = main().log_density(z_m);
       doubt_ = Doubt::sample;
     }
     update(main_, z_m, T, comparison, verdict);
@@ -202,11 +207,12 @@ class MotionHypotheses {
     learn_speed();
   }
 
-  // Main has taken a doubtful sample before `z_m`, and `z_m` is far likelier without it.
+  // Main has taken a doubtful sample before `z_m`; both are far likelier where that one was an
+  // outlier.
   bool is_misled(const Position& z_m) const {
-    return !gate_.is_doubtful(compare(other(), z_m).of_mixture) &&
-           other().log_density(z_m) >
-               std::max(main().log_density(z_m), kAxes * log(kOutlierDensity)) + kLikelier;
+    const Scalar outlier = kLogRarity + kAxes * log(kOutlierDensity);
+    const Scalar with = suspect_log_density_ + std::max(main().log_density(z_m), outlier);
+    return outlier + other().log_density(z_m) > with + kLikelier;
   }
 
   void take_in_doubt(const Position& z_m, Scalar T, Verdict& verdict) {
@@ -219,13 +225,14 @@ class MotionHypotheses {
       return;
     }
     refusals_ = 0;
+    const bool may_be_motion = odds_ > kLeastOdds;
     odds_ += log_likelihood(other(), by_other, z_m, kOtherBurst) -
              log_likelihood(main(), by_main, z_m, kMainBurst);
     ++tests_;
     if (fits_main) {
       update(main_, z_m, T, by_main, verdict);
     } else {
-      main_bank().learn(z_m, T);
+      learn_of_refused(z_m, T, may_be_motion);
     }
     if (fits_other) update(1 - main_, z_m, T, by_other, verdict);
     verdict.is_known = true;
@@ -239,10 +246,20 @@ class MotionHypotheses {
     verdict.events.add(Event::motion_changed, !fits_main);
   }
 
+  // Main did not expect `z_m`. Where the motion may have changed, a livelier member may have; of
+  // outliers main learns no more than that they are there.
+  void learn_of_refused(const Position& z_m, Scalar T, bool may_be_motion) {
+    if (may_be_motion) {
+      main_bank().learn(z_m, T);
+    } else {
+      main_bank().learn_of_unexpected(T);
+    }
+  }
+
   // Neither hypothesis expected `z_m`.
   void refuse(const Position& z_m, Scalar T, const Comparison& by_main, Verdict& verdict) {
     verdict.settled = main_;
-    main_bank().learn(z_m, T);
+    learn_of_refused(z_m, T, odds_ > kLeastOdds);
     ++refusals_;
     doubt_motion(z_m, by_main, verdict);
     if (static_cast<Scalar>(refusals_) < most_refusals_) return;
@@ -334,10 +351,11 @@ class MotionHypotheses {
   Bank banks_[2];
   int main_ = 0;
   Doubt doubt_ = Doubt::none;
-  int tests_ = 0;     // samples that have tested the present doubt
-  int refusals_ = 0;  // samples in a row that fitted nothing
-  int settled_ = 0;   // samples that main has taken since its start, at most kSettled
-  Scalar odds_ = 0;   // log odds of other against main
+  int tests_ = 0;                   // samples that have tested the present doubt
+  int refusals_ = 0;                // samples in a row that fitted nothing
+  Scalar suspect_log_density_ = 0;  // log density that main expected of its doubtful sample
+  int settled_ = 0;                 // samples that main has taken since its start, at most kSettled
+  Scalar odds_ = 0;                 // log odds of other against main
   Scalar step_s_ = kFirstStep_s;
   Scalar mean_square_speed_ = 0;
   Position burst_variance_m2_ = {};
