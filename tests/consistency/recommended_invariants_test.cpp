@@ -255,8 +255,8 @@ TEST(Invariants, TheSameMotionLiesInsideTheBankAtAnyRate) {
             estimator.step({nanoseconds(t), true, {course(t) + noise_m * random.normal()}, {}});
       }
       EXPECT_FALSE(estimate.events.has(Event::liveliness_at_limit)) << seed << " " << rate_Hz;
-      const double r = estimate.axes[0].jerk_density_m2_s5 /
-                       std::pow(estimate.axes[0].noise_sd_m, 2);
+      const double r =
+          estimate.axes[0].jerk_density_m2_s5 / std::pow(estimate.axes[0].noise_sd_m, 2);
       const auto& bank = estimator.bank();
       EXPECT_GT(r, 1.01 * bank.ratio(0)) << seed << " " << rate_Hz;
       EXPECT_LT(r, 0.99 * bank.ratio(bank.member_count() - 1)) << seed << " " << rate_Hz;

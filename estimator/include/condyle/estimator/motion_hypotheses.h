@@ -237,7 +237,7 @@ class MotionHypotheses {
     if (fits_other) update(1 - main_, z_m, T, by_other, verdict);
     verdict.is_known = true;
     const bool is_over = tests_ >= kMostTests;
-    if (odds_ < -kUnlikely || (is_over && !(odds_ > Scalar(0)))) {
+    if ((fits_main && odds_ < -kUnlikely) || (is_over && !(odds_ > Scalar(0)))) {
       settle(main_, verdict);
     } else if (odds_ > kSure || is_over) {
       other_bank().take_larger_noise(main());
