@@ -21,10 +21,9 @@
 //          first, N(nu; S + (2 d)^2), with probability 1/2 where main is right, e^-3 where other
 //          is. One that fits neither says nothing for either; other starts anew from it, likelier
 //          each time, and after `reset_after` in a row main is given up.
-// End.     o > kSure: the motion changed; o < -kUnlikely, and main expected this sample: it did
-// not.
+// End.     o > kSure: the motion changed. o < -kUnlikely, and main expected the sample: not.
 //          After kMostTests the likelier.
-// likelier. Shown.   The mixture of both, its first two moments matched.
+// Shown.   The mixture of both, its first two moments matched.
 //
 // A sample within the gate but beyond huber counts less. Main has taken it; the second bank goes on
 // without it until the next sample. Where that is an outlier, main is misled if both samples are
