@@ -154,20 +154,15 @@ class MotionBank {
   Scalar log_density(const Position& z_m) const {
     Scalar sum = 0;
     for (int axis = 0; axis < kAxes; ++axis) {
-      const Weights& weights = weights_[axis];
-      Scalar density = 0, weight_sum = 0;
-      for (int i = 0; i < member_count_; ++i) {
-        const Scalar weight = weights.weight(i);
-        if (!(weight > Weights::kPlausible)) continue;
-        const Scalar innovation_m = z_m[axis] - members_[i].step.x[axis][kPosition];
-        const Scalar variance_m2 = stated_R(axis, i) * innovation_variance(i);
-        const Scalar exponent =
-            std::max(Scalar(-0.5) * innovation_m * innovation_m / variance_m2, kLeastExponent);
-        weight_sum += weight;
-        density += weight * elementary::exp(exponent) / std::sqrt(kTwoPi * variance_m2);
-      }
-      sum +=
-          elementary::quick_log(std::max(density / weight_sum, std::numeric_limits<Scalar>::min()));
+      sum += log_density(axis, z_m[axis], [&](int i) { return stated_R(axis, i); });
+    }
+    return sum;
+  }
+  /// The same with the noise that each member has made out itself.
+  Scalar own_log_density(const Position& z_m) const {
+    Scalar sum = 0;
+    for (int axis = 0; axis < kAxes; ++axis) {
+      sum += log_density(axis, z_m[axis], [&](int i) { return weights_[axis].R(i); });
     }
     return sum;
   }
@@ -355,6 +350,25 @@ class MotionBank {
 
   void take_ratios() {
     for (int i = 0; i < member_count_; ++i) members_[i].r = grid_[i];
+  }
+
+  // `R_of(i)`: member i's noise (m^2).
+  template <class NoiseOf>
+  Scalar log_density(int axis, Scalar z_m, const NoiseOf& R_of) const {
+    const Weights& weights = weights_[axis];
+    Scalar density = 0, weight_sum = 0;
+    for (int i = 0; i < member_count_; ++i) {
+      const Scalar weight = weights.weight(i);
+      if (!(weight > Weights::kPlausible)) continue;
+      const Scalar innovation_m = z_m - members_[i].step.x[axis][kPosition];
+      const Scalar variance_m2 = R_of(i) * innovation_variance(i);
+      const Scalar exponent =
+          std::max(Scalar(-0.5) * innovation_m * innovation_m / variance_m2, kLeastExponent);
+      weight_sum += weight;
+      density += weight * elementary::exp(exponent) / std::sqrt(kTwoPi * variance_m2);
+    }
+    return elementary::quick_log(
+        std::max(density / weight_sum, std::numeric_limits<Scalar>::min()));
   }
 
   // S of member `i`.

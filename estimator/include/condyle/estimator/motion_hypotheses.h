@@ -9,12 +9,16 @@
 //   nu, S   innovation of a sample along one axis (m), and its variance (m^2)
 //   d       innovation of the sample that other starts from
 //
+//   C, G    changes and outliers (glitches) that were decided so far, older ones count less
+//
 // Start.   o = log N(d; S + V T^2) - log u, between kLeastOdds and kMostOdds; V the variance of
 //          velocity that a jaw's prior and this motion's speeds allow, u the density of outliers,
 //          anywhere within 50 mm. At kMostOdds the sample may well be a change (`motion_changed`),
-//          below it is an outlier that a change could hardly make (`outlier_rejected`). The
-//          variance of other's velocity is V + (d/T)^2: a motion that went so far within a step may
-//          go on as fast.
+//          below it is an outlier that a change could hardly make (`outlier_rejected`). Where
+//          outliers outnumber changes, o is less by log (G / C): of an instrument that often fails,
+//          two outliers in a row are likelier than a motion of their speed.
+//          The variance of other's velocity is V + (d/T)^2: a motion that went so far within a step
+//          may go on as fast. T here is no less than the mean step.
 // Tests.   A sample that fits either of them adds log p_other - log p_main, where each p is at
 // least
 //          that of an outlier: outliers come in bursts, and the next is about as far off as the
@@ -95,7 +99,10 @@ class MotionHypotheses {
   /// Takes the measurement `z_m`, `T` s after the last sample, after `predict`.
   Verdict take(const Position& z_m, Scalar T) {
     Verdict verdict;
-    if (T > Scalar(0)) step_s_ = T;
+    if (T > Scalar(0)) {
+      step_s_ = T;
+      mean_step_s_ += mean_step_s_ > Scalar(0) ? kStepGain * (T - mean_step_s_) : T;
+    }
     if (doubt_ == Doubt::motion) {
       take_in_doubt(z_m, T, verdict);
     } else {
@@ -148,6 +155,8 @@ class MotionHypotheses {
   static constexpr int kSettled = 5;
   static constexpr Scalar kSpeedGain = Scalar(0.01);
   static constexpr Scalar kFirstStep_s = Scalar(0.01);
+  static constexpr Scalar kStepGain = Scalar(0.05);
+  static constexpr Scalar kForgotten = Scalar(0.02);
   static constexpr Scalar kWidest = Scalar(1e6);
 
   // What a bank makes of a sample.
@@ -155,12 +164,13 @@ class MotionHypotheses {
     Position innovation_m = {}, variance_m2 = {};
     Scalar of_likely = 0;   // squared deviation from the likely member that it fits best,
     Scalar of_mixture = 0;  // from the mixture; the largest of all axes
+    bool is_outlier = false;
   };
 
   Bank& main_bank() { return banks_[main_]; }
   Bank& other_bank() { return banks_[1 - main_]; }
 
-  static Comparison compare(const Bank& bank, const Position& z_m) {
+  Comparison compare(const Bank& bank, const Position& z_m) const {
     Comparison result;
     // So that NaN is the largest.
     const auto enlarge = [](Scalar& largest, Scalar value) {
@@ -173,6 +183,7 @@ class MotionHypotheses {
       enlarge(result.of_likely, expected.of_likely_squared);
       enlarge(result.of_mixture, expected.of_mixture_squared);
     }
+    result.is_outlier = gate_.is_outlier(result.of_likely);
     return result;
   }
 
@@ -185,21 +196,21 @@ class MotionHypotheses {
 
   void take_alone(const Position& z_m, Scalar T, Verdict& verdict) {
     Comparison comparison = compare(main(), z_m);
-    if (gate_.is_outlier(comparison.of_likely) && doubt_ == Doubt::sample && is_misled(z_m)) {
+    if (doubt_ == Doubt::sample && is_misled(z_m)) {
       main_ = 1 - main_;
       comparison = compare(main(), z_m);
       verdict.events.add(Event::outlier_revoked);
     }
     if (doubt_ == Doubt::sample) settle(main_, verdict);
     note(comparison, verdict);
-    if (gate_.is_outlier(comparison.of_likely)) {
+    if (comparison.is_outlier) {
       refusals_ = 1;
       doubt_motion(z_m, comparison, verdict);
       return;
     }
     if (gate_.is_doubtful(comparison.of_mixture) && settled_ >= kSettled) {
       other_bank() = main();
-      suspect_log_density_ = main().log_density(z_m);
+      suspect_log_density_ = main().own_log_density(z_m);
       doubt_ = Doubt::sample;
     }
     update(main_, z_m, T, comparison, verdict);
@@ -212,15 +223,15 @@ class MotionHypotheses {
   // outlier.
   bool is_misled(const Position& z_m) const {
     const Scalar outlier = kLogRarity + kAxes * log(kOutlierDensity);
-    const Scalar with = suspect_log_density_ + std::max(main().log_density(z_m), outlier);
-    return outlier + other().log_density(z_m) > with + kLikelier;
+    const Scalar with = suspect_log_density_ + std::max(main().own_log_density(z_m), outlier);
+    return outlier + other().own_log_density(z_m) > with + kLikelier;
   }
 
   void take_in_doubt(const Position& z_m, Scalar T, Verdict& verdict) {
     const Comparison by_main = compare(main(), z_m), by_other = compare(other(), z_m);
     note_mixture(by_main, by_other, verdict);
-    const bool fits_main = !gate_.is_outlier(by_main.of_likely);
-    const bool fits_other = !gate_.is_outlier(by_other.of_likely);
+    const bool fits_main = !by_main.is_outlier;
+    const bool fits_other = !by_other.is_outlier;
     if (!fits_main && !fits_other) {
       refuse(z_m, T, by_main, verdict);
       return;
@@ -240,7 +251,9 @@ class MotionHypotheses {
     const bool is_over = tests_ >= kMostTests;
     if ((fits_main && odds_ < -kUnlikely) || (is_over && !(odds_ > Scalar(0)))) {
       settle(main_, verdict);
+      count(outliers_);
     } else if (odds_ > kSure || is_over) {
+      count(changes_);
       other_bank().take_larger_noise(main());
       settle(1 - main_, verdict);
     }
@@ -260,6 +273,7 @@ class MotionHypotheses {
   // Neither hypothesis expected `z_m`.
   void refuse(const Position& z_m, Scalar T, const Comparison& by_main, Verdict& verdict) {
     verdict.settled = main_;
+    count(outliers_);
     learn_of_refused(z_m, T, odds_ > kLeastOdds);
     ++refusals_;
     doubt_motion(z_m, by_main, verdict);
@@ -275,7 +289,8 @@ class MotionHypotheses {
   // The second bank starts from `z_m`, which main did not expect.
   void doubt_motion(const Position& z_m, const Comparison& by_main, Verdict& verdict) {
     const Scalar allowed = prior_velocity_variance_ + 4 * mean_square_speed_;
-    const Scalar square_step = step_s_ * step_s_;
+    const Scalar longer_step_s = std::max(step_s_, mean_step_s_);
+    const Scalar square_step = longer_step_s * longer_step_s;
     Scalar square_innovation = 0;
     odds_ = kRefusalOdds * static_cast<Scalar>(refusals_ - 1);
     for (int axis = 0; axis < kAxes; ++axis) {
@@ -284,14 +299,16 @@ class MotionHypotheses {
       square_innovation = std::max(square_innovation, d * d);
       burst_variance_m2_[axis] = 4 * d * d;
     }
-    odds_ = std::clamp(odds_, kLeastOdds, kMostOdds);
+    const bool may_be_motion = odds_ >= kMostOdds;
+    const Scalar rarity = std::min(log(changes_ / outliers_), Scalar(0));
+    odds_ = std::max(std::clamp(odds_, kLeastOdds, kMostOdds) + rarity, kLeastOdds);
     const Scalar variance = allowed + square_innovation / square_step;
     other_bank() = main();
     other_bank().change_motion(z_m, std::min(variance / prior_velocity_variance_, kWidest));
     tests_ = 0;
     doubt_ = Doubt::motion;
     verdict.is_start[1 - main_] = verdict.is_taken[1 - main_] = true;
-    verdict.events.add(odds_ < kMostOdds ? Event::outlier_rejected : Event::motion_changed);
+    verdict.events.add(may_be_motion ? Event::motion_changed : Event::outlier_rejected);
   }
 
   Scalar log_likelihood(const Bank& bank, const Comparison& comparison, const Position& z_m,
@@ -323,6 +340,13 @@ class MotionHypotheses {
                                   share * by_other.variance_m2[axis] +
                                   share * (1 - share) * gap * gap;
     }
+  }
+
+  // One more outlier or change; those before count less.
+  void count(Scalar& decided) {
+    outliers_ += kForgotten * (Scalar(1) - outliers_);
+    changes_ += kForgotten * (Scalar(1) - changes_);
+    decided += 1;
   }
 
   // The bank `index` was right.
@@ -357,7 +381,8 @@ class MotionHypotheses {
   Scalar suspect_log_density_ = 0;  // log density that main expected of its doubtful sample
   int settled_ = 0;                 // samples that main has taken since its start, at most kSettled
   Scalar odds_ = 0;                 // log odds of other against main
-  Scalar step_s_ = kFirstStep_s;
+  Scalar outliers_ = 1, changes_ = 1;  // decided so far
+  Scalar step_s_ = kFirstStep_s, mean_step_s_ = 0;
   Scalar mean_square_speed_ = 0;
   Position burst_variance_m2_ = {};
 };
