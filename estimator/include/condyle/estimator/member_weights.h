@@ -17,7 +17,9 @@
 //            short_i   log likelihood of about the last kShortMemory samples,
 //                      -1/2 sum min(log R_i S_i + nu^2 / (R_i S_i), floor)
 //            What served best so far leads, its R and q are those reported, but by no more than
-//            e^kLead: when the jaw starts or stops, a few samples put another member in charge.
+//            e^kLead, and by e^kLivelier more for each member in between where the other is
+//            livelier: when the jaw starts or stops, a few samples put another member in charge,
+//            and of those that explain these as well the least lively.
 // Floor.     max_j log R_j S_j + gate^2, common to all members. A sample that even the widest does
 //            not expect says nothing about which is right. Were the last term alone bounded, each
 //            such sample would favour the narrowest, and uncertainty would shrink while nothing is
@@ -124,7 +126,8 @@ class MemberWeights {
     const Scalar lowest = score_memory(mean_log_S, n, score) - kLead;
     Scalar best = -std::numeric_limits<Scalar>::infinity();
     for (int i = 0; i < count_; ++i) {
-      score[i] = std::max(score[i], lowest) + short_score_[i];
+      const Scalar rarity = kLivelier * static_cast<Scalar>(std::max(i - leader_, 0));
+      score[i] = std::max(score[i], lowest - rarity) + short_score_[i];
       best = std::max(best, score[i]);
     }
     Scalar sum = 0;
@@ -137,13 +140,13 @@ class MemberWeights {
     for (int i = 0; i < count_; ++i) weight_[i] *= inverse_sum;
   }
 
-  /// Every member has the same say, whatever served best so far.
+  /// Whatever served best so far, members have the same say, those livelier than the leader less.
   void forget_weights(const Each& mean_log_S, Scalar n) {
     Each score;
     const Scalar best = score_memory(mean_log_S, n, score);
     // What makes up for the lead of those that served best.
     for (int i = 0; i < count_; ++i) short_score_[i] = -std::max(score[i] - best, -kLead);
-    level(Scalar(1) / static_cast<Scalar>(count_));
+    weigh(mean_log_S, n);
   }
 
   Scalar weight(int i) const { return weight_[i]; }
@@ -163,9 +166,10 @@ class MemberWeights {
 
  private:
   static constexpr Scalar kIndependentShare = Scalar(0.3);
-  static constexpr Scalar kLead = 8;
+  static constexpr Scalar kLead = 6;
   static constexpr Scalar kShortMemory = 8;  // samples
-  static constexpr Scalar kHopeless = -20;   // log weight behind the best
+  static constexpr Scalar kLivelier = Scalar(0.5);
+  static constexpr Scalar kHopeless = -20;  // log weight behind the best
 
   // Log likelihoods over the memory, and which of them leads; the leader's.
   Scalar score_memory(const Each& mean_log_S, Scalar n, Each& score) {

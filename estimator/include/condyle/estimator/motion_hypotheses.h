@@ -273,7 +273,6 @@ class MotionHypotheses {
   // Neither hypothesis expected `z_m`.
   void refuse(const Position& z_m, Scalar T, const Comparison& by_main, Verdict& verdict) {
     verdict.settled = main_;
-    count(outliers_);
     learn_of_refused(z_m, T, odds_ > kLeastOdds);
     ++refusals_;
     doubt_motion(z_m, by_main, verdict);
