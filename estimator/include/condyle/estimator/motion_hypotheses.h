@@ -8,8 +8,7 @@
 //   o       log odds of other against main; s = 1 / (1 + e^-o), its share
 //   nu, S   innovation of a sample along one axis (m), and its variance (m^2)
 //   d       innovation of the sample that other starts from
-//
-//   C, G    changes and outliers (glitches) that were decided so far, older ones count less
+//   C, G    changes and outliers that were decided so far, older ones count less
 //
 // Start.   o = log N(d; S + V T^2) - log u, between kLeastOdds and kMostOdds; V the variance of
 //          velocity that a jaw's prior and this motion's speeds allow, u the density of outliers,
@@ -23,15 +22,17 @@
 // least
 //          that of an outlier: outliers come in bursts, and the next is about as far off as the
 //          first, N(nu; S + (2 d)^2), with probability 1/2 where main is right, e^-3 where other
-//          is. One that fits neither says nothing for either; other starts anew from it, likelier
-//          each time, and after `reset_after` in a row main is given up.
+//          is. A sample fits where it is within the gate and, by the noise that the members have
+//          made out themselves, likelier than as one more outlier. One that fits neither says
+//          nothing for either; other starts anew from it, likelier each time, and after
+//          `reset_after` in a row main is given up.
 // End.     o > kSure: the motion changed. o < -kUnlikely, and main expected the sample: not.
 //          After kMostTests the likelier.
 // Shown.   The mixture of both, its first two moments matched.
 //
 // A sample within the gate but beyond huber counts less. Main has taken it; the second bank goes on
-// without it until the next sample. Where that is an outlier, main is misled if both samples are
-// likelier by e^3 with the first as the outlier:
+// without it until the next sample. Then main is misled if both samples are likelier by e^3 with
+// the first as the outlier, by the noise that the members have made out themselves:
 //          log u' + log p_second(z) > log p_main(first) + max(log p_main(z), log u') + 3
 // u' being u times kLogRarity's share. Then the second bank takes main's place. A bank of fewer
 // than kSettled samples is too wide to judge.
@@ -230,8 +231,7 @@ class MotionHypotheses {
   void take_in_doubt(const Position& z_m, Scalar T, Verdict& verdict) {
     const Comparison by_main = compare(main(), z_m), by_other = compare(other(), z_m);
     note_mixture(by_main, by_other, verdict);
-    const bool fits_main = !by_main.is_outlier;
-    const bool fits_other = !by_other.is_outlier;
+    const bool fits_main = fits(main(), by_main, z_m), fits_other = fits(other(), by_other, z_m);
     if (!fits_main && !fits_other) {
       refuse(z_m, T, by_main, verdict);
       return;
@@ -310,14 +310,21 @@ class MotionHypotheses {
     verdict.events.add(may_be_motion ? Event::motion_changed : Event::outlier_rejected);
   }
 
+  // Log density of one more outlier, each being followed by another with probability e^`share`.
+  Scalar log_burst(const Comparison& comparison, Scalar share) const {
+    for (int axis = 0; axis < kAxes; ++axis) {
+      share += log_normal(comparison.innovation_m[axis],
+                          comparison.variance_m2[axis] + burst_variance_m2_[axis]);
+    }
+    return share;
+  }
   Scalar log_likelihood(const Bank& bank, const Comparison& comparison, const Position& z_m,
                         Scalar burst) const {
-    Scalar outlier = burst;
-    for (int axis = 0; axis < kAxes; ++axis) {
-      outlier += log_normal(comparison.innovation_m[axis],
-                            comparison.variance_m2[axis] + burst_variance_m2_[axis]);
-    }
-    return std::max(bank.log_density(z_m), outlier);
+    return std::max(bank.log_density(z_m), log_burst(comparison, burst));
+  }
+  // In doubt: likelier by what the members made out themselves than as one more outlier.
+  bool fits(const Bank& bank, const Comparison& comparison, const Position& z_m) const {
+    return !comparison.is_outlier && bank.own_log_density(z_m) > log_burst(comparison, kMainBurst);
   }
 
   // By the bank `index`, which expected it.
