@@ -141,11 +141,14 @@ class MemberWeights {
   }
 
   /// Whatever served best so far, members have the same say, those livelier than the leader less.
-  void forget_weights(const Each& mean_log_S, Scalar n) {
+  void forget_weights(const Each& mean_log_S, Scalar n, Scalar share) {
     Each score;
     const Scalar best = score_memory(mean_log_S, n, score);
     // What makes up for the lead of those that served best.
-    for (int i = 0; i < count_; ++i) short_score_[i] = -std::max(score[i] - best, -kLead);
+    for (int i = 0; i < count_; ++i) {
+      const Scalar level = -std::max(score[i] - best, -kLead);
+      short_score_[i] += share * (level - short_score_[i]);
+    }
     weigh(mean_log_S, n);
   }
 

@@ -88,11 +88,13 @@ class MotionBank {
     if (adaptive_) take_ratios();
   }
 
-  /// Starts the motion at `position_m`, measured; velocity and acceleration from the prior.
-  void start_motion(const Position& position_m) {
+  /// Starts the motion at `position_m`, measured; velocity and acceleration from the prior, their
+  /// variances times `scale`.
+  void start_motion(const Position& position_m, Scalar scale) {
     Array<Vector3<Scalar>, kAxes> x;
     for (int axis = 0; axis < kAxes; ++axis) x[axis] = {position_m[axis], 0, 0};
-    start_motion(x, 1);
+    start_motion(x, scale);
+    if (scale > Scalar(1)) forget_weights(Scalar(1) - Scalar(1) / scale);
   }
 
   /// The motion has changed: it goes on from `position_m`, measured, with the velocity and
@@ -105,8 +107,7 @@ class MotionBank {
       x[axis][kPosition] = position_m[axis];
     }
     start_motion(x, scale);
-    if (!adaptive_) return;
-    for (auto& weights : weights_) weights.forget_weights(mean_log_S_, n_);
+    forget_weights(1);
   }
 
   /// Moves all members by a step of `F` and Q / q (white_jerk.h).
@@ -338,14 +339,19 @@ class MotionBank {
     fresh_ = kFresh;
     for (int i = 0; i < member_count_; ++i) {
       // One covariance for all axes: the least noise leaves the prior widest.
-      Scalar R = stated_R(adaptive_ ? 0 : i, i);
-      for (int axis = 1; adaptive_ && axis < kAxes; ++axis) R = std::min(R, stated_R(axis, i));
+      Scalar R = weights_[adaptive_ ? 0 : i].R(i);
+      for (int axis = 1; adaptive_ && axis < kAxes; ++axis) R = std::min(R, weights_[axis].R(i));
       Step& step = members_[i].step;
       step = Step();
       step.P = SymmetricMatrix3<Scalar>::diagonal(
           {1, scale * prior_velocity_variance_ / R, scale * prior_acceleration_variance_ / R});
       for (int axis = 0; axis < kAxes; ++axis) step.x[axis] = x[axis];
     }
+  }
+
+  void forget_weights(Scalar share) {
+    if (!adaptive_) return;
+    for (auto& weights : weights_) weights.forget_weights(mean_log_S_, n_, share);
   }
 
   void take_ratios() {

@@ -77,7 +77,8 @@ class MotionHypotheses {
 
   /// The motion starts at `position_m`, measured.
   void start_motion(const Position& position_m) {
-    main_bank().start_motion(position_m);
+    main_bank().start_motion(
+        position_m, std::max(Scalar(1), mean_square_speed_ / prior_velocity_variance_));
     doubt_ = Doubt::none;
     settled_ = 0;
   }
@@ -167,6 +168,11 @@ class MotionHypotheses {
     Scalar of_mixture = 0;  // from the mixture; the largest of all axes
     bool is_outlier = false;
   };
+
+  // What a jaw's prior and the speeds of this motion allow.
+  Scalar allowed_velocity_variance() const {
+    return prior_velocity_variance_ + 4 * mean_square_speed_;
+  }
 
   Bank& main_bank() { return banks_[main_]; }
   Bank& other_bank() { return banks_[1 - main_]; }
@@ -287,7 +293,7 @@ class MotionHypotheses {
 
   // The second bank starts from `z_m`, which main did not expect.
   void doubt_motion(const Position& z_m, const Comparison& by_main, Verdict& verdict) {
-    const Scalar allowed = prior_velocity_variance_ + 4 * mean_square_speed_;
+    const Scalar allowed = allowed_velocity_variance();
     const Scalar longer_step_s = std::max(step_s_, mean_step_s_);
     const Scalar square_step = longer_step_s * longer_step_s;
     Scalar square_innovation = 0;
