@@ -22,7 +22,7 @@ class NoiseWatch {
   /// How many 95 % intervals of the position hold the truth at worst (%): of positions that were
   /// smoothed and then rounded; and with noise whose neighbours are correlated by up to 0.9, or
   /// with a vibration of twice the noise's standard deviation.
-  static constexpr double kWorstSmoothed_percent = 0.3, kWorstSlow_percent = 30;
+  static constexpr double kWorstSmoothed_percent = 0.3, kWorstSlow_percent = 25;
 
   /// Adds what one sample said: the standardised innovation, no unit, and the measured position,
   /// `step_s` after the one before; NaN where there was none.
