@@ -123,11 +123,10 @@ std::string RecommendedSummary::consistency_text() const {
     add_line(text, "rounding", steps + " mm, most of the noise: smoothing would not show");
   }
   text += distrust_text(followed.mean_nis());
-  add_line(
-      text, "intervals",
-      fmt::format("hold for white noise; slow noise of the instrument, such as vibration, looks "
-                  "like motion: 95 % may be {} %",
-                  NoiseWatch::kWorstSlow_percent));
+  add_line(text, "noise model",
+           fmt::format("white; slow noise of the instrument, such as vibration, looks like motion: "
+                       "as few as {} % of 95 % intervals of the position may then hold",
+                       NoiseWatch::kWorstSlow_percent));
   return text;
 }
 
@@ -245,15 +244,14 @@ std::vector<std::string> RecommendedSummary::warnings() const {
   std::string words;
   if (!filtered.empty()) {
     words += fmt::format(
-        "the noise of the positions ({}) is not white: they were smoothed or otherwise filtered "
-        "before they were recorded",
-        filtered);
+        "the noise of the positions ({}) is not white: {}", filtered,
+        has_uneven_frames() ? "frames were dropped or held, or they were smoothed"
+                            : "they were smoothed or otherwise filtered before they were recorded");
   }
   if (!correlated.empty()) {
-    words += fmt::format(
-        "{}neighbouring innovations ({}) are correlated, as smoothed positions "
-        "make them",
-        filtered.empty() ? "" : "; ", correlated);
+    words += fmt::format("{}neighbouring innovations ({}) are correlated, as {} make them",
+                         filtered.empty() ? "" : "; ", correlated,
+                         has_uneven_frames() ? "uneven frames" : "smoothed positions");
   }
   if (!words.empty()) {
     warnings.push_back(

@@ -109,7 +109,7 @@ std::string ReplaySummary::motion_text() const {
   if (point_axes_ == 3) {
     const auto ranges_m = ranges_.ranges_m();
     add_line(text, "ranges",
-             fmt::format("x {:.3g}, y {:.3g}, z {:.3g} mm, the middle 95 % of the positions",
+             fmt::format("x {:.4g}, y {:.4g}, z {:.4g} mm, the middle 95 % of the positions",
                          ranges_m[0] * 1e3, ranges_m[1] * 1e3, ranges_m[2] * 1e3));
   }
   if (step_watch_.has_dropped()) {
@@ -143,7 +143,7 @@ std::vector<std::string> ReplaySummary::warnings() const {
   const std::size_t other = livelier_axis(ranges_m, followed, kFarther, kLeastMotion_m);
   if (other == followed) return {};
   return {
-      fmt::format("the motion is along {0} ({1:.3g} mm) more than along the followed {2} ({3:.3g} "
+      fmt::format("the motion is along {0} ({1:.4g} mm) more than along the followed {2} ({3:.4g} "
                   "mm); --axis {0} follows it",
                   "xyz"[other], ranges_m[other] * 1e3, "xyz"[followed], ranges_m[followed] * 1e3)};
 }

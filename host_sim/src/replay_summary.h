@@ -56,6 +56,8 @@ class ReplaySummary {
   /// Why no sample had a position.
   std::string no_position_text() const;
   Axis followed() const { return followed_; }
+  /// Whether frames were dropped or held under even time stamps.
+  bool has_uneven_frames() const { return step_watch_.has_dropped() || step_watch_.has_held(); }
 
   std::uint64_t steps_ = 0;
   TimeNs shortest_step_ns_ = 0, longest_step_ns_ = 0;

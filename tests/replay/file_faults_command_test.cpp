@@ -155,7 +155,7 @@ TEST(Recommended, SaysThatRoundingHidesSmoothing) {
   EXPECT_THAT(fine.output, Not(HasSubstr("rounding")));
   EXPECT_EQ(fine.errors, "");
   EXPECT_THAT(fine.output, HasSubstr("(95 %), measured"));
-  EXPECT_THAT(fine.output, HasSubstr("intervals   hold for white noise; slow noise"));
+  EXPECT_THAT(fine.output, HasSubstr("noise model white; slow noise"));
   EXPECT_THAT(coarse.output, HasSubstr("rounding    x 0.1, y 0.1, z 0.1 mm, most of the noise"));
   EXPECT_THAT(coarse.errors, HasSubstr("if they were also smoothed, a 95 % interval"));
   EXPECT_THAT(coarse.output, Not(HasSubstr("(95 %)")));

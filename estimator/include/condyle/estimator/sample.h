@@ -2,6 +2,7 @@
 // One sample of a facebow, and the check of a sample against the one before it.
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -59,9 +60,13 @@ inline constexpr double kFarthestPosition_m = 10;
 /// kFarthestPosition_m. Who makes a sample then marks its position as not valid.
 constexpr bool is_out_of_range(SampleKind kind, const double* coordinates) {
   const std::size_t lengths = kind == SampleKind::pose ? 3 : coordinate_count(kind);
+  // Compared as the integers that order as sizes do: some microcontrollers have no double. NaN
+  // comes after infinity.
+  constexpr auto kFarthest = std::bit_cast<std::uint64_t>(kFarthestPosition_m);
+  constexpr auto kInfinity = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < lengths; ++i) {
-    const double size_m = coordinates[i] < 0 ? -coordinates[i] : coordinates[i];
-    if (size_m > kFarthestPosition_m && size_m <= std::numeric_limits<double>::max()) return true;
+    const std::uint64_t size = std::bit_cast<std::uint64_t>(coordinates[i]) << 1U >> 1U;
+    if (size > kFarthest && size < kInfinity) return true;
   }
   return false;
 }
