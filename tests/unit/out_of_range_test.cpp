@@ -158,7 +158,7 @@ void expect_same(const Extremes& a, const Extremes& b) {
 }
 
 RC_GTEST_PROP(OutOfRange, IsAMissingValueForEveryReaderAndEstimator, ()) {
-  const Format& format = formats()[*rc::gen::inRange<std::size_t>(0, formats().size())];
+  const Format& format = formats()[*rc::gen::element<std::size_t>(0, 1, 2, 3, 4)];
   std::mt19937_64 random(*rc::gen::arbitrary<std::uint64_t>());
   std::uniform_real_distribution<double> noise_mm(-0.05, 0.05), share(0, 1);
   const auto sentinel_share = *rc::gen::element(0.02, 0.3);
