@@ -10,6 +10,8 @@
 // samples whose 95 % interval of the position holds the truth, in the worst of its cases.
 #pragma once
 
+#include <cmath>
+
 #include "condyle/estimator/innovation_monitor.h"
 #include "condyle/estimator/rounding_step.h"
 
