@@ -51,7 +51,7 @@ std::vector<Point> record(const Instrument& instrument, unsigned seed) {
 
 constexpr Instrument kInstruments[] = {
     {60, 2e-5, 0, 0, true, true},       {60, 1e-4, 0, 0, false, true},
-    {200, 5e-5, 0, 0, false, true},     {100, 5e-5, 0, 0.9, true, true},
+    {200, 1.5e-4, 0, 0, false, false},  {100, 5e-5, 0, 0.9, true, true},
     {100, 1e-6, 0, 0, true, true},      {60, 1e-5, 1e-4, 0, false, true},
     {200, 1e-6, 1e-4, 0, false, false}, {120, 0, 1.45e-4, 0, false, false},
     {50, 3e-5, 1e-5, 0, true, true}};
