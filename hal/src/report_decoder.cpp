@@ -63,6 +63,7 @@ ReportFault ReportDecoder::decode(std::span<const std::uint8_t> bytes,
     decoded.coordinates[coordinate.index] = measured.value;
     decoded.position_valid = decoded.position_valid && measured.valid;
   }
+  if (is_out_of_range(decoded.kind, decoded.coordinates.data())) decoded.position_valid = false;
   if (decoded.position_valid && decoded.kind == SampleKind::pose) {
     decoded.position_valid = normalise_quaternion(&decoded.coordinates[3]);
   }

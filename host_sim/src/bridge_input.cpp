@@ -45,8 +45,11 @@ class SampleReports final : public hal::ReportSource {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     const std::size_t count = coordinate_count(sample.kind);
     report.host_time_ns = sample.time_ns;
+    // Out of range goes along as it is, for the decoder to say so.
+    const bool has_numbers =
+        sample.position_valid || is_out_of_range(sample.kind, sample.coordinates);
     for (std::size_t i = 0; i < count; ++i) {
-      put_number(sample.position_valid ? sample.coordinates[i] : kNone, i, report);
+      put_number(has_numbers ? sample.coordinates[i] : kNone, i, report);
     }
     put_number(sample.drive_valid ? sample.drive_N : kNone, count, report);
     report.size = static_cast<std::uint16_t>(sizeof(double) * (count + 1));

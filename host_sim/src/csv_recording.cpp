@@ -227,6 +227,7 @@ class CsvRecording final : public Recording {
           break;
       }
     }
+    if (is_out_of_range(sample.kind, sample.coordinates)) sample.position_valid = false;
   }
 
   std::unique_ptr<ByteReader> reader_;

@@ -20,8 +20,16 @@ EstimateRow row_of(const Sample& sample, FollowedCoordinate followed,
                    const PublishedEstimate<double>& estimate) {
   EstimateRow row;
   if (sample.time_valid) row.time_ns = sample.time_ns;
-  if (sample.position_valid && is_available(sample.kind, followed)) {
+  row.point_axes = sample.kind == SampleKind::one_axis ? 1 : 3;
+  if (sample.position_valid && !estimate.events.has(Event::zero_filled) &&
+      is_available(sample.kind, followed)) {
     row.measured_position_m = followed_position_m(sample, followed);
+    row.point_m[0] = row.measured_position_m;
+    for (const Axis axis : {Axis::x, Axis::y, Axis::z}) {
+      if (sample.kind == SampleKind::one_axis) break;
+      row.point_m[static_cast<std::size_t>(axis)] =
+          followed_position_m(sample, {followed.point, axis});
+    }
   }
   row.position_m = estimate.position_m;
   row.velocity_m_s = estimate.velocity_m_s;
@@ -40,7 +48,10 @@ EstimateRow row_of(const Sample& sample, FollowedCoordinate followed,
 EstimateRow row_of(const RecommendedEstimate<double>& estimate, Axis followed) {
   EstimateRow row;
   if (estimate.time_valid) row.time_ns = estimate.time_ns;
-  row.axis_count = estimate.axis_count;
+  row.axis_count = row.point_axes = estimate.axis_count;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(estimate.axis_count); ++i) {
+    row.point_m[i] = estimate.axes[i].measured_position_m;
+  }
   std::copy(std::begin(estimate.axes), std::end(estimate.axes), std::begin(row.axes));
   const AxisEstimate<double>& axis = row.followed =
       estimate.axes[estimate.axis_count == 3 ? static_cast<int>(followed) : 0];

@@ -2,6 +2,7 @@
 // One row of estimates, whichever estimator it is from.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <optional>
 
@@ -18,6 +19,10 @@ struct EstimateRow {
 
   std::optional<TimeNs> time_ns;
   double measured_position_m = kNone;  ///< of the followed coordinate
+  /// Of the followed point, x, y, z (or the one axis): what was taken for its position; without one
+  /// NaN.
+  int point_axes = 1;
+  std::array<double, 3> point_m = {kNone, kNone, kNone};
   Quantity<double> position_m, velocity_m_s, force_N, friction_Ns_m, mass_kg;
   double innovation_m = kNone;
   double motion_nis = kNone, friction_nis = kNone, mass_nis = kNone;

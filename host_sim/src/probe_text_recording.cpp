@@ -124,6 +124,7 @@ class ProbeTextRecording final : public Recording {
       sample.position_valid = sample.position_valid && usable;
       sample.coordinates[i] = value / units_per_metre_;
     }
+    if (is_out_of_range(sample.kind, sample.coordinates)) sample.position_valid = false;
     return true;
   }
 

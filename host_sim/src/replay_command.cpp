@@ -128,7 +128,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   for (const std::string& note : value_notes) line("note", note);
   if (figure_folder && figures.empty()) line("figures", "none: there are no values to draw");
   print_output(text);
-  if (!summary.warning().empty()) print_error("warning: " + summary.warning());
+  for (const std::string& warning : summary.warnings()) print_error("warning: " + warning);
   return kExitOk;
 }
 
@@ -138,7 +138,7 @@ int replay_published(const ReplayOptions& options, ReplayFacebow& facebow, hal::
       load_published_for(options.estimator, facebow.median_step_ns(), options.recording);
   settings.nominal_step_ns = nanoseconds(parameters.sample_time_s);
   PublishedSensor<double> sensor(parameters, options.followed);
-  PublishedSummary summary(parameters);
+  PublishedSummary summary(parameters, options.followed.axis);
   return replay_through(
       options, facebow, clock, settings, sensor, 0, false,
       [&](const Sample& sample, const PublishedEstimate<double>& estimate) {

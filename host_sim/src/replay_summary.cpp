@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "event_text.h"
@@ -14,14 +15,8 @@ namespace {
 constexpr double kUnevenShare = 0.01;
 // Mean NIS beyond which the intervals are said to be off: they are then wrong by 22 % and more.
 constexpr double kTrustedNis = 1.5;
-
-std::string with_interval(const Quantity<double>& quantity, double shown_per_si, const char* unit,
-                          const char* level) {
-  if (quantity.provenance == Provenance::not_computed) return "none";
-  return fmt::format("{:.4g} +- {:.2g} {} ({}), {}", quantity.value * shown_per_si,
-                     kNormalQuantile95 * quantity.standard_deviation * shown_per_si, unit, level,
-                     provenance_name(quantity.provenance));
-}
+// Another axis is named from so many times the followed one's range on.
+constexpr double kFarther = 2, kLeastMotion_m = 1e-3;
 
 // No interval: the filter's own would be that of its tuning.
 std::string without_interval(const Quantity<double>& quantity, const char* unit) {
@@ -35,40 +30,6 @@ const char* force_words(Provenance force, Provenance acceleration) {
   return acceleration == Provenance::derived
              ? ": assumed mass times an acceleration that the motion model carried over"
              : ": assumed mass times measured acceleration";
-}
-
-// Why a value is not measured.
-const char* limit_words(JointLimit limit) {
-  switch (limit) {
-    case JointLimit::none:
-      return "";
-    case JointLimit::no_drive:
-      return ": no drive was measured while the position was";
-    case JointLimit::too_early:
-      return ": too few positions to judge the model by";
-    case JointLimit::model:
-      return ": drive and model do not explain the motion; another force acts, or the noise is not "
-             "as stated";
-    case JointLimit::information:
-      return ": the motion tells less of it than the prior does";
-    case JointLimit::resolution:
-      return ": the motion tells too little of it for the stated resolution; record longer";
-    case JointLimit::friction_or_delay:
-      return ": this motion cannot tell friction from a delay of the drive; measure the delay, or "
-             "let "
-             "the rhythm vary";
-    case JointLimit::mass_or_stiffness:
-      return ": this motion cannot tell mass from stiffness; let the rhythm vary";
-    case JointLimit::viscous_or_coulomb:
-      return ": this motion cannot tell viscous from Coulomb friction; let its speed vary";
-    case JointLimit::gain:
-      return ": the uncertainty of the drive's gain is too large for the stated resolution";
-    case JointLimit::delay:
-      return ": the uncertainty of the drive's delay, which acts like friction, is too large";
-    case JointLimit::missing:
-      return ": the drive may miss too much of the force (--drive-missing SHARE, if that is known)";
-  }
-  return "";
 }
 
 }  // namespace
@@ -93,7 +54,26 @@ void ReplaySummary::add(const EstimateRow& row) {
     judged_ += is_unexpected(row.events) ? 0U : 1U;
   }
   events_.add(row.events);
+  point_axes_ = row.point_axes;
+  std::array<double, 3> point_m{};
+  std::copy_n(row.point_m.begin(), row.point_axes, point_m.begin());
+  const bool is_measured = row.time_ns && std::all_of(point_m.begin(), point_m.end(),
+                                                      [](double m) { return std::isfinite(m); });
+  if (is_measured) {
+    ranges_.add(point_m);
+    step_watch_.add(*row.time_ns, point_m);
+  } else if (!is_told_twice(row)) {
+    step_watch_.add_missing();
+  }
   if (row.position_m.provenance != Provenance::not_computed) last_ = row;
+}
+
+std::string ReplaySummary::with_interval(const Quantity<double>& quantity, double shown_per_si,
+                                         const char* unit, const char* level) {
+  if (quantity.provenance == Provenance::not_computed) return "none";
+  return fmt::format("{:.4g} +- {:.2g} {} ({}), {}", quantity.value * shown_per_si,
+                     kNormalQuantile95 * quantity.standard_deviation * shown_per_si, unit, level,
+                     provenance_name(quantity.provenance));
 }
 
 void ReplaySummary::add_line(std::string& text, const char* label, const std::string& words) {
@@ -121,10 +101,54 @@ std::string ReplaySummary::times_text(const std::string& steps_note) const {
   }
   add_line(text, "gaps", fmt::format("{}", events_[Event::time_gap]));
   add_line(text, "events", event_text(events_));
+  return text + motion_text();
+}
+
+std::string ReplaySummary::motion_text() const {
+  std::string text;
+  if (point_axes_ == 3) {
+    const auto ranges_m = ranges_.ranges_m();
+    add_line(text, "ranges",
+             fmt::format("x {:.4g}, y {:.4g}, z {:.4g} mm, the middle 95 % of the positions",
+                         ranges_m[0] * 1e3, ranges_m[1] * 1e3, ranges_m[2] * 1e3));
+  }
+  if (step_watch_.has_dropped()) {
+    add_line(text, "frames",
+             fmt::format("{} steps amid even ones are two frames long: frames were dropped under "
+                         "even time stamps",
+                         step_watch_.dropped()));
+  }
+  if (step_watch_.has_held()) {
+    add_line(text, "frames",
+             fmt::format("{} positions amid motion are those before: they were held under even "
+                         "time stamps",
+                         step_watch_.held()));
+  }
   return text;
 }
 
-std::string ReplaySummary::last_values_text(bool trusted) const {
+std::string ReplaySummary::no_position_text() const {
+  const std::uint64_t far = events_[Event::position_out_of_range];
+  return far == 0 ? "none: no sample had a position"
+                  : fmt::format(
+                        "none: no sample had a position; {} were beyond 10 m: check their "
+                        "unit",
+                        far);
+}
+
+std::vector<std::string> ReplaySummary::warnings() const {
+  if (point_axes_ != 3) return {};
+  const auto ranges_m = ranges_.ranges_m();
+  const auto followed = static_cast<std::size_t>(followed_);
+  const std::size_t other = livelier_axis(ranges_m, followed, kFarther, kLeastMotion_m);
+  if (other == followed) return {};
+  return {
+      fmt::format("the motion is along {0} ({1:.4g} mm) more than along the followed {2} ({3:.4g} "
+                  "mm); --axis {0} follows it",
+                  "xyz"[other], ranges_m[other] * 1e3, "xyz"[followed], ranges_m[followed] * 1e3)};
+}
+
+std::string ReplaySummary::last_values_text(const char* level) const {
   std::string text = "last values";
   if (last_.time_ns) {
     text += ", at ";
@@ -132,9 +156,7 @@ std::string ReplaySummary::last_values_text(bool trusted) const {
     text += " s";
   }
   text += '\n';
-  const char* const level = !has_enough() ? "95 % by the filter's model, unchecked"
-                            : trusted     ? "95 %"
-                                          : "95 % if the intervals were right";
+  if (!has_enough()) level = "95 % by the filter's model, unchecked";
   add_line(text, "  position", with_interval(last_.position_m, 1e3, "mm", level));
   add_line(text, "  velocity", with_interval(last_.velocity_m_s, 1e3, "mm/s", level));
   add_line(text, "  force",
@@ -196,7 +218,7 @@ std::string PublishedSummary::text() const {
     text += too_few_text();
   }
   if (last_.position_m.provenance == Provenance::not_computed) {
-    add_line(text, "estimates", "none: no sample had a position");
+    add_line(text, "estimates", no_position_text());
     return text;
   }
   add_line(text, "verdict",
@@ -207,7 +229,7 @@ std::string PublishedSummary::text() const {
                    : fmt::format("the mass {} within 2 % of the assumed mass throughout "
                                  "the last quarter",
                                  last_.verdict == Verdict::matched ? "stayed" : "did not stay")));
-  text += last_values_text(is_trusted(motion_nis_.value()));
+  text += last_values_text(is_trusted(motion_nis_.value()) ? kTrusted : kDistrusted);
   add_line(text, "  friction", without_interval(last_.friction_Ns_m, "Ns/m"));
   add_line(text, "  mass", without_interval(last_.mass_kg, "kg"));
   text +=
@@ -217,203 +239,15 @@ std::string PublishedSummary::text() const {
   return text;
 }
 
-std::string PublishedSummary::warning() const {
-  if (uneven_steps_ == 0) return {};
-  return fmt::format(
+std::vector<std::string> PublishedSummary::warnings() const {
+  std::vector<std::string> warnings = ReplaySummary::warnings();
+  if (uneven_steps_ == 0) return warnings;
+  warnings.push_back(fmt::format(
       "{} of {} steps ({:.4g} to {:.4g} ms) differ from the sample time {:.6g} s by more than 1 %; "
       "the published cascade takes every step as that long, and nothing is resampled",
       uneven_steps_, steps_, seconds(shortest_step_ns_) * 1e3, seconds(longest_step_ns_) * 1e3,
-      parameters_.sample_time_s);
-}
-
-void RecommendedSummary::add(const EstimateRow& row) {
-  ReplaySummary::add(row);
-  const double step_s =
-      last_step_ns_ ? seconds(*last_step_ns_) : std::numeric_limits<double>::quiet_NaN();
-  if (is_told_twice(row)) return;
-  const bool is_rejected = row.events.has(Event::outlier_rejected);
-  for (int i = 0; i < row.axis_count; ++i) {
-    monitors_[i].add(standardised_innovation(row, i),
-                     is_rejected ? EstimateRow::kNone : row.axes[i].measured_position_m, step_s);
-  }
-}
-
-std::string RecommendedSummary::per_axis(const char* format,
-                                         double (*value)(const RecommendedSummary&, int)) const {
-  std::string text;
-  for (int axis = 0; axis < axis_count(); ++axis) {
-    if (axis > 0) text += ", ";
-    if (axis_count() == 3) text += fmt::format("{} ", "xyz"[axis]);
-    text += fmt::format(fmt::runtime(format), value(*this, axis));
-  }
-  return text;
-}
-
-std::string RecommendedSummary::body_text() const {
-  if (fits_.fitted == 0) return {};
-  const double residual_rms_m =
-      std::sqrt(fits_.residual_square_sum_m2 / static_cast<double>(fits_.fitted));
-  std::string text;
-  add_line(
-      text, "body",
-      fmt::format("residual of its fit {:.2g} mm rms; {} samples beyond {:.2g} mm not taken; "
-                  "{} held back while its shape was learned",
-                  residual_rms_m * 1e3, fits_.not_rigid, fits_.tolerance_m * 1e3, fits_.unsettled));
-  return text;
-}
-
-std::string RecommendedSummary::nothing_text() const {
-  std::string reasons;
-  const auto add = [&reasons](std::uint64_t count, const std::string& words) {
-    if (count == 0) return;
-    reasons += fmt::format("{}{} samples {}", reasons.empty() ? "" : ", ", count, words);
-  };
-  add(fits_.degenerate, "had three points that coincide or lie on a line");
-  add(fits_.not_rigid, "had points that did not keep their distances");
-  add(fits_.unsettled, fmt::format("were held back to learn the body's shape, which takes {}",
-                                   BodyShape<double>::kSamples));
-  return reasons.empty() ? "none: no sample had a position"
-                         : "none: the jaw's pose is not known: " + reasons;
-}
-
-std::string RecommendedSummary::consistency_text() const {
-  if (!has_enough()) return too_few_text();
-  std::string text;
-  add_line(text, "innovation", fmt::format("{:.4g} mm rms", innovation_rms_m() * 1e3));
-  add_line(text, "mean NIS", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {
-                               return s.monitors_[axis].mean_nis();
-                             }) + " of the samples not rejected (1 if the noise is as stated)");
-  // A monitor that had nothing to compare says 0.
-  const InnovationMonitor<double>& followed = monitors_[followed_index()];
-  add_line(text, "whiteness",
-           followed.innovation_correlation() == 0
-               ? "not computed: no two innovations in a row"
-               : per_axis("{:.2f}", [](const RecommendedSummary& s, int axis) {
-                   return s.monitors_[axis].innovation_correlation();
-                 }) + " correlation of neighbouring innovations (0 if the model holds)");
-  add_line(
-      text, "noise floor",
-      followed.noise_correlation() == 0
-          ? "not computed: no eight positions in a row at even steps, or nothing varies"
-          : per_axis("{:.2f}", [](const RecommendedSummary& s,
-                                  int axis) { return s.monitors_[axis].noise_correlation(); }) +
-                " correlation of neighbouring sixth differences (-0.86 if the noise is "
-                "white)" +
-                filtered_text());
-  return text + distrust_text(followed.mean_nis());
-}
-
-std::string RecommendedSummary::text() const {
-  std::string text = times_text("");
-  const bool adaptive = parameters_.noise.adaptation == Adaptation::on;
-  add_line(text, "estimator",
-           fmt::format("recommended: white-jerk motion, {}, assumed mass {:.4g} kg",
-                       adaptive ? fmt::format("noise and jerk learned over {:.4g} s",
-                                              parameters_.noise.memory_s)
-                                : "noise and jerk as given",
-                       parameters_.assumed_mass_kg));
-  add_line(text, "delay",
-           lag_ == 0 ? "none: each estimate uses the samples up to its own"
-                     : fmt::format("{} samples, {:.4g} ms on average: each estimate uses that many "
-                                   "later samples",
-                                   lag_, lag_ * mean_step_s() * 1e3));
-  text += body_text();
-  if (last_.position_m.provenance == Provenance::not_computed) {
-    add_line(text, "estimates", nothing_text());
-    return text;
-  }
-  const std::string learned = has_enough() ? "estimated" : "from a first guess and too few samples";
-  add_line(text, "noise", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {
-                            return s.last_.axes[axis].noise_sd_m * 1e3;
-                          }) + (adaptive ? " mm sd at the end, " + learned : " mm sd, given"));
-  add_line(text, "jerk", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {
-                           return s.last_.axes[axis].jerk_density_m2_s5;
-                         }) + (adaptive ? " m^2/s^5 at the end, " + learned : " m^2/s^5, given"));
-  text += consistency_text();
-  const InnovationMonitor<double>& followed = monitors_[followed_index()];
-  text += last_values_text(is_trusted(followed.mean_nis()) && !followed.is_correlated() &&
-                           !followed.is_filtered());
-  if (last_.has_joint) return text + joint_text();
-  text +=
-      "Friction and mass are not computed: position alone does not determine them. What the "
-      "published cascade shows for\nthem (--estimator published) is decided by its tuning.\n";
-  return text;
-}
-
-std::string RecommendedSummary::joint_text() const {
-  const JointEstimate<double>& joint = last_.joint;
-  const auto words = [](const IdentifiedValue<double>& value, const char* unit) {
-    const char* const reason = limit_words(value.limit);
-    const std::string shown = value.limit == JointLimit::none
-                                  ? with_interval(value.quantity, 1, unit, "95 %")
-                                  : fmt::format("{:.4g} {}, assumed", value.quantity.value, unit);
-    return fmt::format("{}{}; information share {:.2f}", shown, reason, value.information);
-  };
-  std::string text;
-  add_line(text, "  friction", words(joint.friction_Ns_m, "Ns/m"));
-  add_line(text, "  mass", words(joint.mass_kg, "kg"));
-  add_line(text, "  stiffness", words(joint.stiffness_N_m, "N/m"));
-  add_line(text, "  offset", words(joint.offset_N, "N"));
-  if (parameters_.joint.coulomb_N.sd > 0) {
-    add_line(text, "  Coulomb", words(joint.coulomb_N, "N"));
-  }
-  if (parameters_.joint.delay == DelayModel::fitted) {
-    add_line(text, "  delay", words(joint.delay_s, "s"));
-  }
-  add_line(
-      text, "drive model",
-      fmt::format("mean NIS {:.3g}, correlation of neighbouring innovations {:.2f} (1 and 0 if "
-                  "drive and model explain the motion); observability {:.3f} (information share of "
-                  "the least known combination)",
-                  joint.mean_nis, joint.innovation_correlation, joint.observability));
-  return text +
-         "Friction is the effective damping along the followed axis, of joint, muscle and tissue "
-         "together. It and the mass rest on\nwhat was stated of the drive: its noise, gain, delay "
-         "and the share of the force it may miss.\n";
-}
-
-std::string RecommendedSummary::axes_where(bool (InnovationMonitor<double>::*is)() const) const {
-  std::string axes;
-  for (int axis = 0; axis < axis_count(); ++axis) {
-    if (!(monitors_[axis].*is)()) continue;
-    if (!axes.empty()) axes += ", ";
-    axes += axis_count() == 3 ? std::string(1, "xyz"[axis]) : "the axis";
-  }
-  return axes;
-}
-
-// Where the noise shows most that it is not white, unless it is between neighbours.
-std::string RecommendedSummary::filtered_text() const {
-  std::string text;
-  for (int axis = 0; axis < axis_count(); ++axis) {
-    const int lag = monitors_[axis].filtered_lag();
-    if (lag <= 1) continue;
-    text +=
-        fmt::format("; {}{:.2f} {} samples apart ({:.2f})",
-                    axis_count() == 3 ? fmt::format("{} ", "xyz"[axis]) : "",
-                    monitors_[axis].noise_correlation(lag), lag, NoiseColour<double>::white(lag));
-  }
-  return text;
-}
-
-std::string RecommendedSummary::warning() const {
-  const std::string filtered = axes_where(&InnovationMonitor<double>::is_filtered);
-  const std::string correlated = axes_where(&InnovationMonitor<double>::is_correlated);
-  if (filtered.empty() && correlated.empty()) return {};
-  std::string words;
-  if (!filtered.empty()) {
-    words += fmt::format(
-        "the noise of the positions ({}) is not white: they were smoothed or otherwise filtered "
-        "before they were recorded",
-        filtered);
-  }
-  if (!correlated.empty()) {
-    words += fmt::format(
-        "{}neighbouring innovations ({}) are correlated, as smoothed positions "
-        "make them",
-        filtered.empty() ? "" : "; ", correlated);
-  }
-  return words + "; the filter takes noise for white, so its intervals are not to be relied on";
+      parameters_.sample_time_s));
+  return warnings;
 }
 
 }  // namespace condyle::host

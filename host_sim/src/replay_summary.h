@@ -8,15 +8,19 @@
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/innovation_monitor.h"
+#include "axis_ranges.h"
 #include "condyle/estimator/point_follower.h"
 #include "estimate_row.h"
+#include "noise_watch.h"
+#include "step_watch.h"
 
 namespace condyle::host {
 
 /// Collects rows; each estimator has its own words.
 class ReplaySummary {
  public:
+  /// `followed`: the axis whose values lead, where there are three.
+  explicit ReplaySummary(Axis followed) : followed_(followed) {}
   virtual ~ReplaySummary() = default;
 
   virtual void add(const EstimateRow& row);
@@ -27,16 +31,21 @@ class ReplaySummary {
   std::vector<std::string> drive_notes() const {
     return drive_ ? drive_() : std::vector<std::string>();
   }
-  /// Something to warn about beside the summary; empty where there is nothing.
-  virtual std::string warning() const { return {}; }
+  /// What to warn about beside the summary.
+  virtual std::vector<std::string> warnings() const;
 
  protected:
+  static std::string with_interval(const Quantity<double>& quantity, double shown_per_si,
+                                   const char* unit, const char* level);
   static void add_line(std::string& text, const char* label, const std::string& words);
-  /// Duration, rate (with `steps_note` on its line), gaps and events.
+  /// Duration, rate (with `steps_note` on its line), gaps, events, and what the motion says of the
+  /// samples.
   std::string times_text(const std::string& steps_note) const;
-  /// "last values, at ..." with position, velocity and force; the 95 % level is doubted unless
-  /// `trusted`, and unchecked where there are too few innovations.
-  std::string last_values_text(bool trusted) const;
+  /// "last values, at ..." with position, velocity and force; `level` is that of their intervals,
+  /// unless there are too few innovations to check it.
+  std::string last_values_text(const char* level) const;
+  static constexpr const char* kTrusted = "95 %";
+  static constexpr const char* kDistrusted = "95 % if the intervals were right";
   /// Whether there are innovations enough to judge the intervals by; and the line that says so
   /// where there are not.
   bool has_enough() const { return judged_ >= kFewestInnovations; }
@@ -44,6 +53,11 @@ class ReplaySummary {
   /// Whether a mean NIS speaks for the stated noise; and the line that says so where it does not.
   static bool is_trusted(double mean_nis);
   static std::string distrust_text(double mean_nis);
+  /// Why no sample had a position.
+  std::string no_position_text() const;
+  Axis followed() const { return followed_; }
+  /// Whether frames were dropped or held under even time stamps.
+  bool has_uneven_frames() const { return step_watch_.has_dropped() || step_watch_.has_held(); }
 
   std::uint64_t steps_ = 0;
   TimeNs shortest_step_ns_ = 0, longest_step_ns_ = 0;
@@ -54,6 +68,12 @@ class ReplaySummary {
   EstimateRow last_;
 
  private:
+  std::string motion_text() const;
+
+  Axis followed_;
+  int point_axes_ = 1;
+  AxisRanges ranges_;
+  StepWatch step_watch_;
   std::function<std::vector<std::string>()> drive_;
   // The mean NIS of so many strays by 14 % (standard deviation), of fewer by more.
   static constexpr std::uint64_t kFewestInnovations = 100;
@@ -68,11 +88,12 @@ class ReplaySummary {
 /// The published cascade's.
 class PublishedSummary final : public ReplaySummary {
  public:
-  explicit PublishedSummary(const PublishedParameters& parameters) : parameters_(parameters) {}
+  PublishedSummary(const PublishedParameters& parameters, Axis followed)
+      : ReplaySummary(followed), parameters_(parameters) {}
   void add(const EstimateRow& row) override;
   std::string text() const override;
-  /// Steps that differ from the sample time, which the published cascade takes all as equal.
-  std::string warning() const override;
+  /// Also steps that differ from the sample time, which the published cascade takes all as equal.
+  std::vector<std::string> warnings() const override;
 
  private:
   struct Mean {
@@ -97,11 +118,11 @@ class RecommendedSummary final : public ReplaySummary {
   /// `fits`: those of the sensor, looked at when the text is made.
   RecommendedSummary(const RecommendedParameters& parameters, int lag, Axis followed,
                      const BodyFits& fits)
-      : parameters_(parameters), lag_(lag), followed_(followed), fits_(fits) {}
+      : ReplaySummary(followed), parameters_(parameters), lag_(lag), fits_(fits) {}
   void add(const EstimateRow& row) override;
   std::string text() const override;
-  /// Positions that were smoothed before they came.
-  std::string warning() const override;
+  /// Also positions that were smoothed before they came, or may have been.
+  std::vector<std::string> warnings() const override;
 
  private:
   std::string per_axis(const char* format, double (*value)(const RecommendedSummary&, int)) const;
@@ -113,16 +134,16 @@ class RecommendedSummary final : public ReplaySummary {
   std::string nothing_text() const;
   // Innovations, and what they and the positions say of the intervals.
   std::string consistency_text() const;
-  // Names of the axes whose monitor says so.
-  std::string axes_where(bool (InnovationMonitor<double>::*is)() const) const;
+  // Names of the axes whose watch says so.
+  std::string axes_where(bool (NoiseWatch::*is)() const) const;
+  std::string rounding_steps_text() const;
   int axis_count() const { return last_.axis_count; }
-  int followed_index() const { return axis_count() == 3 ? static_cast<int>(followed_) : 0; }
+  int followed_index() const { return axis_count() == 3 ? static_cast<int>(followed()) : 0; }
 
   RecommendedParameters parameters_;
   int lag_;
-  Axis followed_;
   const BodyFits& fits_;
-  InnovationMonitor<double> monitors_[3];
+  NoiseWatch watches_[3];
 };
 
 }  // namespace condyle::host

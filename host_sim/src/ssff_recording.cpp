@@ -83,6 +83,7 @@ class SsffRecording final : public Recording {
       sample.position_valid = sample.position_valid && usable;
       sample.coordinates[i] = value / units_per_metre_;
     }
+    if (is_out_of_range(sample.kind, sample.coordinates)) sample.position_valid = false;
     reader_->skip(record_size_);
     return true;
   }

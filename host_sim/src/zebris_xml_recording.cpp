@@ -75,6 +75,7 @@ class ZebrisXmlRecording final : public Recording {
         sample.coordinates[3 * track + i] = value / units_per_metre_;
       }
     }
+    if (is_out_of_range(sample.kind, sample.coordinates)) sample.position_valid = false;
     last_quant_ = quants_[0];
     for (std::size_t track = 0; track < tracks_; ++track) {
       quants_[track] = next_named(quants_[track], "quant");

@@ -42,6 +42,32 @@ TEST(SampleChecker, NamesWhatIsUnusual) {
   EXPECT_TRUE(checker.check(at(71)).empty());
 }
 
+TEST(SampleChecker, NamesPositionsBeyondTenMetres) {
+  SampleChecker checker;
+  for (const SampleKind kind :
+       {SampleKind::one_axis, SampleKind::one_point, SampleKind::three_points, SampleKind::pose}) {
+    const std::size_t lengths = kind == SampleKind::pose ? 3 : coordinate_count(kind);
+    for (std::size_t i = 0; i < coordinate_count(kind); ++i) {
+      Sample sample;
+      sample.kind = kind;
+      for (const double far_m : {10.0000001, -12.0, -3.7e28, 1e5, 1.7e308}) {
+        sample.coordinates[i] = far_m;
+        EXPECT_EQ(is_out_of_range(kind, sample.coordinates), i < lengths) << far_m << ' ' << i;
+        EXPECT_EQ(checker.check(sample).has(Event::position_out_of_range), i < lengths);
+      }
+      for (const double near_m : {9.999, 10.0, -10.0, 0.0}) {
+        sample.coordinates[i] = near_m;
+        EXPECT_FALSE(is_out_of_range(kind, sample.coordinates)) << near_m;
+      }
+      for (const double none :
+           {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+        sample.coordinates[i] = none;
+        EXPECT_FALSE(is_out_of_range(kind, sample.coordinates)) << "no number, only missing";
+      }
+    }
+  }
+}
+
 TEST(SampleChecker, SurvivesTheEndsOfTime) {
   SampleChecker checker(10);
   checker.check(at(std::numeric_limits<TimeNs>::min()));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <boost/crc.hpp>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 #include <random>
 
@@ -109,6 +110,33 @@ TEST(ReportDecoder, RefusesACountBeyondItsWrap) {
   }
 }
 
+TEST(ReportDecoder, TakesNoPositionBeyondTenMetres) {
+  DeviceProfile profile;
+  profile.kind = SampleKind::one_point;
+  profile.minimum_size_bytes = 12;
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    profile.coordinates.push_back({{.offset_bits = 32 * i,
+                                    .width_bits = 32,
+                                    .type = FieldType::floating_point,
+                                    .scale = 1e-3},
+                                   i});
+  }
+  const ReportDecoder decoder(layout_of(profile));
+  const auto decoded = [&](float z_mm) {
+    const float xyz_mm[] = {1, -2, z_mm};
+    Bytes report(sizeof xyz_mm);
+    std::memcpy(report.data(), xyz_mm, sizeof xyz_mm);
+    DecodedReport result;
+    EXPECT_EQ(decoder.decode(report, result), ReportFault::none);
+    return result;
+  };
+  EXPECT_TRUE(decoded(9999).position_valid);
+  for (const float far_mm : {-3.7e28F, 1e8F, 120e3F, -120e3F, 10'001.0F}) {
+    EXPECT_FALSE(decoded(far_mm).position_valid) << far_mm;
+    EXPECT_EQ(decoded(far_mm).coordinates[0], 1e-3) << "the numbers stay, to be looked at";
+  }
+}
+
 TEST(ReportDecoder, BringsAQuaternionToLengthOne) {
   DeviceProfile profile;
   profile.kind = SampleKind::pose;
@@ -201,7 +229,7 @@ RC_GTEST_PROP(ReportDecoder, ReadsWhatWasEncoded, ()) {
   RC_ASSERT(static_cast<double>(decoded.device_time.value()) == time);
   RC_ASSERT(decoded.drive_valid);
   RC_ASSERT(decoded.drive_N == drive_N);
-  RC_ASSERT(decoded.position_valid);
+  RC_ASSERT(decoded.position_valid == !is_out_of_range(profile.kind, coordinates.data()));
   RC_ASSERT(decoded.coordinates == coordinates);
   RC_ASSERT(decoded.auxiliary_count == auxiliary.size());
   for (std::size_t i = 0; i < auxiliary.size(); ++i) {

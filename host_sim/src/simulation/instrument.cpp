@@ -108,6 +108,7 @@ void SimulatedFacebow::sample(const Jaw& jaw, double coordinate, std::vector<Sam
     const Axis followed = jaw.motion == JawMotion::hinge ? Axis::z : axis_;
     sample.coordinates[0] = show(pose.translation_m[static_cast<std::size_t>(followed)]);
   }
+  sample.position_valid = !is_out_of_range(sample.kind, sample.coordinates);
   const bool is_lost = faults_.uniform() < model_.lost_share;
   const bool is_repeated = faults_.uniform() < model_.repeated_share;
   if (!is_lost) samples.push_back(sample);

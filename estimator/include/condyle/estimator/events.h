@@ -33,20 +33,38 @@ enum class Event : std::uint8_t {
   noise_at_limit,       ///< the estimated noise is at its floor or ceiling
   motion_changed,       ///< not as the motion went on, and taken as a change of the motion
   liveliness_at_limit,  ///< the motion is as lively as the estimator can tell from noise
+  position_out_of_range,  ///< a coordinate is beyond 10 m: stands for a missing value
 };
 /// Number of events.
-inline constexpr std::size_t kEventCount = 24;
+inline constexpr std::size_t kEventCount = 25;
 
 /// Name of an event as it stands in files and summaries.
 constexpr const char* event_name(Event event) {
-  constexpr const char* names[kEventCount] = {
-      "time_missing",       "time_reversed",     "time_restarted",      "time_repeated",
-      "time_gap",           "position_missing",  "zero_filled",         "drive_missing",
-      "not_started",        "update_refused",    "estimate_not_finite", "variance_negative",
-      "parameters_invalid", "position_repeated", "position_frozen",     "points_not_rigid",
-      "outlier_weighted",   "outlier_rejected",  "outlier_revoked",     "state_restarted",
-      "state_lost",         "noise_at_limit",
-      "motion_changed",     "liveliness_at_limit"};
+  constexpr const char* names[kEventCount] = {"time_missing",
+                                              "time_reversed",
+                                              "time_restarted",
+                                              "time_repeated",
+                                              "time_gap",
+                                              "position_missing",
+                                              "zero_filled",
+                                              "drive_missing",
+                                              "not_started",
+                                              "update_refused",
+                                              "estimate_not_finite",
+                                              "variance_negative",
+                                              "parameters_invalid",
+                                              "position_repeated",
+                                              "position_frozen",
+                                              "points_not_rigid",
+                                              "outlier_weighted",
+                                              "outlier_rejected",
+                                              "outlier_revoked",
+                                              "state_restarted",
+                                              "state_lost",
+                                              "noise_at_limit",
+                                              "motion_changed",
+                                              "liveliness_at_limit",
+                                              "position_out_of_range"};
   return names[static_cast<std::size_t>(event)];
 }
 

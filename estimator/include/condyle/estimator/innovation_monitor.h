@@ -101,6 +101,11 @@ class NoiseColour {
     const int distance = lag < 0 ? -lag : lag;
     return distance > kOrder ? Scalar(0) : static_cast<Scalar>(kBinomial[distance] / kBinomial[0]);
   }
+  /// Standard deviation (m) of white noise that would vary as much.
+  Scalar noise_sd_m() const {
+    constexpr Scalar kSumOfSquares = 924;  // of the binomial coefficients of six
+    return correlation_.rms() / std::sqrt(kSumOfSquares);
+  }
   /// False where nothing varies: there is no noise then to be of any colour.
   bool varies() const { return correlation_.rms() > Scalar(0); }
   /// Standard deviation of c_lag from the pairs compared, if the noise is white (M. S. Bartlett,
@@ -207,6 +212,8 @@ class InnovationMonitor {
   bool is_correlated() const { return innovations_.is_correlated(); }
   /// c_lag.
   Scalar noise_correlation(int lag = 1) const { return noise_.value(lag); }
+  /// Standard deviation (m) of the noise, as sixth differences show it.
+  Scalar noise_sd_m() const { return noise_.noise_sd_m(); }
   /// The samples apart at which c_k differs most from white noise's, in standard deviations of
   /// chance, so that the noise is not white; 0 where there is none.
   int filtered_lag() const {

@@ -2,10 +2,12 @@
 // One sample of a facebow, and the check of a sample against the one before it.
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <limits>
 
 #include "condyle/estimator/events.h"
 
@@ -51,6 +53,24 @@ constexpr std::size_t coordinate_count(SampleKind kind) {
   return 0;
 }
 
+/// Farther from its origin (m) no jaw tracker measures: such a number stands for a missing value.
+inline constexpr double kFarthestPosition_m = 10;
+
+/// True where one of `coordinates` of a sample of `kind` is a finite length beyond
+/// kFarthestPosition_m. Who makes a sample then marks its position as not valid.
+constexpr bool is_out_of_range(SampleKind kind, const double* coordinates) {
+  const std::size_t lengths = kind == SampleKind::pose ? 3 : coordinate_count(kind);
+  // Compared as the integers that order as sizes do: some microcontrollers have no double. NaN
+  // comes after infinity.
+  constexpr auto kFarthest = std::bit_cast<std::uint64_t>(kFarthestPosition_m);
+  constexpr auto kInfinity = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < lengths; ++i) {
+    const std::uint64_t size = std::bit_cast<std::uint64_t>(coordinates[i]) << 1U >> 1U;
+    if (size > kFarthest && size < kInfinity) return true;
+  }
+  return false;
+}
+
 /// One sample as a source delivers it. A value that is not there is marked, never invented.
 struct Sample {
   TimeNs time_ns = 0;          ///< instant of the measurement
@@ -59,7 +79,7 @@ struct Sample {
   double coordinates[9] = {};  ///< see SampleKind (m; quaternion without unit)
   double drive_N = 0;          ///< measured total drive along the followed axis
   bool time_valid = true;
-  bool position_valid = true;  ///< all coordinates are finite numbers
+  bool position_valid = true;  ///< all coordinates were measured: finite, not is_out_of_range
   bool drive_valid = false;    ///< a drive force was measured with this sample
 };
 
@@ -101,6 +121,7 @@ class SampleChecker {
     EventSet events;
     events.add(Event::time_missing, !sample.time_valid);
     events.add(Event::position_missing, !sample.position_valid);
+    events.add(Event::position_out_of_range, is_out_of_range(sample.kind, sample.coordinates));
     events.add(Event::drive_missing, expects_drive_ && !sample.drive_valid);
     if (sample.time_valid) check_time(sample.time_ns, events);
     events.add(Event::zero_filled, is_zero_filled(sample));

@@ -34,7 +34,7 @@ constexpr const char* fault_name(ReportFault fault) {
 struct DecodedReport {
   SampleKind kind = SampleKind::one_point;
   std::array<double, 9> coordinates{};  ///< as in Sample (m); NaN where not measured
-  bool position_valid = false;          ///< every coordinate was measured
+  bool position_valid = false;          ///< as in Sample
   double drive_N = 0;
   bool drive_valid = false;
   std::optional<std::uint64_t> device_time;  ///< raw ticks

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far a point moves along each axis: the range that holds the middle 95 % of its positions, so
+// that no glitch decides it. Of long recordings every second, fourth, ... position is taken.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace condyle::host {
+
+/// Of one point. Constant memory.
+class AxisRanges {
+ public:
+  /// Most positions kept.
+  static constexpr std::size_t kMost = 4096;
+
+  /// Takes a position (m).
+  void add(const std::array<double, 3>& position_m);
+  /// Width of the middle 95 % of the positions along each axis (m); 0 before the first.
+  std::array<double, 3> ranges_m() const;
+
+ private:
+  std::vector<std::array<double, 3>> kept_m_;
+  std::uint64_t count_ = 0, stride_ = 1;
+};
+
+/// The axis along which a point moves at least `ratio` times as far as along `followed`, and by at
+/// least `least_m`: the one with the longest range. `followed` where there is none.
+std::size_t livelier_axis(const std::array<double, 3>& ranges_m, std::size_t followed, double ratio,
+                          double least_m);
+
+}  // namespace condyle::host
