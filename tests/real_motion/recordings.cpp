@@ -32,7 +32,7 @@ MotionRecording read(const std::filesystem::path& path) {
     for (auto& axis : recording.position_m) {
       field.clear();
       std::getline(fields, field, ',');
-      axis.push_back(field.empty() ? kNone : std::stod(field + "e-3"));
+      axis.push_back(field.empty() ? kNone : 1e-3 * std::stod(field));
     }
   }
   return recording;
@@ -108,11 +108,12 @@ std::vector<MotionRecording> read_real_recordings() {
     const std::string name = entry.at("name");
     recordings.push_back(read(list.parent_path() / "open" / (name + ".csv")));
     recordings.back().name = name;
-    recordings.back().instrument =
-        entry.at("instrument").get<std::string>() + ", " + entry.at("lab").get<std::string>();
+    const std::string instrument = entry.at("instrument"), laboratory = entry.at("lab");
+    recordings.back().instrument = instrument + ", " + laboratory;
+    const std::string repository = entry.at("repo");
+    recordings.back().source = "[" + repository + "](https://github.com/" + repository + ") (" +
+                               licence.substr(0, licence.find(' ')) + ")";
   }
-  std::stable_sort(recordings.begin(), recordings.end(),
-                   [](const auto& a, const auto& b) { return a.instrument < b.instrument; });
   return recordings;
 }
 

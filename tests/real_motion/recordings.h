@@ -3,6 +3,7 @@
 // its way to the estimator.
 #pragma once
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ using Marks = std::vector<bool>;
 struct MotionRecording {
   std::string name;
   std::string instrument;  ///< and its laboratory
+  std::string source;      ///< where it is from, and its licence
   Values time_s;
   std::vector<Values> position_m;  ///< by axis: x, y, z, or one
 
@@ -25,8 +27,8 @@ struct MotionRecording {
   double step_s() const;
 };
 
-/// The real recordings whose licence fits this project's, by instrument; empty where there are no
-/// reference data.
+/// The real recordings whose licence fits this project's, those of an instrument together; empty
+/// where there are no reference data.
 std::vector<MotionRecording> read_real_recordings();
 
 /// What is done to a recording.
@@ -36,6 +38,9 @@ inline constexpr Treatment kTreatments[] = {
     Treatment::rounded_0_1_mm, Treatment::rounded_0_01_mm, Treatment::faults};
 /// For messages and tables.
 const char* name_of(Treatment treatment);
+inline void PrintTo(Treatment treatment, std::ostream* out) {
+  *out << name_of(treatment);
+}
 
 /// A recording after its treatment.
 struct TreatedRecording {

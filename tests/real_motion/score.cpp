@@ -115,23 +115,22 @@ AxisScore score(const MotionRecording& recording, const ReferenceMotion& referen
   return result;
 }
 
-std::vector<AxisScores> score_axes(const MotionRecording& recording, Treatment treatment,
-                                   unsigned seed) {
+std::vector<AxisScores> score_axes(const TreatedRecording& treated) {
   constexpr std::size_t kShortest = 80;
-  const TreatedRecording treated = treat(recording, treatment, seed);
+  const MotionRecording& recording = treated.recording;
   std::vector<AxisScores> scores;
-  if (treated.recording.size() < kShortest) return scores;
+  if (recording.size() < kShortest) return scores;
   std::vector<ReferenceMotion> references;
   for (std::size_t axis = 0; axis < recording.position_m.size(); ++axis) {
     references.push_back(reference_motion(treated, axis));
   }
   const auto oracle = oracle_tracks(treated, references);
-  const auto recommended = recommended_tracks(treated.recording);
-  const auto published = published_tracks(treated.recording);
+  const auto recommended = recommended_tracks(recording);
+  const auto published = published_tracks(recording);
   for (std::size_t axis = 0; axis < references.size(); ++axis) {
     if (!references[axis].is_scored) continue;
     const auto of = [&](const std::vector<Track>& tracks) {
-      return score(treated.recording, references[axis], tracks[axis]);
+      return score(recording, references[axis], tracks[axis]);
     };
     scores.push_back({recording.name, recording.instrument, "xyz"[axis], of(oracle),
                       of(recommended), of(published)});
@@ -143,7 +142,7 @@ std::vector<AxisScores> score_all(const std::vector<MotionRecording>& recordings
                                   Treatment treatment, unsigned seed) {
   std::vector<AxisScores> scores;
   for (const MotionRecording& recording : recordings) {
-    for (AxisScores& axis : score_axes(recording, treatment, seed)) {
+    for (AxisScores& axis : score_axes(treat(recording, treatment, seed))) {
       scores.push_back(std::move(axis));
     }
   }

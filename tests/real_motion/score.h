@@ -35,10 +35,9 @@ struct AxisScores {
   char axis = 'x';
   AxisScore oracle, recommended, published;
 };
-/// Scores of the axes of `recording` that can be judged.
-std::vector<AxisScores> score_axes(const MotionRecording& recording, Treatment treatment,
-                                   unsigned seed = 1);
-/// The same of all `recordings`, in their order.
+/// Scores of the axes of `treated` that can be judged.
+std::vector<AxisScores> score_axes(const TreatedRecording& treated);
+/// The same of all `recordings` after `treatment`, in their order.
 std::vector<AxisScores> score_all(const std::vector<MotionRecording>& recordings,
                                   Treatment treatment, unsigned seed = 1);
 /// The same against the true velocity of simulated chewing along one axis, all of whose samples are
