@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints the accuracy on simulated and on real recordings as tables for the README files.
+// Prints the accuracy on simulated and on real recordings: the first table of README.md.
 // usage: real_accuracy [--axes]
 // --axes: CSV with a line per treatment, axis and estimator instead.
 #include <algorithm>
@@ -67,7 +67,7 @@ void print_by_instrument(const std::vector<AxisScores>& scores) {
 void print_sources(const std::vector<MotionRecording>& recordings) {
   std::set<std::string> sources;
   for (const MotionRecording& recording : recordings) sources.insert(recording.source);
-  std::printf("\nThe %zu recordings, none changed but in format:", recordings.size());
+  std::printf("\nThe %zu recordings, converted to CSV and cut to 90 s:", recordings.size());
   for (const std::string& source : sources) {
     std::printf("%s%s", source == *sources.begin() ? " " : ",\n", source.c_str());
   }
