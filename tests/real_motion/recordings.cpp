@@ -6,9 +6,11 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "consistency/random.h"
+#include "real_motion/order_statistics.h"
 #include "replay/table.h"
 
 namespace condyle::testing_support {
@@ -17,9 +19,9 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // Columns time_s, x, y, z (mm); an empty field is a missing position.
-RealRecording read(const std::filesystem::path& path) {
-  RealRecording recording;
-  recording.name = path.stem();
+MotionRecording read(const std::filesystem::path& path) {
+  MotionRecording recording;
+  recording.position_m.resize(3);
   std::ifstream file(path);
   std::string line, field;
   std::getline(file, line);
@@ -36,109 +38,116 @@ RealRecording read(const std::filesystem::path& path) {
   return recording;
 }
 
-RealRecording thinned(const RealRecording& recording, std::size_t every) {
-  RealRecording thin;
-  thin.name = recording.name;
-  for (std::size_t i = 0; i < recording.size(); i += every) {
-    thin.time_s.push_back(recording.time_s[i]);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      thin.position_m[axis].push_back(recording.position_m[axis][i]);
-    }
-  }
+MotionRecording thinned(const MotionRecording& recording, std::size_t every) {
+  MotionRecording thin = recording;
+  const auto keep = [every](Values& values) {
+    Values kept;
+    for (std::size_t i = 0; i < values.size(); i += every) kept.push_back(values[i]);
+    values = kept;
+  };
+  keep(thin.time_s);
+  for (auto& axis : thin.position_m) keep(axis);
   return thin;
 }
 
-RealRecording rounded(RealRecording recording, double step_m) {
+MotionRecording rounded(MotionRecording recording, double step_m) {
   for (auto& axis : recording.position_m) {
-    for (double& position_m : axis) position_m = step_m * std::round(position_m / step_m);
+    for (double& position_m : axis) position_m = step_m * std::nearbyint(position_m / step_m);
   }
   return recording;
 }
 
-void add_faults(TreatedRecording& treated) {
-  RealRecording& recording = treated.recording;
+void add_faults(MotionRecording& recording, unsigned seed) {
   const double T = recording.step_s();
   const auto samples = [T](double duration_s) { return static_cast<std::size_t>(duration_s / T); };
-  std::array<double, 3> span_m{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    double low = HUGE_VAL, high = -HUGE_VAL;
-    for (const double position_m : recording.position_m[axis]) {
-      low = std::fmin(low, position_m);
-      high = std::fmax(high, position_m);
-    }
-    span_m[axis] = high - low;
-  }
-  Random random(1);
-  std::size_t kind = 0;
+  Random random(seed);
+  const auto between = [&random](double low, double high) {
+    return low + (high - low) * random.uniform();
+  };
+  enum { glitch, dropout, frozen, double_glitch, kinds };
+  int kind = glitch;
   const std::size_t apart = std::max(samples(1.1), std::size_t{30});
-  for (std::size_t i = samples(1.0); i + samples(0.8) + 1 < recording.size(); i += apart) {
-    const std::size_t count = kind == 1
-                                  ? std::max(samples(0.1 + 0.2 * random.uniform()), std::size_t{1})
-                              : kind == 2 ? samples(0.5)
-                              : kind == 3 ? 2
-                                          : 1;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      auto& position_m = recording.position_m[axis];
-      const double size_m = std::max(span_m[axis] * (0.1 + 0.9 * random.uniform()), 2e-3);
+  for (std::size_t i = samples(1.0); i + samples(0.8) < recording.size(); i += apart) {
+    const std::size_t dropped = std::max(samples(between(0.1, 0.3)), std::size_t{1});
+    const double share = between(0.1, 1);
+    for (auto& position_m : recording.position_m) {
+      const auto [low, high] = finite_range(position_m);
+      const double size_m = std::max(share * (high - low), 2e-3);
       const double offset_m = random.uniform() < 0.5 ? size_m : -size_m;
-      for (std::size_t j = i; j < i + count; ++j) {
-        if (kind == 1) position_m[j] = kNone;
-        if (kind == 2) position_m[j] = position_m[i];
-        if (kind == 0 || kind == 3) position_m[j] += offset_m;
-      }
+      const auto from = position_m.begin() + static_cast<std::ptrdiff_t>(i);
+      if (kind == dropout) std::fill_n(from, dropped, kNone);
+      if (kind == frozen) std::fill_n(from, samples(0.5), *from);
+      if (kind == glitch || kind == double_glitch) from[0] += offset_m;
+      if (kind == double_glitch) from[1] += offset_m;
     }
-    for (std::size_t j = i + (kind == 2 ? 1 : 0); j < i + count; ++j) treated.is_spoiled[j] = true;
-    kind = (kind + 1) % 4;
+    kind = (kind + 1) % kinds;
   }
 }
 
 }  // namespace
 
-bool RealRecording::is_measured(std::size_t i) const {
+bool MotionRecording::is_measured(std::size_t i) const {
   return std::all_of(position_m.begin(), position_m.end(),
                      [i](const auto& axis) { return std::isfinite(axis[i]); });
 }
 
-double RealRecording::step_s() const {
-  std::vector<double> steps;
+double MotionRecording::step_s() const {
+  Values steps;
   for (std::size_t i = 1; i < size(); ++i) steps.push_back(time_s[i] - time_s[i - 1]);
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
-                   steps.end());
-  return steps[steps.size() / 2];
+  return median(steps);
 }
 
-std::vector<RealRecording> read_real_recordings() {
-  const std::filesystem::path one = reference_data("motion/open/aalto_marker1.csv");
-  std::vector<RealRecording> recordings;
-  if (one.empty()) return recordings;
-  for (const auto& entry : std::filesystem::directory_iterator(one.parent_path())) {
-    const std::string name = entry.path().filename();
-    // Those of the AG501 come under the GPL.
-    if (entry.path().extension() != ".csv" || name.starts_with("ag501")) continue;
-    recordings.push_back(read(entry.path()));
+std::vector<MotionRecording> read_real_recordings() {
+  std::vector<MotionRecording> recordings;
+  const std::filesystem::path list = reference_data("motion/meta.json");
+  if (list.empty()) return recordings;
+  for (const auto& entry : nlohmann::json::parse(std::ifstream(list))) {
+    // Those under the GPL (Carstens AG501) are left out.
+    const std::string licence = entry.at("licence");
+    if (entry.at("split") != "open" || licence.starts_with("GPL")) continue;
+    const std::string name = entry.at("name");
+    recordings.push_back(read(list.parent_path() / "open" / (name + ".csv")));
+    recordings.back().name = name;
+    const std::string instrument = entry.at("instrument"), laboratory = entry.at("lab");
+    recordings.back().instrument = instrument + ", " + laboratory;
+    const std::string repository = entry.at("repo");
+    recordings.back().source = "[" + repository + "](https://github.com/" + repository + ") (" +
+                               licence.substr(0, licence.find(' ')) + ")";
   }
-  std::sort(recordings.begin(), recordings.end(),
-            [](const auto& a, const auto& b) { return a.name < b.name; });
   return recordings;
 }
 
 const char* name_of(Treatment treatment) {
-  constexpr const char* kNames[] = {"as recorded",       "every second", "every fourth",
-                                    "rounded to 0.1 mm", "to 0.01 mm",   "faults"};
+  constexpr const char* kNames[] = {"as recorded",         "every second sample",
+                                    "every fourth sample", "rounded to 0.1 mm",
+                                    "rounded to 0.01 mm",  "with faults"};
   return kNames[static_cast<std::size_t>(treatment)];
 }
 
-TreatedRecording treat(const RealRecording& recording, Treatment treatment) {
-  TreatedRecording treated;
-  treated.recording = treatment == Treatment::every_second      ? thinned(recording, 2)
-                      : treatment == Treatment::every_fourth    ? thinned(recording, 4)
-                      : treatment == Treatment::rounded_0_1_mm  ? rounded(recording, 1e-4)
-                      : treatment == Treatment::rounded_0_01_mm ? rounded(recording, 1e-5)
-                                                                : recording;
-  treated.clean = treated.recording;
-  treated.is_spoiled.assign(treated.recording.size(), false);
-  if (treatment == Treatment::faults) add_faults(treated);
-  return treated;
+bool TreatedRecording::is_spoiled(std::size_t axis, std::size_t i) const {
+  return !(std::abs(recording.position_m[axis][i] - clean.position_m[axis][i]) < 1e-12);
+}
+
+TreatedRecording treat(const MotionRecording& recording, Treatment treatment, unsigned seed) {
+  const auto treated = [&]() -> MotionRecording {
+    switch (treatment) {
+      case Treatment::every_second:
+        return thinned(recording, 2);
+      case Treatment::every_fourth:
+        return thinned(recording, 4);
+      case Treatment::rounded_0_1_mm:
+        return rounded(recording, 1e-4);
+      case Treatment::rounded_0_01_mm:
+        return rounded(recording, 1e-5);
+      case Treatment::none:
+      case Treatment::faults:
+        break;
+    }
+    return recording;
+  }();
+  TreatedRecording result{treated, treated, treatment == Treatment::faults};
+  if (result.has_faults) add_faults(result.recording, seed);
+  return result;
 }
 
 }  // namespace condyle::testing_support

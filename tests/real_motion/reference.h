@@ -3,13 +3,13 @@
 // how noisy they are, and the velocity, by a smoothing spline that no filter shares.
 //
 //   e    a sample less the cubic through the two before and the two after it
-//   s    its local scale: 1.4826 times the median of |e| over 51 samples, at least that of rounding
+//   s    its local scale: 1.4826 times the median of |e| over 51 samples, at least a quarter of
+//   that
+//        of the recording and 0.6 steps of rounding
 //   irregular   |e| > 8 s: a glitch, a step, an impact too fast for the rate
 //   valid       |e| <= 4 s, and no irregular sample within 2
-// The spline minimises sum (y - x)^2 + lambda sum (third difference of x)^2 over each stretch of 30
-// regular samples or more; lambda by generalised cross-validation (P. Craven, G. Wahba, Numer.
-// Math. 31 (1979) 377). The standard deviation of its velocity is that of the noise and half of
-// what lambda times and divided by 8 change. Four samples at each end are left out.
+// The velocity is known in each stretch of 30 samples or more without a gap and without an
+// irregular sample within 2, but for four samples at each end.
 #pragma once
 
 #include <vector>
@@ -20,13 +20,20 @@ namespace condyle::testing_support {
 
 /// One axis of a recording. NaN where nothing is known.
 struct ReferenceMotion {
-  bool is_scored = false;  ///< it moves enough, and long enough in one piece
+  bool is_known = false;   ///< it moves, and its velocity is known somewhere
+  bool is_scored = false;  ///< known, and it moves by 8 standard deviations of the noise
   double noise_m = 0;
-  std::vector<bool> is_irregular, is_valid;
-  std::vector<double> velocity_m_s, velocity_sd_m_s;
+  Values position_m;   ///< as measured, without what faults changed
+  Marks is_irregular;  ///< no runaway is sought there
+  Marks is_valid;      ///< to refuse it is wrong
+  Marks is_measured;   ///< along all axes
+  Values velocity_m_s, velocity_sd_m_s;
 };
 
-/// Looks at axis `axis` of `recording`.
-ReferenceMotion reference_motion(const RealRecording& recording, std::size_t axis);
+/// True within `reach` samples of a marked one.
+Marks widened(const Marks& marks, std::size_t reach);
+
+/// Looks at axis `axis` of `treated`.
+ReferenceMotion reference_motion(const TreatedRecording& treated, std::size_t axis);
 
 }  // namespace condyle::testing_support
