@@ -20,7 +20,9 @@
 //
 // Estimate.  Mean of the mixture: sum w_i x_i; variance sum w_i (R'_i P_i + (x_i - mean)^2), times
 //            n/(n-2) because R was estimated from n samples (Student's t); R'_i is the stated R of
-//            member_weights.h.
+//            member_weights.h. What R' - R adds to the variance of velocity and acceleration is at
+//            most kMostAdded times that which the motion started with: noise does not make a
+//            velocity less certain than the start left it.
 //
 // D. T. Magill, Optimal adaptive estimation of sampled stochastic processes, IEEE Trans. Autom.
 // Control 10 (1965) 434-439 (the bank).
@@ -97,13 +99,16 @@ class MotionBank {
     if (scale > Scalar(1)) forget_weights(Scalar(1) - Scalar(1) / scale);
   }
 
-  /// The motion has changed: it goes on from `position_m`, measured, with the velocity and
-  /// acceleration it had, but their variances are the prior's times `scale`. Every member has the
-  /// same say; what is known of the noise stays.
-  void change_motion(const Position& position_m, Scalar scale) {
+  /// The motion has changed: it goes on from `position_m`, measured. Its velocity changed within
+  /// the last `step_s` s, at an instant of which nothing is known: the best linear estimate of the
+  /// change is 3/2 of what it takes to reach `position_m`. The acceleration is as it was. The
+  /// variances are the prior's times `scale`. Every member has the same say; what is known of the
+  /// noise stays.
+  void change_motion(const Position& position_m, Scalar step_s, Scalar scale) {
     Array<Vector3<Scalar>, kAxes> x;
     for (int axis = 0; axis < kAxes; ++axis) {
       x[axis] = moments(axis).mean;
+      x[axis][kVelocity] += Scalar(1.5) * (position_m[axis] - x[axis][kPosition]) / step_s;
       x[axis][kPosition] = position_m[axis];
     }
     start_motion(x, scale);
@@ -264,7 +269,7 @@ class MotionBank {
       const Vector3<Scalar> deviation = moments.mean - reference;
       weight_sum += weight;
       mixed.mean += weight * deviation;
-      mixed.variance += weight * stated_R(axis, i) * moments.variance;
+      mixed.variance += weight * stated_variance(axis, i, moments.variance);
       square_sum += weight * deviation.cwiseProduct(deviation);
     }
     const Scalar scale = Scalar(1) / weight_sum;
@@ -323,6 +328,7 @@ class MotionBank {
   static constexpr Scalar kFirstSamples = 5;  // samples that the first guess of R counts as
   static constexpr int kFewestLearned = 15;   // then a first guess is forgotten
   static constexpr int kFresh = 3;
+  static constexpr Scalar kMostAdded = 4;
   static constexpr Scalar kGrowth = Scalar(1) / Scalar(3);
   static constexpr Scalar kKeptOfMemory = Scalar(0.9);  // by a sample that no member expects
   static constexpr Scalar kLeastExponent = -80;         // e^-80 is still a number in float
@@ -337,6 +343,7 @@ class MotionBank {
 
   void start_motion(const Array<Vector3<Scalar>, kAxes>& x, Scalar scale) {
     fresh_ = kFresh;
+    start_scale_ = scale;
     for (int i = 0; i < member_count_; ++i) {
       // One covariance for all axes: the least noise leaves the prior widest.
       Scalar R = weights_[adaptive_ ? 0 : i].R(i);
@@ -417,6 +424,14 @@ class MotionBank {
   Scalar stated_R(int axis, int i) const {
     return adaptive_ ? weights_[axis].stated_R(i) : weights_[axis].R(i);
   }
+  // `variance`, in units of R, of member `i`'s position, velocity and acceleration.
+  Vector3<Scalar> stated_variance(int axis, int i, const Vector3<Scalar>& variance) const {
+    const Scalar R = weights_[axis].R(i), added_R = stated_R(axis, i) - R;
+    const Vector3<Scalar> most(std::numeric_limits<Scalar>::infinity(),
+                               kMostAdded * start_scale_ * prior_velocity_variance_,
+                               kMostAdded * start_scale_ * prior_acceleration_variance_);
+    return R * variance + (added_R * variance).cwiseMin(most);
+  }
   int leader(int axis) const { return weights_[axis].leader(); }
 
   bool adaptive_;
@@ -427,6 +442,7 @@ class MotionBank {
   Scalar n_ = kFirstSamples;
   Scalar mean_step_s_ = 0;
   int learned_ = 0;  // samples within huber, less those beyond
+  Scalar start_scale_ = 1;
   int fresh_ = 0;    // samples that will still teach no noise
   LivelinessGrid<Scalar, kMostMembers> grid_;
   typename Weights::Each mean_log_S_ = {};

@@ -3,7 +3,7 @@
 // later samples have decided between them.
 //
 //   main    the motion goes on as it was, and a sample beyond the gate is an outlier
-//   other   the motion changed: it goes on from that sample, with the velocity it had, but
+//   other   the motion changed: it goes on from that sample, with the velocity that reaches it, but
 //           velocity and acceleration hardly known
 //   o       log odds of other against main; s = 1 / (1 + e^-o), its share
 //   nu, S   innovation of a sample along one axis (m), and its variance (m^2)
@@ -309,7 +309,8 @@ class MotionHypotheses {
     odds_ = std::max(std::clamp(odds_, kLeastOdds, kMostOdds) + rarity, kLeastOdds);
     const Scalar variance = allowed + square_innovation / square_step;
     other_bank() = main();
-    other_bank().change_motion(z_m, std::min(variance / prior_velocity_variance_, kWidest));
+    other_bank().change_motion(z_m, longer_step_s,
+                               std::min(variance / prior_velocity_variance_, kWidest));
     tests_ = 0;
     doubt_ = Doubt::motion;
     verdict.is_start[1 - main_] = verdict.is_taken[1 - main_] = true;
