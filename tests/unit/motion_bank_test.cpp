@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bank against textbook filters, and its noise and weights against their definitions.
-#include "condyle/estimator/motion_bank.h"
+#include "condyle/estimator/motion_expectation.h"
 
 #include <array>
 
@@ -72,7 +72,7 @@ RC_GTEST_PROP(MotionBank, WithoutAdaptationIsTheTextbooksFilterInMetres, ()) {
     filter.predict(white_jerk_by_series(draw.T));
     RC_ASSERT(difference(bank.step(0), 0, sd * sd, filter) < 1e-8);
     if (draw.is_measured) {
-      const auto expected = bank.expectation(0, draw.z);
+      const auto expected = expectation(bank, 0, draw.z);
       RC_ASSERT(expected.position_m == bank.step(0).x[0][kPosition]);
       const double S = static_cast<double>(filter.innovation_variance());
       RC_ASSERT(std::abs(expected.variance_m2 - S) < 1e-9 * S);

@@ -9,14 +9,13 @@
 //   x_i     state (p, v, a) of member i along one axis (m, m/s, m/s^2)
 //   P_i     its covariance in units of R: the same for all axes, whatever was measured
 //   nu, S   innovation z - p (m), its variance in units of R: S = P_pp + 1
-//   n       samples that noise and weights rest on; it grows to `memory_s`
+//   n       samples that noise and weights rest on (sample_memory.h)
 //
-// Noise and weights of the members, axis by axis: member_weights.h. n grows by kGrowth a sample, so
-// that the first guess is forgotten as n^-3, not as 1/n. The noise is known once kFewestLearned
-// samples more were within huber than beyond it. A fresh start teaches no noise for kFresh samples:
-// there S is far above 1, and nu^2 / S, however small, says nothing of R.
-// A sample that no member expects leaves the weights as they are. The noise may have grown: R does,
-// and older samples count less.
+// Noise and weights of the members, axis by axis: member_weights.h. The noise is known once
+// kFewestLearned samples more were within huber than beyond it. A fresh start teaches no noise for
+// kFresh samples: there S is far above 1, and nu^2 / S, however small, says nothing of R. A sample
+// that no member expects leaves the weights as they are. The noise may have grown: R does, and
+// older samples count less.
 //
 // Estimate.  Mean of the mixture: sum w_i x_i; variance sum w_i (R'_i P_i + (x_i - mean)^2), times
 //            n/(n-2) because R was estimated from n samples (Student's t); R'_i is the stated R of
@@ -35,19 +34,10 @@
 #include "condyle/estimator/liveliness_grid.h"
 #include "condyle/estimator/member_weights.h"
 #include "condyle/estimator/recommended_parameters.h"
+#include "condyle/estimator/sample_memory.h"
 #include "condyle/estimator/white_jerk.h"
 
 namespace condyle {
-
-/// What the bank expects of the next measurement along one axis.
-template <class Scalar>
-struct Expectation {
-  Scalar position_m{};   ///< mean of the mixture
-  Scalar variance_m2{};  ///< of the innovation, as stated
-  // innovation^2 / variance, with the noise that each member has made out itself:
-  Scalar of_likely_squared{};   ///< of the likely member it fits best
-  Scalar of_mixture_squared{};  ///< of the mixture
-};
 
 /// The bank. `kAxes`: 1 or 3.
 template <class Scalar, int kAxes>
@@ -57,11 +47,11 @@ class MotionBank {
   static constexpr int kMostMembers = 18;
   using Position = Array<Scalar, kAxes>;
   using Step = FilteredStep<Scalar, kAxes>;
+  using Weights = MemberWeights<Scalar, kMostMembers>;
 
   /// `parameters` must be valid. With adaptation off there is a member per axis, for its R and q.
   explicit MotionBank(const RecommendedParameters& parameters)
       : adaptive_(parameters.noise.adaptation == Adaptation::on),
-        memory_s_(static_cast<Scalar>(parameters.noise.memory_s)),
         jerk_density_m2_s5_(static_cast<Scalar>(parameters.noise.jerk_density_m2_s5)),
         lowest_R_(square(parameters.noise.lowest_position_sd_m)),
         highest_R_(square(parameters.noise.highest_position_sd_m)),
@@ -69,12 +59,12 @@ class MotionBank {
         prior_acceleration_variance_(square(parameters.prior.acceleration_sd_m_s2)),
         largest_share_(square(parameters.outliers.huber_sd)),
         largest_deviation_(square(parameters.outliers.gate_sd)),
-        member_count_(adaptive_ ? kMostMembers : kAxes) {}
+        member_count_(adaptive_ ? kMostMembers : kAxes),
+        memory_(static_cast<Scalar>(parameters.noise.memory_s)) {}
 
   /// Starts noise and weights: `noise_sd_m` is the instrument's noise, or the first guess of it.
   void start_noise(const Position& noise_sd_m) {
-    n_ = kFirstSamples;
-    mean_step_s_ = 0;
+    memory_.start();
     learned_ = 0;
     grid_ = {};
     for (int axis = 0; axis < kAxes; ++axis) {
@@ -99,17 +89,16 @@ class MotionBank {
     if (scale > Scalar(1)) forget_weights(Scalar(1) - Scalar(1) / scale);
   }
 
-  /// The motion has changed: it goes on from `position_m`, measured. Its velocity changed within
-  /// the last `step_s` s, at an instant of which nothing is known: the best linear estimate of the
-  /// change is 3/2 of what it takes to reach `position_m`. The acceleration is as it was. The
-  /// variances are the prior's times `scale`. Every member has the same say; what is known of the
-  /// noise stays.
-  void change_motion(const Position& position_m, Scalar step_s, Scalar scale) {
+  /// The motion has changed: it goes on from `position_m`, measured, with the velocity it had plus
+  /// `velocity_change_m_s`, and the acceleration it had, but their variances are the prior's times
+  /// `scale`. Every member has the same say; what is known of the noise stays.
+  void change_motion(const Position& position_m, const Position& velocity_change_m_s,
+                     Scalar scale) {
     Array<Vector3<Scalar>, kAxes> x;
     for (int axis = 0; axis < kAxes; ++axis) {
       x[axis] = moments(axis).mean;
-      x[axis][kVelocity] += Scalar(1.5) * (position_m[axis] - x[axis][kPosition]) / step_s;
       x[axis][kPosition] = position_m[axis];
+      x[axis][kVelocity] += velocity_change_m_s[axis];
     }
     start_motion(x, scale);
     forget_weights(1);
@@ -128,56 +117,11 @@ class MotionBank {
     }
   }
 
-  /// What was expected of the measurement `z_m` along `axis`, after `predict`.
-  Expectation<Scalar> expectation(int axis, Scalar z_m) const {
-    Expectation<Scalar> expected;
-    const Weights& weights = weights_[axis];
-    Scalar weight_sum = 0, own_variance_m2 = 0;
-    expected.of_likely_squared = std::numeric_limits<Scalar>::infinity();
-    for (int i = 0; i < member_count_; ++i) {
-      const Scalar weight = weights.weight(i);
-      if (!(weight > Weights::kPlausible)) continue;
-      const Scalar innovation_m = z_m - members_[i].step.x[axis][kPosition];
-      const Scalar S = innovation_variance(i);
-      weight_sum += weight;
-      expected.position_m += weight * members_[i].step.x[axis][kPosition];
-      expected.variance_m2 += weight * stated_R(axis, i) * S;
-      own_variance_m2 += weight * weights.R(i) * S;
-      if (weight > Weights::kExcuses) {
-        expected.of_likely_squared =
-            std::min(expected.of_likely_squared, innovation_m * innovation_m / (weights.R(i) * S));
-      }
-    }
-    expected.position_m /= weight_sum;
-    expected.variance_m2 /= weight_sum;
-    const Scalar innovation_m = z_m - expected.position_m;
-    expected.of_mixture_squared = innovation_m * innovation_m * weight_sum / own_variance_m2;
-    return expected;
-  }
-
-  /// Log density of the measurement `z_m` (1/m along each axis), after `predict`: of the mixture,
-  /// with the noise as it is stated.
-  Scalar log_density(const Position& z_m) const {
-    Scalar sum = 0;
-    for (int axis = 0; axis < kAxes; ++axis) {
-      sum += log_density(axis, z_m[axis], [&](int i) { return stated_R(axis, i); });
-    }
-    return sum;
-  }
-  /// The same with the noise that each member has made out itself.
-  Scalar own_log_density(const Position& z_m) const {
-    Scalar sum = 0;
-    for (int axis = 0; axis < kAxes; ++axis) {
-      sum += log_density(axis, z_m[axis], [&](int i) { return weights_[axis].R(i); });
-    }
-    return sum;
-  }
-
   /// Learns noise and weights from the measurement `z_m`, `T` s after the last, after `predict`.
   void learn(const Position& z_m, Scalar T) {
     if (!adaptive_) return;
-    const Scalar gain = grow_memory(T);
-    if (grid_.follow(mean_step_s_)) take_ratios();
+    const Scalar gain = memory_.grow(T);
+    if (grid_.follow(memory_.mean_step_s())) take_ratios();
     typename Weights::Each log_S, inverse_S;
     for (int i = 0; i < member_count_; ++i) {
       const Scalar S = innovation_variance(i);
@@ -196,7 +140,7 @@ class MotionBank {
       weights_[axis].learn_noise_of_unexpected(growth_of_noise(gain));
     }
     if (!is_expected) {
-      forget_unexpected();
+      memory_.shorten();
       return;
     }
     const bool learns_noise = fresh_ == 0;
@@ -208,7 +152,7 @@ class MotionBank {
     for (int axis = 0; axis < kAxes; ++axis) {
       weights_[axis].learn(share[axis], log_S, gain, learns_noise, largest_share_,
                            largest_deviation_);
-      weights_[axis].weigh(mean_log_S_, n_);
+      weights_[axis].weigh(mean_log_S_, memory_.n());
     }
   }
 
@@ -216,9 +160,9 @@ class MotionBank {
   /// older samples count less. The weights stay.
   void learn_of_unexpected(Scalar T) {
     if (!adaptive_) return;
-    const Scalar gain = grow_memory(T);
+    const Scalar gain = memory_.grow(T);
     for (auto& weights : weights_) weights.learn_noise_of_unexpected(growth_of_noise(gain));
-    forget_unexpected();
+    memory_.shorten();
   }
 
   /// No less noise than `R` along `axis` (m^2), that of rounding. Known noise stays as it is.
@@ -317,22 +261,23 @@ class MotionBank {
   Scalar ratio(int i) const { return members_[i].r; }
   /// Noise that member `i` makes out along `axis` (m^2).
   Scalar R(int axis, int i) const { return weights_[axis].R(i); }
+  /// R' of member `i` along `axis` (m^2).
+  Scalar stated_R(int axis, int i) const {
+    return adaptive_ ? weights_[axis].stated_R(i) : weights_[axis].R(i);
+  }
+  /// S of member `i`, after `predict`.
+  Scalar innovation_variance(int i) const {
+    return members_[i].step.P(kPosition, kPosition) + Scalar(1);
+  }
   /// Weight of member `i` along `axis`.
   Scalar weight(int axis, int i) const { return weights_[axis].weight(i); }
   /// Member `i` after the last sample.
   const Step& step(int i) const { return members_[i].step; }
 
  private:
-  using Weights = MemberWeights<Scalar, kMostMembers>;
-
-  static constexpr Scalar kFirstSamples = 5;  // samples that the first guess of R counts as
-  static constexpr int kFewestLearned = 15;   // then a first guess is forgotten
+  static constexpr int kFewestLearned = 15;  // then a first guess is forgotten
   static constexpr int kFresh = 3;
   static constexpr Scalar kMostAdded = 4;
-  static constexpr Scalar kGrowth = Scalar(1) / Scalar(3);
-  static constexpr Scalar kKeptOfMemory = Scalar(0.9);  // by a sample that no member expects
-  static constexpr Scalar kLeastExponent = -80;         // e^-80 is still a number in float
-  static constexpr Scalar kTwoPi = Scalar(6.283185307179586);
 
   struct Member {
     Scalar r{};
@@ -358,50 +303,16 @@ class MotionBank {
 
   void forget_weights(Scalar share) {
     if (!adaptive_) return;
-    for (auto& weights : weights_) weights.forget_weights(mean_log_S_, n_, share);
+    for (auto& weights : weights_) weights.forget_weights(mean_log_S_, memory_.n(), share);
   }
 
   void take_ratios() {
     for (int i = 0; i < member_count_; ++i) members_[i].r = grid_[i];
   }
 
-  // `R_of(i)`: member i's noise (m^2).
-  template <class NoiseOf>
-  Scalar log_density(int axis, Scalar z_m, const NoiseOf& R_of) const {
-    const Weights& weights = weights_[axis];
-    Scalar density = 0, weight_sum = 0;
-    for (int i = 0; i < member_count_; ++i) {
-      const Scalar weight = weights.weight(i);
-      if (!(weight > Weights::kPlausible)) continue;
-      const Scalar innovation_m = z_m - members_[i].step.x[axis][kPosition];
-      const Scalar variance_m2 = R_of(i) * innovation_variance(i);
-      const Scalar exponent =
-          std::max(Scalar(-0.5) * innovation_m * innovation_m / variance_m2, kLeastExponent);
-      weight_sum += weight;
-      density += weight * elementary::exp(exponent) / std::sqrt(kTwoPi * variance_m2);
-    }
-    return elementary::quick_log(
-        std::max(density / weight_sum, std::numeric_limits<Scalar>::min()));
-  }
-
-  // S of member `i`.
-  Scalar innovation_variance(int i) const {
-    return members_[i].step.P(kPosition, kPosition) + Scalar(1);
-  }
-
-  // Counts one more sample, `T` s after the last; its share in the means.
-  Scalar grow_memory(Scalar T) {
-    n_ += kGrowth;
-    mean_step_s_ += mean_step_s_ > Scalar(0) ? (T - mean_step_s_) / n_ : T;
-    // Compared without a division: steps may be 0.
-    if (n_ * mean_step_s_ > memory_s_) n_ = std::max(memory_s_ / mean_step_s_, kFirstSamples);
-    return Scalar(1) / n_;
-  }
-
   Scalar growth_of_noise(Scalar gain) const {
     return Scalar(1) + gain * (largest_share_ - Scalar(1));
   }
-  void forget_unexpected() { n_ = std::max(n_ * kKeptOfMemory, kFirstSamples); }
 
   // A noise that samples keep exceeding is still on its way up from the guess.
   void judge_guess(const Array<typename Weights::Each, kAxes>& share) {
@@ -418,12 +329,10 @@ class MotionBank {
     return {step.x[axis], {step.P(0, 0), step.P(1, 1), step.P(2, 2)}};
   }
 
-  Scalar uncertainty_of_noise() const { return adaptive_ ? n_ / (n_ - Scalar(2)) : Scalar(1); }
-
-  // R' of member `i`, see above.
-  Scalar stated_R(int axis, int i) const {
-    return adaptive_ ? weights_[axis].stated_R(i) : weights_[axis].R(i);
+  Scalar uncertainty_of_noise() const {
+    return adaptive_ ? memory_.n() / (memory_.n() - Scalar(2)) : Scalar(1);
   }
+
   // `variance`, in units of R, of member `i`'s position, velocity and acceleration.
   Vector3<Scalar> stated_variance(int axis, int i, const Vector3<Scalar>& variance) const {
     const Scalar R = weights_[axis].R(i), added_R = stated_R(axis, i) - R;
@@ -435,15 +344,14 @@ class MotionBank {
   int leader(int axis) const { return weights_[axis].leader(); }
 
   bool adaptive_;
-  Scalar memory_s_, jerk_density_m2_s5_, lowest_R_, highest_R_;
+  Scalar jerk_density_m2_s5_, lowest_R_, highest_R_;
   Scalar prior_velocity_variance_, prior_acceleration_variance_;
   Scalar largest_share_, largest_deviation_;
   int member_count_;
-  Scalar n_ = kFirstSamples;
-  Scalar mean_step_s_ = 0;
+  SampleMemory<Scalar> memory_;
   int learned_ = 0;  // samples within huber, less those beyond
   Scalar start_scale_ = 1;
-  int fresh_ = 0;    // samples that will still teach no noise
+  int fresh_ = 0;  // samples that will still teach no noise
   LivelinessGrid<Scalar, kMostMembers> grid_;
   typename Weights::Each mean_log_S_ = {};
   Array<Weights, kAxes> weights_;

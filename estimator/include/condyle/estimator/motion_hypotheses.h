@@ -5,41 +5,35 @@
 //   main    the motion goes on as it was, and a sample beyond the gate is an outlier
 //   other   the motion changed: it goes on from that sample, with the velocity that reaches it, but
 //           velocity and acceleration hardly known
-//   o       log odds of other against main; s = 1 / (1 + e^-o), its share
-//   nu, S   innovation of a sample along one axis (m), and its variance (m^2)
-//   d       innovation of the sample that other starts from
-//   C, G    changes and outliers that were decided so far, older ones count less
+//   s       share of other (change_odds.h)
+//   d       innovation of the sample that other starts from (m)
+//   T       time since the last sample, no less than the mean step (s)
+//   V       variance of velocity that a jaw's prior and this motion's speeds allow (m^2/s^2)
 //
-// Start.   o = log N(d; S + V T^2) - log u, between kLeastOdds and kMostOdds; V the variance of
-//          velocity that a jaw's prior and this motion's speeds allow, u the density of outliers,
-//          anywhere within 50 mm. At kMostOdds the sample may well be a change (`motion_changed`),
-//          below it is an outlier that a change could hardly make (`outlier_rejected`). Where
-//          outliers outnumber changes, o is less by log (G / C): of an instrument that often fails,
-//          two outliers in a row are likelier than a motion of their speed.
-//          The variance of other's velocity is V + (d/T)^2: a motion that went so far within a step
-//          may go on as fast. T here is no less than the mean step.
-// Tests.   A sample that fits either of them adds log p_other - log p_main, where each p is at
-// least
-//          that of an outlier: outliers come in bursts, and the next is about as far off as the
-//          first, N(nu; S + (2 d)^2), with probability 1/2 where main is right, e^-3 where other
-//          is. A sample fits where it is within the gate and, by the noise that the members have
-//          made out themselves, likelier than as one more outlier. One that fits neither says
+// Start.   A motion whose velocity changed within the last step, at an instant of which nothing is
+//          known, changed it by 3/2 d/T; an outlier says nothing of it, and the farther d is from
+//          what V allows, the likelier it is one. Other starts with main's velocity plus
+//          3/2 d/T V / (V + (d/T)^2), and the variance V + (d/T)^2: a motion that went so far
+//          within a step may go on as fast. The event is `motion_changed` where the sample may well
+//          be a change, else `outlier_rejected`.
+// Tests.   A sample fits a hypothesis where it is within the gate and, by the noise that the
+// members
+//          have made out themselves, likelier than as one more outlier. One that fits neither says
 //          nothing for either; other starts anew from it, likelier each time, and after
 //          `reset_after` in a row main is given up.
-// End.     o > kSure: the motion changed. o < -kUnlikely, and main expected the sample: not.
-//          After kMostTests the likelier.
 // Shown.   The mixture of both, its first two moments matched.
 //
 // A sample within the gate but beyond huber counts less. Main has taken it; the second bank goes on
 // without it until the next sample. Then main is misled if both samples are likelier by e^3 with
 // the first as the outlier, by the noise that the members have made out themselves:
 //          log u' + log p_second(z) > log p_main(first) + max(log p_main(z), log u') + 3
-// u' being u times kLogRarity's share. Then the second bank takes main's place. A bank of fewer
-// than kSettled samples is too wide to judge.
+// u' being the density of outliers times their rarity, e^kLogRarity. Then the second bank takes
+// main's place. A bank of fewer than kSettled samples is too wide to judge.
 #pragma once
 
+#include "condyle/estimator/change_odds.h"
 #include "condyle/estimator/events.h"
-#include "condyle/estimator/motion_bank.h"
+#include "condyle/estimator/motion_expectation.h"
 #include "condyle/estimator/outlier_gate.h"
 
 namespace condyle {
@@ -63,6 +57,7 @@ class MotionHypotheses {
   using Bank = MotionBank<Scalar, kAxes>;
   using Position = typename Bank::Position;
   using Verdict = SampleVerdict<Scalar, kAxes>;
+  using Odds = ChangeOdds<Scalar, kAxes>;
 
   /// `parameters` must be valid.
   explicit MotionHypotheses(const RecommendedParameters& parameters)
@@ -77,8 +72,8 @@ class MotionHypotheses {
 
   /// The motion starts at `position_m`, measured.
   void start_motion(const Position& position_m) {
-    main_bank().start_motion(
-        position_m, std::max(Scalar(1), mean_square_speed_ / prior_velocity_variance_));
+    main_bank().start_motion(position_m,
+                             std::max(Scalar(1), mean_square_speed_ / prior_velocity_variance_));
     doubt_ = Doubt::none;
     settled_ = 0;
   }
@@ -113,10 +108,9 @@ class MotionHypotheses {
     return verdict;
   }
 
-  /// Log odds of the second hypothesis turned into its share, 0 to 1.
+  /// Share of the second hypothesis, 0 to 1.
   Scalar share_of_other() const {
-    if (doubt_ != Doubt::motion) return 0;
-    return Scalar(1) / (Scalar(1) + elementary::exp(-odds_));
+    return doubt_ == Doubt::motion ? odds_.share_of_change() : Scalar(0);
   }
   /// True where there are two banks, of whatever doubt.
   bool has_other() const { return doubt_ != Doubt::none; }
@@ -144,21 +138,12 @@ class MotionHypotheses {
  private:
   enum class Doubt { none, sample, motion };
 
-  static constexpr Scalar kOutlierDensity = 20;  // 1/m
-  static constexpr Scalar kTwoPi = Scalar(6.283185307179586);
-  static constexpr Scalar kLeastOdds = -6, kMostOdds = -1;
-  static constexpr Scalar kRefusalOdds = Scalar(0.7);  // log 2: of a burst that goes on
-  static constexpr Scalar kSure = 4, kUnlikely = 3;
-  static constexpr Scalar kMainBurst = Scalar(-0.7);  // log 1/2
-  static constexpr Scalar kOtherBurst = -3;
   static constexpr Scalar kLikelier = 3;
   static constexpr Scalar kLogRarity = Scalar(-4.6);  // log 1/100: of outliers
-  static constexpr int kMostTests = 10;
   static constexpr int kSettled = 5;
   static constexpr Scalar kSpeedGain = Scalar(0.01);
   static constexpr Scalar kFirstStep_s = Scalar(0.01);
   static constexpr Scalar kStepGain = Scalar(0.05);
-  static constexpr Scalar kForgotten = Scalar(0.02);
   static constexpr Scalar kWidest = Scalar(1e6);
 
   // What a bank makes of a sample.
@@ -168,11 +153,6 @@ class MotionHypotheses {
     Scalar of_mixture = 0;  // from the mixture; the largest of all axes
     bool is_outlier = false;
   };
-
-  // What a jaw's prior and the speeds of this motion allow.
-  Scalar allowed_velocity_variance() const {
-    return prior_velocity_variance_ + 4 * mean_square_speed_;
-  }
 
   Bank& main_bank() { return banks_[main_]; }
   Bank& other_bank() { return banks_[1 - main_]; }
@@ -184,7 +164,7 @@ class MotionHypotheses {
       if (!(value <= largest)) largest = value;
     };
     for (int axis = 0; axis < kAxes; ++axis) {
-      const auto expected = bank.expectation(axis, z_m[axis]);
+      const auto expected = expectation(bank, axis, z_m[axis]);
       result.innovation_m[axis] = z_m[axis] - expected.position_m;
       result.variance_m2[axis] = expected.variance_m2;
       enlarge(result.of_likely, expected.of_likely_squared);
@@ -217,7 +197,7 @@ class MotionHypotheses {
     }
     if (gate_.is_doubtful(comparison.of_mixture) && settled_ >= kSettled) {
       other_bank() = main();
-      suspect_log_density_ = main().own_log_density(z_m);
+      suspect_log_density_ = log_density<Noise::own>(main(), z_m);
       doubt_ = Doubt::sample;
     }
     update(main_, z_m, T, comparison, verdict);
@@ -229,9 +209,10 @@ class MotionHypotheses {
   // Main has taken a doubtful sample before `z_m`; both are far likelier where that one was an
   // outlier.
   bool is_misled(const Position& z_m) const {
-    const Scalar outlier = kLogRarity + kAxes * log(kOutlierDensity);
-    const Scalar with = suspect_log_density_ + std::max(main().own_log_density(z_m), outlier);
-    return outlier + other().own_log_density(z_m) > with + kLikelier;
+    const Scalar outlier = kLogRarity + kAxes * elementary::quick_log(Odds::kOutlierDensity);
+    const Scalar with =
+        suspect_log_density_ + std::max(log_density<Noise::own>(main(), z_m), outlier);
+    return outlier + log_density<Noise::own>(other(), z_m) > with + kLikelier;
   }
 
   void take_in_doubt(const Position& z_m, Scalar T, Verdict& verdict) {
@@ -243,23 +224,19 @@ class MotionHypotheses {
       return;
     }
     refusals_ = 0;
-    const bool may_be_motion = odds_ > kLeastOdds;
-    odds_ += log_likelihood(other(), by_other, z_m, kOtherBurst) -
-             log_likelihood(main(), by_main, z_m, kMainBurst);
-    ++tests_;
+    const bool may_be_change = odds_.is_conceivable();
+    const auto decision =
+        odds_.test(log_likelihood(other(), by_other, z_m, Odds::kBurstInChange),
+                   log_likelihood(main(), by_main, z_m, Odds::kBurstInMotion), fits_main);
     if (fits_main) {
       update(main_, z_m, T, by_main, verdict);
     } else {
-      learn_of_refused(z_m, T, may_be_motion);
+      learn_of_refused(z_m, T, may_be_change);
     }
     if (fits_other) update(1 - main_, z_m, T, by_other, verdict);
     verdict.is_known = true;
-    const bool is_over = tests_ >= kMostTests;
-    if ((fits_main && odds_ < -kUnlikely) || (is_over && !(odds_ > Scalar(0)))) {
-      settle(main_, verdict);
-      count(outliers_);
-    } else if (odds_ > kSure || is_over) {
-      count(changes_);
+    if (decision == Odds::Decision::outlier) settle(main_, verdict);
+    if (decision == Odds::Decision::change) {
       other_bank().take_larger_noise(main());
       settle(1 - main_, verdict);
     }
@@ -268,8 +245,8 @@ class MotionHypotheses {
 
   // Main did not expect `z_m`. Where the motion may have changed, a livelier member may have; of
   // outliers main learns no more than that they are there.
-  void learn_of_refused(const Position& z_m, Scalar T, bool may_be_motion) {
-    if (may_be_motion) {
+  void learn_of_refused(const Position& z_m, Scalar T, bool may_be_change) {
+    if (may_be_change) {
       main_bank().learn(z_m, T);
     } else {
       main_bank().learn_of_unexpected(T);
@@ -279,7 +256,7 @@ class MotionHypotheses {
   // Neither hypothesis expected `z_m`.
   void refuse(const Position& z_m, Scalar T, const Comparison& by_main, Verdict& verdict) {
     verdict.settled = main_;
-    learn_of_refused(z_m, T, odds_ > kLeastOdds);
+    learn_of_refused(z_m, T, odds_.is_conceivable());
     ++refusals_;
     doubt_motion(z_m, by_main, verdict);
     if (static_cast<Scalar>(refusals_) < most_refusals_) return;
@@ -293,45 +270,37 @@ class MotionHypotheses {
 
   // The second bank starts from `z_m`, which main did not expect.
   void doubt_motion(const Position& z_m, const Comparison& by_main, Verdict& verdict) {
-    const Scalar allowed = allowed_velocity_variance();
+    // What a jaw's prior and the speeds of this motion allow.
+    const Scalar V = prior_velocity_variance_ + 4 * mean_square_speed_;
     const Scalar longer_step_s = std::max(step_s_, mean_step_s_);
-    const Scalar square_step = longer_step_s * longer_step_s;
-    Scalar square_innovation = 0;
-    odds_ = kRefusalOdds * static_cast<Scalar>(refusals_ - 1);
+    Scalar square_speed = 0;
+    Position velocity_change_m_s;
     for (int axis = 0; axis < kAxes; ++axis) {
-      const Scalar d = by_main.innovation_m[axis], S = by_main.variance_m2[axis];
-      odds_ += log_normal(d, S + allowed * square_step) - log(kOutlierDensity);
-      square_innovation = std::max(square_innovation, d * d);
-      burst_variance_m2_[axis] = 4 * d * d;
+      const Scalar speed_m_s = by_main.innovation_m[axis] / longer_step_s;
+      square_speed = std::max(square_speed, speed_m_s * speed_m_s);
+      velocity_change_m_s[axis] = Scalar(1.5) * speed_m_s * V / (V + speed_m_s * speed_m_s);
     }
-    const bool may_be_motion = odds_ >= kMostOdds;
-    const Scalar rarity = std::min(log(changes_ / outliers_), Scalar(0));
-    odds_ = std::max(std::clamp(odds_, kLeastOdds, kMostOdds) + rarity, kLeastOdds);
-    const Scalar variance = allowed + square_innovation / square_step;
+    const bool may_be_change = odds_.start(by_main.innovation_m, by_main.variance_m2,
+                                           V * longer_step_s * longer_step_s, refusals_);
     other_bank() = main();
-    other_bank().change_motion(z_m, longer_step_s,
-                               std::min(variance / prior_velocity_variance_, kWidest));
-    tests_ = 0;
+    other_bank().change_motion(z_m, velocity_change_m_s,
+                               std::min((V + square_speed) / prior_velocity_variance_, kWidest));
     doubt_ = Doubt::motion;
     verdict.is_start[1 - main_] = verdict.is_taken[1 - main_] = true;
-    verdict.events.add(may_be_motion ? Event::motion_changed : Event::outlier_rejected);
+    verdict.events.add(may_be_change ? Event::motion_changed : Event::outlier_rejected);
   }
 
-  // Log density of one more outlier, each being followed by another with probability e^`share`.
   Scalar log_burst(const Comparison& comparison, Scalar share) const {
-    for (int axis = 0; axis < kAxes; ++axis) {
-      share += log_normal(comparison.innovation_m[axis],
-                          comparison.variance_m2[axis] + burst_variance_m2_[axis]);
-    }
-    return share;
+    return odds_.log_burst(comparison.innovation_m, comparison.variance_m2, share);
   }
   Scalar log_likelihood(const Bank& bank, const Comparison& comparison, const Position& z_m,
-                        Scalar burst) const {
-    return std::max(bank.log_density(z_m), log_burst(comparison, burst));
+                        Scalar share) const {
+    return std::max(log_density<Noise::stated>(bank, z_m), log_burst(comparison, share));
   }
   // In doubt: likelier by what the members made out themselves than as one more outlier.
   bool fits(const Bank& bank, const Comparison& comparison, const Position& z_m) const {
-    return !comparison.is_outlier && bank.own_log_density(z_m) > log_burst(comparison, kMainBurst);
+    return !comparison.is_outlier &&
+           log_density<Noise::own>(bank, z_m) > log_burst(comparison, Odds::kBurstInMotion);
   }
 
   // By the bank `index`, which expected it.
@@ -355,13 +324,6 @@ class MotionHypotheses {
     }
   }
 
-  // One more outlier or change; those before count less.
-  void count(Scalar& decided) {
-    outliers_ += kForgotten * (Scalar(1) - outliers_);
-    changes_ += kForgotten * (Scalar(1) - changes_);
-    decided += 1;
-  }
-
   // The bank `index` was right.
   void settle(int index, Verdict& verdict) {
     if (index != main_) settled_ = 0;
@@ -379,25 +341,17 @@ class MotionHypotheses {
     mean_square_speed_ += kSpeedGain * (square_speed - mean_square_speed_);
   }
 
-  static Scalar log(Scalar x) { return elementary::quick_log(x); }
-  static Scalar log_normal(Scalar x, Scalar variance) {
-    return Scalar(-0.5) * (x * x / variance + log(kTwoPi * variance));
-  }
-
   Scalar prior_velocity_variance_, most_refusals_;
   OutlierGate<Scalar> gate_;
   Bank banks_[2];
   int main_ = 0;
   Doubt doubt_ = Doubt::none;
-  int tests_ = 0;                   // samples that have tested the present doubt
   int refusals_ = 0;                // samples in a row that fitted nothing
   Scalar suspect_log_density_ = 0;  // log density that main expected of its doubtful sample
   int settled_ = 0;                 // samples that main has taken since its start, at most kSettled
-  Scalar odds_ = 0;                 // log odds of other against main
-  Scalar outliers_ = 1, changes_ = 1;  // decided so far
+  Odds odds_;                       // of other against main
   Scalar step_s_ = kFirstStep_s, mean_step_s_ = 0;
   Scalar mean_square_speed_ = 0;
-  Position burst_variance_m2_ = {};
 };
 
 }  // namespace condyle
