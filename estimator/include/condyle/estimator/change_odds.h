@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // Odds that a sample which a motion does not expect is a change of the motion, not an outlier.
 //
-//   T, V    time since the last sample (s); variance of velocity that a jaw's prior and this
-//           motion's speeds allow (m^2/s^2)
-//   d, S    innovation of that sample along one axis (m), and its variance (m^2)
+//   T, V    time since the motion was last measured (s); variance of velocity that a jaw's prior
+//           and this motion's speeds allow (m^2/s^2)
+//   d, S    innovation of that sample along one axis (m), and its variance (m^2); S' = S + V T^2
 //   nu      innovation of a later sample
 //   o       log odds of change against outlier; s = 1 / (1 + e^-o), the share of change
 //   u       density of outliers, anywhere within 50 mm (1/m)
 //   C, G    changes and outliers that were decided so far, older ones count less
 //
-// Start.   o = log N(d; S + V T^2) - log u, between kLeast and kMost. At kMost the sample may well
-//          be a change, below it is an outlier that a change could hardly make. Each sample in a
-//          row that fitted neither adds log 2: of a burst that goes on. Where outliers outnumber
+// Start.   o = log N(d; S') - log u, between kLeast and kMost. At kMost the sample may well be a
+//          change, below it is an outlier that a change could hardly make. Where outliers outnumber
 //          changes, o is less by log (G / C): of an instrument that often fails, two outliers in a
 //          row are likelier than a motion of their speed.
+//          Each further sample in a row that the motion did not expect adds log 2: of a burst that
+//          goes on. The density of d is then that of a Cauchy distribution of the width sqrt(S'):
+//          a jaw rarely starts at ten times its usual speed, but less rarely than the tail of a
+//          normal distribution says.
+//          Where the question is open already, o does not fall.
 // Tests.   A later sample adds log p_change - log p_outlier, where each p is at least that of one
 //          more outlier: outliers come in bursts, and the next is about as far off as the first,
 //          N(nu; S + (2 d)^2), with probability 1/2 where the motion goes on, e^-3 where it
@@ -40,20 +44,29 @@ class ChangeOdds {
   static constexpr Scalar kBurstInMotion = Scalar(-0.7);  ///< log 1/2
   static constexpr Scalar kBurstInChange = -3;
 
-  /// A sample of `innovation_m` and `variance_m2` opens the question, the `unexpected`th in a row.
-  /// `spread_m2`: V T^2. Returns whether it may well be a change.
-  bool start(const Each& innovation_m, const Each& variance_m2, Scalar spread_m2, int unexpected) {
-    odds_ = kInRow * static_cast<Scalar>(unexpected - 1);
+  /// What is known already of a sample that opens the question.
+  struct Background {
+    bool is_open = false;  ///< the question is open already
+    int unexpected = 1;    ///< samples in a row that the motion did not expect, with this one
+  };
+
+  /// A sample of `innovation_m` and `variance_m2` opens the question; `spread_m2`: V T^2. Returns
+  /// whether it may well be a change.
+  bool start(const Each& innovation_m, const Each& variance_m2, Scalar spread_m2,
+             const Background& background) {
+    const Scalar before = background.is_open ? odds_ : kLeast;
+    odds_ = kInRow * static_cast<Scalar>(background.unexpected - 1);
     for (int axis = 0; axis < kAxes; ++axis) {
-      const Scalar d = innovation_m[axis];
-      odds_ += log_normal(d, variance_m2[axis] + spread_m2) - log(kOutlierDensity);
+      const Scalar d = innovation_m[axis], variance = variance_m2[axis] + spread_m2;
+      odds_ += background.unexpected > 1 ? log_cauchy(d, variance) : log_normal(d, variance);
+      odds_ -= log(kOutlierDensity);
       burst_variance_m2_[axis] = 4 * d * d;
     }
     const bool may_be_change = odds_ >= kMost;
     const Scalar rarity = std::min(log(changes_ / outliers_), Scalar(0));
-    odds_ = std::max(std::clamp(odds_, kLeast, kMost) + rarity, kLeast);
+    odds_ = std::max({std::clamp(odds_, kLeast, kMost) + rarity, kLeast, before});
     tests_ = 0;
-    return may_be_change;
+    return may_be_change || odds_ >= kMost;
   }
 
   /// Log density (1/m along each axis) of one more outlier, each being followed by another with
@@ -83,12 +96,13 @@ class ChangeOdds {
 
   /// s.
   Scalar share_of_change() const { return Scalar(1) / (Scalar(1) + elementary::exp(-odds_)); }
-  /// False where a change could hardly have made these samples.
-  bool is_conceivable() const { return odds_ > kLeast; }
+  /// False where hardly a change made these samples.
+  bool is_conceivable() const { return odds_ > kConceivable; }
 
  private:
-  static constexpr Scalar kTwoPi = Scalar(6.283185307179586);
+  static constexpr Scalar kPi = Scalar(3.141592653589793);
   static constexpr Scalar kLeast = -6, kMost = -1;
+  static constexpr Scalar kConceivable = -4;     // s = 2 %
   static constexpr Scalar kInRow = Scalar(0.7);  // log 2
   static constexpr Scalar kSure = 4, kUnlikely = 3;
   static constexpr int kMostTests = 10;
@@ -103,7 +117,11 @@ class ChangeOdds {
 
   static Scalar log(Scalar x) { return elementary::quick_log(x); }
   static Scalar log_normal(Scalar x, Scalar variance) {
-    return Scalar(-0.5) * (x * x / variance + log(kTwoPi * variance));
+    return Scalar(-0.5) * (x * x / variance + log(2 * kPi * variance));
+  }
+
+  static Scalar log_cauchy(Scalar x, Scalar square_width) {
+    return -log(kPi * (Scalar(1) + x * x / square_width)) - Scalar(0.5) * log(square_width);
   }
 
   Scalar odds_ = 0;

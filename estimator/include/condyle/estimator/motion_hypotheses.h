@@ -7,20 +7,18 @@
 //           velocity and acceleration hardly known
 //   s       share of other (change_odds.h)
 //   d       innovation of the sample that other starts from (m)
-//   T       time since the last sample, no less than the mean step (s)
+//   T       time since main last took a sample, no less than the mean step (s)
 //   V       variance of velocity that a jaw's prior and this motion's speeds allow (m^2/s^2)
 //
-// Start.   A motion whose velocity changed within the last step, at an instant of which nothing is
-//          known, changed it by 3/2 d/T; an outlier says nothing of it, and the farther d is from
-//          what V allows, the likelier it is one. Other starts with main's velocity plus
-//          3/2 d/T V / (V + (d/T)^2), and the variance V + (d/T)^2: a motion that went so far
-//          within a step may go on as fast. The event is `motion_changed` where the sample may well
-//          be a change, else `outlier_rejected`.
+// Start.   A motion whose velocity changed within T, at an instant of which nothing is known,
+//          changed it by 3/2 d/T; an outlier says nothing of it, and the farther d is from what V
+//          allows, the likelier it is one. Other starts with main's velocity plus
+//          3/2 d/T V / (V + (d/T)^2), and the variance V + (d/T)^2: a motion that went so far may
+//          go on as fast. The event is `motion_changed` where the sample may well be a change, else
+//          `outlier_rejected`.
 // Tests.   A sample fits a hypothesis where it is within the gate and, by the noise that the
-// members
-//          have made out themselves, likelier than as one more outlier. One that fits neither says
-//          nothing for either; other starts anew from it, likelier each time, and after
-//          `reset_after` in a row main is given up.
+//          members have made out themselves, likelier than as one more outlier. From one that fits
+//          neither, other starts anew, and after `reset_after` in a row main is given up.
 // Shown.   The mixture of both, its first two moments matched.
 //
 // A sample within the gate but beyond huber counts less. Main has taken it; the second bank goes on
@@ -76,13 +74,15 @@ class MotionHypotheses {
                              std::max(Scalar(1), mean_square_speed_ / prior_velocity_variance_));
     doubt_ = Doubt::none;
     settled_ = 0;
+    note_taken();
   }
 
   /// The motion is lost, and with it what was open.
   void lose_motion() { doubt_ = Doubt::none; }
 
-  /// Moves all banks by a step of `F` and Q / q.
-  void predict(const TransitionJacobian<Scalar>& F, const SymmetricMatrix3<Scalar>& Q) {
+  /// Moves all banks by a step of `F` and Q / q, `T` s long.
+  void predict(Scalar T, const TransitionJacobian<Scalar>& F, const SymmetricMatrix3<Scalar>& Q) {
+    untaken_s_ += T;
     main_bank().predict(F, Q);
     if (doubt_ != Doubt::none) other_bank().predict(F, Q);
   }
@@ -97,7 +97,6 @@ class MotionHypotheses {
   Verdict take(const Position& z_m, Scalar T) {
     Verdict verdict;
     if (T > Scalar(0)) {
-      step_s_ = T;
       mean_step_s_ += mean_step_s_ > Scalar(0) ? kStepGain * (T - mean_step_s_) : T;
     }
     if (doubt_ == Doubt::motion) {
@@ -105,6 +104,8 @@ class MotionHypotheses {
     } else {
       take_alone(z_m, T, verdict);
     }
+    ++untaken_;
+    if (verdict.is_taken[main_]) note_taken();
     return verdict;
   }
 
@@ -142,7 +143,6 @@ class MotionHypotheses {
   static constexpr Scalar kLogRarity = Scalar(-4.6);  // log 1/100: of outliers
   static constexpr int kSettled = 5;
   static constexpr Scalar kSpeedGain = Scalar(0.01);
-  static constexpr Scalar kFirstStep_s = Scalar(0.01);
   static constexpr Scalar kStepGain = Scalar(0.05);
   static constexpr Scalar kWidest = Scalar(1e6);
 
@@ -272,16 +272,17 @@ class MotionHypotheses {
   void doubt_motion(const Position& z_m, const Comparison& by_main, Verdict& verdict) {
     // What a jaw's prior and the speeds of this motion allow.
     const Scalar V = prior_velocity_variance_ + 4 * mean_square_speed_;
-    const Scalar longer_step_s = std::max(step_s_, mean_step_s_);
+    const Scalar since_s = std::max(untaken_s_, mean_step_s_);
     Scalar square_speed = 0;
     Position velocity_change_m_s;
     for (int axis = 0; axis < kAxes; ++axis) {
-      const Scalar speed_m_s = by_main.innovation_m[axis] / longer_step_s;
+      const Scalar speed_m_s = by_main.innovation_m[axis] / since_s;
       square_speed = std::max(square_speed, speed_m_s * speed_m_s);
       velocity_change_m_s[axis] = Scalar(1.5) * speed_m_s * V / (V + speed_m_s * speed_m_s);
     }
-    const bool may_be_change = odds_.start(by_main.innovation_m, by_main.variance_m2,
-                                           V * longer_step_s * longer_step_s, refusals_);
+    const bool may_be_change =
+        odds_.start(by_main.innovation_m, by_main.variance_m2, V * since_s * since_s,
+                    {.is_open = doubt_ == Doubt::motion, .unexpected = untaken_ + 1});
     other_bank() = main();
     other_bank().change_motion(z_m, velocity_change_m_s,
                                std::min((V + square_speed) / prior_velocity_variance_, kWidest));
@@ -324,6 +325,11 @@ class MotionHypotheses {
     }
   }
 
+  void note_taken() {
+    untaken_ = 0;
+    untaken_s_ = 0;
+  }
+
   // The bank `index` was right.
   void settle(int index, Verdict& verdict) {
     if (index != main_) settled_ = 0;
@@ -350,7 +356,9 @@ class MotionHypotheses {
   Scalar suspect_log_density_ = 0;  // log density that main expected of its doubtful sample
   int settled_ = 0;                 // samples that main has taken since its start, at most kSettled
   Odds odds_;                       // of other against main
-  Scalar step_s_ = kFirstStep_s, mean_step_s_ = 0;
+  int untaken_ = 0;                 // samples since main took one
+  Scalar untaken_s_ = 0;            // time since then
+  Scalar mean_step_s_ = 0;
   Scalar mean_square_speed_ = 0;
 };
 

@@ -30,7 +30,7 @@ struct MotionInstant {
   bool is_measured = false;  ///< a position came in
   bool has_state = false;
   bool is_first = false;  ///< nothing was expected of it
-  bool is_open = false;  ///< both tracks hold; otherwise that of `track`
+  bool is_open = false;   ///< both tracks hold; otherwise that of `track`
   int track = 0;
   EventSet events;
   Array<Scalar, kAxes> position_m = {};

@@ -2,12 +2,11 @@
 // The recommended estimator: position, velocity and acceleration along up to three axes from
 // measured positions and their times, and the net force that an assumed mass makes of them.
 //
-//   motion_bank.h        motion: exact white-jerk filters; noise and liveliness learned from the data
-//   outlier_gate.h       outliers: full weight, less, none
-//   motion_hypotheses.h  outlier or change of the motion: both, until later samples decide
-//   rounding_step.h      positions that are rounded, whose noise is no less than that of rounding
-//   fixed_lag.h          each estimate may wait for up to kMostLag later samples
-//   force                assumed mass times acceleration
+//   motion_bank.h        motion: exact white-jerk filters; noise and liveliness learned from the
+//   data outlier_gate.h       outliers: full weight, less, none motion_hypotheses.h  outlier or
+//   change of the motion: both, until later samples decide rounding_step.h      positions that are
+//   rounded, whose noise is no less than that of rounding fixed_lag.h          each estimate may
+//   wait for up to kMostLag later samples force                assumed mass times acceleration
 //
 // One decision for all axes of a sample: a glitch rarely keeps to one. Time is taken from the
 // samples, differences as integers. Where nothing was measured the filter predicts, and after
@@ -76,7 +75,7 @@ class RecommendedEstimator {
     if (started_ && difference_s(time_ns_, taken_ns_) > longest_gap_s_) lose_motion();
     if (started_) {
       instant.F = white_jerk_jacobian(T);
-      motion_.predict(instant.F, white_jerk_covariance(T));
+      motion_.predict(T, instant.F, white_jerk_covariance(T));
     }
     instant.is_measured = measurement.is_measured;
     for (const Scalar position_m : measurement.position_m) {
@@ -297,8 +296,7 @@ class RecommendedEstimator {
     if (!(motion_.share_of_other() > Scalar(0))) return;
     instants_.smooth(motion_.other(), 1 - motion_.main_index(), back, smoothed);
     for (int axis = 0; axis < kAxes; ++axis) {
-      moments[axis] =
-          motion_.mixture(moments[axis], motion_.other().mixture(axis, member(axis)));
+      moments[axis] = motion_.mixture(moments[axis], motion_.other().mixture(axis, member(axis)));
     }
   }
 
@@ -373,7 +371,7 @@ class RecommendedEstimator {
   bool started_ = false;        // there is a state,
   bool is_lost_ = false;        // or there was one
   int waiting_ = 0;
-  bool has_shown_ = false;  // an estimate of the newest instant,
+  bool has_shown_ = false;                        // an estimate of the newest instant,
   Array<Vector3<Scalar>, kAxes> shown_variance_;  // with these variances
   Instants instants_;
 };
