@@ -2,11 +2,12 @@
 // The recommended estimator: position, velocity and acceleration along up to three axes from
 // measured positions and their times, and the net force that an assumed mass makes of them.
 //
-//   motion_bank.h        motion: exact white-jerk filters; noise and liveliness learned from the
-//   data outlier_gate.h       outliers: full weight, less, none motion_hypotheses.h  outlier or
-//   change of the motion: both, until later samples decide rounding_step.h      positions that are
-//   rounded, whose noise is no less than that of rounding fixed_lag.h          each estimate may
-//   wait for up to kMostLag later samples force                assumed mass times acceleration
+//   motion_bank.h        motion: exact white-jerk filters; noise and liveliness learned
+//   outlier_gate.h       outliers: full weight, less, none
+//   motion_hypotheses.h  outlier or change of the motion: both, until later samples decide
+//   rounding_step.h      rounded positions, whose noise is no less than that of rounding
+//   fixed_lag.h          each estimate may wait for up to kMostLag later samples
+//   force                assumed mass times acceleration
 //
 // One decision for all axes of a sample: a glitch rarely keeps to one. Time is taken from the
 // samples, differences as integers. Where nothing was measured the filter predicts, and after
