@@ -177,8 +177,12 @@ TEST_P(NoiseWatchAtRate, SaysThatPositionsWereSmoothedOrMayHaveBeen) {
       for (const double step_m : {0.0, 1e-5, 5e-5, 1e-4}) {
         const Outcome outcome = run(truth_m, rounded(smooth_m, step_m), rate_Hz_);
         EXPECT_TRUE(is_said(outcome.watch)) << smoothing.name << ' ' << step_m << ' ' << seed;
-        if (step_m == 0) EXPECT_FALSE(outcome.watch.hides_smoothing()) << smoothing.name;
-        if (step_m >= 5e-5) EXPECT_TRUE(outcome.watch.hides_smoothing()) << smoothing.name;
+        if (step_m == 0) {
+          EXPECT_FALSE(outcome.watch.hides_smoothing()) << smoothing.name;
+        }
+        if (step_m >= 5e-5) {
+          EXPECT_TRUE(outcome.watch.hides_smoothing()) << smoothing.name;
+        }
       }
     }
   }

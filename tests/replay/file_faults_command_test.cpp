@@ -76,7 +76,7 @@ class FileFaults : public testing::TestWithParam<const char*> {
   const TemporaryFolder folder_;
 };
 INSTANTIATE_TEST_SUITE_P(Estimators, FileFaults, testing::Values("recommended", "published"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& named) { return std::string(named.param); });
 
 // Numbers beyond 10 m give the estimates and the figures of missing values.
 TEST_P(FileFaults, SentinelsAreMissingValues) {

@@ -65,7 +65,7 @@ RC_GTEST_PROP(MotionBank, WithoutAdaptationIsTheTextbooksFilterInMetres, ()) {
   filter.q = parameters.noise.jerk_density_m2_s5;
 
   bank.start_noise({sd});
-  bank.start_motion({0.001});
+  bank.start_motion({0.001}, 1);
   filter.start(0.001, parameters.prior.velocity_sd_m_s, parameters.prior.acceleration_sd_m_s2);
   for (const Draw& draw : *draws()) {
     bank.predict(white_jerk_jacobian(draw.T), white_jerk_covariance(draw.T));
@@ -98,7 +98,7 @@ RC_GTEST_PROP(MotionBank, WithoutAdaptationEachAxisHasItsOwnNoise, ()) {
   MotionBank<double, 3> bank(parameters);
   ASSERT_EQ(bank.member_count(), 3);
   bank.start_noise({sd[0], sd[1], sd[2]});
-  bank.start_motion({0.001, 0, -0.002});
+  bank.start_motion({0.001, 0, -0.002}, 1);
   std::array<DenseFilter, 3> filters;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     filters[axis].R = static_cast<Real>(sd[axis]) * sd[axis];
@@ -142,7 +142,7 @@ RC_GTEST_PROP(MotionBank, EachMemberIsTheTextbooksFilterInUnitsOfTheNoise, ()) {
   MotionBank<double, 3> bank(parameters);
   ASSERT_EQ(bank.member_count(), kMembers);
   bank.start_noise({sd[0], sd[1], sd[2]});
-  bank.start_motion({0.001, 0, 0});
+  bank.start_motion({0.001, 0, 0}, 1);
   std::array<DenseFilter, kMembers> filters;
   for (int i = 0; i < kMembers; ++i) {
     auto& filter = filters[static_cast<std::size_t>(i)];
@@ -258,7 +258,7 @@ RC_GTEST_PROP(MotionBank, NoiseWeightsAndMixtureAreAsDefined, ()) {
   parameters.noise.memory_s = *number_between(0.5, 20);
   MotionBank<double, 1> bank(parameters);
   bank.start_noise({parameters.noise.position_sd_m});
-  bank.start_motion({0});
+  bank.start_motion({0}, 1);
   NoiseByDefinition noise(parameters);
   std::array<DenseFilter, kMembers> filters;
   for (int i = 0; i < kMembers; ++i) {
@@ -296,7 +296,7 @@ TEST(MotionBank, ItsRatiosReachAsFarAtAnySampleTime) {
   for (const double T : {1e-3, 2.5e-3, 5e-3, 0.01, 1 / 60.0, 0.033}) {
     MotionBank<double, 1> bank(RecommendedParameters{});
     bank.start_noise({5e-5});
-    bank.start_motion({0});
+    bank.start_motion({0}, 1);
     for (int i = 0; i < 50; ++i) {
       bank.predict(white_jerk_jacobian(T), white_jerk_covariance(T));
       bank.learn({0}, T);
@@ -314,7 +314,7 @@ TEST(MotionBank, ItsRatiosReachAsFarAtAnySampleTime) {
 RC_GTEST_PROP(MotionBank, SamplesThatNoMemberExpectsLeaveTheWeights, ()) {
   MotionBank<double, 1> bank(RecommendedParameters{});
   bank.start_noise({5e-5});
-  bank.start_motion({0});
+  bank.start_motion({0}, 1);
   const double T = *number_between(1e-3, 0.02);
   const auto step = [&] {
     bank.predict(white_jerk_jacobian(T), white_jerk_covariance(T));
@@ -342,7 +342,7 @@ TEST(MotionBank, HoldsTheNoiseAboveThatOfRounding) {
   const double T = 0.01, lowest = 3e-5 * 3e-5;
   MotionBank<double, 1> bank(RecommendedParameters{});
   bank.start_noise({5e-5});
-  bank.start_motion({0});
+  bank.start_motion({0}, 1);
   bank.hold_noise_above(0, lowest);
   for (int i = 0; i < 500; ++i) {
     bank.predict(white_jerk_jacobian(T), white_jerk_covariance(T));
@@ -360,7 +360,7 @@ TEST(MotionBank, HoldsTheNoiseBetweenFloorAndCeiling) {
     for (const double swing_m : {0.0, 1e-4, 1.0}) {
       MotionBank<double, 1> bank(parameters);
       bank.start_noise({guess});
-      bank.start_motion({0});
+      bank.start_motion({0}, 1);
       for (int i = 0; i < 2000; ++i) {
         const double sd = std::sqrt(bank.noise_variance_m2(0));
         ASSERT_GE(sd, 2e-5 * (1 - 1e-12));
