@@ -39,12 +39,22 @@ void expect_is(const RecommendedEstimate<double>& estimate, const DenseTwin& twi
   }
 }
 
+bool revokes(const RecommendedParameters& parameters, const std::vector<AxisSample>& samples) {
+  RecommendedEstimator<double, 1> estimator(parameters);
+  bool does = false;
+  for (const AxisSample& sample : samples) {
+    does |= estimator.step(measurement(sample)).events.has(Event::outlier_revoked);
+  }
+  return does;
+}
+
 // Every estimate, those of the samples after the last included.
 RC_GTEST_PROP(FixedLag, IsTheFixedIntervalSmootherOverItsWindow, ()) {
   RecommendedParameters parameters = known_noise();
   parameters.outliers.gate_sd = 1000;  // what is beyond the gate: below
   const int lag = *rc::gen::inRange(0, 17);
   const auto samples = *troubled_samples(parameters.noise.position_sd_m, Far::left_out);
+  RC_PRE(!revokes(parameters, samples));  // the twin does not
   RecommendedEstimator<double, 1> estimator(parameters, lag);
   DenseTwin twin(parameters);
   std::size_t next = 0;
@@ -95,8 +105,9 @@ TEST(FixedLag, AGlitchFoundOutIsAsIfItWereMissing) {
       const auto without = late_swing(160, lag, 120, 0, true);
       ASSERT_TRUE(with[120].events.has(Event::outlier_rejected)) << offset_m;
       for (std::size_t i = 0; i < with.size(); ++i) {
+        if (static_cast<int>(i) + lag == 120) continue;  // said when it came, in doubt
         const auto &one = with[i].axes[0], &other = without[i].axes[0];
-        ASSERT_EQ(one.position_m.value, other.position_m.value) << offset_m << " " << i;
+        ASSERT_EQ(one.position_m.value, other.position_m.value) << offset_m << " " << lag << ' ' << i;
         ASSERT_EQ(one.velocity_m_s.value, other.velocity_m_s.value) << offset_m << " " << i;
         ASSERT_EQ(one.velocity_m_s.standard_deviation, other.velocity_m_s.standard_deviation);
       }

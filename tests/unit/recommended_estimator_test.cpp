@@ -159,14 +159,15 @@ TEST(RecommendedEstimator, AMeasurementRightAfterTheGapStartsAnew) {
 TEST(RecommendedEstimator, RejectedSamplesDoNotKeepTheStateAlive) {
   RecommendedParameters parameters;
   parameters.outliers.reset_after = 1000;
+  parameters.outliers.longest_gap_s = 0.1;
   Estimator estimator = after_swing(50, parameters);
   Estimate estimate;
-  for (TimeNs i = 50; i < 50 + 25; ++i) {
-    estimate = estimator.step(at(i * kStep_ns, i % 2 == 0 ? 50 : -50));
-    ASSERT_TRUE(estimate.events.has(Event::outlier_rejected));
+  for (TimeNs i = 50; i < 50 + 10; ++i) {
+    estimate = estimator.step(at(i * kStep_ns, i % 2 == 0 ? 5 : -5));
+    ASSERT_TRUE(is_unexpected(estimate.events)) << i;
     EXPECT_FALSE(estimate.events.has(Event::state_restarted));
   }
-  estimate = estimator.step(at(75 * kStep_ns, 50));
+  estimate = estimator.step(at(60 * kStep_ns, 5));
   EXPECT_TRUE(estimate.events.has(Event::state_restarted));
 }
 
@@ -179,10 +180,10 @@ TEST(RecommendedEstimator, ADisplacementThatStaysBecomesTheMotion) {
       const auto estimate = estimator.step(at(i * kStep_ns, truth_m));
       const auto& axis = estimate.axes[0];
       EXPECT_FALSE(estimate.events.has(Event::state_restarted));
-      EXPECT_EQ(estimate.events.has(Event::outlier_rejected) ||
-                    estimate.events.has(Event::motion_changed),
-                i < 106 && estimator.motion().has_other())
-          << i;
+      if (is_unexpected(estimate.events)) {
+        EXPECT_LT(i, 106);
+      }
+      EXPECT_LE(estimator.motion().has_other(), is_unexpected(estimate.events)) << i;
       if (i >= 101) {
         EXPECT_LE(std::abs(axis.position_m.value - truth_m),
                   5 * axis.position_m.standard_deviation)
@@ -211,17 +212,18 @@ TEST(RecommendedEstimator, AGlitchLeavesTheMotion) {
 }
 
 // Samples that fit neither hypothesis: after so many in a row the last of them is all that counts.
+// Then the next is an outlier to that.
 TEST(RecommendedEstimator, SamplesThatFitNothingStartItAnew) {
   Estimator estimator = after_swing(100);
   int restarts = 0;
   for (TimeNs i = 100; i < 130; ++i) {
-    const auto estimate = estimator.step(at(i * kStep_ns, i % 2 == 0 ? 50 : -80));
-    restarts += estimate.events.has(Event::state_restarted);
-    if (i == 105) {
-      EXPECT_EQ(restarts, 1);
-      EXPECT_EQ(estimate.axes[0].position_m.value, -80);
-    }
+    const double position_m = i % 2 == 0 ? 5 : -8;
+    const auto estimate = estimator.step(at(i * kStep_ns, position_m));
+    if (!estimate.events.has(Event::state_restarted)) continue;
+    ++restarts;
+    EXPECT_EQ(estimate.axes[0].position_m.value, position_m);
   }
+  EXPECT_GE(restarts, 1);
 }
 
 TEST(RecommendedEstimator, ASetClockStartsTheMotionAnewAndKeepsTheNoise) {
@@ -354,14 +356,16 @@ RecommendedParameters default_or_fixed() {
 RC_GTEST_PROP(RecommendedEstimator, SurvivesAnythingInDouble, ()) {
   expect_survival<double, 1>(default_or_fixed());
 }
+// In float the liveliest member, which expects 10^5 times the noise, leaves no more of a covariance
+// than rounding does where a step is far shorter than the mean.
 RC_GTEST_PROP(RecommendedEstimator, SurvivesAnythingInFloat, ()) {
-  expect_survival<float, 1>(default_or_fixed());
+  expect_survival<float, 1>(default_or_fixed(), Covariance::may_round);
 }
 RC_GTEST_PROP(RecommendedEstimator, SurvivesAnythingOnThreeAxesInDouble, ()) {
   expect_survival<double, 3>(default_or_fixed());
 }
 RC_GTEST_PROP(RecommendedEstimator, SurvivesAnythingOnThreeAxesInFloat, ()) {
-  expect_survival<float, 3>(default_or_fixed());
+  expect_survival<float, 3>(default_or_fixed(), Covariance::may_round);
 }
 
 // Parameters anywhere in their ranges. A prior that is 1e8 times as wide as the noise, with steps

@@ -101,7 +101,7 @@ class ChangeOdds {
 
  private:
   static constexpr Scalar kPi = Scalar(3.141592653589793);
-  static constexpr Scalar kLeast = -6, kMost = -1;
+  static constexpr Scalar kLeast = Scalar(-4.5), kMost = -1;
   static constexpr Scalar kConceivable = -4;     // s = 2 %
   static constexpr Scalar kInRow = Scalar(0.7);  // log 2
   static constexpr Scalar kSure = 4, kUnlikely = 3;

@@ -278,6 +278,9 @@ class MotionBank {
   static constexpr int kFewestLearned = 15;  // then a first guess is forgotten
   static constexpr int kFresh = 3;
   static constexpr Scalar kMostAdded = 4;
+  // Of the next position, in units of R: of more, an update would leave rounding errors.
+  static constexpr Scalar kMostStartVariance =
+      Scalar(1) / (Scalar(64) * std::numeric_limits<Scalar>::epsilon());
 
   struct Member {
     Scalar r{};
@@ -289,6 +292,9 @@ class MotionBank {
   void start_motion(const Array<Vector3<Scalar>, kAxes>& x, Scalar scale) {
     fresh_ = kFresh;
     start_scale_ = scale;
+    const Scalar square_step_s2 = memory_.mean_step_s() * memory_.mean_step_s();
+    const Scalar most_velocity = kMostStartVariance / square_step_s2;
+    const Scalar most_acceleration = most_velocity / square_step_s2;
     for (int i = 0; i < member_count_; ++i) {
       // One covariance for all axes: the least noise leaves the prior widest.
       Scalar R = weights_[adaptive_ ? 0 : i].R(i);
@@ -296,7 +302,8 @@ class MotionBank {
       Step& step = members_[i].step;
       step = Step();
       step.P = SymmetricMatrix3<Scalar>::diagonal(
-          {1, scale * prior_velocity_variance_ / R, scale * prior_acceleration_variance_ / R});
+          {1, std::min(scale * prior_velocity_variance_ / R, most_velocity),
+           std::min(scale * prior_acceleration_variance_ / R, most_acceleration)});
       for (int axis = 0; axis < kAxes; ++axis) step.x[axis] = x[axis];
     }
   }

@@ -144,7 +144,7 @@ class MotionHypotheses {
   static constexpr int kSettled = 5;
   static constexpr Scalar kSpeedGain = Scalar(0.01);
   static constexpr Scalar kStepGain = Scalar(0.05);
-  static constexpr Scalar kWidest = Scalar(1e6);
+  static constexpr Scalar kWidest = Scalar(1e4);
 
   // What a bank makes of a sample.
   struct Comparison {
@@ -273,15 +273,18 @@ class MotionHypotheses {
     // What a jaw's prior and the speeds of this motion allow.
     const Scalar V = prior_velocity_variance_ + 4 * mean_square_speed_;
     const Scalar since_s = std::max(untaken_s_, mean_step_s_);
+    const Scalar square_s2 = since_s * since_s;
     Scalar square_speed = 0;
     Position velocity_change_m_s;
     for (int axis = 0; axis < kAxes; ++axis) {
-      const Scalar speed_m_s = by_main.innovation_m[axis] / since_s;
-      square_speed = std::max(square_speed, speed_m_s * speed_m_s);
-      velocity_change_m_s[axis] = Scalar(1.5) * speed_m_s * V / (V + speed_m_s * speed_m_s);
+      const Scalar d = by_main.innovation_m[axis];
+      square_speed = std::max(square_speed, d * d / square_s2);
+      // No step and no innovation: no change.
+      const Scalar square_m2 = std::max(V * square_s2 + d * d, std::numeric_limits<Scalar>::min());
+      velocity_change_m_s[axis] = Scalar(1.5) * V * d * since_s / square_m2;
     }
     const bool may_be_change =
-        odds_.start(by_main.innovation_m, by_main.variance_m2, V * since_s * since_s,
+        odds_.start(by_main.innovation_m, by_main.variance_m2, V * square_s2,
                     {.is_open = doubt_ == Doubt::motion, .unexpected = untaken_ + 1});
     other_bank() = main();
     other_bank().change_motion(z_m, velocity_change_m_s,

@@ -62,7 +62,8 @@ class RecommendedEstimator {
   }
 
   /// The next sample, whose time is known. A time before the last one is not taken
-  /// (`time_reversed`); NaN or infinity enters no state (`position_missing`).
+  /// (`time_reversed`); NaN or a position beyond kFarthestPosition_m enters no state
+  /// (`position_missing`).
   Estimate step(const Measurement& measurement) {
     if (!parameters_valid_) return without_values(Event::parameters_invalid);
     Instant& instant = next_instant(measurement);
@@ -80,7 +81,8 @@ class RecommendedEstimator {
     }
     instant.is_measured = measurement.is_measured;
     for (const Scalar position_m : measurement.position_m) {
-      instant.is_measured = instant.is_measured && std::isfinite(position_m);
+      instant.is_measured =
+          instant.is_measured && std::abs(position_m) <= Scalar(kFarthestPosition_m);
     }
     if (instant.is_measured) {
       take(T, instant);

@@ -10,6 +10,8 @@
 // stray sample, which makes two, does not undo a step that has long been known; unconfirmed, g
 // becomes its greatest common divisor with d, and below kLeast_m it starts anew.
 //
+// In float a coordinate of 0.3 m has 7 digits: steps below 0.1 mm may not be found there.
+//
 // Rounding adds noise of variance step^2 / 12 (B. Widrow, IRE Trans. Circuit Theory 3 (1956) 266),
 // which at rest, where a sample repeats the last, does not show in any innovation.
 #pragma once
