@@ -95,7 +95,7 @@ TEST(Recommended, TakesEachSampleForWhatItIs) {
     if (i == 30) rows += std::to_string(t) + ",nan\n";
     if (i == 31) rows += "," + position + "\n";
     if (i == 32) rows += "0.1," + position + "\n";
-    if (i == 33) rows += std::to_string(t) + ",0.005\n";
+    if (i == 33) rows += std::to_string(t) + ",0.05\n";
     if (i < 30 || (i > 33 && i < 50)) rows += std::to_string(t) + "," + position + "\n";
     if (i == 34) rows += std::to_string(t) + "," + position + "\n";  // told twice
   }

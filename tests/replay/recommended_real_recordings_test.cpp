@@ -97,7 +97,9 @@ TEST_F(RecommendedRealRecordings, ZebrisGlitchesMakeNoVelocity) {
       const double t = seconds(one.time_ns);
       if (t > 8.91 && t < 8.99) counts.add(one.events);
     }
-    EXPECT_GE(counts[Event::outlier_rejected] + counts[Event::outlier_weighted], 2U);
+    EXPECT_GE(counts[Event::outlier_rejected] + counts[Event::motion_changed] +
+                  counts[Event::outlier_weighted],
+              2U);
   }
 }
 
@@ -189,7 +191,7 @@ TEST_F(RecommendedRealRecordings, FloatIsDouble) {
           const double ratio = std::sqrt(difference_square[j] / square[j]);
           const double largest = worst[j] / std::sqrt(square[j] / count);
           EXPECT_LT(ratio, 1e-3) << name << " axis " << axis << " state " << j << " lag " << lag;
-          EXPECT_LT(largest, lag == 0 ? 3e-3 : 2e-2)
+          EXPECT_LT(largest, lag == 0 ? 6e-3 : 2e-2)
               << name << " axis " << axis << " state " << j << " lag " << lag;
           std::cout << " " << ratio << " (" << largest << ")";
         }

@@ -172,7 +172,11 @@ class NoiseByDefinition {
  public:
   explicit NoiseByDefinition(const RecommendedParameters& parameters) : parameters_(parameters) {
     R_.fill(std::pow(parameters.noise.position_sd_m, 2));
-    weight_.fill(1.0 / kMembers);
+    double sum = 0;
+    for (std::size_t i = 0; i < kMembers; ++i) {
+      sum += weight_[i] = std::exp(-0.5 * static_cast<double>(i));
+    }
+    for (double& weight : weight_) weight /= sum;
   }
 
   template <class Filters>

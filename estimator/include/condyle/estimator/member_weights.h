@@ -49,17 +49,20 @@ class MemberWeights {
   static constexpr Scalar kExcuses = Scalar(0.003);   ///< and that can excuse a sample
 
   /// Adaptive members: all start with the noise `R` (m^2), held between `lowest_R` and
-  /// `highest_R`, and the same weight.
+  /// `highest_R`. The one in the middle leads, the least lively has the largest weight.
   void start(int count, Scalar R, Scalar lowest_R, Scalar highest_R) {
     count_ = count;
     lowest_R_ = lowest_R;
     highest_R_ = highest_R;
     leader_ = count / 2;
+    Scalar sum = 0;
     for (int i = 0; i < count; ++i) {
       set_R(i, std::clamp(R, floor_R(), highest_R_));
       short_score_[i] = 0;
+      weight_[i] = elementary::exp(-kLivelier * static_cast<Scalar>(i));
+      sum += weight_[i];
     }
-    level(Scalar(1) / static_cast<Scalar>(count));
+    for (int i = 0; i < count; ++i) weight_[i] /= sum;
   }
 
   /// Members of known noise, of which `chosen` alone has a say.
