@@ -152,8 +152,8 @@ TEST_P(Invariants, NoDeviationFallsWhereNothingIsTaken) {
 }
 
 // From the fourth sample after a burst on, the truth is within 5 sd and nothing good is refused.
-// Random offsets of up to 0.3 m may look like a motion: of 300 bursts of up to 4 samples at most 1
-// is not found again, of 300 of 5 to 8 samples, where the motion restarts, at most 5 %. A burst of
+// Random offsets of up to 0.3 m may look like a motion: of 300 bursts of up to 4 samples at most 2
+// are not found again, of 300 of 5 to 8 samples, where the motion restarts, at most 7 %. A burst of
 // one offset that lasts is a step: the way back is one too.
 TEST_P(Invariants, AfterABurstTheMotionIsFoundAgain) {
   int lost_after_short = 0, lost_after_long = 0;
@@ -184,8 +184,8 @@ TEST_P(Invariants, AfterABurstTheMotionIsFoundAgain) {
     }
     (length <= 4 ? lost_after_short : lost_after_long) += !is_found;
   }
-  EXPECT_LE(lost_after_short, 1);
-  EXPECT_LE(lost_after_long, 15);
+  EXPECT_LE(lost_after_short, 2);
+  EXPECT_LE(lost_after_long, 20);
 }
 
 // Rest, then a movement of least jerk at up to 1 m/s: at most one sample is refused, and two in one

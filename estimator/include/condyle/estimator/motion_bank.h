@@ -104,6 +104,9 @@ class MotionBank {
     forget_weights(1);
   }
 
+  /// The motion turned out to have changed: what served best before has no lead any more.
+  void begin_motion() { same_motion_ = 0; }
+
   /// Moves all members by a step of `F` and Q / q (white_jerk.h).
   void predict(const TransitionJacobian<Scalar>& F, const SymmetricMatrix3<Scalar>& Q) {
     for (int i = 0; i < member_count_; ++i) {
@@ -143,6 +146,7 @@ class MotionBank {
       memory_.shorten();
       return;
     }
+    same_motion_ += Scalar(1);
     const bool learns_noise = fresh_ == 0;
     if (!learns_noise) --fresh_;
     for (int i = 0; learns_noise && i < member_count_; ++i) {
@@ -152,7 +156,7 @@ class MotionBank {
     for (int axis = 0; axis < kAxes; ++axis) {
       weights_[axis].learn(share[axis], log_S, gain, learns_noise, largest_share_,
                            largest_deviation_);
-      weights_[axis].weigh(mean_log_S_, memory_.n());
+      weights_[axis].weigh(mean_log_S_, same_motion());
     }
   }
 
@@ -310,7 +314,7 @@ class MotionBank {
 
   void forget_weights(Scalar share) {
     if (!adaptive_) return;
-    for (auto& weights : weights_) weights.forget_weights(mean_log_S_, memory_.n(), share);
+    for (auto& weights : weights_) weights.forget_weights(mean_log_S_, same_motion(), share);
   }
 
   void take_ratios() {
@@ -348,6 +352,8 @@ class MotionBank {
                                kMostAdded * start_scale_ * prior_acceleration_variance_);
     return R * variance + (added_R * variance).cwiseMin(most);
   }
+  // Samples that say which member suits the present motion.
+  Scalar same_motion() const { return std::min(memory_.n(), same_motion_); }
   int leader(int axis) const { return weights_[axis].leader(); }
 
   bool adaptive_;
@@ -358,6 +364,7 @@ class MotionBank {
   SampleMemory<Scalar> memory_;
   int learned_ = 0;  // samples within huber, less those beyond
   Scalar start_scale_ = 1;
+  Scalar same_motion_ = std::numeric_limits<Scalar>::infinity();  // samples since it changed
   int fresh_ = 0;  // samples that will still teach no noise
   LivelinessGrid<Scalar, kMostMembers> grid_;
   typename Weights::Each mean_log_S_ = {};

@@ -238,6 +238,7 @@ class MotionHypotheses {
     if (decision == Odds::Decision::outlier) settle(main_, verdict);
     if (decision == Odds::Decision::change) {
       other_bank().take_larger_noise(main());
+      other_bank().begin_motion();
       settle(1 - main_, verdict);
     }
     verdict.events.add(Event::motion_changed, !fits_main);

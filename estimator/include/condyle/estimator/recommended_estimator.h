@@ -62,8 +62,8 @@ class RecommendedEstimator {
   }
 
   /// The next sample, whose time is known. A time before the last one is not taken
-  /// (`time_reversed`); NaN or a position beyond kFarthestPosition_m enters no state
-  /// (`position_missing`).
+  /// (`time_reversed`); NaN or a position beyond kLargestPosition_m, whose squares
+  /// float cannot hold, enters no state (`position_missing`).
   Estimate step(const Measurement& measurement) {
     if (!parameters_valid_) return without_values(Event::parameters_invalid);
     Instant& instant = next_instant(measurement);
@@ -81,8 +81,7 @@ class RecommendedEstimator {
     }
     instant.is_measured = measurement.is_measured;
     for (const Scalar position_m : measurement.position_m) {
-      instant.is_measured =
-          instant.is_measured && std::abs(position_m) <= Scalar(kFarthestPosition_m);
+      instant.is_measured = instant.is_measured && std::abs(position_m) <= kLargestPosition_m;
     }
     if (instant.is_measured) {
       take(T, instant);
@@ -147,6 +146,7 @@ class RecommendedEstimator {
 
  private:
   static constexpr int kInstants = kMostLag + 1;
+  static constexpr Scalar kLargestPosition_m = Scalar(1e6);
   using Bank = MotionBank<Scalar, kAxes>;
   using Instants = MotionInstants<Scalar, kAxes, kInstants>;
   using Instant = typename Instants::Instant;
