@@ -85,10 +85,8 @@ std::vector<RecommendedEstimate<double>> late_swing(TimeNs count, int lag, TimeN
   std::vector<RecommendedEstimate<double>> estimates;
   for (TimeNs i = 0; i < count; ++i) {
     const bool is_bad = i == bad;
-    const auto estimate = estimator.step({i * kStep_ns,
-                                          !(is_bad && is_missing),
-                                          {swing_m(i) + (is_bad ? offset_m : 0)},
-                                          {}});
+    const auto estimate = estimator.step(
+        {i * kStep_ns, !(is_bad && is_missing), {swing_m(i) + (is_bad ? offset_m : 0)}, {}});
     if (estimate.is_ready) estimates.push_back(estimate);
   }
   RecommendedEstimate<double> estimate;
@@ -107,7 +105,8 @@ TEST(FixedLag, AGlitchFoundOutIsAsIfItWereMissing) {
       for (std::size_t i = 0; i < with.size(); ++i) {
         if (static_cast<int>(i) + lag == 120) continue;  // said when it came, in doubt
         const auto &one = with[i].axes[0], &other = without[i].axes[0];
-        ASSERT_EQ(one.position_m.value, other.position_m.value) << offset_m << " " << lag << ' ' << i;
+        ASSERT_EQ(one.position_m.value, other.position_m.value)
+            << offset_m << " " << lag << ' ' << i;
         ASSERT_EQ(one.velocity_m_s.value, other.velocity_m_s.value) << offset_m << " " << i;
         ASSERT_EQ(one.velocity_m_s.standard_deviation, other.velocity_m_s.standard_deviation);
       }

@@ -171,7 +171,8 @@ TEST(RecommendedEstimator, RejectedSamplesDoNotKeepTheStateAlive) {
   EXPECT_TRUE(estimate.events.has(Event::state_restarted));
 }
 
-// Both hypotheses are kept until it has stayed for some samples; then the new place is the motion's.
+// Both hypotheses are kept until it has stayed for some samples; then the new place is the
+// motion's.
 TEST(RecommendedEstimator, ADisplacementThatStaysBecomesTheMotion) {
   for (const double size_m : {0.003, 0.5}) {
     Estimator estimator = after_swing(100);
@@ -185,8 +186,7 @@ TEST(RecommendedEstimator, ADisplacementThatStaysBecomesTheMotion) {
       }
       EXPECT_LE(estimator.motion().has_other(), is_unexpected(estimate.events)) << i;
       if (i >= 101) {
-        EXPECT_LE(std::abs(axis.position_m.value - truth_m),
-                  5 * axis.position_m.standard_deviation)
+        EXPECT_LE(std::abs(axis.position_m.value - truth_m), 5 * axis.position_m.standard_deviation)
             << i;
       }
       if (i < 115) continue;
