@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The estimator as an image: reports in, estimates out, over the board's UART. Numbers are of the
-// type that the core computes with, CONDYLE_SCALAR.
+// type that the core computes with, CONDYLE_SCALAR. A late estimate waits for at most
+// CONDYLE_MOST_LAG samples, for which the board must have the memory.
 //
 // CONDYLE_FAILS_AT: the image of a test, whose filter fails at that sample, as its fail_node does;
 // where that comes back, the filter says of its estimate what is not so.
@@ -112,9 +113,9 @@ class FailingSensor final : public Sensor {
  private:
   int samples_ = 0;
 };
-using Node = firmware::EstimatorNode<CONDYLE_SCALAR, FailingSensor>;
+using Node = firmware::EstimatorNode<CONDYLE_SCALAR, FailingSensor, CONDYLE_MOST_LAG>;
 #else
-using Node = firmware::EstimatorNode<CONDYLE_SCALAR>;
+using Node = firmware::EstimatorNode<CONDYLE_SCALAR, std::type_identity_t, CONDYLE_MOST_LAG>;
 #endif
 
 constinit UartStream g_line;

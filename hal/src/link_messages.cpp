@@ -161,7 +161,7 @@ void exchange(Archive& archive, Exchanged<Archive, LayoutProblem>& problem) {
 template <class Archive>
 void exchange(Archive& archive, Exchanged<Archive, RefusedMessage>& message) {
   archive.template integer<std::uint8_t>(message.message);
-  archive.enumeration(message.refusal.reason, RefusalReason::coordinate_not_followed);
+  archive.enumeration(message.refusal.reason, RefusalReason::lag_too_long);
   archive.template integer<std::uint16_t>(message.refusal.index);
   archive.optional(message.layout_problem, [&](auto& problem) { exchange(archive, problem); });
 }

@@ -139,7 +139,8 @@ std::string reason_of(RefusalReason reason) {
                                    "unknown type of message",
                                    "not expected now",
                                    "unusable layout",
-                                   "the layout has no such point"};
+                                   "the layout has no such point",
+                                   "a lag that is too long for its memory"};
   const auto index = static_cast<std::size_t>(reason);
   return index < std::size(words) ? words[index] : "unknown reason";
 }
@@ -170,6 +171,11 @@ RefusalWords words_of_value(const Refusal& refusal, const Message& message, cons
   return {name_of_value(named, value) + " " + fault, kOtherVersion};
 }
 
+RefusalWords words_of_lag(int longest, int asked) {
+  return {"the target has no memory for a lag of " + std::to_string(asked) + " samples",
+          "take a lag of at most " + std::to_string(longest) + ", or a target of more memory"};
+}
+
 }  // namespace
 
 RefusalWords words_of(const RefusedMessage& refused, const LayoutMessage& layout,
@@ -180,7 +186,9 @@ RefusalWords words_of(const RefusedMessage& refused, const LayoutMessage& layout
                                    : words_of_value(refused.refusal, layout, layout.layout);
     words.reason = "the layout: " + words.reason;
   } else if (refused.message == static_cast<std::uint8_t>(MessageType::start)) {
-    words = words_of_value(refused.refusal, start, start);
+    words = refused.refusal.reason == RefusalReason::lag_too_long
+                ? words_of_lag(refused.refusal.index, start.lag)
+                : words_of_value(refused.refusal, start, start);
     words.reason = "the start: " + words.reason;
   } else {
     words = {"message " + std::to_string(refused.message) + ": " +

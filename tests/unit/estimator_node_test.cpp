@@ -47,10 +47,13 @@ class TestTarget final : public NodeTarget {
 // A node on a thread, and the PC's end of the line to it.
 class EstimatorNodeTest : public testing::Test {
  protected:
+  static constexpr int kMostLag = 4;
+  using Node = EstimatorNode<float, std::type_identity_t, kMostLag>;
+
   EstimatorNodeTest() {
     line_.attach_far();
     thread_ = std::thread([this] {
-      std::make_unique<EstimatorNode<float>>(line_.far, line_.far, target_)->serve();
+      std::make_unique<Node>(line_.far, line_.far, target_)->serve();
       line_.detach_far();
     });
     EXPECT_TRUE(receives(MessageType::greeting));
@@ -162,6 +165,12 @@ TEST_F(EstimatorNodeTest, RefusesLayoutsPointsAndParametersThatCannotBeUsed) {
   start.recommended.outliers.gate_sd = 6;
   tell(start);
   expect_refused(MessageType::start, RefusalReason::parameters_do_not_fit);
+  start = {};
+  start.lag = kMostLag + 1;
+  tell(start);
+  const auto too_long = heard<hal::RefusedMessage>();
+  EXPECT_EQ(too_long.refusal.reason, RefusalReason::lag_too_long);
+  EXPECT_EQ(too_long.refusal.index, kMostLag);
 }
 
 // The estimates are those of the sensor itself, bit for bit; those that wait come after finish.

@@ -122,6 +122,15 @@ TEST(RefusalWords, NameTheFieldThatOnlyTheTargetRefuses) {
               StartsWith("the layout: the coordinates cannot be"));
 }
 
+TEST(RefusalWords, NameTheLongestLag) {
+  const StartMessage start{.lag = 10};
+  const RefusedMessage message{
+      static_cast<std::uint8_t>(MessageType::start), {RefusalReason::lag_too_long, 4}, {}};
+  const RefusalWords words = words_of(message, {}, start);
+  EXPECT_EQ(words.reason, "the start: the target has no memory for a lag of 10 samples");
+  EXPECT_EQ(words.mend, "take a lag of at most 4, or a target of more memory");
+}
+
 TEST(RefusalWords, NameTheSettingOfAStart) {
   const auto expect = [](auto spoil, const std::string& reason) {
     StartMessage start;

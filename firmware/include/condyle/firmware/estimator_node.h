@@ -35,8 +35,10 @@ class NodeTarget {
 };
 
 /// The estimator at the end of a line, with numbers of type `Scalar`. `Wrapped<Sensor>` stands for
-/// the sensor: itself, or one that a test makes fail.
-template <class Scalar, template <class> class Wrapped = std::type_identity_t>
+/// the sensor: itself, or one that a test makes fail. `kMostLag`: longest lag that the target has
+/// the memory for.
+template <class Scalar, template <class> class Wrapped = std::type_identity_t,
+          int kMostLag = hal::kMaxLinkLag>
 class EstimatorNode final : private hal::ReportSource {
  public:
   static constexpr TimeNs kPatience_ns = 20'000'000;
@@ -62,7 +64,7 @@ class EstimatorNode final : private hal::ReportSource {
  private:
   using Published = Wrapped<PublishedSensor<Scalar>>;
   template <int kAxes>
-  using Recommended = Wrapped<RecommendedSensor<Scalar, kAxes, hal::kMaxLinkLag>>;
+  using Recommended = Wrapped<RecommendedSensor<Scalar, kAxes, kMostLag>>;
   using Type = hal::MessageType;
   using Reason = hal::RefusalReason;
 
@@ -136,6 +138,9 @@ class EstimatorNode final : private hal::ReportSource {
     if (!take(start_)) return;
     if (layout_.layout.coordinates.empty() || !is_available(layout_.layout.kind, start_.followed)) {
       return refuse({Reason::coordinate_not_followed});
+    }
+    if (start_.estimator == hal::EstimatorChoice::recommended && start_.lag > kMostLag) {
+      return refuse({Reason::lag_too_long, kMostLag});
     }
     accept(Type::start);
     const FollowedPoint point{.point = start_.followed.point, .body_point_m = {}};

@@ -70,12 +70,13 @@ enum class RefusalReason : std::uint8_t {
   unknown_value,  ///< of an enumeration, a flag, a text or an event
   out_of_range,
   not_finite,
-  parameters_do_not_fit,   ///< each is in its range, together they are not (is_valid)
-  wrong_version,           ///< not kLinkVersion
-  unknown_type,            ///< of message
-  not_expected,            ///< not now: a report before start, ...
-  unusable_layout,         ///< find_layout_problem
-  coordinate_not_followed  ///< the layout has no such point
+  parameters_do_not_fit,    ///< each is in its range, together they are not (is_valid)
+  wrong_version,            ///< not kLinkVersion
+  unknown_type,             ///< of message
+  not_expected,             ///< not now: a report before start, ...
+  unusable_layout,          ///< find_layout_problem
+  coordinate_not_followed,  ///< the layout has no such point
+  lag_too_long  ///< for the target's memory; `index` is the longest that it keeps (samples)
 };
 
 /// Why and where a message is not taken.
@@ -99,7 +100,7 @@ struct LayoutMessage {
 /// Which estimator runs.
 enum class EstimatorChoice : std::uint8_t { published, recommended };
 
-/// Largest lag of the recommended estimator (samples).
+/// Largest lag of the recommended estimator (samples). A target of little memory keeps less.
 inline constexpr int kMaxLinkLag = 16;
 /// Longest nominal step (ns).
 inline constexpr TimeNs kMaxNominalStepNs = 3600 * kNanosecondsPerSecond;
