@@ -262,8 +262,7 @@ class MotionHypotheses {
     doubt_motion(z_m, by_main, verdict);
     if (static_cast<Scalar>(refusals_) < most_refusals_) return;
     main_ = 1 - main_;
-    settled_ = 0;
-    doubt_ = Doubt::none;
+    start_motion(z_m);
     verdict.is_known = true;
     verdict.events = {};
     verdict.events.add(Event::state_restarted);
@@ -348,6 +347,7 @@ class MotionHypotheses {
       const Scalar velocity_m_s = main().leading_velocity_m_s(axis);
       square_speed = std::max(square_speed, velocity_m_s * velocity_m_s);
     }
+    square_speed = std::min(square_speed, kWidest * prior_velocity_variance_);
     mean_square_speed_ += kSpeedGain * (square_speed - mean_square_speed_);
   }
 
