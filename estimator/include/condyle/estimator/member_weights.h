@@ -83,6 +83,9 @@ class MemberWeights {
     }
   }
 
+  /// True where the noise of rounding is known.
+  bool is_rounded() const { return rounding_R_ > Scalar(0); }
+
   /// No less noise than `other` has made out.
   void take_larger_noise(const MemberWeights& other) {
     for (int i = 0; i < count_; ++i) {

@@ -13,9 +13,10 @@
 //
 // Noise and weights of the members, axis by axis: member_weights.h. The noise is known once
 // kFewestLearned samples more were within huber than beyond it. A fresh start teaches no noise for
-// kFresh samples: there S is far above 1, and nu^2 / S, however small, says nothing of R. A sample
-// that no member expects leaves the weights as they are. The noise may have grown: R does, and
-// older samples count less.
+// kFresh samples: there S is far above 1, and nu^2 / S, however small, says nothing of R. Nor does
+// a coordinate that repeats the last, before its step is known (rounding_step.h): it shows a step
+// that is larger than the noise, not how large. A sample that no member expects leaves the weights
+// as they are. The noise may have grown: R does, and older samples count less.
 //
 // Estimate.  Mean of the mixture: sum w_i x_i; variance sum w_i (R'_i P_i + (x_i - mean)^2), times
 //            n/(n-2) because R was estimated from n samples (Student's t); R'_i is the stated R of
@@ -152,10 +153,17 @@ class MotionBank {
     for (int i = 0; learns_noise && i < member_count_; ++i) {
       mean_log_S_[i] += gain * (log_S[i] - mean_log_S_[i]);
     }
-    if (!noise_is_known()) judge_guess(share);
+    Array<bool, kAxes> shows_step;
+    bool shows_noise = true;
     for (int axis = 0; axis < kAxes; ++axis) {
-      weights_[axis].learn(share[axis], log_S, gain, learns_noise, largest_share_,
-                           largest_deviation_);
+      shows_step[axis] = z_m[axis] == last_m_[axis] && !weights_[axis].is_rounded();
+      last_m_[axis] = z_m[axis];
+      shows_noise = shows_noise && !shows_step[axis];
+    }
+    if (!noise_is_known() && shows_noise) judge_guess(share);
+    for (int axis = 0; axis < kAxes; ++axis) {
+      weights_[axis].learn(share[axis], log_S, gain, learns_noise && !shows_step[axis],
+                           largest_share_, largest_deviation_);
       weights_[axis].weigh(mean_log_S_, same_motion());
     }
   }
@@ -365,7 +373,8 @@ class MotionBank {
   int learned_ = 0;  // samples within huber, less those beyond
   Scalar start_scale_ = 1;
   Scalar same_motion_ = std::numeric_limits<Scalar>::infinity();  // samples since it changed
-  int fresh_ = 0;  // samples that will still teach no noise
+  int fresh_ = 0;         // samples that will still teach no noise
+  Position last_m_ = {};  // position that was learned from last
   LivelinessGrid<Scalar, kMostMembers> grid_;
   typename Weights::Each mean_log_S_ = {};
   Array<Weights, kAxes> weights_;

@@ -21,6 +21,10 @@
 //          neither, other starts anew, and after `reset_after` in a row main is given up.
 // Shown.   The mixture of both, its first two moments matched.
 //
+// Gap.     t after the last sample that was taken the motion may have changed, with probability
+//          kChangeRate t: its acceleration by the prior's a, its velocity by v = min(a t, sqrt(V)),
+//          its position by v t / 2. The squares times the probability add to the variances shown.
+//
 // A sample within the gate but beyond huber counts less. Main has taken it; the second bank goes on
 // without it until the next sample. Then main is misled if both samples are likelier by e^3 with
 // the first as the outlier, by the noise that the members have made out themselves:
@@ -61,6 +65,8 @@ class MotionHypotheses {
   explicit MotionHypotheses(const RecommendedParameters& parameters)
       : prior_velocity_variance_(static_cast<Scalar>(parameters.prior.velocity_sd_m_s *
                                                      parameters.prior.velocity_sd_m_s)),
+        prior_acceleration_variance_(static_cast<Scalar>(parameters.prior.acceleration_sd_m_s2 *
+                                                         parameters.prior.acceleration_sd_m_s2)),
         most_refusals_(static_cast<Scalar>(parameters.outliers.reset_after)),
         gate_(parameters.outliers),
         banks_{Bank(parameters), Bank(parameters)} {}
@@ -136,6 +142,19 @@ class MotionHypotheses {
     return mixture(main().moments(axis), other().moments(axis));
   }
 
+  /// True where the motion as it was does not expect the measurement `z_m`, after `predict`.
+  bool is_unexpected(const Position& z_m) const { return compare(main(), z_m).is_outlier; }
+
+  /// What a change of the motion may have added to the variances of position, velocity and
+  /// acceleration in a gap of `t` s.
+  Vector3<Scalar> gap_variance(Scalar t) const {
+    const Scalar probability = std::min(kChangeRate * t, Scalar(1));
+    const Scalar square_speed =
+        std::min(prior_acceleration_variance_ * t * t, allowed_square_speed());
+    return probability * Vector3<Scalar>(square_speed * t * t * Scalar(0.25), square_speed,
+                                         prior_acceleration_variance_);
+  }
+
  private:
   enum class Doubt { none, sample, motion };
 
@@ -145,6 +164,7 @@ class MotionHypotheses {
   static constexpr Scalar kSpeedGain = Scalar(0.01);
   static constexpr Scalar kStepGain = Scalar(0.05);
   static constexpr Scalar kWidest = Scalar(1e4);
+  static constexpr Scalar kChangeRate = 2;  // of the motion (1/s)
 
   // What a bank makes of a sample.
   struct Comparison {
@@ -270,8 +290,7 @@ class MotionHypotheses {
 
   // The second bank starts from `z_m`, which main did not expect.
   void doubt_motion(const Position& z_m, const Comparison& by_main, Verdict& verdict) {
-    // What a jaw's prior and the speeds of this motion allow.
-    const Scalar V = prior_velocity_variance_ + 4 * mean_square_speed_;
+    const Scalar V = allowed_square_speed();
     const Scalar since_s = std::max(untaken_s_, mean_step_s_);
     const Scalar square_s2 = since_s * since_s;
     Scalar square_speed = 0;
@@ -293,6 +312,9 @@ class MotionHypotheses {
     verdict.is_start[1 - main_] = verdict.is_taken[1 - main_] = true;
     verdict.events.add(may_be_change ? Event::motion_changed : Event::outlier_rejected);
   }
+
+  // V.
+  Scalar allowed_square_speed() const { return prior_velocity_variance_ + 4 * mean_square_speed_; }
 
   Scalar log_burst(const Comparison& comparison, Scalar share) const {
     return odds_.log_burst(comparison.innovation_m, comparison.variance_m2, share);
@@ -351,7 +373,7 @@ class MotionHypotheses {
     mean_square_speed_ += kSpeedGain * (square_speed - mean_square_speed_);
   }
 
-  Scalar prior_velocity_variance_, most_refusals_;
+  Scalar prior_velocity_variance_, prior_acceleration_variance_, most_refusals_;
   OutlierGate<Scalar> gate_;
   Bank banks_[2];
   int main_ = 0;

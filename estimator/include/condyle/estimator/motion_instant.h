@@ -36,7 +36,8 @@ struct MotionInstant {
   Array<Scalar, kAxes> position_m = {};
   Array<Scalar, kAxes> innovation_m = {};
   Array<Scalar, kAxes> innovation_variance_m2 = {};
-  TransitionJacobian<Scalar> F;  ///< from the sample before
+  Array<Scalar, kAxes> rounding_variance_m2 = {};  ///< that no later sample takes from the position
+  TransitionJacobian<Scalar> F;                    ///< from the sample before
   Track tracks[2];
 
   /// As the bank `index` saw it, where both are still possible.

@@ -44,7 +44,8 @@ struct TimedPosition {
   TimeNs time_ns = 0;
   bool is_measured = false;  ///< false: the position is missing and the filter only predicts
   Array<Scalar, kAxes> position_m = {};
-  EventSet events;  ///< what was unusual about the sample; passed on
+  EventSet events;         ///< what was unusual about the sample; passed on
+  bool is_repeat = false;  ///< every coordinate repeats the last sample's, bit for bit
 };
 
 }  // namespace condyle

@@ -83,12 +83,17 @@ class RecommendedEstimator {
     for (const Scalar position_m : measurement.position_m) {
       instant.is_measured = instant.is_measured && std::abs(position_m) <= kLargestPosition_m;
     }
+    doubt_repeat(measurement, instant);
     if (instant.is_measured) {
       take(T, instant);
     } else {
-      instant.events.add(Event::position_missing, measurement.is_measured);
+      instant.events.add(Event::position_missing,
+                         measurement.is_measured && !instant.events.has(Event::position_repeated));
       instant.events.add(Event::not_started, !started_ && !is_lost_);
       instant.events.add(Event::state_lost, is_lost_);
+    }
+    for (int axis = 0; axis < kAxes; ++axis) {
+      instant.rounding_variance_m2[axis] = rounding_[axis].lasting_variance_m2();
     }
     instant.has_state = started_;
     remember(instant);
@@ -186,6 +191,17 @@ class RecommendedEstimator {
     is_lost_ = true;
   }
 
+  // A moving jaw does not repeat its position: a repeat that the motion does not expect, and all
+  // that follow it, come from a device that stands still.
+  void doubt_repeat(const Measurement& measurement, Instant& instant) {
+    doubts_run_ = measurement.is_repeat &&
+                  (doubts_run_ ||
+                   (started_ && instant.is_measured && motion_.is_unexpected(instant.position_m)));
+    if (!doubts_run_ || !instant.is_measured) return;
+    instant.events.add(Event::position_repeated);
+    instant.is_measured = false;
+  }
+
   // Takes the measured position of `instant`, `T` s after the last sample.
   void take(Scalar T, Instant& instant) {
     for (int axis = 0; axis < kAxes; ++axis) rounding_[axis].add(instant.position_m[axis]);
@@ -279,6 +295,7 @@ class RecommendedEstimator {
     const bool is_unexpected = instant.is_measured && instant.events.has(Event::outlier_rejected);
     for (int axis = 0; axis < kAxes; ++axis) {
       moments[axis] = motion_.moments(axis);
+      widen(instant, axis, moments[axis]);
       Vector3<Scalar>& variance = moments[axis].variance;
       if (has_shown_ && (!is_taken || is_unexpected)) {
         variance = variance.cwiseMax(shown_variance_[axis]);
@@ -288,6 +305,14 @@ class RecommendedEstimator {
     has_shown_ = true;
   }
 
+  // By what the filters do not know of: rounding at rest, and where no sample has been taken since,
+  // a change of the motion.
+  void widen(const Instant& instant, int axis, MotionMoments<Scalar>& moments) const {
+    moments.variance[kPosition] += instant.rounding_variance_m2[axis];
+    if (instant.time_ns <= taken_ns_) return;
+    moments.variance += motion_.gap_variance(difference_s(instant.time_ns, taken_ns_));
+  }
+
   // Motion `back` samples ago, by all samples since.
   void smooth(int back, Array<MotionMoments<Scalar>, kAxes>& moments) {
     typename Instants::Smoothed smoothed;
@@ -295,6 +320,7 @@ class RecommendedEstimator {
     const auto member = [&](int axis) { return [&, axis](int i) { return smoothed[i][axis]; }; };
     for (int axis = 0; axis < kAxes; ++axis) {
       moments[axis] = motion_.main().mixture(axis, member(axis));
+      widen(instants_.at(back), axis, moments[axis]);
     }
     if (!(motion_.share_of_other() > Scalar(0))) return;
     instants_.smooth(motion_.other(), 1 - motion_.main_index(), back, smoothed);
@@ -373,6 +399,7 @@ class RecommendedEstimator {
   bool noise_started_ = false;  // a position was ever taken
   bool started_ = false;        // there is a state,
   bool is_lost_ = false;        // or there was one
+  bool doubts_run_ = false;     // the repeats since the last change are not taken
   int waiting_ = 0;
   bool has_shown_ = false;                        // an estimate of the newest instant,
   Array<Vector3<Scalar>, kAxes> shown_variance_;  // with these variances

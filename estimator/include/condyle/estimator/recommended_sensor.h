@@ -38,6 +38,7 @@ class RecommendedSensor {
   // showed were none either: what they led to is forgotten.
   void look_for_freeze(const Sample& sample, Measurement& measurement) {
     const bool is_frozen = frozen_.add(sample);
+    measurement.is_repeat = frozen_.repeats() > 0;
     if (frozen_.repeats() == 0) {
       run_samples_ = 0;
       return;
