@@ -21,10 +21,6 @@
 //          neither, other starts anew, and after `reset_after` in a row main is given up.
 // Shown.   The mixture of both, its first two moments matched.
 //
-// Gap.     t after the last sample that was taken the motion may have changed, with probability
-//          kChangeRate t: its acceleration by the prior's a, its velocity by v = min(a t, sqrt(V)),
-//          its position by v t / 2. The squares times the probability add to the variances shown.
-//
 // A sample within the gate but beyond huber counts less. Main has taken it; the second bank goes on
 // without it until the next sample. Then main is misled if both samples are likelier by e^3 with
 // the first as the outlier, by the noise that the members have made out themselves:
@@ -37,6 +33,7 @@
 #include "condyle/estimator/events.h"
 #include "condyle/estimator/motion_expectation.h"
 #include "condyle/estimator/outlier_gate.h"
+#include "condyle/estimator/unseen_change.h"
 
 namespace condyle {
 
@@ -145,14 +142,12 @@ class MotionHypotheses {
   /// True where the motion as it was does not expect the measurement `z_m`, after `predict`.
   bool is_unexpected(const Position& z_m) const { return compare(main(), z_m).is_outlier; }
 
-  /// What a change of the motion may have added to the variances of position, velocity and
-  /// acceleration in a gap of `t` s.
-  Vector3<Scalar> gap_variance(Scalar t) const {
-    const Scalar probability = std::min(kChangeRate * t, Scalar(1));
-    const Scalar square_speed =
-        std::min(prior_acceleration_variance_ * t * t, allowed_square_speed());
-    return probability * Vector3<Scalar>(square_speed * t * t * Scalar(0.25), square_speed,
-                                         prior_acceleration_variance_);
+  /// What a change of the motion adds to the variances in a gap of `t` s (unseen_change.h).
+  Vector3<Scalar> gap_variance(Scalar t) const { return unseen_change().in_gap(t); }
+  /// And to that of velocity by a sample of this innovation (m) and its variance (m^2), `T` s after
+  /// the last.
+  Scalar onset_variance(Scalar innovation_m, Scalar variance_m2, Scalar T) const {
+    return unseen_change().at_onset(innovation_m, variance_m2, std::max(T, mean_step_s_));
   }
 
  private:
@@ -164,7 +159,6 @@ class MotionHypotheses {
   static constexpr Scalar kSpeedGain = Scalar(0.01);
   static constexpr Scalar kStepGain = Scalar(0.05);
   static constexpr Scalar kWidest = Scalar(1e4);
-  static constexpr Scalar kChangeRate = 2;  // of the motion (1/s)
 
   // What a bank makes of a sample.
   struct Comparison {
@@ -311,6 +305,10 @@ class MotionHypotheses {
     doubt_ = Doubt::motion;
     verdict.is_start[1 - main_] = verdict.is_taken[1 - main_] = true;
     verdict.events.add(may_be_change ? Event::motion_changed : Event::outlier_rejected);
+  }
+
+  UnseenChange<Scalar> unseen_change() const {
+    return {prior_acceleration_variance_, allowed_square_speed()};
   }
 
   // V.

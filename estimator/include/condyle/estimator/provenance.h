@@ -52,4 +52,17 @@ Provenance provenance_of_share(Scalar share) {
   return share >= Scalar(kMeasuredInformationShare) ? Provenance::measured : Provenance::assumed;
 }
 
+/// Where the instant's own sample was not taken, the motion model carries the others' over.
+constexpr Provenance carried_over(Provenance provenance, bool is_taken) {
+  return provenance == Provenance::measured && !is_taken ? Provenance::derived : provenance;
+}
+
+/// A value and its variance as a quantity; nothing where one of them is not finite or the variance
+/// is negative.
+template <class Scalar>
+Quantity<Scalar> quantity_of(Scalar value, Scalar variance, Provenance provenance) {
+  if (!std::isfinite(value) || !std::isfinite(variance) || variance < Scalar(0)) return {};
+  return {value, std::sqrt(variance), provenance};
+}
+
 }  // namespace condyle

@@ -297,6 +297,10 @@ class RecommendedEstimator {
       moments[axis] = motion_.moments(axis);
       widen(instant, axis, moments[axis]);
       Vector3<Scalar>& variance = moments[axis].variance;
+      if (is_taken && !instant.is_first) {
+        variance[kVelocity] += motion_.onset_variance(
+            instant.innovation_m[axis], instant.innovation_variance_m2[axis], instant.F.pv);
+      }
       if (has_shown_ && (!is_taken || is_unexpected)) {
         variance = variance.cwiseMax(shown_variance_[axis]);
       }
@@ -353,37 +357,24 @@ class RecommendedEstimator {
       events.add(Event::variance_negative, moments.variance[i] < Scalar(0));
     }
     const auto unless_guessed = [&](Provenance provenance) {
-      return bank().noise_is_known() ? carried(provenance, is_taken) : Provenance::assumed;
+      return bank().noise_is_known() ? carried_over(provenance, is_taken) : Provenance::assumed;
     };
     const auto provenance = [&](StateIndex i, Scalar prior_variance) {
       return unless_guessed(
           provenance_of_share(information_share(moments.variance[i], prior_variance)));
     };
-    described.position_m = quantity(moments, kPosition, unless_guessed(Provenance::measured));
-    described.velocity_m_s =
-        quantity(moments, kVelocity, provenance(kVelocity, prior_velocity_variance_));
-    described.acceleration_m_s2 =
-        quantity(moments, kThird, provenance(kThird, prior_acceleration_variance_));
+    described.position_m = quantity_of(moments.mean[kPosition], moments.variance[kPosition],
+                                       unless_guessed(Provenance::measured));
+    described.velocity_m_s = quantity_of(moments.mean[kVelocity], moments.variance[kVelocity],
+                                         provenance(kVelocity, prior_velocity_variance_));
+    described.acceleration_m_s2 = quantity_of(moments.mean[kThird], moments.variance[kThird],
+                                              provenance(kThird, prior_acceleration_variance_));
     described.force_N = described.acceleration_m_s2;
     described.force_N.value *= assumed_mass_kg_;
     described.force_N.standard_deviation *= assumed_mass_kg_;
     if (described.force_N.provenance == Provenance::measured) {
       described.force_N.provenance = Provenance::derived;
     }
-  }
-
-  // Where the instant's own sample was not taken, the motion model carries the others' over.
-  static Provenance carried(Provenance provenance, bool is_taken) {
-    return provenance == Provenance::measured && !is_taken ? Provenance::derived : provenance;
-  }
-
-  // No value without a standard deviation, nor the other way round.
-  static Quantity<Scalar> quantity(const MotionMoments<Scalar>& moments, StateIndex i,
-                                   Provenance provenance) {
-    const Scalar variance = moments.variance[i];
-    if (!std::isfinite(moments.mean[i]) || !std::isfinite(variance) || variance < Scalar(0))
-      return {};
-    return {moments.mean[i], std::sqrt(variance), provenance};
   }
 
   Scalar assumed_mass_kg_, prior_velocity_variance_, prior_acceleration_variance_;
