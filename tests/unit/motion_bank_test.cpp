@@ -198,14 +198,19 @@ class NoiseByDefinition {
       n_ = std::max(0.9 * n_, 5.0);
       return;
     }
+    repeats_ = z == last_z_ ? repeats_ + 1 : 0;
+    last_z_ = z;
+    const bool is_long_run = repeats_ >= 8;
     const bool is_fresh = fresh_ > 0;
     if (is_fresh) --fresh_;
     for (std::size_t i = 0; i < kMembers; ++i) {
       recent_[i] = recent_[i] * 7 / 8 -
                    0.5 * std::min(std::log(R_[i] * S[i]) + square[i], widest + gate * gate);
-      if (!is_fresh) {
+      if (!is_fresh && !is_long_run) {
         R_[i] *= 1 + (std::min(square[i], huber * huber) - 1) / n_;
         R_[i] = std::clamp(R_[i], std::pow(parameters_.noise.lowest_position_sd_m, 2), highest_R());
+      }
+      if (!is_fresh) {
         mean_log_S_[i] = (1 - 1 / n_) * mean_log_S_[i] + std::log(S[i]) / n_;
       }
       lasting[i] = -0.5 * 0.3 * n_ * (std::log(R_[i]) + mean_log_S_[i]);
@@ -258,7 +263,8 @@ class NoiseByDefinition {
 
   RecommendedParameters parameters_;
   double n_ = 5, mean_step_s_ = 0;
-  int fresh_ = 3;
+  int fresh_ = 3, repeats_ = 0;
+  double last_z_ = 0;
   std::size_t leader_ = kMembers / 2;
   std::array<double, kMembers> R_, mean_log_S_{}, recent_{}, weight_;
 };
@@ -360,6 +366,23 @@ TEST(MotionBank, HoldsTheNoiseAboveThatOfRounding) {
   }
 }
 
+// A coordinate that does not change shows a step larger than the noise.
+TEST(MotionBank, ARunOfOneValueTeachesNoNoise) {
+  MotionBank<double, 1> bank(RecommendedParameters{});
+  bank.start_noise({5e-5});
+  bank.start_motion({0}, 1);
+  const auto take = [&bank] {
+    bank.predict(white_jerk_jacobian(0.01), white_jerk_covariance(0.01));
+    bank.learn({0.25}, 0.01);
+    ASSERT_TRUE(bank.update({0.25}, 1));
+  };
+  for (int i = 0; i < 9; ++i) take();
+  const double noise_m2 = bank.R(0, 9);
+  for (int i = 0; i < 1000; ++i) take();
+  EXPECT_EQ(bank.R(0, 9), noise_m2);
+  EXPECT_FALSE(bank.noise_is_known());
+}
+
 TEST(MotionBank, HoldsTheNoiseBetweenFloorAndCeiling) {
   RecommendedParameters parameters;
   parameters.noise.lowest_position_sd_m = 2e-5;
@@ -374,7 +397,7 @@ TEST(MotionBank, HoldsTheNoiseBetweenFloorAndCeiling) {
         ASSERT_GE(sd, 2e-5 * (1 - 1e-12));
         ASSERT_LE(sd, 4e-4 * (1 + 1e-12));
         bank.predict(white_jerk_jacobian(0.01), white_jerk_covariance(0.01));
-        const double z = i % 3 == 0 ? swing_m : -swing_m;
+        const double z = (i % 3 == 0 ? swing_m : -swing_m) + (i % 2 == 0 ? 1e-9 : -1e-9);
         bank.learn({z}, 0.01);
         ASSERT_TRUE(bank.update({z}, 1));
       }

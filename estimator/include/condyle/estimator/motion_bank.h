@@ -14,9 +14,10 @@
 // Noise and weights of the members, axis by axis: member_weights.h. The noise is known once
 // kFewestLearned samples more were within huber than beyond it. A fresh start teaches no noise for
 // kFresh samples: there S is far above 1, and nu^2 / S, however small, says nothing of R. Nor does
-// a coordinate that repeats the last, before its step is known (rounding_step.h): it shows a step
-// that is larger than the noise, not how large. A sample that no member expects leaves the weights
-// as they are. The noise may have grown: R does, and older samples count less.
+// a coordinate that comes for the ninth time in a row or later while its step is not known
+// (rounding_step.h): it shows a step larger than the noise, not how large. A sample that no member
+// expects leaves the weights as they are. The noise may have grown: R does, and older samples count
+// less.
 //
 // Estimate.  Mean of the mixture: sum w_i x_i; variance sum w_i (R'_i P_i + (x_i - mean)^2), times
 //            n/(n-2) because R was estimated from n samples (Student's t); R'_i is the stated R of
@@ -156,7 +157,8 @@ class MotionBank {
     Array<bool, kAxes> shows_step;
     bool shows_noise = true;
     for (int axis = 0; axis < kAxes; ++axis) {
-      shows_step[axis] = z_m[axis] == last_m_[axis] && !weights_[axis].is_rounded();
+      repeats_[axis] = z_m[axis] == last_m_[axis] ? std::min(repeats_[axis] + 1, kRun) : 0;
+      shows_step[axis] = repeats_[axis] >= kRun && !weights_[axis].is_rounded();
       last_m_[axis] = z_m[axis];
       shows_noise = shows_noise && !shows_step[axis];
     }
@@ -257,6 +259,8 @@ class MotionBank {
   }
   /// Velocity along `axis` by the same member (m/s).
   Scalar leading_velocity_m_s(int axis) const { return step(leader(axis)).x[axis][kVelocity]; }
+  /// True where noise and liveliness are estimated, not given.
+  bool is_adaptive() const { return adaptive_; }
   /// False while the noise is still the first guess more than what the samples say: intervals then
   /// rest on the guess.
   bool noise_is_known() const { return !adaptive_ || learned_ >= kFewestLearned; }
@@ -289,6 +293,7 @@ class MotionBank {
  private:
   static constexpr int kFewestLearned = 15;  // then a first guess is forgotten
   static constexpr int kFresh = 3;
+  static constexpr int kRun = 8;
   static constexpr Scalar kMostAdded = 4;
   // Of the next position, in units of R: of more, an update would leave rounding errors.
   static constexpr Scalar kMostStartVariance =
@@ -373,8 +378,9 @@ class MotionBank {
   int learned_ = 0;  // samples within huber, less those beyond
   Scalar start_scale_ = 1;
   Scalar same_motion_ = std::numeric_limits<Scalar>::infinity();  // samples since it changed
-  int fresh_ = 0;         // samples that will still teach no noise
-  Position last_m_ = {};  // position that was learned from last
+  int fresh_ = 0;                   // samples that will still teach no noise
+  Position last_m_ = {};            // position that was learned from last,
+  Array<int, kAxes> repeats_ = {};  // and how often in a row it came before
   LivelinessGrid<Scalar, kMostMembers> grid_;
   typename Weights::Each mean_log_S_ = {};
   Array<Weights, kAxes> weights_;

@@ -2,6 +2,7 @@
 // Where a value comes from. Every value travels with it.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 

@@ -6,6 +6,7 @@
 //   outlier_gate.h       outliers: full weight, less, none
 //   motion_hypotheses.h  outlier or change of the motion: both, until later samples decide
 //   rounding_step.h      rounded positions, whose noise is no less than that of rounding
+//   unseen_change.h      a change that has not shown yet: where nothing is taken, at a far sample
 //   fixed_lag.h          each estimate may wait for up to kMostLag later samples
 //   force                assumed mass times acceleration
 //
@@ -71,10 +72,10 @@ class RecommendedEstimator {
       instant.events.add(Event::time_reversed);
       return newest_ready();
     }
-    const Scalar T = has_time_ ? difference_s(measurement.time_ns, time_ns_) : Scalar(0);
+    const Scalar T = has_time_ ? difference_s<Scalar>(measurement.time_ns, time_ns_) : Scalar(0);
     time_ns_ = measurement.time_ns;
     has_time_ = true;
-    if (started_ && difference_s(time_ns_, taken_ns_) > longest_gap_s_) lose_motion();
+    if (started_ && difference_s<Scalar>(time_ns_, taken_ns_) > longest_gap_s_) lose_motion();
     if (started_) {
       instant.F = white_jerk_jacobian(T);
       motion_.predict(T, instant.F, white_jerk_covariance(T));
@@ -157,13 +158,6 @@ class RecommendedEstimator {
   using Instant = typename Instants::Instant;
 
   static Scalar square(double value) { return static_cast<Scalar>(value * value); }
-
-  // Unsigned, because the difference of two far times can leave int64.
-  static Scalar difference_s(TimeNs later_ns, TimeNs earlier_ns) {
-    const std::uint64_t difference_ns =
-        static_cast<std::uint64_t>(later_ns) - static_cast<std::uint64_t>(earlier_ns);
-    return static_cast<Scalar>(static_cast<double>(difference_ns) * 1e-9);
-  }
 
   static Estimate without_values(Event event) {
     Estimate estimate;
@@ -297,7 +291,7 @@ class RecommendedEstimator {
       moments[axis] = motion_.moments(axis);
       widen(instant, axis, moments[axis]);
       Vector3<Scalar>& variance = moments[axis].variance;
-      if (is_taken && !instant.is_first) {
+      if (is_taken && !instant.is_first && bank().is_adaptive()) {
         variance[kVelocity] += motion_.onset_variance(
             instant.innovation_m[axis], instant.innovation_variance_m2[axis], instant.F.pv);
       }
@@ -309,12 +303,13 @@ class RecommendedEstimator {
     has_shown_ = true;
   }
 
-  // By what the filters do not know of: rounding at rest, and where no sample has been taken since,
-  // a change of the motion.
+  // By what no filter of the bank knows of: rounding at rest, and where no sample has been taken
+  // since, a change of the motion.
   void widen(const Instant& instant, int axis, MotionMoments<Scalar>& moments) const {
+    if (!bank().is_adaptive()) return;
     moments.variance[kPosition] += instant.rounding_variance_m2[axis];
     if (instant.time_ns <= taken_ns_) return;
-    moments.variance += motion_.gap_variance(difference_s(instant.time_ns, taken_ns_));
+    moments.variance += motion_.gap_variance(difference_s<Scalar>(instant.time_ns, taken_ns_));
   }
 
   // Motion `back` samples ago, by all samples since.

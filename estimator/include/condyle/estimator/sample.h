@@ -25,6 +25,14 @@ constexpr double seconds(TimeNs duration_ns) {
   return static_cast<double>(duration_ns) * 1e-9;
 }
 
+/// `later_ns` minus `earlier_ns` (s). Unsigned: the difference of two far times can leave int64.
+template <class Scalar>
+constexpr Scalar difference_s(TimeNs later_ns, TimeNs earlier_ns) {
+  const std::uint64_t difference_ns =
+      static_cast<std::uint64_t>(later_ns) - static_cast<std::uint64_t>(earlier_ns);
+  return static_cast<Scalar>(static_cast<double>(difference_ns) * 1e-9);
+}
+
 /// `duration_s` in nanoseconds, rounded to the nearest; `duration_s` within +-9.2e9 s.
 inline TimeNs nanoseconds(double duration_s) {
   return static_cast<TimeNs>(std::llround(duration_s * 1e9));
