@@ -18,6 +18,8 @@ using namespace condyle;
 using Bytes = std::vector<std::uint8_t>;
 using Random = std::mt19937_64;
 
+constexpr std::size_t kRing = 2048;  // bytes that the node has room for (uart.cpp)
+
 std::size_t below(std::size_t limit, Random& random) {
   return static_cast<std::size_t>(random() % limit);
 }
@@ -85,14 +87,24 @@ int main(int argc, char** argv) {
   const int frames = std::atoi(argv[2]);
   for (int i = 0; i < frames; ++i) {
     const Bytes line = damaged_frame(i % 4, random);
-    if (port.write(line) != hal::Status::ok || !ask_health(end, clock, after)) {
+    // A frame longer than the node's ring may lose bytes there, its end among them, where the line
+    // has no speed, as an emulator's: then it ends with the next frame.
+    const bool may_lose = line.size() > kRing;
+    const bool is_sent = port.write(line) == hal::Status::ok;
+    if (!is_sent ||
+        !(ask_health(end, clock, after) || (may_lose && ask_health(end, clock, after)))) {
       std::fprintf(stderr, "disturb_node: no answer after damaged frame %d\n", i);
       return 1;
     }
     const std::uint64_t refused = after.frames.refused() - before.frames.refused();
-    if (refused != 1 || after.dropped_bytes != 0 || after.uart_overruns != 0) {
-      std::fprintf(stderr, "disturb_node: damaged frame %d of kind %d counted %llu times\n", i,
-                   i % 4, static_cast<unsigned long long>(refused));
+    const std::uint64_t lost = after.dropped_bytes - before.dropped_bytes;
+    if (refused != 1 || (lost != 0 && !may_lose) || after.uart_overruns != 0) {
+      std::fprintf(stderr,
+                   "disturb_node: damaged frame %d of kind %d counted %llu times, %llu bytes lost, "
+                   "%llu overrun\n",
+                   i, i % 4, static_cast<unsigned long long>(refused),
+                   static_cast<unsigned long long>(lost),
+                   static_cast<unsigned long long>(after.uart_overruns));
       return 1;
     }
     before = after;
