@@ -88,6 +88,18 @@ inline bool is_shown(const RecommendedEstimate<double>& estimate) {
   return std::isfinite(estimate.axes[0].position_m.value);
 }
 
+// From `begin` to before `end` the truth is within 5 sd, and no sample is refused.
+inline bool is_followed(const Recording& recording, const Estimates& estimates, std::size_t begin,
+                        std::size_t end) {
+  for (std::size_t i = begin; i < end; ++i) {
+    const auto& position = estimates[i].axes[0].position_m;
+    const double error_m = std::abs(position.value - recording.truth_m[i]);
+    if (!(error_m <= 5 * position.standard_deviation)) return false;
+    if (estimates[i].events.has(Event::outlier_rejected)) return false;
+  }
+  return true;
+}
+
 constexpr std::array kRates_Hz = {60.0, 100.0, 200.0, 500.0, 1000.0};
 
 /// Once for each of kRates_Hz.

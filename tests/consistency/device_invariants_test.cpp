@@ -9,8 +9,8 @@ namespace {
 class DeviceInvariants : public AtAnyRate {};
 INSTANTIATE_TEST_SUITE_P(Rates, DeviceInvariants, testing::ValuesIn(kRates_Hz));
 
-// Rounded at rest, then moving: nothing is refused, and the noise is no less than that of rounding
-// once 30 samples differed from the one before.
+// The jaw rests, then moves; its positions are rounded. The sensor takes every sample. Once 30
+// samples differed from the one before, its noise is at least that of rounding.
 TEST_P(DeviceInvariants, RoundingIsNoise) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Random random(seed);

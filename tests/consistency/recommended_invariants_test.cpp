@@ -89,14 +89,7 @@ TEST_P(Invariants, AfterABurstTheMotionIsFoundAgain) {
       recording.add(t, course(t), course(t) + offset_m + noise_m * random.normal());
     }
     const Estimates estimates = run(recording, rate_Hz());
-    bool is_found = true;
-    for (std::size_t i = end + 4; i < end + 60; ++i) {
-      const auto& position = estimates[i].axes[0].position_m;
-      is_found =
-          is_found &&
-          std::abs(position.value - recording.truth_m[i]) <= 5 * position.standard_deviation &&
-          !estimates[i].events.has(Event::outlier_rejected);
-    }
+    const bool is_found = is_followed(recording, estimates, end + 4, end + 60);
     (length <= 4 ? lost_after_short : lost_after_long) += !is_found;
   }
   EXPECT_LE(lost_after_short, 1);
@@ -156,14 +149,7 @@ TEST_P(Invariants, LeapsLeaveNothingBehind) {
       recording.add(t, course(t), course(t) + (is_off ? size_m : 0) + noise_m * random.normal());
     }
     const Estimates estimates = run(recording, rate_Hz());
-    bool is_found = true;
-    for (std::size_t i = end + 30; i < end + 100; ++i) {
-      const auto& position = estimates[i].axes[0].position_m;
-      is_found =
-          is_found &&
-          std::abs(position.value - recording.truth_m[i]) <= 5 * position.standard_deviation &&
-          !estimates[i].events.has(Event::outlier_rejected);
-    }
+    const bool is_found = is_followed(recording, estimates, end + 30, end + 100);
     lost += !is_found;
   }
   EXPECT_EQ(lost, 0);
