@@ -1,85 +1,70 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the joint identification says of a point: values, how well they are known, and why not.
+// What the identification says of a point: values, how well they are known, and why not.
 #pragma once
 
 #include "condyle/estimator/provenance.h"
 
 namespace condyle {
 
-/// What a position did to the identification.
-enum class JointOutcome : std::uint8_t {
-  waits,     ///< no drive was measured since the last interruption
-  started,   ///< the first one, or the first after an interruption
-  updated,   ///< it was taken
-  held,      ///< it was taken for the point's place alone, which moves too little to tell more
-  paused,    ///< it lies where teeth or food may touch: not taken
-  rejected,  ///< it lies beyond the gate; after three in a row the point's place starts anew
-  refused,   ///< a state was not usable, or the place was lost for long and nothing had been
-             ///< proved by then: the filter starts anew
-};
-
 /// Why a value is not measured.
 enum class JointLimit : std::uint8_t {
   none,                ///< it is
-  no_drive,            ///< no drive was measured
-  too_early,           ///< too few positions were taken to judge the model by
-  model,               ///< the innovations are not what they would be if the model held
-  information,         ///< the measurements tell less than the prior does
-  resolution,          ///< they tell too little for the user
-  friction_or_delay,   ///< likewise: they would, were the drive's delay known
-  mass_or_stiffness,   ///< likewise, were mass or stiffness, the other of the two, known
-  viscous_or_coulomb,  ///< likewise, for the two kinds of friction
-  gain,                ///< likewise; most of it is the drive's calibration,
-  delay,               ///< the drive's delay, which acts like friction,
+  no_drive,            ///< no drive was measured while positions were
+  too_slow,            ///< positions or drive come too seldom
+  too_early,           ///< too little was recorded to judge by
+  dynamics,            ///< the drive's sensor, or the tracker, follows late or smoothed
+  noise,               ///< what is left over is not the noise that the samples show
+  changing,            ///< the parameters, or the drive's delay, changed along the recording
+  delay_stated,        ///< the drive's delay is not what was stated
+  negative_friction,   ///< friction would be negative: the drive is not all that drives
+  excitation,          ///< the motion is too weak, or too uniform, against the noise
+  mass_or_stiffness,   ///< likewise; it would do, were mass told from the spring's shape
+  friction_or_delay,   ///< likewise; it would do, were friction told from the drive's delay
+  viscous_or_coulomb,  ///< likewise; it would do, were the kinds of friction told apart
+  resolution,          ///< too little was recorded for the stated resolution
+  gain,                ///< the drive's calibration is too uncertain for it,
+  delay,               ///< or the drive's delay, which acts like friction,
   missing,             ///< or what the drive may miss
 };
 
 /// Number of limits.
-inline constexpr std::size_t kJointLimits = 12;
+inline constexpr std::size_t kJointLimits = 17;
 
 /// Name of a limit as it stands in files and summaries.
 constexpr const char* limit_name(JointLimit limit) {
-  constexpr const char* names[kJointLimits] = {"",
-                                               "no_drive",
-                                               "too_early",
-                                               "model",
-                                               "information",
-                                               "resolution",
-                                               "friction_or_delay",
-                                               "mass_or_stiffness",
-                                               "viscous_or_coulomb",
-                                               "gain",
-                                               "delay",
-                                               "missing"};
+  constexpr const char* names[kJointLimits] = {
+      "",           "no_drive",          "too_slow",          "too_early",
+      "dynamics",   "noise",             "changing",          "delay_stated",
+      "negative_friction", "excitation", "mass_or_stiffness", "friction_or_delay",
+      "viscous_or_coulomb", "resolution", "gain",             "delay",
+      "missing"};
   return names[static_cast<int>(limit)];
 }
 
 /// One identified value, what is known of it, and whether it is.
 template <class Scalar>
 struct IdentifiedValue {
-  Quantity<Scalar> quantity;  ///< to be shown: the prior's, assumed, where it is not measured
-  Scalar fitted = 0;          ///< by the filter, whether it is known or not
-  Scalar fitted_sd = 0;       ///< with what is taken for granted
-  Scalar filter_sd = 0;       ///< without: the posterior Cramer-Rao bound at the estimate
-  Scalar information = 0;     ///< its information share (provenance.h)
+  static constexpr Scalar kNone = std::numeric_limits<Scalar>::quiet_NaN();
+  Quantity<Scalar> quantity;    ///< to be shown: the prior's, assumed, where it is not measured
+  Scalar fitted = kNone;        ///< by the regression, whether it is known or not
+  Scalar fitted_sd = kNone;     ///< with what is taken for granted; infinite where it has no end
+  Scalar sampling_sd = kNone;   ///< without: what the recording's own scatter says
+  Scalar needed_s = kNone;      ///< recorded time that would suffice; where the limit is resolution
   JointLimit limit = JointLimit::no_drive;
 };
 
-/// What is known after a sample.
+/// What is known so far.
 template <class Scalar>
 struct JointEstimate {
   IdentifiedValue<Scalar> friction_Ns_m, mass_kg, stiffness_N_m, offset_N;
-  IdentifiedValue<Scalar> coulomb_N;    ///< assumed to be none unless it is fitted
-  IdentifiedValue<Scalar> delay_s;      ///< of the drive; assumed unless it is fitted
-  Scalar friction_mass_covariance = 0;  ///< of the filter (Ns/m kg)
-  Scalar position_m = 0, velocity_m_s = 0;
-  Scalar nis = std::numeric_limits<Scalar>::quiet_NaN();  ///< of the position; NaN: not taken
-  Scalar mean_nis = 0;                ///< of all that were taken; 1 where the model holds
-  Scalar innovation_correlation = 0;  ///< of neighbours among them; 0 where the model holds
-  /// Smallest information share of any combination of what is fitted: 0 where some combination is
-  /// not observed at all, 1 where all are known.
-  Scalar observability = 0;
-  JointOutcome outcome = JointOutcome::waits;
+  IdentifiedValue<Scalar> coulomb_N;  ///< assumed to be none unless it is fitted
+  IdentifiedValue<Scalar> delay_s;    ///< of the drive; assumed unless it is fitted
+  Scalar used_s = 0;                  ///< time that the values rest on
+  /// Noise of a sample of the drive and of the position, by their own differences; NaN before.
+  Scalar drive_noise_sd_N = std::numeric_limits<Scalar>::quiet_NaN();
+  Scalar position_noise_sd_m = std::numeric_limits<Scalar>::quiet_NaN();
+  /// Mean square of what the model leaves over what noise makes of it; 1 where the model holds.
+  Scalar residual_ratio = std::numeric_limits<Scalar>::quiet_NaN();
 };
 
 }  // namespace condyle

@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the sums of a recording to what may be said of the point.
+//
+//   P, P0     the plain fit of m, kv, ks, c (and tau, where the delay is fitted): noise taken out of
+//             all columns, or kept in the even ones (regression_fit.h)
+//   S0        P0 with X^2, X^3, X^4 beside: a spring of any shape
+//   E, E0     P, P0 with X^2, X^3, X^4 and the sign of the velocity: also sliding friction
+//   V         variance of a value by the scatter of the blocks
+//   Fc, f     Fc of E0; f = Fc sum q_s v / sum v^2: sliding friction as damping of the same energy
+//
+// Each value has candidates with a discrepancy d, which is what the other fit says; the one with
+// the smallest V + d^2 and delay's part is taken:
+//   mass      P: d = m_E - m_P;  E: d = (m_P - m_E) / 2
+//   friction  P0: d = kv_S - kv_P (and, delay fitted, (kv_E + f - kv_P) / 2);
+//             S0: d = 0 (and, delay fitted, (kv_E + f - kv_S) / 2); either with 0.1 f beside.
+//             Where Coulomb friction is fitted, E0 alone: kv is then the viscous part
+//   others    stiffness, offset P: d to E; Coulomb, delay E0
+// Granted, each independent of the others:
+//   gain      sigma_g theta: one scale of drive, positions and axis
+//   delay     known to s: s times what a second of delay adds, to second order; by regression
+//   missing   a force of at most the share s of the total, in phase with v or a: s rms(u) / rms(v)
+//   noise     (0.25 + |R - 1|) times the correction for noise, R the residual of E0
+// Withheld, both values, where a test speaks: |z| > 3 of u'' added to E (dynamics), R beyond
+//   1.25 + 3 sqrt(2 / (T w_c / 3.55)) (noise), |trend| > 3 of m in E, tau in E0 with u', kv in P0 with u' (changing), tau farther
+//   than 4 standard deviations from what is stated (delay_stated), kv below -3 (negative_friction).
+// Measured: standard deviation, all of it, at most half the resolution that the user asks for.
+// Walk:     a value that may wander by q per root second is that of the end, where the mean of T
+//           seconds strays by q^2 T / 3: the last half or quarter is taken where that is better
+#pragma once
+
+#include "condyle/estimator/joint_estimate.h"
+#include "condyle/estimator/regression_fit.h"
+
+namespace condyle {
+
+/// True where a parameter was stated to wander.
+inline bool has_walk(const JointParameters& parameters) {
+  for (const JointPrior* prior :
+       {&parameters.friction_Ns_m, &parameters.mass_kg, &parameters.stiffness_N_m,
+        &parameters.offset_N, &parameters.coulomb_N}) {
+    if (prior->walk_per_root_s > 0) return true;
+  }
+  return false;
+}
+
+/// Draws the conclusion of a regression. Fixed size, no allocation; some 10 kB of stack.
+template <class Scalar>
+class PointConclusion {
+ public:
+  /// Fewest blocks to judge by.
+  static constexpr std::size_t kFewestBlocks = 16;
+
+  /// `parameters` must be valid; both must live as long as this.
+  PointConclusion(const PointRegression<Scalar>& regression, const JointParameters& parameters)
+      : regression_(regression), parameters_(parameters), setup_(regression.setup()) {}
+
+  JointEstimate<Scalar> draw() const {
+    JointEstimate<Scalar> estimate = nothing_known();
+    const std::size_t size = regression_.has_begun() ? regression_.blocks().size() : 0;
+    if (size < kFewestBlocks) return estimate;
+    const Judgement all(regression_.blocks(), setup_, parameters_, 0);
+    all.write(estimate);
+    if (!has_walk(parameters_)) return estimate;
+    for (const std::size_t first : {size / 2, size - size / 4}) {
+      if (size - first < kFewestBlocks) break;
+      JointEstimate<Scalar> recent = nothing_known();
+      const Judgement later(regression_.blocks(), setup_, parameters_, first);
+      later.write(recent);
+      take_better(recent.friction_Ns_m, estimate.friction_Ns_m);
+      take_better(recent.mass_kg, estimate.mass_kg);
+      take_better(recent.stiffness_N_m, estimate.stiffness_N_m);
+      take_better(recent.offset_N, estimate.offset_N);
+      take_better(recent.coulomb_N, estimate.coulomb_N);
+    }
+    return estimate;
+  }
+
+ private:
+  static double square(double value) { return value * value; }
+
+  // A value of one fit, with what stands beside its scatter.
+  struct Candidate {
+    FittedValue fit;
+    double discrepancy2 = 0;
+    double all2(double delay_sd_s) const {
+      return square(fit.sd) + discrepancy2 + delay2(delay_sd_s);
+    }
+    double delay2(double delay_sd_s) const {
+      return square(fit.per_delay * delay_sd_s) +
+             3 * square(fit.per_delay2 * square(delay_sd_s) / 2);
+    }
+  };
+
+  class Judgement {
+   public:
+    Judgement(const RegressionBlocks<Scalar>& blocks, const RegressionSetup& setup,
+              const JointParameters& parameters, std::size_t first)
+        : parameters_(parameters),
+          data_(blocks, setup, first),
+          fits_delay_(parameters.delay == DelayModel::fitted),
+          delay_sd_s_(fits_delay_ ? 0 : parameters.drive.delay_sd_s) {
+      judge();
+    }
+
+    void write(JointEstimate<Scalar>& estimate) const {
+      using std::sqrt;
+      estimate.used_s = Scalar(data_.duration_s());
+      estimate.drive_noise_sd_N = Scalar(sqrt(data_.drive_variance_N2()));
+      estimate.position_noise_sd_m = Scalar(sqrt(data_.position_variance_m2()));
+      estimate.residual_ratio = Scalar(residual_);
+      write(mass_, parameters_.mass_kg,
+            parameters_.mass_resolution_fraction * mass_.fit.value, 1 / rms_a_, estimate.mass_kg);
+      write(friction_, parameters_.friction_Ns_m, parameters_.friction_resolution_Ns_m, 1 / rms_v_,
+            estimate.friction_Ns_m);
+      const auto by_prior = [](const JointPrior& prior) { return sqrt(2.0) * prior.sd; };
+      write(stiffness_, parameters_.stiffness_N_m, by_prior(parameters_.stiffness_N_m), 1 / rms_x_,
+            estimate.stiffness_N_m);
+      write(offset_, parameters_.offset_N, by_prior(parameters_.offset_N), 1, estimate.offset_N);
+      if (parameters_.coulomb_N.sd > 0) {
+        write(coulomb_, parameters_.coulomb_N, by_prior(parameters_.coulomb_N), 1,
+              estimate.coulomb_N);
+      }
+      if (!fits_delay_) return;
+      const JointPrior stated{parameters_.drive.delay_s, parameters_.drive.delay_sd_s, 0};
+      write(delay_, stated, by_prior(stated), 0, estimate.delay_s);
+    }
+
+   private:
+    using Fit = RegressionFit<Scalar>;
+
+    FitColumns columns(bool has_powers, bool has_sign, bool keeps_even_noise) const {
+      FitColumns columns;
+      for (const RegressionColumn column : {kAcceleration, kVelocity, kPosition, kOne}) {
+        columns.add(column);
+      }
+      if (has_powers) {
+        for (const RegressionColumn column : {kSquare, kCube, kFourth}) columns.add(column);
+      }
+      if (has_sign) columns.add(kSign);
+      if (fits_delay_) columns.add(kDriveSlope);
+      columns.keeps_even_noise = keeps_even_noise;
+      return columns;
+    }
+
+    void judge() {
+      using std::sqrt;
+      const Fit P(data_, columns(false, false, false)), P0(data_, columns(false, false, true)),
+          S0(data_, columns(true, false, true)), E(data_, columns(true, true, false)),
+          E0(data_, columns(true, true, true));
+      measure_motion();
+      residual_ = E0.is_solved() ? E0.residual() : FittedValue::kUnbounded;
+      const FittedValue sliding = E0.fitted(kSign), extended = E0.fitted(kVelocity);
+      const double share = sliding.value * data_.sum().product(kSign, kVelocity) /
+                           data_.sum().product(kVelocity, kVelocity);
+
+      Candidate plain{P.fitted(kAcceleration)}, shaped{E.fitted(kAcceleration)};
+      const double apart = shaped.fit.value - plain.fit.value;
+      plain.discrepancy2 = square(apart);
+      shaped.discrepancy2 = square(apart / 2);
+      mass_ = better(plain, shaped);
+
+      Candidate viscous{P0.fitted(kVelocity)}, sprung{S0.fitted(kVelocity)};
+      viscous.discrepancy2 = square(sprung.fit.value - viscous.fit.value) + square(share / 10);
+      sprung.discrepancy2 = square(share / 10);
+      if (fits_delay_) {
+        const double both = extended.value + share;
+        viscous.discrepancy2 += square((both - viscous.fit.value) / 2);
+        sprung.discrepancy2 += square((both - sprung.fit.value) / 2);
+      }
+      friction_ = parameters_.coulomb_N.sd > 0 ? Candidate{extended} : better(viscous, sprung);
+
+      stiffness_ = {P.fitted(kPosition)};
+      stiffness_.discrepancy2 = square(E.value(kPosition) - stiffness_.fit.value);
+      offset_ = {P.fitted(kOne)};
+      offset_.discrepancy2 = square(E.value(kOne) - offset_.fit.value);
+      coulomb_ = {sliding};
+      if (fits_delay_) delay_ = {E0.fitted(kDriveSlope)};
+      delay_.discrepancy2 = square(delay_.fit.correction);
+      find_pairs();
+      test(E);
+    }
+
+    // rms of the motion, noise taken out.
+    void measure_motion() {
+      const RegressionSums<double>& sum = data_.sum();
+      const auto mean2 = [&](RegressionColumn column) {
+        return (sum.product(column, column) - data_.noise(sum, column, column)) / sum.instants;
+      };
+      using std::sqrt;
+      rms_a_ = sqrt(mean2(kAcceleration));
+      rms_v_ = sqrt(mean2(kVelocity));
+      rms_x_ = sqrt(mean2(kPosition) - square(sum.product(kPosition, kOne) / sum.instants));
+      rms_u_ = sqrt(mean2(kDrive));
+    }
+
+    Candidate better(const Candidate& one, const Candidate& other) const {
+      if (!one.fit.is_known()) return other.fit.is_known() ? other : one;
+      return other.all2(delay_sd_s_) < one.all2(delay_sd_s_) ? other : one;
+    }
+
+    // What mass and friction would be known to, were the other of the pair known.
+    void find_pairs() {
+      FitColumns free = columns(false, false, false), still = columns(false, false, true);
+      FitColumns without_spring, without_delay;
+      for (std::size_t i = 0; i < free.count; ++i) {
+        if (free.columns[i] != kPosition) without_spring.add(free.columns[i]);
+      }
+      for (std::size_t i = 0; i < still.count; ++i) {
+        if (still.columns[i] != kDriveSlope) without_delay.add(still.columns[i]);
+      }
+      without_delay.keeps_even_noise = true;
+      mass_alone_sd_ = Fit(data_, without_spring).fitted(kAcceleration).sd;
+      friction_alone_sd_ = fits_delay_ ? Fit(data_, without_delay).fitted(kVelocity).sd
+                                       : FittedValue::kUnbounded;
+    }
+
+    void test(const Fit& E) {
+      using std::abs;
+      using std::sqrt;
+      constexpr double kTrend = 3, kDynamics = 3, kDelay = 4, kNegative = 3;
+      FitColumns curved = columns(true, true, false);
+      if (fits_delay_) --curved.count;
+      curved.add(kDriveCurvature);
+      if (fits_delay_) curved.add(kDriveSlope);
+      const FittedValue curvature = Fit(data_, curved).fitted(kDriveCurvature);
+      FitColumns late = columns(true, true, true);
+      if (!fits_delay_) late.add(kDriveSlope);
+      const FittedValue delay = Fit(data_, late).fitted(kDriveSlope);
+      const double stated_sd_s = parameters_.drive.delay_sd_s;
+      const double independent = data_.duration_s() * data_.setup().cutoff_rad_s / 3.55;
+      const double highest = 1.25 + 3 * sqrt(2 / independent);
+      // A delay within what is stated acts like a friction that follows the rhythm.
+      FitColumns late_plain = columns(false, false, true);
+      if (!fits_delay_) late_plain.add(kDriveSlope);
+      const FittedValue friction = Fit(data_, late_plain).fitted(kVelocity);
+      const double delay_sd_s =
+          sqrt(square(delay.sd) + square(delay.correction) + square(stated_sd_s));
+      if (curvature.is_known() && abs(curvature.value) > kDynamics * curvature.sd) {
+        failure_ = JointLimit::dynamics;
+      } else if (!(residual_ <= highest)) {
+        failure_ = JointLimit::noise;
+      } else if (delay.is_known() && abs(delay.value) > kDelay * delay_sd_s) {
+        failure_ = JointLimit::delay_stated;
+      } else if (!has_walk(parameters_) &&
+                 (abs(friction.trend) > kTrend || abs(E.fitted(kAcceleration).trend) > kTrend ||
+                  (delay.is_known() && abs(delay.trend) > kTrend))) {
+        failure_ = JointLimit::changing;
+      } else if (friction_.fit.is_known() &&
+                 friction_.fit.value <
+                     -kNegative * sqrt(friction_.all2(delay_sd_s_) +
+                                       square(parameters_.drive.missing_share * rms_u_ / rms_v_))) {
+        failure_ = JointLimit::negative_friction;
+      }
+    }
+
+    // `per_N`: what a force of 1 N rms in phase adds to the value.
+    void write(const Candidate& candidate, const JointPrior& prior, double resolution, double per_N,
+               IdentifiedValue<Scalar>& value) const {
+      using std::abs;
+      using std::sqrt;
+      const FittedValue& fit = candidate.fit;
+      const DriveParameters& drive = parameters_.drive;
+      const double T = data_.duration_s();
+      const bool is_delay = &candidate == &delay_, is_friction = &candidate == &friction_,
+                 is_mass = &candidate == &mass_;
+      struct Part {
+        double variance;
+        JointLimit limit;
+      };
+      const Part parts[] = {
+          {square(fit.sd), JointLimit::resolution},
+          {candidate.discrepancy2, is_friction ? JointLimit::viscous_or_coulomb
+                                               : JointLimit::mass_or_stiffness},
+          {is_delay ? 0 : square(drive.gain_sd * fit.value), JointLimit::gain},
+          {candidate.delay2(delay_sd_s_), JointLimit::delay},
+          {square(drive.missing_share * rms_u_ * per_N), JointLimit::missing},
+          {square((0.25 + abs(residual_ - 1)) * fit.correction), JointLimit::excitation},
+          {square(prior.walk_per_root_s) * T / 3, JointLimit::changing}};
+      double sum = 0;
+      const Part* largest = &parts[0];
+      for (const Part& part : parts) {
+        sum += part.variance;
+        if (part.variance > largest->variance) largest = &part;
+      }
+      if (&candidate == &offset_) {  // where x is 0, not where the recording began
+        sum = square(sqrt(sum) + abs(data_.setup().place_m) * stiffness_.fit.sd);
+      }
+      const double offset = is_delay ? drive.delay_s
+                            : &candidate == &offset_
+                                ? -data_.setup().place_m * stiffness_.fit.value
+                                : 0;
+      value.fitted = Scalar(fit.value + offset);
+      value.fitted_sd = Scalar(sqrt(sum));
+      value.sampling_sd = Scalar(fit.sd);
+      const double target = square(resolution / 2);
+      const bool suffices = sum <= target;
+      if (failure_ != JointLimit::none) {
+        value.limit = failure_;
+      } else if (suffices) {
+        value.limit = JointLimit::none;
+        value.quantity = {value.fitted, value.fitted_sd, Provenance::measured};
+      } else if (!fit.is_known() || largest->limit == JointLimit::resolution) {
+        const double alone_sd = is_mass       ? mass_alone_sd_
+                                : is_friction ? friction_alone_sd_
+                                              : FittedValue::kUnbounded;
+        const double others = sum - parts[0].variance;
+        const bool would_do = alone_sd < FittedValue::kUnbounded &&
+                              square(alone_sd) + (fit.is_known() ? others : 0) <= target;
+        value.limit = would_do ? (is_mass ? JointLimit::mass_or_stiffness
+                                          : JointLimit::friction_or_delay)
+                      : fit.is_known() ? JointLimit::resolution
+                                       : JointLimit::excitation;
+        if (value.limit == JointLimit::resolution && others < target) {
+          value.needed_s = Scalar(T * parts[0].variance / (target - others));
+        }
+      } else {
+        value.limit = largest->limit;
+      }
+    }
+
+    const JointParameters& parameters_;
+    RegressionData<Scalar> data_;
+    bool fits_delay_;
+    double delay_sd_s_;
+    double residual_ = 0;
+    double rms_a_ = 0, rms_v_ = 0, rms_x_ = 0, rms_u_ = 0;
+    double mass_alone_sd_ = FittedValue::kUnbounded, friction_alone_sd_ = FittedValue::kUnbounded;
+    Candidate mass_, friction_, stiffness_, offset_, coulomb_, delay_;
+    JointLimit failure_ = JointLimit::none;
+  };
+
+  JointEstimate<Scalar> nothing_known() const {
+    JointEstimate<Scalar> estimate;
+    const DriveParameters& drive = parameters_.drive;
+    const JointPrior delay{drive.delay_s, drive.delay_sd_s, 0};
+    const JointLimit limit = regression_.is_too_slow()   ? JointLimit::too_slow
+                             : regression_.has_drive() ? JointLimit::too_early
+                                                         : JointLimit::no_drive;
+    const auto set = [limit](IdentifiedValue<Scalar>& value, const JointPrior& prior) {
+      value.quantity = {Scalar(prior.mean), Scalar(prior.sd), Provenance::assumed};
+      value.limit = limit;
+    };
+    set(estimate.friction_Ns_m, parameters_.friction_Ns_m);
+    set(estimate.mass_kg, parameters_.mass_kg);
+    set(estimate.stiffness_N_m, parameters_.stiffness_N_m);
+    set(estimate.offset_N, parameters_.offset_N);
+    set(estimate.coulomb_N, parameters_.coulomb_N);
+    set(estimate.delay_s, delay);
+    return estimate;
+  }
+
+  static void take_better(const IdentifiedValue<Scalar>& recent, IdentifiedValue<Scalar>& value) {
+    if (recent.fitted_sd < value.fitted_sd) value = recent;
+  }
+
+  const PointRegression<Scalar>& regression_;
+  const JointParameters& parameters_;
+  RegressionSetup setup_;
+};
+
+}  // namespace condyle

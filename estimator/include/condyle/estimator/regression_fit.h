@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: Apache-2.0
+// Least squares of the drive on some columns, the columns' noise taken out, with intervals from the
+// scatter of blocks. In double.
+//
+//   y          the columns of the fit; -u' for the drive's delay tau
+//   M_b, r_b   sums of y y' and of y u over block b; M, r those over all
+//   N_b        what noise is expected to add to M_b; N likewise
+//   theta      the parameters: of a, v, x, 1, ... mass, friction, stiffness, offset, ...
+//   n, p       number of blocks, of parameters
+//   t          97.5 % quantile of Student's distribution, n - p degrees of freedom, times 1.15:
+//              who reads a conclusion every second looks many times
+//
+// Estimate:  theta = (M - N)^-1 r (W. A. Fuller, Measurement Error Models, 1987, section 1.2 and
+//            2.2). The noise of u is only in the residual: it biases nothing, whatever its size or
+//            colour. N_u'u' and the covariance of u with u'' have the drive's own noise.
+// Even noise kept: with N of a, x and X^k left in M a direction of them that is nothing but noise is
+//            harmlessly regularised. v is apart from them, as the kernel's derivatives of odd and of
+//            even order do not mix: friction is taken so.
+// Delay:     u(t + tau) = u + tau u' + tau^2 u''/2: r gains tau^2/2 sum y u'', three iterations.
+// Interval:  with I = (M - N)^-1, D = 1 / I_ii, g = D (row i of I), per block
+//              alpha_b = g'(r_b - (M_b - N_b) theta),  beta_b = g'(M_b - N_b) g,
+//            and with A, B, C the scatter of alpha^2, alpha beta, beta^2 about their means, times
+//            n / (n - p): all d with (D^2 - t^2 C) d^2 + 2 t^2 B d - t^2 A <= 0 (E. C. Fieller,
+//            J. R. Stat. Soc. B 16 (1954) 175). It has no end where D^2 <= t^2 C: the excitation,
+//            noise taken out, is then not above its own scatter.
+// Trend:     z = sum (b - b_0) alpha_b / sqrt(sum (b - b_0)^2 alpha_b^2), b_0 the mean place of
+//            beta: normal where the parameter does not change along the recording
+// Residual:  R = mean e_f^2 over what the noise of u and of y makes of it: 1 where both are white
+#pragma once
+
+#include <utility>
+
+#include "condyle/estimator/point_regression.h"
+#include "condyle/estimator/provenance.h"
+
+namespace condyle {
+
+/// The most columns that a fit has.
+inline constexpr std::size_t kMostFitted = 10;
+
+/// The columns of a fit, and how it is made.
+struct FitColumns {
+  std::array<RegressionColumn, kMostFitted> columns{};
+  std::size_t count = 0;
+  bool keeps_even_noise = false;
+
+  void add(RegressionColumn column) { columns[count++] = column; }
+  /// Place of a column; `count` where it is not one of them.
+  std::size_t place_of(RegressionColumn column) const {
+    std::size_t place = 0;
+    while (place < count && columns[place] != column) ++place;
+    return place;
+  }
+};
+
+/// One parameter of a fit. NaN or infinite where it is not known.
+struct FittedValue {
+  static constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+  double value = std::numeric_limits<double>::quiet_NaN();
+  double sd = kUnbounded;   ///< half of the interval of 95 %, over 1.96
+  double per_delay = 0;     ///< what a second of the drive's delay adds to it
+  double per_delay2 = 0;    ///< likewise, per square second, times 2
+  double correction = 0;    ///< what taking the noise out changed
+  double trend = 0;         ///< standard normal, see above
+  bool is_known() const { return sd < kUnbounded; }
+};
+
+namespace internal {
+
+/// 97.5 % quantile of Student's distribution (Abramowitz and Stegun, 26.7.5).
+inline double student_quantile(double degrees) {
+  const double z = kNormalQuantile95, v = degrees < 1 ? 1 : degrees;
+  const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
+  return z + (z3 + z) / (4 * v) + (5 * z5 + 16 * z3 + 3 * z) / (96 * v * v) +
+         (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * v * v * v);
+}
+
+using FitMatrix = std::array<std::array<double, kMostFitted>, kMostFitted>;
+
+/// Inverse of the leading `size` rows of a symmetric matrix, by Gauss and Jordan with scaling and
+/// pivots. False where it is singular to rounding or a diagonal is not positive.
+inline bool invert_leading(FitMatrix A, std::size_t size, FitMatrix& inverse) {
+  using std::abs;
+  using std::sqrt;
+  constexpr double kSingular = 1e-13;
+  std::array<double, kMostFitted> scale{};
+  for (std::size_t i = 0; i < size; ++i) {
+    if (!(A[i][i] > 0)) return false;
+    scale[i] = 1 / sqrt(A[i][i]);
+  }
+  for (std::size_t i = 0; i < size; ++i) {
+    for (std::size_t j = 0; j < size; ++j) {
+      A[i][j] *= scale[i] * scale[j];
+      inverse[i][j] = i == j ? 1 : 0;
+    }
+  }
+  for (std::size_t k = 0; k < size; ++k) {
+    std::size_t pivot = k;
+    for (std::size_t i = k + 1; i < size; ++i) {
+      if (abs(A[i][k]) > abs(A[pivot][k])) pivot = i;
+    }
+    if (!(abs(A[pivot][k]) > kSingular)) return false;
+    std::swap(A[k], A[pivot]);
+    std::swap(inverse[k], inverse[pivot]);
+    const double share = 1 / A[k][k];
+    for (std::size_t j = 0; j < size; ++j) {
+      A[k][j] *= share;
+      inverse[k][j] *= share;
+    }
+    for (std::size_t i = 0; i < size; ++i) {
+      const double factor = A[i][k];
+      if (i == k || factor == 0) continue;
+      for (std::size_t j = 0; j < size; ++j) {
+        A[i][j] -= factor * A[k][j];
+        inverse[i][j] -= factor * inverse[k][j];
+      }
+    }
+  }
+  for (std::size_t i = 0; i < size; ++i) {
+    for (std::size_t j = 0; j < size; ++j) inverse[i][j] *= scale[i] * scale[j];
+    if (!(inverse[i][i] > 0)) return false;
+  }
+  return true;
+}
+
+}  // namespace internal
+
+/// What fits of the same recording share: its blocks from `first` on, their sum, their noise.
+template <class Scalar>
+class RegressionData {
+ public:
+  RegressionData(const RegressionBlocks<Scalar>& blocks, const RegressionSetup& setup,
+                 std::size_t first)
+      : blocks_(blocks), setup_(setup), first_(first) {
+    for (std::size_t b = first; b < blocks.size(); ++b) sum_.add(blocks[b]);
+    position_share_ = sum_.instants / sum_.position_variances;
+    drive_share_ = sum_.instants / sum_.drive_variances;
+  }
+
+  std::size_t size() const { return blocks_.size() - first_; }
+  const RegressionSums<Scalar>& block(std::size_t b) const { return blocks_[first_ + b]; }
+  const RegressionSums<double>& sum() const { return sum_; }
+  const RegressionSetup& setup() const { return setup_; }
+  double duration_s() const { return sum_.instants * setup_.instant_s; }
+  /// Variances of a sample's noise (m^2, N^2).
+  double position_variance_m2() const { return sum_.position_variance_sum / sum_.position_variances; }
+  double drive_variance_N2() const { return sum_.drive_variance_sum / sum_.drive_variances; }
+
+  /// What noise is expected to add to the product of columns i and j of `sums`. The variance is
+  /// that within the block, so that its own uncertainty is part of the scatter.
+  template <class Sum>
+  double noise(const RegressionSums<Sum>& sums, RegressionColumn i, RegressionColumn j) const {
+    if (i > j) std::swap(i, j);
+    const double z = static_cast<double>(sums.position_variance_sum) * position_share_,
+                 u = static_cast<double>(sums.drive_variance_sum) * drive_share_;
+    const KernelGains& of_z = setup_.position;
+    const KernelGains& of_u = setup_.drive;
+    if (i == kDriveSlope && j == kDriveSlope) return u * of_u.G2;
+    if (i == kDrive && j == kDrive) return u * of_u.G0;
+    if (i == kDriveCurvature && j == kDriveCurvature) return u * of_u.G4;
+    if (i == kDriveCurvature && j == kDrive) return -u * of_u.G2;
+    if (i == kVelocity && j == kVelocity) return z * of_z.G2;
+    if (i == kAcceleration && j == kAcceleration) return z * of_z.G4;
+    if (i == kAcceleration && j == kPosition) return -z * of_z.G2;
+    if (i == kPosition && j == kPosition) return z * of_z.G0;
+    return of_powers(sums, i, j);
+  }
+
+ private:
+  // X^k has the noise k X^(k-1) of X.
+  static int power_of(RegressionColumn column) {
+    return column == kSquare ? 2 : column == kCube ? 3 : column == kFourth ? 4 : 0;
+  }
+  template <class Sum>
+  double of_powers(const RegressionSums<Sum>& sums, RegressionColumn i, RegressionColumn j) const {
+    const int k = power_of(j), l = power_of(i);
+    if (k == 0) return 0;
+    const auto power_sum = [&sums](int power) {
+      return static_cast<double>(sums.powers[static_cast<std::size_t>(power - 1)]);
+    };
+    const double z = position_variance_m2() / kShapeUnit_m, slope = k * power_sum(k - 1) * z;
+    if (i == kAcceleration) return -slope * setup_.position.G2;
+    if (i == kPosition) return slope * setup_.position.G0;
+    if (l == 0) return 0;
+    return k * l * power_sum(k + l - 2) * z / kShapeUnit_m * setup_.position.G0;
+  }
+
+  const RegressionBlocks<Scalar>& blocks_;
+  const RegressionSetup& setup_;
+  std::size_t first_;
+  RegressionSums<double> sum_;
+  double position_share_, drive_share_;
+};
+
+/// One fit. Fixed size, no allocation.
+template <class Scalar>
+class RegressionFit {
+ public:
+  /// `data` must live as long as this.
+  RegressionFit(const RegressionData<Scalar>& data, const FitColumns& fit)
+      : data_(data), fit_(fit), size_(fit.count) {
+    for (std::size_t i = 0; i < size_; ++i) {
+      for (std::size_t j = 0; j < size_; ++j) {
+        N_[i][j] = sign(i) * sign(j) * data.noise(data.sum(), column(i), column(j));
+        M_[i][j] = less_noise(data.sum(), i, j);
+      }
+    }
+    is_solved_ = data.size() > size_ && internal::invert_leading(M_, size_, I_);
+    if (!is_solved_) return;
+    solve();
+    const std::size_t delay = fit.place_of(kDriveSlope);
+    for (int k = 0; k < 3 && delay < size_; ++k) {
+      tau_ = theta_[delay];
+      solve();
+    }
+    make_residual();
+  }
+
+  /// False where the matrix has no inverse, or there are no more blocks than parameters.
+  bool is_solved() const { return is_solved_; }
+  /// R; see above.
+  double residual() const { return residual_; }
+  /// The value alone.
+  double value(RegressionColumn of) const { return theta_[fit_.place_of(of)]; }
+
+  /// A parameter with all that is known of it. Not known where it is not solved.
+  FittedValue fitted(RegressionColumn of) const {
+    FittedValue fitted;
+    const std::size_t i = fit_.place_of(of);
+    if (!is_solved_ || i == size_) return fitted;
+    fitted.value = theta_[i];
+    for (std::size_t j = 0; j < size_; ++j) {
+      fitted.per_delay += I_[i][j] * less_noise_with(data_.sum(), j, kDriveSlope);
+      fitted.per_delay2 += I_[i][j] * less_noise_with(data_.sum(), j, kDriveCurvature);
+      double Ntheta = 0;
+      for (std::size_t k = 0; k < size_; ++k) Ntheta += N_[j][k] * theta_[k];
+      fitted.correction += I_[i][j] * Ntheta;
+    }
+    make_interval(i, fitted);
+    return fitted;
+  }
+
+ private:
+  RegressionColumn column(std::size_t i) const { return fit_.columns[i]; }
+  double sign(std::size_t i) const { return column(i) == kDriveSlope ? -1 : 1; }
+  static bool is_even(RegressionColumn column) {
+    return column == kAcceleration || column == kPosition || column == kSquare || column == kCube ||
+           column == kFourth;
+  }
+
+  template <class Sum>
+  double less_noise(const RegressionSums<Sum>& sums, std::size_t i, std::size_t j) const {
+    const bool is_kept = fit_.keeps_even_noise && is_even(column(i)) && is_even(column(j));
+    const double product = static_cast<double>(sums.product(column(i), column(j)));
+    return sign(i) * sign(j) * (is_kept ? product : product - data_.noise(sums, column(i), column(j)));
+  }
+  template <class Sum>
+  double less_noise_with(const RegressionSums<Sum>& sums, std::size_t i, RegressionColumn j) const {
+    return sign(i) *
+           (static_cast<double>(sums.product(column(i), j)) - data_.noise(sums, column(i), j));
+  }
+  // r, the drive taken back by tau to second order.
+  template <class Sum>
+  double right_side(const RegressionSums<Sum>& sums, std::size_t i) const {
+    const double r = less_noise_with(sums, i, kDrive);
+    return tau_ == 0 ? r : r + tau_ * tau_ / 2 * less_noise_with(sums, i, kDriveCurvature);
+  }
+
+  void solve() {
+    std::array<double, kMostFitted> r{};
+    for (std::size_t i = 0; i < size_; ++i) r[i] = right_side(data_.sum(), i);
+    for (std::size_t i = 0; i < size_; ++i) {
+      theta_[i] = 0;
+      for (std::size_t j = 0; j < size_; ++j) theta_[i] += I_[i][j] * r[j];
+    }
+  }
+
+  void make_residual() {
+    const RegressionSums<double>& sum = data_.sum();
+    double square = sum.product(kDrive, kDrive), expected = data_.noise(sum, kDrive, kDrive);
+    for (std::size_t i = 0; i < size_; ++i) {
+      square -= 2 * theta_[i] * sign(i) * sum.product(column(i), kDrive);
+      for (std::size_t j = 0; j < size_; ++j) {
+        const double product = theta_[i] * theta_[j];
+        square += product * sign(i) * sign(j) * sum.product(column(i), column(j));
+        expected += product * N_[i][j];
+      }
+    }
+    residual_ = square / expected;
+  }
+
+  void make_interval(std::size_t i, FittedValue& fitted) const {
+    using std::sqrt;
+    const double D = 1 / I_[i][i];
+    std::array<double, kMostFitted> g{};
+    for (std::size_t j = 0; j < size_; ++j) g[j] = D * I_[i][j];
+    const std::size_t n = data_.size();
+    std::array<double, RegressionBlocks<Scalar>::kBlocks> alphas{};
+    double A = 0, B = 0, C = 0, alpha_sum = 0, beta_sum = 0, place_sum = 0;
+    for (std::size_t b = 0; b < n; ++b) {
+      const RegressionSums<Scalar>& sums = data_.block(b);
+      double alpha = 0, beta = 0;
+      for (std::size_t j = 0; j < size_; ++j) {
+        double score = right_side(sums, j), Mg = 0;
+        for (std::size_t k = 0; k < size_; ++k) {
+          const double m = less_noise(sums, j, k);
+          score -= m * theta_[k];
+          Mg += m * g[k];
+        }
+        alpha += g[j] * score;
+        beta += g[j] * Mg;
+      }
+      alphas[b] = alpha;
+      A += alpha * alpha;
+      B += alpha * beta;
+      C += beta * beta;
+      alpha_sum += alpha;
+      beta_sum += beta;
+      place_sum += static_cast<double>(b) * beta;
+    }
+    const double count = static_cast<double>(n), f = count / (count - static_cast<double>(size_));
+    A = f * (A - alpha_sum * alpha_sum / count);
+    B = f * (B - alpha_sum * beta_sum / count);
+    C = f * (C - beta_sum * beta_sum / count);
+    const double t = kLooks * internal::student_quantile(count - static_cast<double>(size_)),
+                 t2 = t * t;
+    const double quadratic = D * D - t2 * C, linear = t2 * B;
+    if (quadratic > 0) {
+      const double root = sqrt(linear * linear + quadratic * t2 * A),
+                   half_low = (root + linear) / quadratic,
+                   half_high = (root - linear) / quadratic;
+      fitted.sd = (half_low > half_high ? half_low : half_high) / kNormalQuantile95;
+    }
+    const double place = place_sum / beta_sum;
+    double trend = 0, trend2 = 0;
+    for (std::size_t b = 0; b < n; ++b) {
+      const double term = (static_cast<double>(b) - place) * alphas[b];
+      trend += term;
+      trend2 += term * term;
+    }
+    fitted.trend = trend2 > 0 ? trend / sqrt(trend2) : 0;
+  }
+
+  static constexpr double kLooks = 1.15;
+
+  const RegressionData<Scalar>& data_;
+  FitColumns fit_;
+  std::size_t size_;
+  internal::FitMatrix M_{}, N_{}, I_{};
+  std::array<double, kMostFitted> theta_{};
+  double tau_ = 0, residual_ = 0;
+  bool is_solved_ = false;
+};
+
+}  // namespace condyle
