@@ -89,7 +89,6 @@ template <class Archive>
 void exchange(Archive& archive, Exchanged<Archive, RecommendedParameters>& parameters) {
   archive.enumeration(parameters.noise.adaptation, Adaptation::on);
   archive.enumeration(parameters.joint.delay, DelayModel::fitted);
-  archive.boolean(parameters.joint.drive.is_measured);
   archive.finite(parameters.changes.detector.false_alarm_cycles);
   visit_recommended_fields(parameters, field_exchange(archive));
   archive.require(is_valid(parameters) && is_valid(parameters.changes),

@@ -121,11 +121,12 @@ WatchedRecording watch(const ChangesOptions& options, const RecommendedParameter
 // Why no cycle was watched.
 [[noreturn]] void refuse_unwatched(const ChangesOptions& options,
                                    const RecommendedParameters& parameters, JointLimit limit) {
-  if (limit == JointLimit::model) {
+  if (limit != JointLimit::no_drive && limit != JointLimit::too_early) {
     throw InputError(options.recording,
-                     "drive and model do not explain the motion, so that its damping is not known: "
-                     "another force acts, or the noise of the drive is not as stated",
-                     "measure the total force, state --drive-noise-N, or leave out contacts");
+                     fmt::format("drive and model do not explain the motion, so that its damping is "
+                                 "not known ({}; `condyle_sim replay` says more)",
+                                 limit_name(limit)),
+                     "measure the total force, unfiltered, and leave out contacts");
   }
   throw InputError(options.recording,
                    fmt::format("ends before the point was identified, which takes {:g} s of motion "

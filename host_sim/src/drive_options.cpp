@@ -14,7 +14,10 @@ void DriveOptions::add_to(CommandLine command) {
       .number_in({0, 1});
   command.add_option("--drive-gain-sd", gain_sd, "Relative uncertainty of its gain (0.01)")
       .number_in({0, 1});
-  command.add_option("--drive-noise-N", noise_sd_N, "Its noise, of each sample (0.01)")
+  command
+      .add_option("--drive-noise-N", noise_sd_N,
+                  "Its noise, of each sample (0.01); `changes` uses it, `replay` takes it from the "
+                  "drive itself")
       .number_in({1e-9, 1e3});
   command.add_option("--drive-delay-ms", delay_ms, "How late its samples are stamped (0)")
       .number_in({-1000, 1000});
@@ -24,7 +27,7 @@ void DriveOptions::add_to(CommandLine command) {
                    "Estimate the delay too, from there, rather than widen the intervals");
   command
       .add_option("--coulomb-sd-N", coulomb_sd_N,
-                  "Identify Coulomb friction too, of about this size beforehand")
+                  "Show Coulomb friction apart, of about this size beforehand")
       .number_in({0, 1e6});
   constexpr const char* contact = "are not taken: teeth or food may touch there";
   command

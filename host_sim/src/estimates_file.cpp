@@ -28,10 +28,9 @@ std::string header(int axis_count, bool has_joint) {
   }
   if (has_joint) {
     line +=
-        ",friction_information,mass_information,friction_limit,mass_limit,friction_bound_Ns_m,"
-        "mass_bound_kg,observability,stiffness_N_m,stiffness_sd_N_m,stiffness_provenance,offset_N,"
+        ",friction_limit,mass_limit,stiffness_N_m,stiffness_sd_N_m,stiffness_provenance,offset_N,"
         "offset_sd_N,offset_provenance,coulomb_N,coulomb_sd_N,coulomb_provenance,drive_delay_s,"
-        "drive_delay_sd_s,drive_delay_provenance,joint_mean_nis,joint_correlation";
+        "drive_delay_sd_s,drive_delay_provenance";
   }
   return line + '\n';
 }
@@ -104,21 +103,14 @@ void EstimatesFile::append_axes(const EstimateRow& row) {
 }
 
 void EstimatesFile::append_joint(const JointEstimate<double>& joint) {
-  append_field(joint.friction_Ns_m.information);
-  append_field(joint.mass_kg.information);
   append_field(limit_name(joint.friction_Ns_m.limit));
   append_field(limit_name(joint.mass_kg.limit));
-  append_field(joint.friction_Ns_m.filter_sd);
-  append_field(joint.mass_kg.filter_sd);
-  append_field(joint.observability);
   for (const IdentifiedValue<double>* value :
        {&joint.stiffness_N_m, &joint.offset_N, &joint.coulomb_N, &joint.delay_s}) {
     append_field(value->quantity.value);
     append_field(value->quantity.standard_deviation);
     append_field(provenance_name(value->quantity.provenance));
   }
-  append_field(joint.mean_nis);
-  append_field(joint.innovation_correlation);
 }
 
 }  // namespace condyle::host

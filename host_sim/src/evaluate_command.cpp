@@ -25,14 +25,13 @@ struct EvaluateOptions {
   std::string figures;
   EvaluationPlan plan;
   DriveOptions drive;
-  bool withholds_drive = false;
 };
 
 EstimatorSettings choose_settings(const EvaluateOptions& options, const Scenario& scenario) {
   const EstimatorOption& estimator = options.estimator;
   estimator.refuse_if_published("--lag", estimator.lag > 0);
-  estimator.refuse_if_published("--drive-...", options.drive.is_given() || options.withholds_drive);
-  if ((options.drive.is_given() || options.withholds_drive) && !(scenario.drive.rate_Hz > 0)) {
+  estimator.refuse_if_published("--drive-...", options.drive.is_given());
+  if (options.drive.is_given() && !(scenario.drive.rate_Hz > 0)) {
     throw InputError(options.scenario, "has no drive that could be described",
                      "give it a [drive] with rate_Hz");
   }
@@ -44,7 +43,6 @@ EstimatorSettings choose_settings(const EvaluateOptions& options, const Scenario
   }
   RecommendedParameters parameters = estimator.load_recommended();
   options.drive.apply(parameters.joint);
-  parameters.joint.drive.is_measured = !options.withholds_drive;
   refuse_long_step(parameters, step_s, options.scenario, "its step", "raise rate_Hz");
   return RecommendedSettings{parameters, estimator.lag};
 }
@@ -116,9 +114,6 @@ Command add_evaluate(CommandLine app) {
       .required();
   options->estimator.add_to(command);
   options->drive.add_to(command);
-  command.add_flag("--withhold-drive", options->withholds_drive,
-                   "Give the identification the assumed mass times the estimated acceleration "
-                   "instead, which tells nothing of friction and mass");
   command.add_option("--runs", options->plan.runs, "Number of runs")
       .number_in({2, 1e6})
       .show_default();

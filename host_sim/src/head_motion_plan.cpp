@@ -42,7 +42,7 @@ class PlannedMotion {
     const auto estimate = stage_.estimate();
     const IdentifiedValue<double>& damping = estimate.damping_rate_per_s;
     const IdentifiedValue<double>& stiffness = estimate.stiffness_per_mass_per_s2;
-    return {time_s(), damping.filter_sd, stiffness.filter_sd, damping.fitted_sd,
+    return {time_s(), damping.sampling_sd, stiffness.sampling_sd, damping.fitted_sd,
             stiffness.fitted_sd};
   }
 

@@ -8,30 +8,49 @@
 namespace condyle::host {
 namespace {
 
-// Why a value is not measured.
-const char* limit_words(JointLimit limit) {
-  switch (limit) {
+// Why a value is not measured, and what would show it.
+std::string limit_words(const IdentifiedValue<double>& value) {
+  switch (value.limit) {
     case JointLimit::none:
+    case JointLimit::model:        // head motion only, as
+    case JointLimit::information:  // is this
       return "";
     case JointLimit::no_drive:
       return ": no drive was measured while the position was";
+    case JointLimit::too_slow:
+      return ": positions or drive come too seldom; record at least 25 of each a second";
     case JointLimit::too_early:
-      return ": too few positions to judge the model by";
-    case JointLimit::model:
-      return ": drive and model do not explain the motion; another force acts, or the noise is not "
-             "as stated";
-    case JointLimit::information:
-      return ": the motion tells less of it than the prior does";
-    case JointLimit::resolution:
-      return ": the motion tells too little of it for the stated resolution; record longer";
-    case JointLimit::friction_or_delay:
-      return ": this motion cannot tell friction from a delay of the drive; measure the delay, or "
-             "let "
-             "the rhythm vary";
+      return ": too short to judge by; record 10 s of motion or more without a gap";
+    case JointLimit::dynamics:
+      return ": drive or position was smoothed or follows late; record both unfiltered";
+    case JointLimit::noise:
+      return ": drive and model leave more than noise; another force acts, or drive or positions "
+             "were smoothed";
+    case JointLimit::changing:
+      return ": the values, or the drive's delay, change along the recording; record shorter, or "
+             "state how they may walk in a parameter file";
+    case JointLimit::delay_stated:
+      return ": the drive's delay is not what is stated; state --drive-delay-ms, or estimate it "
+             "with --drive-fit-delay";
+    case JointLimit::negative_friction:
+      return ": friction would be negative; the sign of the drive is reversed, or it is not all "
+             "of the force";
+    case JointLimit::excitation:
+      return ": the motion is too weak or too uniform against the noise; chew, at several rhythms";
     case JointLimit::mass_or_stiffness:
-      return ": this motion cannot tell mass from stiffness; let the rhythm vary";
+      return ": this motion cannot tell mass from the spring; let rhythm and height vary, or add "
+             "faster strokes";
+    case JointLimit::friction_or_delay:
+      return ": this motion cannot tell friction from the drive's delay; measure the delay, or "
+             "chew at several rhythms";
     case JointLimit::viscous_or_coulomb:
-      return ": this motion cannot tell viscous from Coulomb friction; let its speed vary";
+      return ": this motion cannot tell viscous from sliding friction; let its speed vary";
+    case JointLimit::resolution:
+      return std::isfinite(value.needed_s)
+                 ? fmt::format(": too little for the stated resolution; about {:.0f} s of this "
+                               "motion would do",
+                               value.needed_s)
+                 : ": too little for the stated resolution; record longer, with larger motion";
     case JointLimit::gain:
       return ": the uncertainty of the drive's gain is too large for the stated resolution";
     case JointLimit::delay:
@@ -182,13 +201,12 @@ std::string RecommendedSummary::text() const {
 }
 
 std::string RecommendedSummary::joint_text() const {
-  const JointEstimate<double>& joint = last_.joint;
+  const JointEstimate<double> joint = conclusion();
   const auto words = [](const IdentifiedValue<double>& value, const char* unit) {
-    const char* const reason = limit_words(value.limit);
     const std::string shown = value.limit == JointLimit::none
                                   ? with_interval(value.quantity, 1, unit, "95 %")
                                   : fmt::format("{:.4g} {}, assumed", value.quantity.value, unit);
-    return fmt::format("{}{}; information share {:.2f}", shown, reason, value.information);
+    return shown + limit_words(value);
   };
   std::string text;
   add_line(text, "  friction", words(joint.friction_Ns_m, "Ns/m"));
@@ -201,16 +219,18 @@ std::string RecommendedSummary::joint_text() const {
   if (parameters_.joint.delay == DelayModel::fitted) {
     add_line(text, "  delay", words(joint.delay_s, "s"));
   }
-  add_line(
-      text, "drive model",
-      fmt::format("mean NIS {:.3g}, correlation of neighbouring innovations {:.2f} (1 and 0 if "
-                  "drive and model explain the motion); observability {:.3f} (information share of "
-                  "the least known combination)",
-                  joint.mean_nis, joint.innovation_correlation, joint.observability));
+  if (std::isfinite(joint.residual_ratio)) {
+    add_line(text, "drive model",
+             fmt::format("residual {:.2f} of what noise makes (1 if drive and model explain the "
+                         "motion), over {:.1f} s; noise of the drive {:.2g} N, of the positions "
+                         "{:.2g} mm, by their own differences",
+                         joint.residual_ratio, joint.used_s, joint.drive_noise_sd_N,
+                         joint.position_noise_sd_m * 1e3));
+  }
   return text +
          "Friction is the effective damping along the followed axis, of joint, muscle and tissue "
-         "together. It and the mass rest on\nwhat was stated of the drive: its noise, gain, delay "
-         "and the share of the force it may miss.\n";
+         "together. It and the mass rest on\nwhat was stated of the drive: its gain, its delay and "
+         "the share of the force it may miss; and on the scale of the positions.\n";
 }
 
 std::string RecommendedSummary::axes_where(bool (NoiseWatch::*is)() const) const {

@@ -178,6 +178,7 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
     ReplayedDriveSensor<DrivenSensor<double, kAxes>> sensor(
         channel ? &*channel : nullptr, parameters.joint.drive.delay_s, parameters,
         options.estimator.lag, followed, kAxes == 3 ? static_cast<int>(options.followed.axis) : 0);
+    summary.set_conclusion([&] { return sensor.conclude(); });
     summary.set_drive([&] { return drive_notes(channel, sensor.counts()); });
     return run(sensor, true);
   }

@@ -26,6 +26,10 @@ class ReplaySummary {
   virtual void add(const EstimateRow& row);
   /// The summary in words, with units, uncertainties and provenance.
   virtual std::string text() const = 0;
+  /// What the drive tells at the end, asked for when the text is made.
+  void set_conclusion(std::function<JointEstimate<double>()> conclusion) {
+    conclusion_ = std::move(conclusion);
+  }
   /// What the user should know of the drive, asked for when the text is made.
   void set_drive(std::function<std::vector<std::string>()> notes) { drive_ = std::move(notes); }
   std::vector<std::string> drive_notes() const {
@@ -64,6 +68,7 @@ class ReplaySummary {
   std::optional<TimeNs> last_step_ns_;  // step that the last row added, if any
   double innovation_rms_m() const;
   double mean_step_s() const;
+  JointEstimate<double> conclusion() const { return conclusion_ ? conclusion_() : last_.joint; }
   // The last row with values.
   EstimateRow last_;
 
@@ -75,6 +80,7 @@ class ReplaySummary {
   AxisRanges ranges_;
   StepWatch step_watch_;
   std::function<std::vector<std::string>()> drive_;
+  std::function<JointEstimate<double>()> conclusion_;
   // The mean NIS of so many strays by 14 % (standard deviation), of fewer by more.
   static constexpr std::uint64_t kFewestInnovations = 100;
 

@@ -6,7 +6,7 @@
 namespace condyle::host {
 
 std::vector<std::string> drive_notes(const std::optional<DriveChannel>& channel,
-                                     const DriveTimelineCounts& counts) {
+                                     const DriveCounts& counts) {
   std::vector<std::string> notes;
   if (channel) notes = channel->notes();
   const auto add = [&notes](std::uint64_t count, const char* words) {
@@ -17,9 +17,6 @@ std::vector<std::string> drive_notes(const std::optional<DriveChannel>& channel,
   add(counts.positions_too_early,
       "positions before the drive began or in its gaps, not used with it");
   add(counts.positions_in_contact, "positions where teeth or food may touch, not used with it");
-  add(counts.positions_at_rest, "positions of a point that hardly moved, used for its place alone");
-  add(counts.restarts,
-      "times it did not explain the motion for seconds, and the identification started anew");
   add(counts.positions_dropped, "positions had no room while they waited for the drive");
   return notes;
 }

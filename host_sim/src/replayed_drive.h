@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "condyle/estimator/drive_timeline.h"
+#include "condyle/estimator/point_regression.h"
 #include "condyle/estimator/sample.h"
 #include "drive_channel.h"
 
@@ -46,6 +46,6 @@ class ReplayedDriveSensor : public Sensor {
 
 /// For the summary: the channel's own notes, and what was not as it should be, a line each.
 std::vector<std::string> drive_notes(const std::optional<DriveChannel>& channel,
-                                     const DriveTimelineCounts& counts);
+                                     const DriveCounts& counts);
 
 }  // namespace condyle::host

@@ -11,6 +11,7 @@
 
 #include "condyle/estimator/change_detector.h"
 #include "condyle/estimator/cycle_damping.h"
+#include "condyle/estimator/point_identification.h"
 #include "consistency/acceptance.h"
 #include "consistency/driven_chewing.h"
 #include "consistency/random.h"
@@ -50,14 +51,16 @@ class CycleSource {
     return parameters;
   }
   DampingBaseline baseline(double seconds) {
-    JointIdentification<double> identification(parameters());
-    JointEstimate<double> estimate;
+    PointIdentification<double> identification(parameters());
+    TimeNs time_ns = 0;
     for (double t = 0; t < seconds; t += chewing_.sample_time_s()) {
       const auto sample = chewing_.next();
-      estimate = identification.step(chewing_.sample_time_s(), sample.drive_N, sample.position_m,
-                                     DrivenChewing::kPositionSd_m);
+      time_ns += nanoseconds(chewing_.sample_time_s());
+      identification.add_drive(time_ns, sample.drive_N);
+      identification.add_position(time_ns, sample.position_m);
     }
-    return baseline_of(estimate);
+    identification.conclude();
+    return baseline_of(identification.estimate());
   }
 
   DrivenChewing chewing_;

@@ -159,8 +159,8 @@ TEST(HeadMotionBound, IsNearlyReached) {
     for (unsigned seed = 1; seed <= 3; ++seed) {
       const Eigen::Vector2d least = bound(truth, 60, 600, seed);
       const auto estimate = identify(truth, relaxed(), 60, 10, seed);
-      const double damping = estimate.damping_rate_per_s.filter_sd / least[0];
-      const double stiffness = estimate.stiffness_per_mass_per_s2.filter_sd / least[1];
+      const double damping = estimate.damping_rate_per_s.sampling_sd / least[0];
+      const double stiffness = estimate.stiffness_per_mass_per_s2.sampling_sd / least[1];
       std::cout << "             kv/m " << damping_rate_per_s << ": sd over the bound " << damping
                 << ", ks/m " << stiffness << " (bounds " << least.transpose() << ")\n";
       EXPECT_NEAR(damping, 1, 0.1);

@@ -20,11 +20,11 @@ inline JointParameters matched() {
 }
 
 /// NEES of friction and mass together, by the delta method.
-inline double nees(const JointEstimate<double>& estimate, const DrivenTruth& truth) {
+inline double nees(const JointFilterEstimate<double>& estimate, const DrivenTruth& truth) {
   const double m = estimate.mass_kg.fitted, kv = estimate.friction_Ns_m.fitted;
   Eigen::Matrix2d covariance;
-  covariance << std::pow(estimate.friction_Ns_m.filter_sd, 2), estimate.friction_mass_covariance,
-      estimate.friction_mass_covariance, std::pow(estimate.mass_kg.filter_sd, 2);
+  covariance << std::pow(estimate.friction_Ns_m.sampling_sd, 2), estimate.friction_mass_covariance,
+      estimate.friction_mass_covariance, std::pow(estimate.mass_kg.sampling_sd, 2);
   const Eigen::Vector2d error(kv - truth.friction_Ns_m, m - truth.mass_kg);
   return error.dot(covariance.inverse() * error);
 }

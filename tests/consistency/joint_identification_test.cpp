@@ -30,10 +30,10 @@ using testing_support::runs;
 using Truth = testing_support::DrivenTruth;
 
 template <class Scalar>
-JointEstimate<Scalar> identify(JointIdentification<Scalar>& stage,
+JointFilterEstimate<Scalar> identify(JointIdentification<Scalar>& stage,
                                const std::vector<DrivenSample>& samples, double rate_Hz,
                                double* mean_nis = nullptr) {
-  JointEstimate<Scalar> estimate;
+  JointFilterEstimate<Scalar> estimate;
   double nis = 0, count = 0;
   for (const DrivenSample& sample : samples) {
     estimate =
@@ -166,10 +166,10 @@ TEST(Joint, ItsStandardDeviationsAreTheCramerRaoBound) {
 
   JointIdentification<double> stage(parameters);
   const auto estimate = identify(stage, samples, kRate_Hz);
-  EXPECT_NEAR(estimate.friction_Ns_m.filter_sd / std::sqrt(bound(0, 0)), 1, 0.05);
-  EXPECT_NEAR(estimate.mass_kg.filter_sd / std::sqrt(bound(1, 1)), 1, 0.05);
-  EXPECT_NEAR(estimate.stiffness_N_m.filter_sd / std::sqrt(bound(2, 2)), 1, 0.05);
-  EXPECT_NEAR(estimate.offset_N.filter_sd / std::sqrt(bound(3, 3)), 1, 0.05);
+  EXPECT_NEAR(estimate.friction_Ns_m.sampling_sd / std::sqrt(bound(0, 0)), 1, 0.05);
+  EXPECT_NEAR(estimate.mass_kg.sampling_sd / std::sqrt(bound(1, 1)), 1, 0.05);
+  EXPECT_NEAR(estimate.stiffness_N_m.sampling_sd / std::sqrt(bound(2, 2)), 1, 0.05);
+  EXPECT_NEAR(estimate.offset_N.sampling_sd / std::sqrt(bound(3, 3)), 1, 0.05);
 }
 
 // Starts wrong by four either way, in mass and in friction, end at the right values, with priors as
@@ -189,13 +189,13 @@ TEST(Joint, FindsTheWayFromStartsWrongByFour) {
       parameters.friction_Ns_m.sd = spread * parameters.friction_Ns_m.mean;
       JointIdentification<double> stage(parameters);
       const auto estimate = identify(stage, samples, 60);
-      EXPECT_NEAR(estimate.mass_kg.fitted, truth.mass_kg, 4 * estimate.mass_kg.filter_sd)
+      EXPECT_NEAR(estimate.mass_kg.fitted, truth.mass_kg, 4 * estimate.mass_kg.sampling_sd)
           << mass << ' ' << friction << ' ' << spread << ' ' << seed;
-      EXPECT_LT(estimate.mass_kg.filter_sd, 0.0013);
+      EXPECT_LT(estimate.mass_kg.sampling_sd, 0.0013);
       EXPECT_NEAR(estimate.friction_Ns_m.fitted, truth.friction_Ns_m,
-                  4 * estimate.friction_Ns_m.filter_sd)
+                  4 * estimate.friction_Ns_m.sampling_sd)
           << mass << ' ' << friction << ' ' << spread << ' ' << seed;
-      EXPECT_LT(estimate.friction_Ns_m.filter_sd, 0.008);
+      EXPECT_LT(estimate.friction_Ns_m.sampling_sd, 0.008);
     }
   }
 }
@@ -208,7 +208,7 @@ TEST(Joint, KeepsWhatItKnowsThroughABurstOfWrongPositions) {
   JointIdentification<double> stage(matched());
   const auto estimate = identify(stage, samples, 60);
   EXPECT_EQ(estimate.outcome, JointOutcome::updated);
-  EXPECT_LT(estimate.mass_kg.filter_sd, 0.0013);
+  EXPECT_LT(estimate.mass_kg.sampling_sd, 0.0013);
   EXPECT_NEAR(estimate.mass_kg.fitted, truth.mass_kg, 0.005);
 }
 
@@ -282,7 +282,7 @@ TEST(Joint, KeepsWhatItKnowsThroughAnInterruption) {
   const auto started = stage.step(0, samples[0].drive_N, samples[0].position_m, kPositionSd_m);
   EXPECT_EQ(started.outcome, JointOutcome::started);
   EXPECT_EQ(started.mass_kg.fitted, before.mass_kg.fitted);
-  EXPECT_EQ(started.mass_kg.filter_sd, before.mass_kg.filter_sd);
+  EXPECT_EQ(started.mass_kg.sampling_sd, before.mass_kg.sampling_sd);
   for (std::size_t i = 1; i < samples.size(); ++i) {
     const auto estimate =
         stage.step(1.0 / 60, samples[i].drive_N, samples[i].position_m, kPositionSd_m);

@@ -224,14 +224,24 @@ std::vector<Reading> drive_of(const Regime& regime, const MovingPoint& point, Ra
 
 }  // namespace
 
-double Random::uniform() {
-  // splitmix64 (G. Steele, D. Lea, C. Flood, OOPSLA 2014)
-  state_ += 0x9E3779B97F4A7C15U;
-  std::uint64_t z = state_;
+namespace {
+
+// splitmix64 (G. Steele, D. Lea, C. Flood, OOPSLA 2014)
+std::uint64_t mixed(std::uint64_t z) {
   z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
   z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
-  z ^= z >> 31U;
-  return (static_cast<double>(z >> 11U) + 0.5) * 0x1p-53;
+  return z ^ (z >> 31U);
+}
+constexpr std::uint64_t kStep = 0x9E3779B97F4A7C15U;
+
+}  // namespace
+
+// Mixed, or the numbers of one seed would be those of the next one, shifted.
+Random::Random(std::uint64_t seed) : state_(mixed(mixed(seed + kStep) + kStep)) {}
+
+double Random::uniform() {
+  state_ += kStep;
+  return (static_cast<double>(mixed(state_) >> 11U) + 0.5) * 0x1p-53;
 }
 
 double Random::log_uniform(double low, double high) {
@@ -250,6 +260,17 @@ Recording simulate(const Regime& regime, std::uint64_t seed) {
   recording.positions = positions_of(regime, point, random);
   recording.drive = drive_of(regime, point, random);
   return recording;
+}
+
+std::vector<TruePoint> motion_of(const Regime& regime, std::uint64_t seed, double step_s) {
+  Random random(seed);
+  const MovingPoint moving(regime, random);
+  std::vector<TruePoint> points;
+  for (double t = 0; t < regime.duration_s; t += step_s) {
+    const Jet x = moving.position_m(t);
+    points.push_back({t, x.value, x.rate, x.curvature});
+  }
+  return points;
 }
 
 double effective_friction_Ns_m(const Regime& regime, std::uint64_t seed) {

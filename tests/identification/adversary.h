@@ -79,7 +79,7 @@ struct Recording {
 /// Random numbers with the same values everywhere.
 class Random {
  public:
-  explicit Random(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15U + 1) {}
+  explicit Random(std::uint64_t seed);
   double uniform();  ///< in (0, 1)
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   double log_uniform(double low, double high);
@@ -90,6 +90,12 @@ class Random {
 };
 
 Recording simulate(const Regime& regime, std::uint64_t seed);
+
+/// Where the point truly is.
+struct TruePoint {
+  double time_s = 0, position_m = 0, velocity_m_s = 0, acceleration_m_s2 = 0;
+};
+std::vector<TruePoint> motion_of(const Regime& regime, std::uint64_t seed, double step_s);
 
 /// The viscous friction that takes as much energy from that motion as all of its friction does; where
 /// it changes, with what it is at the end (Ns/m).

@@ -7,6 +7,7 @@
 #include "condyle/estimator/emg_envelope.h"
 #include "condyle/estimator/emg_timeline.h"
 #include "condyle/estimator/frozen_detector.h"
+#include "condyle/estimator/head_motion.h"
 #include "condyle/estimator/observability.h"
 #include "condyle/estimator/point_follower.h"
 #include "condyle/estimator/published_sensor.h"
@@ -16,12 +17,13 @@
 
 template class condyle::ChangeDetector<float>;
 template class condyle::CycleDamping<float>;
-template class condyle::JointIdentification<float>;
+template class condyle::HeadMotionIdentification<float>;
 template class condyle::DrivenSensor<float, 3>;
 template class condyle::EmgEnvelope<float>;
 template class condyle::EmgIdentification<float>;
 template class condyle::EmgTimeline<float>;
 template class condyle::PointFollower<float>;
+template class condyle::PointIdentification<float>;
 template class condyle::PublishedCascade<float>;
 template class condyle::RecommendedEstimator<float, 1>;
 template class condyle::RecommendedEstimator<float, 3>;

@@ -56,12 +56,12 @@ TEST(HeadMotion, IsTheStagePerMass) {
   EXPECT_NEAR(estimate.gain, 1 / m, 1e-12);
   EXPECT_NEAR(estimate.damping_rate_per_s.fitted, rate, 1e-9);
   EXPECT_NEAR(estimate.stiffness_per_mass_per_s2.fitted, expected.stiffness_N_m.fitted / m, 1e-9);
-  const double of_friction = expected.friction_Ns_m.filter_sd, of_mass = expected.mass_kg.filter_sd;
+  const double of_friction = expected.friction_Ns_m.sampling_sd, of_mass = expected.mass_kg.sampling_sd;
   const double variance =
       (of_friction * of_friction - 2 * rate * expected.friction_mass_covariance +
        rate * rate * of_mass * of_mass) /
       (m * m);
-  EXPECT_NEAR(estimate.damping_rate_per_s.filter_sd, std::sqrt(variance), 1e-6);
+  EXPECT_NEAR(estimate.damping_rate_per_s.sampling_sd, std::sqrt(variance), 1e-6);
   EXPECT_NEAR(estimate.gain_sd, of_mass / (m * m), 1e-9);
 }
 
@@ -92,7 +92,7 @@ TEST(HeadMotion, MusclesWidenByTheirShare) {
   const auto& damping = estimate.damping_rate_per_s;
   const double expected = 0.1 * estimate.rms_acceleration_m_s2 / estimate.rms_velocity_m_s;
   EXPECT_NEAR(
-      std::sqrt(damping.fitted_sd * damping.fitted_sd - damping.filter_sd * damping.filter_sd),
+      std::sqrt(damping.fitted_sd * damping.fitted_sd - damping.sampling_sd * damping.sampling_sd),
       expected, 1e-9);
 }
 
@@ -121,7 +121,7 @@ TEST(HeadMotion, ADelayWidensByWhatItDoes) {
     const auto punctual = of_a_head(0, kLate_s, noise_m_s2);
     const auto late = of_a_head(kLate_s, 0, noise_m_s2);
     const auto widened_by = [](const IdentifiedValue<double>& value) {
-      return std::sqrt(value.fitted_sd * value.fitted_sd - value.filter_sd * value.filter_sd);
+      return std::sqrt(value.fitted_sd * value.fitted_sd - value.sampling_sd * value.sampling_sd);
     };
     const double damping = late.damping_rate_per_s.fitted - punctual.damping_rate_per_s.fitted;
     const double stiffness =
@@ -172,7 +172,7 @@ TEST(HeadMotion, TakesTwoPositionsOfOneInstant) {
   }
   const auto value = stage.estimate().damping_rate_per_s;
   EXPECT_TRUE(std::isfinite(value.fitted_sd)) << value.fitted_sd;
-  EXPECT_GT(value.fitted_sd, value.filter_sd);
+  EXPECT_GT(value.fitted_sd, value.sampling_sd);
 }
 
 TEST(HeadMotion, ParametersAreChecked) {

@@ -55,7 +55,7 @@ JointEstimate<double> conclude(const JointParameters& parameters,
 
 // What a value's interval is wider by than the filter's.
 double granted_of(const IdentifiedValue<double>& value) {
-  return std::sqrt(value.fitted_sd * value.fitted_sd - value.filter_sd * value.filter_sd);
+  return std::sqrt(value.fitted_sd * value.fitted_sd - value.sampling_sd * value.sampling_sd);
 }
 
 // What is missing acts in phase with v, a or p, each value's own.

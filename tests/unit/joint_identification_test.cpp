@@ -89,7 +89,7 @@ TEST(JointIdentification, FrictionMayBeWrongByTheShareThatTheDriveMisses) {
     const auto friction = stage.estimate().friction_Ns_m;
     EXPECT_NEAR(friction.fitted, kFriction_Ns_m, 0.05);
     EXPECT_NEAR(friction.fitted_sd, kShare * kFriction_Ns_m, 0.02 * kShare * kFriction_Ns_m) << i;
-    EXPECT_LT(friction.filter_sd, 0.1 * friction.fitted_sd);
+    EXPECT_LT(friction.sampling_sd, 0.1 * friction.fitted_sd);
   }
 }
 
@@ -110,7 +110,7 @@ TEST(JointIdentification, FindsTheCoulombFrictionOfASlidingBlock) {
     estimate = stage.step(kT_s, 0, kSpeed_m_s * t - kCoulomb_N / kMass_kg * t * t / 2, 1e-6);
   }
   EXPECT_NEAR(estimate.coulomb_N.fitted, kCoulomb_N, 0.02);
-  EXPECT_LT(estimate.coulomb_N.filter_sd, 0.02);
+  EXPECT_LT(estimate.coulomb_N.sampling_sd, 0.02);
 }
 
 }  // namespace

@@ -18,7 +18,6 @@ StartMessage start(EstimatorChoice estimator) {
   message.published.motion.discretisation = Discretisation::backward;
   message.recommended.noise.adaptation = Adaptation::off;
   message.recommended.joint.delay = DelayModel::fitted;
-  message.recommended.joint.drive.is_measured = false;
   message.recommended.changes.detector.false_alarm_cycles = 1234;
   // Each value another one, in its range.
   double share = 0;
@@ -68,7 +67,6 @@ TEST(LinkMessages, StartsArriveWithAllParameters) {
   expect_settings(d, EstimatorChoice::recommended);
   EXPECT_EQ(d.recommended.noise.adaptation, Adaptation::off);
   EXPECT_EQ(d.recommended.joint.delay, DelayModel::fitted);
-  EXPECT_FALSE(d.recommended.joint.drive.is_measured);
   EXPECT_EQ(d.recommended.changes.detector.false_alarm_cycles, 1234);
   EXPECT_EQ(values_of(c.recommended, recommended), values_of(d.recommended, recommended));
   expect_each_byte_counts(c);

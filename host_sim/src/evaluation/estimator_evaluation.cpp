@@ -51,11 +51,12 @@ Scenario vary(const Scenario& scenario, const EvaluationPlan& plan, std::size_t 
 
 void add_identified(const IdentifiedValue<double>& value, double truth,
                     IdentifiedStatistics& statistics) {
+  ++statistics.limits[static_cast<std::size_t>(value.limit)];
   const double error = value.fitted - truth;
+  if (!std::isfinite(error) || !std::isfinite(value.fitted_sd)) return;
   statistics.error.add(error);
   statistics.square.add(error * error);
   statistics.fitted_sd.add(value.fitted_sd);
-  ++statistics.limits[static_cast<std::size_t>(value.limit)];
   if (value.limit != JointLimit::none) return;
   ++statistics.shown;
   if (std::abs(error) < kNormalQuantile95 * value.fitted_sd) ++statistics.covered;
@@ -66,14 +67,6 @@ void add_identified(const IdentifiedRun& run, Evaluation& evaluation) {
   ++evaluation.identified;
   add_identified(last.friction_Ns_m, run.friction_Ns_m, evaluation.identified_friction);
   add_identified(last.mass_kg, run.mass_kg, evaluation.identified_mass);
-  Eigen::Matrix2d covariance;
-  covariance << std::pow(last.friction_Ns_m.filter_sd, 2), last.friction_mass_covariance,
-      last.friction_mass_covariance, std::pow(last.mass_kg.filter_sd, 2);
-  RunSquares nees;
-  nees.add(normalised_square<2>(
-      {last.friction_Ns_m.fitted - run.friction_Ns_m, last.mass_kg.fitted - run.mass_kg},
-      covariance));
-  evaluation.identified_nees.add_run(nees);
 }
 
 void add_run(EvaluationRun&& run, Evaluation& evaluation) {

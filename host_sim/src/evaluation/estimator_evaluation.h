@@ -32,7 +32,7 @@ struct InnovationStatistics {
 
 /// What was said of friction or of mass at the ends of the runs.
 struct IdentifiedStatistics {
-  Moments error;      ///< of what the filter fitted, shown or not; its square is the bias' part
+  Moments error;      ///< of what was fitted, shown or not; its square is the bias' part
   Moments square;     ///< of these errors
   Moments fitted_sd;  ///< that it stated
   std::uint64_t shown = 0;                           ///< as measured
@@ -50,7 +50,6 @@ struct Evaluation {
   ConsistencyStatistics nees{3, ConsistencyStatistics::Independent::runs};
   std::uint64_t identified = 0;  ///< runs with a drive
   IdentifiedStatistics identified_friction, identified_mass;
-  ConsistencyStatistics identified_nees{2, ConsistencyStatistics::Independent::runs};
   std::uint64_t samples = 0;
   EventCounts events;
   ResponseSlope friction_slope, mass_slope;

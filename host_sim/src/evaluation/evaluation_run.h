@@ -22,7 +22,7 @@
 #include <variant>
 
 #include "condyle/estimator/events.h"
-#include "condyle/estimator/joint_identification.h"
+#include "condyle/estimator/joint_estimate.h"
 #include "condyle/estimator/matching_verdict.h"
 #include "condyle/estimator/parameters.h"
 #include "condyle/estimator/recommended_parameters.h"

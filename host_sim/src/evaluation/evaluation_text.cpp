@@ -150,8 +150,7 @@ std::string evaluation_text(const Evaluation& evaluation) {
   if (evaluation.identified > 0) {
     text +=
         identified_text("friction", "Ns/m", evaluation.identified_friction, evaluation.identified) +
-        identified_text("mass", "kg", evaluation.identified_mass, evaluation.identified) +
-        consistency_text("NEES of both", evaluation.identified_nees.report(kConfidence));
+        identified_text("mass", "kg", evaluation.identified_mass, evaluation.identified);
   }
   const auto& verdicts = evaluation.verdicts;
   if (verdicts[0] + verdicts[1] + verdicts[2] > 0) {

@@ -7,7 +7,7 @@
 //   y, P, K   state (p, v, u) of the linear filter at theta, its covariance and gain; H = (1 0 0)
 //   r, S      innovation z - H y and its variance H P H' + R
 //   W, psi    dy / dtheta; psi = H W before the update, so that r = psi dtheta + noise
-//   k         kv, m, ks, b: kv = lambda / eta and so on (joint_identification.h); G = dtheta / dk
+//   k         kv, m, ks, b: kv = lambda / eta and so on (point_regression.h); G = dtheta / dk
 //   s, I      score and information of dk over a cycle
 //
 // Prediction:  y, P by driven_point.h and drive_noise_bias.h, W <- F W + the step's derivatives
@@ -25,7 +25,7 @@
 // follows its model rather than the positions. This is added to the standard deviation. Farther off
 // the positions lie beyond the gate, no cycle counts and the outcome says `lost`.
 //
-// What joint_identification.h takes for granted of the drive shifts each cycle's damping too. Where
+// What point_conclusion.h takes for granted of the drive shifts each cycle's damping too. Where
 // it is the same in all of them a change is still a change. A drive that is late by tau is not: it
 // adds m w^2 tau, which follows the rhythm w.
 #pragma once
@@ -34,7 +34,7 @@
 #include "condyle/estimator/cycle_cutter.h"
 #include "condyle/estimator/drive_noise_bias.h"
 #include "condyle/estimator/driven_point.h"
-#include "condyle/estimator/joint_identification.h"
+#include "condyle/estimator/joint_estimate.h"
 #include "condyle/estimator/joint_parameters.h"
 
 namespace condyle {
@@ -72,10 +72,10 @@ struct CycleReport {
 /// The baseline by an identification that ran over it.
 template <class Scalar>
 DampingBaseline baseline_of(const JointEstimate<Scalar>& estimate) {
-  return {static_cast<double>(estimate.friction_Ns_m.fitted),
-          static_cast<double>(estimate.mass_kg.fitted),
-          static_cast<double>(estimate.stiffness_N_m.fitted),
-          static_cast<double>(estimate.offset_N.fitted)};
+  return {static_cast<double>(estimate.plain.friction_Ns_m),
+          static_cast<double>(estimate.plain.mass_kg),
+          static_cast<double>(estimate.plain.stiffness_N_m),
+          static_cast<double>(estimate.plain.offset_N)};
 }
 
 /// Estimates each cycle's damping. Fixed size, no allocation; see above.

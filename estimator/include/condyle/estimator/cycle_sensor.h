@@ -36,7 +36,7 @@ class CycleSensor {
   [[nodiscard]] bool drain(Estimate&) { return false; }
 
   const CycleTimeline<Scalar>& timeline() const { return timeline_; }
-  DriveTimelineCounts counts() const { return timeline_.counts(); }
+  DriveCounts counts() const { return timeline_.counts(); }
 
  private:
   // More than the room there is for would need positions that waited for seconds.

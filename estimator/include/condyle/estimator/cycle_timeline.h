@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drive and positions, each at its own times and rate, to the damping of chewing cycles.
 //
-//   1   drive_timeline.h identifies the point over `identification_s`, and for longer until its
-//       innovations fit: the baseline, and the drive's delay if that is to be fitted
+//   1   point_identification.h identifies the point over `identification_s`, and for longer while
+//       a test of it speaks: the baseline, and the drive's delay if that is to be fitted
 //   2   cycle_damping.h steps from position to position, over the drive's samples between them; the
 //       drive is linear between its samples, and a position waits for the next one
 //
@@ -18,7 +18,7 @@
 #include <optional>
 
 #include "condyle/estimator/cycle_damping.h"
-#include "condyle/estimator/drive_timeline.h"
+#include "condyle/estimator/point_identification.h"
 
 namespace condyle {
 
@@ -30,7 +30,7 @@ struct TimedCycle {
 };
 
 /// Finds the baseline, then gives cycle after cycle. Fixed size, no allocation; see above. Times,
-/// gaps and delays are as in DriveTimeline.
+/// gaps and delays are as in PointRegression.
 template <class Scalar>
 class CycleTimeline {
  public:
@@ -77,7 +77,7 @@ class CycleTimeline {
   template <class Sink>
   void add_position(TimeNs time_ns, Scalar position_m, Scalar sd_m, Sink&& sink) {
     if (!damping_ && std::isfinite(position_m)) {
-      identification_.add_position(time_ns, position_m, sd_m);
+      identification_.add_position(time_ns, position_m);
     }
     if (has_drive_ && time_ns < begin_ns_) {
       if (damping_) ++counts_.positions_too_early;
@@ -94,8 +94,8 @@ class CycleTimeline {
   /// What the point was identified to be, so far or when the watch began.
   JointEstimate<Scalar> identified() const { return identification_.estimate(); }
   /// What was not as it should be, in the identification and after it.
-  DriveTimelineCounts counts() const {
-    DriveTimelineCounts sum = identification_.counts();
+  DriveCounts counts() const {
+    DriveCounts sum = identification_.counts();
     sum.drive_not_in_order += counts_.drive_not_in_order;
     sum.drive_gaps += counts_.drive_gaps;
     sum.positions_too_early += counts_.positions_too_early;
@@ -105,7 +105,7 @@ class CycleTimeline {
   }
 
  private:
-  static constexpr std::size_t kMostWaiting = 64;  // as in DriveTimeline
+  static constexpr std::size_t kMostWaiting = 64;  // for a drive of 25 Hz and positions of 500 Hz, and more
   struct Waiting {
     TimeNs time_ns;
     Scalar position_m, sd_m;
@@ -178,17 +178,14 @@ class CycleTimeline {
     if (seconds(identified_ns_) < watch_.identification_s) return;
     const JointEstimate<Scalar> estimate = identification_.estimate();
     const JointLimit limit = estimate.mass_kg.limit;
-    if (limit == JointLimit::no_drive || limit == JointLimit::too_early ||
-        limit == JointLimit::model || !is_valid(baseline_of(estimate))) {
-      return;
-    }
+    if (is_failure(limit) || !is_valid(baseline_of(estimate))) return;
     JointParameters joint = joint_;
     joint.drive.noise_sd_N *=
         sqrt(1 + static_cast<double>(between_) / static_cast<double>(drives_));
     damping_.emplace(baseline_of(estimate), joint, watch_.cycles);
     start_at(end_ns_);
     if (joint_.delay == DelayModel::fitted) {  // from here on what was found is taken off as well
-      delay_ns_ += nanoseconds(static_cast<double>(estimate.delay_s.fitted));
+      delay_ns_ = nanoseconds(static_cast<double>(estimate.plain.delay_s));
       has_drive_ = false;
     }
   }
@@ -201,7 +198,7 @@ class CycleTimeline {
   JointParameters joint_;
   WatchParameters watch_;
   TimeNs delay_ns_, longest_gap_ns_;
-  DriveTimeline<Scalar> identification_;
+  PointIdentification<Scalar> identification_;
   std::optional<CycleDamping<Scalar>> damping_;  // of the baseline, once that is known
   TimeNs identified_ns_ = 0;
   std::uint64_t drives_ = 0, between_ = 0;  // samples of the drive, positions between them
@@ -212,7 +209,7 @@ class CycleTimeline {
   Scalar begin_N_ = 0, end_N_ = 0;
   std::array<Waiting, kMostWaiting> waiting_{};
   std::size_t waiting_count_ = 0;
-  DriveTimelineCounts counts_;
+  DriveCounts counts_;
 };
 
 }  // namespace condyle

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The recommended estimator as a virtual sensor that also identifies friction and mass, where the
-// drive is measured. Where it is not (DriveParameters::is_measured), the identification can be
-// given the assumed mass times the estimated acceleration instead, as the published cascade is:
-// that is to show that it then tells nothing, however small its covariance becomes.
+// drive is measured.
 #pragma once
 
-#include "condyle/estimator/drive_timeline.h"
+#include "condyle/estimator/point_identification.h"
 #include "condyle/estimator/recommended_sensor.h"
 
 namespace condyle {
@@ -17,7 +15,7 @@ struct DrivenEstimate : RecommendedEstimate<Scalar> {
 };
 
 /// As RecommendedSensor; the identification follows one of its axes. It takes the positions that
-/// the recommended estimator took, with the noise that that one found.
+/// the recommended estimator took.
 template <class Scalar, int kAxes, int kMostLag = 16>
 class DrivenSensor {
  public:
@@ -37,15 +35,20 @@ class DrivenSensor {
   /// As RecommendedSensor.
   [[nodiscard]] bool drain(Estimate& estimate);
 
-  const DriveTimelineCounts& counts() const { return timeline_.counts(); }
+  /// Draws the conclusion of all that was given so far, as at the end of a recording.
+  const JointEstimate<Scalar>& conclude() {
+    identification_.conclude();
+    return identification_.estimate();
+  }
+
+  DriveCounts counts() const { return identification_.counts(); }
 
  private:
   Estimate complete(Estimate estimate);
 
   int axis_;
-  bool is_measured_;
   RecommendedSensor<Scalar, kAxes, kMostLag> motion_;
-  DriveTimeline<Scalar> timeline_;
+  PointIdentification<Scalar> identification_;
 };
 
 template <class Scalar, int kAxes, int kMostLag>
@@ -53,13 +56,12 @@ DrivenSensor<Scalar, kAxes, kMostLag>::DrivenSensor(const RecommendedParameters&
                                                     int lag, const FollowedPoint& followed,
                                                     int axis)
     : axis_(axis),
-      is_measured_(parameters.joint.drive.is_measured),
       motion_(parameters, lag, followed),
-      timeline_(parameters.joint) {}
+      identification_(parameters.joint) {}
 
 template <class Scalar, int kAxes, int kMostLag>
 void DrivenSensor<Scalar, kAxes, kMostLag>::add_drive(TimeNs time_ns, double drive_N) {
-  if (is_measured_) timeline_.add_drive(time_ns, static_cast<Scalar>(drive_N));
+  identification_.add_drive(time_ns, static_cast<Scalar>(drive_N));
 }
 
 template <class Scalar, int kAxes, int kMostLag>
@@ -82,9 +84,8 @@ auto DrivenSensor<Scalar, kAxes, kMostLag>::complete(Estimate estimate) -> Estim
   const bool is_taken = estimate.is_ready && estimate.time_valid &&
                         std::isfinite(axis.innovation_m) &&
                         !estimate.events.has(Event::outlier_rejected);
-  if (is_taken && !is_measured_) timeline_.add_drive(estimate.time_ns, axis.force_N.value);
-  if (is_taken) timeline_.add_position(estimate.time_ns, axis.measured_position_m, axis.noise_sd_m);
-  estimate.joint = timeline_.estimate();
+  if (is_taken) identification_.add_position(estimate.time_ns, axis.measured_position_m);
+  estimate.joint = identification_.estimate();
   return estimate;
 }
 

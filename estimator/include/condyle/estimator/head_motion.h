@@ -97,7 +97,7 @@ class HeadMotionIdentification {
 
   /// A position `z` (m) relative to the head, as JointIdentification::measure.
   void measure(Scalar share, Scalar z, Scalar sd) {
-    const JointEstimate<Scalar> joint = stage_.measure(share, z, sd);
+    const JointFilterEstimate<Scalar> joint = stage_.measure(share, z, sd);
     if (joint.outcome != JointOutcome::updated) return;
     const Vector4 now(joint.velocity_m_s, joint.position_m,
                       before_m_s2_ + share * (now_m_s2_ - before_m_s2_),
@@ -122,7 +122,7 @@ class HeadMotionIdentification {
   HeadMotionEstimate<Scalar> estimate() const {
     using std::abs;
     using std::sqrt;
-    const JointEstimate<Scalar> joint = stage_.estimate();
+    const JointFilterEstimate<Scalar> joint = stage_.estimate();
     const auto& A = stage_.covariance();
     HeadMotionEstimate<Scalar> estimate;
     estimate.gain = Scalar(1) / joint.mass_kg.fitted;
@@ -212,7 +212,7 @@ class HeadMotionIdentification {
     IdentifiedValue<Scalar> identified;
     identified.quantity = {Scalar(prior.mean), Scalar(prior.sd), Provenance::assumed};
     identified.fitted = per_gain.fitted * gain;
-    identified.filter_sd = sqrt(filter_variance > Scalar(0) ? filter_variance : Scalar(0));
+    identified.sampling_sd = sqrt(filter_variance > Scalar(0) ? filter_variance : Scalar(0));
     identified.information = information_share(filter_variance, square(Scalar(prior.sd)));
     return identified;
   }
@@ -221,7 +221,7 @@ class HeadMotionIdentification {
   static void conclude(IdentifiedValue<Scalar>& value, JointLimit checks, Scalar muscles,
                        Scalar delay, Scalar resolution) {
     using std::sqrt;
-    const Scalar filter = value.filter_sd;
+    const Scalar filter = value.sampling_sd;
     value.fitted_sd = sqrt(square(filter) + square(muscles) + square(delay));
     if (checks == JointLimit::no_drive || checks == JointLimit::too_early ||
         checks == JointLimit::model) {

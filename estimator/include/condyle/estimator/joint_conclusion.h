@@ -53,6 +53,32 @@ struct JointBelief {
   Scalar mean_p_m = 0, mean_p2 = 0, mean_u2 = 0, mean_v2 = 0, mean_a2 = 0;  ///< SI units
 };
 
+/// What a position did to the filter.
+enum class JointOutcome : std::uint8_t {
+  waits,     ///< no drive was measured since the last interruption
+  started,   ///< the first one, or the first after an interruption
+  updated,   ///< it was taken
+  held,      ///< it was taken for the point's place alone, which moves too little to tell more
+  paused,    ///< it lies where teeth or food may touch: not taken
+  rejected,  ///< it lies beyond the gate; after three in a row the point's place starts anew
+  refused,   ///< a state was not usable, or the place was lost for long and nothing had been
+             ///< proved by then: the filter starts anew
+};
+
+/// What the filter knows after a sample.
+template <class Scalar>
+struct JointFilterEstimate : JointEstimate<Scalar> {
+  Scalar friction_mass_covariance = 0;  ///< of the filter (Ns/m kg)
+  Scalar position_m = 0, velocity_m_s = 0;
+  Scalar nis = std::numeric_limits<Scalar>::quiet_NaN();  ///< of the position; NaN: not taken
+  Scalar mean_nis = 0;                ///< of all that were taken; 1 where the model holds
+  Scalar innovation_correlation = 0;  ///< of neighbours among them; 0 where the model holds
+  /// Smallest information share of any combination of what is fitted: 0 where some combination is
+  /// not observed at all, 1 where all are known.
+  Scalar observability = 0;
+  JointOutcome outcome = JointOutcome::waits;
+};
+
 /// Draws the conclusion. Fixed size, no allocation.
 template <class Scalar>
 class JointConclusion {
@@ -73,7 +99,7 @@ class JointConclusion {
   }
 
   /// What `belief` says of the values; the rest of the estimate is the filter's.
-  JointEstimate<Scalar> draw(const JointBelief<Scalar>& belief) {
+  JointFilterEstimate<Scalar> draw(const JointBelief<Scalar>& belief) {
     using std::sqrt;
     const Scalar e = belief.theta[JointUnknown::kEta], m = Scalar(1) / e;
     Values k, prior_sd;
@@ -105,7 +131,7 @@ class JointConclusion {
     time_s_ = belief.time_s;
     has_failed_ = belief.has_failed;
 
-    JointEstimate<Scalar> estimate;
+    JointFilterEstimate<Scalar> estimate;
     estimate.mean_nis = innovations_.mean_nis();
     estimate.innovation_correlation = innovations_.correlation();
     estimate.friction_mass_covariance = C_(kFriction, kMass);
@@ -182,8 +208,7 @@ class JointConclusion {
   }
 
   Scalar share_of(int i, Scalar variance) const {
-    return parameters_.drive.is_measured ? information_share(variance, prior_variance_[i])
-                                         : Scalar(0);
+    return information_share(variance, prior_variance_[i]);
   }
 
   // The interval is widened; the value is shown where it is narrow enough and the model holds.
@@ -193,7 +218,7 @@ class JointConclusion {
     const Scalar variance = C_(i, i) > Scalar(0) ? C_(i, i) : Scalar(0);
     value.quantity = {prior_mean, sqrt(prior_variance_[i]), Provenance::assumed};
     value.fitted = fitted;
-    value.filter_sd = sqrt(variance);
+    value.sampling_sd = sqrt(variance);
     value.information = share_of(i, variance);
     const Scalar squares[] = {variance, square(granted.gain), square(granted.delay),
                               square(granted.missing), square(granted.reversal)};
@@ -250,7 +275,6 @@ class JointConclusion {
 
   Scalar observability() const {
     using std::sqrt;
-    if (!parameters_.drive.is_measured) return Scalar(0);
     Table scaled = Table::Zero();
     for (int i = 0; i < kValues; ++i) {
       for (int j = 0; j < kValues; ++j) {

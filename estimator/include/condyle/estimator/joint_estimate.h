@@ -17,6 +17,8 @@ enum class JointLimit : std::uint8_t {
   changing,            ///< the parameters, or the drive's delay, changed along the recording
   delay_stated,        ///< the drive's delay is not what was stated
   negative_friction,   ///< friction would be negative: the drive is not all that drives
+  model,               ///< head motion: the innovations are not what they would be if it held
+  information,         ///< head motion: the measurements tell less than the prior does
   excitation,          ///< the motion is too weak, or too uniform, against the noise
   mass_or_stiffness,   ///< likewise; it would do, were mass told from the spring's shape
   friction_or_delay,   ///< likewise; it would do, were friction told from the drive's delay
@@ -27,15 +29,20 @@ enum class JointLimit : std::uint8_t {
   missing,             ///< or what the drive may miss
 };
 
+/// True where nothing may be said of any value: too little was measured, or a test speaks.
+constexpr bool is_failure(JointLimit limit) {
+  return limit >= JointLimit::no_drive && limit <= JointLimit::model;
+}
+
 /// Number of limits.
-inline constexpr std::size_t kJointLimits = 17;
+inline constexpr std::size_t kJointLimits = 19;
 
 /// Name of a limit as it stands in files and summaries.
 constexpr const char* limit_name(JointLimit limit) {
   constexpr const char* names[kJointLimits] = {
       "",           "no_drive",          "too_slow",          "too_early",
       "dynamics",   "noise",             "changing",          "delay_stated",
-      "negative_friction", "excitation", "mass_or_stiffness", "friction_or_delay",
+      "negative_friction", "model", "information", "excitation", "mass_or_stiffness", "friction_or_delay",
       "viscous_or_coulomb", "resolution", "gain",             "delay",
       "missing"};
   return names[static_cast<int>(limit)];
@@ -49,8 +56,17 @@ struct IdentifiedValue {
   Scalar fitted = kNone;        ///< by the regression, whether it is known or not
   Scalar fitted_sd = kNone;     ///< with what is taken for granted; infinite where it has no end
   Scalar sampling_sd = kNone;   ///< without: what the recording's own scatter says
+  Scalar information = 0;       ///< head motion: its information share (provenance.h)
   Scalar needed_s = kNone;      ///< recorded time that would suffice; where the limit is resolution
   JointLimit limit = JointLimit::no_drive;
+};
+
+/// Values of one fit, which belong together whether they are known or not.
+template <class Scalar>
+struct PointValues {
+  static constexpr Scalar kNone = std::numeric_limits<Scalar>::quiet_NaN();
+  Scalar friction_Ns_m = kNone, mass_kg = kNone, stiffness_N_m = kNone, offset_N = kNone;
+  Scalar delay_s = 0;
 };
 
 /// What is known so far.
@@ -59,6 +75,7 @@ struct JointEstimate {
   IdentifiedValue<Scalar> friction_Ns_m, mass_kg, stiffness_N_m, offset_N;
   IdentifiedValue<Scalar> coulomb_N;  ///< assumed to be none unless it is fitted
   IdentifiedValue<Scalar> delay_s;    ///< of the drive; assumed unless it is fitted
+  PointValues<Scalar> plain;          ///< by the plain model, all from one fit
   Scalar used_s = 0;                  ///< time that the values rest on
   /// Noise of a sample of the drive and of the position, by their own differences; NaN before.
   Scalar drive_noise_sd_N = std::numeric_limits<Scalar>::quiet_NaN();

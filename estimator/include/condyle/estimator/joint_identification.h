@@ -88,7 +88,7 @@ class JointIdentification {
 
   /// A position `z` (m) with noise of standard deviation `sd` (m), measured when the share `share`
   /// (0 to 1) of the present interval has passed; not earlier than the one before.
-  JointEstimate<Scalar> measure(Scalar share, Scalar z, Scalar sd) {
+  JointFilterEstimate<Scalar> measure(Scalar share, Scalar z, Scalar sd) {
     Scalar nis = std::numeric_limits<Scalar>::quiet_NaN();
     if (!has_drive_) return estimate(JointOutcome::waits, nis);
     if (!is_started_) {
@@ -113,7 +113,7 @@ class JointIdentification {
 
   /// Drive and position measured at once, `T` s after the ones before: drive(T, u), measure(1, z,
   /// sd).
-  JointEstimate<Scalar> step(Scalar T, Scalar u, Scalar z, Scalar sd) {
+  JointFilterEstimate<Scalar> step(Scalar T, Scalar u, Scalar z, Scalar sd) {
     drive(T, u);
     return measure(Scalar(1), z, sd);
   }
@@ -123,7 +123,7 @@ class JointIdentification {
   void interrupt() { is_started_ = has_drive_ = false; }
 
   /// What is known now.
-  JointEstimate<Scalar> estimate() const {
+  JointFilterEstimate<Scalar> estimate() const {
     return estimate(JointOutcome::waits, std::numeric_limits<Scalar>::quiet_NaN());
   }
 
@@ -347,7 +347,7 @@ class JointIdentification {
     motion_ += weight * (x_[v] * x_[v] - motion_);
   }
 
-  JointEstimate<Scalar> estimate(JointOutcome outcome, Scalar nis) const {
+  JointFilterEstimate<Scalar> estimate(JointOutcome outcome, Scalar nis) const {
     static_assert(kStates - lambda == JointUnknown::kCount);
     JointBelief<Scalar> belief;
     belief.theta = x_.template tail<JointUnknown::kCount>();
@@ -363,7 +363,7 @@ class JointIdentification {
       belief.mean_v2 = sum_v2_ / time_s_;
       belief.mean_a2 = sum_a2_ / time_s_;
     }
-    JointEstimate<Scalar> estimate = JointConclusion<Scalar>(parameters_, monitor_).draw(belief);
+    JointFilterEstimate<Scalar> estimate = JointConclusion<Scalar>(parameters_, monitor_).draw(belief);
     estimate.outcome = outcome;
     estimate.nis = nis;
     estimate.position_m = x_[p];

@@ -28,8 +28,6 @@ struct DriveParameters {
   /// nothing that needs the total drive is called measured.
   double missing_share = 1;
   double longest_gap_s = 0.05;  ///< between its samples, beyond which it is not known between (s)
-  /// False: it was computed from the position itself, so that it tells nothing of the point.
-  bool is_measured = true;
 };
 
 /// Whether the drive's delay is taken as stated, its uncertainty widening the intervals, or

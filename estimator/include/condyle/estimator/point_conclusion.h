@@ -3,7 +3,9 @@
 //
 //   P, P0     the plain fit of m, kv, ks, c (and tau, where the delay is fitted): noise taken out of
 //             all columns, or kept in the even ones (regression_fit.h)
-//   S0        P0 with X^2, X^3, X^4 beside: a spring of any shape
+//   S         P0 with X^2, X^3, X^4 beside: a spring of any shape. Where the delay is fitted, P with
+//             them: u' is odd as v is, yet a motion that does not look the same backwards couples
+//             it with X^k, whose noise may then not be kept
 //   E, E0     P, P0 with X^2, X^3, X^4 and the sign of the velocity: also sliding friction
 //   V         variance of a value by the scatter of the blocks
 //   Fc, f     Fc of E0; f = Fc sum q_s v / sum v^2: sliding friction as damping of the same energy
@@ -12,16 +14,18 @@
 // the smallest V + d^2 and delay's part is taken:
 //   mass      P: d = m_E - m_P;  E: d = (m_P - m_E) / 2
 //   friction  P0: d = kv_S - kv_P (and, delay fitted, (kv_E + f - kv_P) / 2);
-//             S0: d = 0 (and, delay fitted, (kv_E + f - kv_S) / 2); either with 0.1 f beside.
+//             S: d = 0 (and, delay fitted, (kv_E + f - kv_S) / 2); either with 0.1 f and the correction
+//             for noise beside, which is small where the parity of the kernel keeps it so.
 //             Where Coulomb friction is fitted, E0 alone: kv is then the viscous part
-//   others    stiffness, offset P: d to E; Coulomb, delay E0
+//   others    stiffness, offset P: d to E; delay P: half of d to E; Coulomb
+//             E0. Where Coulomb friction is fitted, the delay is that of E
 // Granted, each independent of the others:
 //   gain      sigma_g theta: one scale of drive, positions and axis
 //   delay     known to s: s times what a second of delay adds, to second order; by regression
 //   missing   a force of at most the share s of the total, in phase with v or a: s rms(u) / rms(v)
-//   noise     (0.25 + |R - 1|) times the correction for noise, R the residual of E0
+//   noise     (0.25 + |R - 1|) times the correction for noise, R the smallest residual of the fits
 // Withheld, both values, where a test speaks: |z| > 3 of u'' added to E (dynamics), R beyond
-//   1.25 + 3 sqrt(2 / (T w_c / 3.55)) (noise), |trend| > 3 of m in E, tau in E0 with u', kv in P0 with u' (changing), tau farther
+//   1.25 + 3 sqrt(2 / (T w_c / 3.55)) (noise), trends beyond 3 of kv in P0, m in E, tau in E0 (changing), tau farther
 //   than 4 standard deviations from what is stated (delay_stated), kv below -3 (negative_friction).
 // Measured: standard deviation, all of it, at most half the resolution that the user asks for.
 // Walk:     a value that may wander by q per root second is that of the end, where the mean of T
@@ -108,6 +112,7 @@ class PointConclusion {
       estimate.drive_noise_sd_N = Scalar(sqrt(data_.drive_variance_N2()));
       estimate.position_noise_sd_m = Scalar(sqrt(data_.position_variance_m2()));
       estimate.residual_ratio = Scalar(residual_);
+      estimate.plain = plain_;
       write(mass_, parameters_.mass_kg,
             parameters_.mass_resolution_fraction * mass_.fit.value, 1 / rms_a_, estimate.mass_kg);
       write(friction_, parameters_.friction_Ns_m, parameters_.friction_resolution_Ns_m, 1 / rms_v_,
@@ -130,14 +135,14 @@ class PointConclusion {
 
     FitColumns columns(bool has_powers, bool has_sign, bool keeps_even_noise) const {
       FitColumns columns;
-      for (const RegressionColumn column : {kAcceleration, kVelocity, kPosition, kOne}) {
+      for (const RegressionColumn column : {kAccelerationColumn, kVelocityColumn, kPositionColumn, kOneColumn}) {
         columns.add(column);
       }
       if (has_powers) {
-        for (const RegressionColumn column : {kSquare, kCube, kFourth}) columns.add(column);
+        for (const RegressionColumn column : {kSquareColumn, kCubeColumn, kFourthColumn}) columns.add(column);
       }
-      if (has_sign) columns.add(kSign);
-      if (fits_delay_) columns.add(kDriveSlope);
+      if (has_sign) columns.add(kSignColumn);
+      if (fits_delay_) columns.add(kDriveSlopeColumn);
       columns.keeps_even_noise = keeps_even_noise;
       return columns;
     }
@@ -145,23 +150,27 @@ class PointConclusion {
     void judge() {
       using std::sqrt;
       const Fit P(data_, columns(false, false, false)), P0(data_, columns(false, false, true)),
-          S0(data_, columns(true, false, true)), E(data_, columns(true, true, false)),
+          S(data_, columns(true, false, !fits_delay_)), E(data_, columns(true, true, false)),
           E0(data_, columns(true, true, true));
       measure_motion();
-      residual_ = E0.is_solved() ? E0.residual() : FittedValue::kUnbounded;
-      const FittedValue sliding = E0.fitted(kSign), extended = E0.fitted(kVelocity);
-      const double share = sliding.value * data_.sum().product(kSign, kVelocity) /
-                           data_.sum().product(kVelocity, kVelocity);
+      residual_ = FittedValue::kUnbounded;
+      for (const Fit* fit : {&P, &P0, &E, &E0}) {
+        if (fit->is_solved() && fit->residual() < residual_) residual_ = fit->residual();
+      }
+      const FittedValue sliding = E0.fitted(kSignColumn), extended = E0.fitted(kVelocityColumn);
+      const double share = sliding.value * data_.sum().product(kSignColumn, kVelocityColumn) /
+                           data_.sum().product(kVelocityColumn, kVelocityColumn);
 
-      Candidate plain{P.fitted(kAcceleration)}, shaped{E.fitted(kAcceleration)};
+      Candidate plain{P.fitted(kAccelerationColumn)}, shaped{E.fitted(kAccelerationColumn)};
       const double apart = shaped.fit.value - plain.fit.value;
       plain.discrepancy2 = square(apart);
       shaped.discrepancy2 = square(apart / 2);
       mass_ = better(plain, shaped);
 
-      Candidate viscous{P0.fitted(kVelocity)}, sprung{S0.fitted(kVelocity)};
-      viscous.discrepancy2 = square(sprung.fit.value - viscous.fit.value) + square(share / 10);
-      sprung.discrepancy2 = square(share / 10);
+      Candidate viscous{P0.fitted(kVelocityColumn)}, sprung{S.fitted(kVelocityColumn)};
+      viscous.discrepancy2 = square(sprung.fit.value - viscous.fit.value) + square(share / 10) +
+                             square(viscous.fit.correction);
+      sprung.discrepancy2 = square(share / 10) + square(sprung.fit.correction);
       if (fits_delay_) {
         const double both = extended.value + share;
         viscous.discrepancy2 += square((both - viscous.fit.value) / 2);
@@ -169,15 +178,30 @@ class PointConclusion {
       }
       friction_ = parameters_.coulomb_N.sd > 0 ? Candidate{extended} : better(viscous, sprung);
 
-      stiffness_ = {P.fitted(kPosition)};
-      stiffness_.discrepancy2 = square(E.value(kPosition) - stiffness_.fit.value);
-      offset_ = {P.fitted(kOne)};
-      offset_.discrepancy2 = square(E.value(kOne) - offset_.fit.value);
+      stiffness_ = {P.fitted(kPositionColumn)};
+      stiffness_.discrepancy2 = square(E.value(kPositionColumn) - stiffness_.fit.value);
+      offset_ = {P.fitted(kOneColumn)};
+      offset_.discrepancy2 = square(E.value(kOneColumn) - offset_.fit.value);
       coulomb_ = {sliding};
-      if (fits_delay_) delay_ = {E0.fitted(kDriveSlope)};
-      delay_.discrepancy2 = square(delay_.fit.correction);
+      if (fits_delay_) {
+        const bool fits_sliding = parameters_.coulomb_N.sd > 0;
+        delay_ = {(fits_sliding ? E : P).fitted(kDriveSlopeColumn)};
+        delay_.discrepancy2 = square((E.value(kDriveSlopeColumn) - delay_.fit.value) / 2);
+      }
+      keep_plain(plain.fit.is_known() ? P : P0);
       find_pairs();
-      test(E);
+      test(E, P0);
+    }
+
+    void keep_plain(const Fit& fit) {
+      if (!fit.is_solved()) return;
+      plain_.friction_Ns_m = Scalar(fit.value(kVelocityColumn));
+      plain_.mass_kg = Scalar(fit.value(kAccelerationColumn));
+      plain_.stiffness_N_m = Scalar(fit.value(kPositionColumn));
+      plain_.offset_N = Scalar(data_.setup().place_m * fit.value(kPositionColumn) -
+                               fit.value(kOneColumn));
+      plain_.delay_s = Scalar(parameters_.drive.delay_s +
+                              (fits_delay_ ? fit.value(kDriveSlopeColumn) : 0));
     }
 
     // rms of the motion, noise taken out.
@@ -187,10 +211,10 @@ class PointConclusion {
         return (sum.product(column, column) - data_.noise(sum, column, column)) / sum.instants;
       };
       using std::sqrt;
-      rms_a_ = sqrt(mean2(kAcceleration));
-      rms_v_ = sqrt(mean2(kVelocity));
-      rms_x_ = sqrt(mean2(kPosition) - square(sum.product(kPosition, kOne) / sum.instants));
-      rms_u_ = sqrt(mean2(kDrive));
+      rms_a_ = sqrt(mean2(kAccelerationColumn));
+      rms_v_ = sqrt(mean2(kVelocityColumn));
+      rms_x_ = sqrt(mean2(kPositionColumn) - square(sum.product(kPositionColumn, kOneColumn) / sum.instants));
+      rms_u_ = sqrt(mean2(kDriveColumn));
     }
 
     Candidate better(const Candidate& one, const Candidate& other) const {
@@ -203,47 +227,44 @@ class PointConclusion {
       FitColumns free = columns(false, false, false), still = columns(false, false, true);
       FitColumns without_spring, without_delay;
       for (std::size_t i = 0; i < free.count; ++i) {
-        if (free.columns[i] != kPosition) without_spring.add(free.columns[i]);
+        if (free.columns[i] != kPositionColumn) without_spring.add(free.columns[i]);
       }
       for (std::size_t i = 0; i < still.count; ++i) {
-        if (still.columns[i] != kDriveSlope) without_delay.add(still.columns[i]);
+        if (still.columns[i] != kDriveSlopeColumn) without_delay.add(still.columns[i]);
       }
       without_delay.keeps_even_noise = true;
-      mass_alone_sd_ = Fit(data_, without_spring).fitted(kAcceleration).sd;
-      friction_alone_sd_ = fits_delay_ ? Fit(data_, without_delay).fitted(kVelocity).sd
+      mass_alone_sd_ = Fit(data_, without_spring).fitted(kAccelerationColumn).sd;
+      friction_alone_sd_ = fits_delay_ ? Fit(data_, without_delay).fitted(kVelocityColumn).sd
                                        : FittedValue::kUnbounded;
     }
 
-    void test(const Fit& E) {
+    void test(const Fit& E, const Fit& P0) {
       using std::abs;
       using std::sqrt;
-      constexpr double kTrend = 3, kDynamics = 3, kDelay = 4, kNegative = 3;
+      constexpr double kDynamics = 3, kDelay = 4, kNegative = 3;
       FitColumns curved = columns(true, true, false);
       if (fits_delay_) --curved.count;
-      curved.add(kDriveCurvature);
-      if (fits_delay_) curved.add(kDriveSlope);
-      const FittedValue curvature = Fit(data_, curved).fitted(kDriveCurvature);
+      curved.add(kDriveCurvatureColumn);
+      if (fits_delay_) curved.add(kDriveSlopeColumn);
+      const FittedValue curvature = Fit(data_, curved).fitted(kDriveCurvatureColumn);
       FitColumns late = columns(true, true, true);
-      if (!fits_delay_) late.add(kDriveSlope);
-      const FittedValue delay = Fit(data_, late).fitted(kDriveSlope);
+      if (!fits_delay_) late.add(kDriveSlopeColumn);
+      const FittedValue delay = Fit(data_, late).fitted(kDriveSlopeColumn);
       const double stated_sd_s = parameters_.drive.delay_sd_s;
       const double independent = data_.duration_s() * data_.setup().cutoff_rad_s / 3.55;
       const double highest = 1.25 + 3 * sqrt(2 / independent);
-      // A delay within what is stated acts like a friction that follows the rhythm.
-      FitColumns late_plain = columns(false, false, true);
-      if (!fits_delay_) late_plain.add(kDriveSlope);
-      const FittedValue friction = Fit(data_, late_plain).fitted(kVelocity);
       const double delay_sd_s =
           sqrt(square(delay.sd) + square(delay.correction) + square(stated_sd_s));
-      if (curvature.is_known() && abs(curvature.value) > kDynamics * curvature.sd) {
+      const double curvature_sd = sqrt(square(curvature.sd) + 3 * square(square(delay_sd_s_) / 2));
+      if (curvature.is_known() && abs(curvature.value) > kDynamics * curvature_sd) {
         failure_ = JointLimit::dynamics;
       } else if (!(residual_ <= highest)) {
         failure_ = JointLimit::noise;
       } else if (delay.is_known() && abs(delay.value) > kDelay * delay_sd_s) {
         failure_ = JointLimit::delay_stated;
       } else if (!has_walk(parameters_) &&
-                 (abs(friction.trend) > kTrend || abs(E.fitted(kAcceleration).trend) > kTrend ||
-                  (delay.is_known() && abs(delay.trend) > kTrend))) {
+                 (has_trend(P0.fitted(kVelocityColumn)) || has_trend(E.fitted(kAccelerationColumn)) ||
+                  has_trend(delay))) {
         failure_ = JointLimit::changing;
       } else if (friction_.fit.is_known() &&
                  friction_.fit.value <
@@ -251,6 +272,14 @@ class PointConclusion {
                                        square(parameters_.drive.missing_share * rms_u_ / rms_v_))) {
         failure_ = JointLimit::negative_friction;
       }
+    }
+
+    // A delay within what is stated is no trend.
+    bool has_trend(const FittedValue& fit) const {
+      constexpr double kTrend = 3;
+      return fit.is_known() && square(fit.trend) >
+                                   square(kTrend) * (fit.trend2 +
+                                                     square(delay_sd_s_ * fit.trend_per_delay));
     }
 
     // `per_N`: what a force of 1 N rms in phase adds to the value.
@@ -262,7 +291,7 @@ class PointConclusion {
       const DriveParameters& drive = parameters_.drive;
       const double T = data_.duration_s();
       const bool is_delay = &candidate == &delay_, is_friction = &candidate == &friction_,
-                 is_mass = &candidate == &mass_;
+                 is_mass = &candidate == &mass_, is_offset = &candidate == &offset_;
       struct Part {
         double variance;
         JointLimit limit;
@@ -282,14 +311,12 @@ class PointConclusion {
         sum += part.variance;
         if (part.variance > largest->variance) largest = &part;
       }
-      if (&candidate == &offset_) {  // where x is 0, not where the recording began
+      if (is_offset) {  // where x is 0, not where the recording began
         sum = square(sqrt(sum) + abs(data_.setup().place_m) * stiffness_.fit.sd);
       }
-      const double offset = is_delay ? drive.delay_s
-                            : &candidate == &offset_
-                                ? -data_.setup().place_m * stiffness_.fit.value
-                                : 0;
-      value.fitted = Scalar(fit.value + offset);
+      value.fitted = Scalar(is_delay    ? drive.delay_s + fit.value
+                            : is_offset ? data_.setup().place_m * stiffness_.fit.value - fit.value
+                                        : fit.value);
       value.fitted_sd = Scalar(sqrt(sum));
       value.sampling_sd = Scalar(fit.sd);
       const double target = square(resolution / 2);
@@ -325,6 +352,7 @@ class PointConclusion {
     double residual_ = 0;
     double rms_a_ = 0, rms_v_ = 0, rms_x_ = 0, rms_u_ = 0;
     double mass_alone_sd_ = FittedValue::kUnbounded, friction_alone_sd_ = FittedValue::kUnbounded;
+    PointValues<Scalar> plain_;
     Candidate mass_, friction_, stiffness_, offset_, coulomb_, delay_;
     JointLimit failure_ = JointLimit::none;
   };

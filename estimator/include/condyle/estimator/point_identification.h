@@ -39,7 +39,7 @@ class PointIdentification {
 
   /// The last conclusion.
   const JointEstimate<Scalar>& estimate() const { return estimate_; }
-  PointRegressionCounts counts() const { return regression_.counts(); }
+  DriveCounts counts() const { return regression_.counts(); }
 
  private:
   JointParameters parameters_;

@@ -6,12 +6,14 @@
 //   h, w_c    half-width of the kernel (modulating_kernel.h), and the frequency up to which it passes
 //   t_j       instants, every h / 4, at points of the positions
 //
-// Model:       u = m a + kv v + ks x + c, and what else acts; through the kernel it stays as it is:
+// Model:       u = m a + kv v + ks x + c, and what else acts (c = -b, the constant force b acts with
+//              the drive); through the kernel it stays as it is:
 //              u_f = m a_f + kv v_f + ks x_f + c 1_f. No derivative of a sample is needed, nor
 //              common times. regression_fit.h solves it, point_conclusion.h says what is known.
 // Width:       w_c = 1.2 w_0, w_0^2 = s_u sqrt(T_u) / (m_0 s_z sqrt(T_z)): where the drive's noise and
 //              the position's, times m_0 w^2, are equal. It is chosen once, after the first second.
-//              Another width costs efficiency, never coverage.
+//              Another width costs efficiency, never coverage. Where positions in contact are left
+//              out it is 39 rad/s at least, so that a third of a second between them suffices.
 // Sign:        q_s from the velocity v_k at each sample, through a kernel of half the width:
 //              v_k / sqrt(v_k^2 + v_s^2), v_s = 5 mm/s unless stated
 // Noise:       from the samples (even_channel.h). The drive's stated noise is not used.
@@ -27,9 +29,10 @@
 namespace condyle {
 
 /// What was not as it should be.
-struct PointRegressionCounts {
+struct DriveCounts {
   std::uint64_t drive_not_in_order = 0;    ///< samples of the drive that were left out
   std::uint64_t drive_gaps = 0;            ///< longer than the longest, either way
+  std::uint64_t positions_too_early = 0;   ///< before the first drive, or within a gap
   std::uint64_t positions_in_contact = 0;  ///< where teeth or food may touch
   std::uint64_t positions_dropped = 0;     ///< too many waited for the drive
 };
@@ -93,8 +96,8 @@ class PointRegression {
     scale_to_rate(drive_span_, static_cast<double>(drive_.step_s()), setup.drive);
     return setup;
   }
-  PointRegressionCounts counts() const {
-    PointRegressionCounts counts = counts_;
+  DriveCounts counts() const {
+    DriveCounts counts = counts_;
     counts.drive_not_in_order = drive_.counts().not_in_order;
     counts.drive_gaps = drive_.counts().gaps;
     return counts;
@@ -104,6 +107,7 @@ class PointRegression {
   static constexpr TimeNs kLeastPositionStep_ns = 1'500'000, kLeastDriveStep_ns = 750'000;
   static constexpr std::size_t kPositions = 768, kDrives = 1024;
   static constexpr double kLowestCutoff_rad_s = 15, kCutoffTimesStep = 0.65;
+  static constexpr double kNoContact_m = 1e3, kCutoffBesideContact_rad_s = 39;
   static constexpr double kLearning_s = 1, kFewestVariances = 24;
 
   // Samples and the time they took, which gives the true mean step.
@@ -151,6 +155,11 @@ class PointRegression {
     const double w0 = sqrt(s_u * sqrt(T_u) /
                            (parameters_.mass_kg.mean * (s_z + kLeastNoise_m) * sqrt(T_z)));
     cutoff_rad_s_ = 1.2 * w0;
+    const bool has_contact = parameters_.contact_above_m < kNoContact_m ||
+                             parameters_.contact_below_m > -kNoContact_m;
+    if (has_contact && cutoff_rad_s_ < kCutoffBesideContact_rad_s) {
+      cutoff_rad_s_ = kCutoffBesideContact_rad_s;
+    }
     if (!(cutoff_rad_s_ < highest_rad_s)) cutoff_rad_s_ = highest_rad_s;
     if (cutoff_rad_s_ < kLowestCutoff_rad_s) cutoff_rad_s_ = kLowestCutoff_rad_s;
     const double h = sqrt(ModulatingKernel<Scalar>::kInverseVariance) / cutoff_rad_s_;
@@ -260,9 +269,9 @@ class PointRegression {
         sweep(drive_, drive_from_, time_ns, reach_s, [&](std::uint64_t k, Scalar distance_s) {
           const KernelWeights<Scalar> phi = kernel_.at(distance_s);
           const Scalar uT = drive_.value(k) * drive_.width_s(k);
-          y[kDrive] += phi.value * uT;
-          y[kDriveSlope] += phi.slope * uT;
-          y[kDriveCurvature] += phi.curvature * uT;
+          y[kDriveColumn] += phi.value * uT;
+          y[kDriveSlopeColumn] += phi.slope * uT;
+          y[kDriveCurvatureColumn] += phi.curvature * uT;
         });
     if (!has_drive) {  // it began later, or had a gap
       ++center_next_;
@@ -273,14 +282,14 @@ class PointRegression {
       const KernelWeights<Scalar> phi = kernel_.at(distance_s);
       const Scalar T = positions_.width_s(k), z = positions_.value(k) - place_m_;
       const Scalar X = z / Scalar(kShapeUnit_m), X2 = X * X, value = phi.value * T;
-      y[kAcceleration] += phi.curvature * T * z;
-      y[kVelocity] += phi.slope * T * z;
-      y[kPosition] += value * z;
-      y[kOne] += value;
-      y[kSquare] += value * X2;
-      y[kCube] += value * X2 * X;
-      y[kFourth] += value * X2 * X2;
-      y[kSign] += value * signs_[k % kPositions];
+      y[kAccelerationColumn] += phi.curvature * T * z;
+      y[kVelocityColumn] += phi.slope * T * z;
+      y[kPositionColumn] += value * z;
+      y[kOneColumn] += value;
+      y[kSquareColumn] += value * X2;
+      y[kCubeColumn] += value * X2 * X;
+      y[kFourthColumn] += value * X2 * X2;
+      y[kSignColumn] += value * signs_[k % kPositions];
     });
     add_to_block(y);
     center_next_ += stride_;
@@ -328,7 +337,7 @@ class PointRegression {
   std::uint64_t center_next_ = 0, center_from_ = 0, drive_from_ = 0;
   std::array<Scalar, kPositions> signs_{};
   RegressionBlocks<Scalar> blocks_{1};
-  PointRegressionCounts counts_;
+  DriveCounts counts_;
 };
 
 }  // namespace condyle

@@ -23,8 +23,9 @@
 //            n / (n - p): all d with (D^2 - t^2 C) d^2 + 2 t^2 B d - t^2 A <= 0 (E. C. Fieller,
 //            J. R. Stat. Soc. B 16 (1954) 175). It has no end where D^2 <= t^2 C: the excitation,
 //            noise taken out, is then not above its own scatter.
-// Trend:     z = sum (b - b_0) alpha_b / sqrt(sum (b - b_0)^2 alpha_b^2), b_0 the mean place of
-//            beta: normal where the parameter does not change along the recording
+// Trend:     sum (b - b_0) alpha_b, of variance sum (b - b_0)^2 alpha_b^2, b_0 the mean place of
+//            beta: about 0 where the parameter does not change along the recording. A delay of the
+//            drive adds to it where the rhythm changes.
 // Residual:  R = mean e_f^2 over what the noise of u and of y makes of it: 1 where both are white
 #pragma once
 
@@ -61,7 +62,8 @@ struct FittedValue {
   double per_delay = 0;     ///< what a second of the drive's delay adds to it
   double per_delay2 = 0;    ///< likewise, per square second, times 2
   double correction = 0;    ///< what taking the noise out changed
-  double trend = 0;         ///< standard normal, see above
+  double trend = 0, trend2 = 0;  ///< see above: the sum, and its variance
+  double trend_per_delay = 0;    ///< what a second of the drive's delay adds to the sum
   bool is_known() const { return sd < kUnbounded; }
 };
 
@@ -155,21 +157,21 @@ class RegressionData {
                  u = static_cast<double>(sums.drive_variance_sum) * drive_share_;
     const KernelGains& of_z = setup_.position;
     const KernelGains& of_u = setup_.drive;
-    if (i == kDriveSlope && j == kDriveSlope) return u * of_u.G2;
-    if (i == kDrive && j == kDrive) return u * of_u.G0;
-    if (i == kDriveCurvature && j == kDriveCurvature) return u * of_u.G4;
-    if (i == kDriveCurvature && j == kDrive) return -u * of_u.G2;
-    if (i == kVelocity && j == kVelocity) return z * of_z.G2;
-    if (i == kAcceleration && j == kAcceleration) return z * of_z.G4;
-    if (i == kAcceleration && j == kPosition) return -z * of_z.G2;
-    if (i == kPosition && j == kPosition) return z * of_z.G0;
+    if (i == kDriveSlopeColumn && j == kDriveSlopeColumn) return u * of_u.G2;
+    if (i == kDriveColumn && j == kDriveColumn) return u * of_u.G0;
+    if (i == kDriveCurvatureColumn && j == kDriveCurvatureColumn) return u * of_u.G4;
+    if (i == kDriveCurvatureColumn && j == kDriveColumn) return -u * of_u.G2;
+    if (i == kVelocityColumn && j == kVelocityColumn) return z * of_z.G2;
+    if (i == kAccelerationColumn && j == kAccelerationColumn) return z * of_z.G4;
+    if (i == kAccelerationColumn && j == kPositionColumn) return -z * of_z.G2;
+    if (i == kPositionColumn && j == kPositionColumn) return z * of_z.G0;
     return of_powers(sums, i, j);
   }
 
  private:
   // X^k has the noise k X^(k-1) of X.
   static int power_of(RegressionColumn column) {
-    return column == kSquare ? 2 : column == kCube ? 3 : column == kFourth ? 4 : 0;
+    return column == kSquareColumn ? 2 : column == kCubeColumn ? 3 : column == kFourthColumn ? 4 : 0;
   }
   template <class Sum>
   double of_powers(const RegressionSums<Sum>& sums, RegressionColumn i, RegressionColumn j) const {
@@ -179,8 +181,8 @@ class RegressionData {
       return static_cast<double>(sums.powers[static_cast<std::size_t>(power - 1)]);
     };
     const double z = position_variance_m2() / kShapeUnit_m, slope = k * power_sum(k - 1) * z;
-    if (i == kAcceleration) return -slope * setup_.position.G2;
-    if (i == kPosition) return slope * setup_.position.G0;
+    if (i == kAccelerationColumn) return -slope * setup_.position.G2;
+    if (i == kPositionColumn) return slope * setup_.position.G0;
     if (l == 0) return 0;
     return k * l * power_sum(k + l - 2) * z / kShapeUnit_m * setup_.position.G0;
   }
@@ -208,7 +210,7 @@ class RegressionFit {
     is_solved_ = data.size() > size_ && internal::invert_leading(M_, size_, I_);
     if (!is_solved_) return;
     solve();
-    const std::size_t delay = fit.place_of(kDriveSlope);
+    const std::size_t delay = fit.place_of(kDriveSlopeColumn);
     for (int k = 0; k < 3 && delay < size_; ++k) {
       tau_ = theta_[delay];
       solve();
@@ -230,8 +232,8 @@ class RegressionFit {
     if (!is_solved_ || i == size_) return fitted;
     fitted.value = theta_[i];
     for (std::size_t j = 0; j < size_; ++j) {
-      fitted.per_delay += I_[i][j] * less_noise_with(data_.sum(), j, kDriveSlope);
-      fitted.per_delay2 += I_[i][j] * less_noise_with(data_.sum(), j, kDriveCurvature);
+      fitted.per_delay += I_[i][j] * less_noise_with(data_.sum(), j, kDriveSlopeColumn);
+      fitted.per_delay2 += I_[i][j] * less_noise_with(data_.sum(), j, kDriveCurvatureColumn);
       double Ntheta = 0;
       for (std::size_t k = 0; k < size_; ++k) Ntheta += N_[j][k] * theta_[k];
       fitted.correction += I_[i][j] * Ntheta;
@@ -242,10 +244,10 @@ class RegressionFit {
 
  private:
   RegressionColumn column(std::size_t i) const { return fit_.columns[i]; }
-  double sign(std::size_t i) const { return column(i) == kDriveSlope ? -1 : 1; }
+  double sign(std::size_t i) const { return column(i) == kDriveSlopeColumn ? -1 : 1; }
   static bool is_even(RegressionColumn column) {
-    return column == kAcceleration || column == kPosition || column == kSquare || column == kCube ||
-           column == kFourth;
+    return column == kAccelerationColumn || column == kPositionColumn || column == kSquareColumn || column == kCubeColumn ||
+           column == kFourthColumn;
   }
 
   template <class Sum>
@@ -262,8 +264,8 @@ class RegressionFit {
   // r, the drive taken back by tau to second order.
   template <class Sum>
   double right_side(const RegressionSums<Sum>& sums, std::size_t i) const {
-    const double r = less_noise_with(sums, i, kDrive);
-    return tau_ == 0 ? r : r + tau_ * tau_ / 2 * less_noise_with(sums, i, kDriveCurvature);
+    const double r = less_noise_with(sums, i, kDriveColumn);
+    return tau_ == 0 ? r : r + tau_ * tau_ / 2 * less_noise_with(sums, i, kDriveCurvatureColumn);
   }
 
   void solve() {
@@ -277,9 +279,9 @@ class RegressionFit {
 
   void make_residual() {
     const RegressionSums<double>& sum = data_.sum();
-    double square = sum.product(kDrive, kDrive), expected = data_.noise(sum, kDrive, kDrive);
+    double square = sum.product(kDriveColumn, kDriveColumn), expected = data_.noise(sum, kDriveColumn, kDriveColumn);
     for (std::size_t i = 0; i < size_; ++i) {
-      square -= 2 * theta_[i] * sign(i) * sum.product(column(i), kDrive);
+      square -= 2 * theta_[i] * sign(i) * sum.product(column(i), kDriveColumn);
       for (std::size_t j = 0; j < size_; ++j) {
         const double product = theta_[i] * theta_[j];
         square += product * sign(i) * sign(j) * sum.product(column(i), column(j));
@@ -295,19 +297,28 @@ class RegressionFit {
     std::array<double, kMostFitted> g{};
     for (std::size_t j = 0; j < size_; ++j) g[j] = D * I_[i][j];
     const std::size_t n = data_.size();
-    std::array<double, RegressionBlocks<Scalar>::kBlocks> alphas{};
+    std::array<double, kMostFitted> delayed{};  // what a second of delay adds to theta
+    for (std::size_t j = 0; j < size_; ++j) {
+      for (std::size_t k = 0; k < size_; ++k) {
+        delayed[j] += I_[j][k] * less_noise_with(data_.sum(), k, kDriveSlopeColumn);
+      }
+    }
+    std::array<double, RegressionBlocks<Scalar>::kBlocks> alphas{}, delay_scores{};
     double A = 0, B = 0, C = 0, alpha_sum = 0, beta_sum = 0, place_sum = 0;
     for (std::size_t b = 0; b < n; ++b) {
       const RegressionSums<Scalar>& sums = data_.block(b);
       double alpha = 0, beta = 0;
       for (std::size_t j = 0; j < size_; ++j) {
         double score = right_side(sums, j), Mg = 0;
+        double delay_score = less_noise_with(sums, j, kDriveSlopeColumn);
         for (std::size_t k = 0; k < size_; ++k) {
           const double m = less_noise(sums, j, k);
           score -= m * theta_[k];
+          delay_score -= m * delayed[k];
           Mg += m * g[k];
         }
         alpha += g[j] * score;
+        delay_scores[b] += g[j] * delay_score;
         beta += g[j] * Mg;
       }
       alphas[b] = alpha;
@@ -332,13 +343,12 @@ class RegressionFit {
       fitted.sd = (half_low > half_high ? half_low : half_high) / kNormalQuantile95;
     }
     const double place = place_sum / beta_sum;
-    double trend = 0, trend2 = 0;
     for (std::size_t b = 0; b < n; ++b) {
-      const double term = (static_cast<double>(b) - place) * alphas[b];
-      trend += term;
-      trend2 += term * term;
+      const double distance = static_cast<double>(b) - place, term = distance * alphas[b];
+      fitted.trend += term;
+      fitted.trend2 += term * term;
+      fitted.trend_per_delay += distance * delay_scores[b];
     }
-    fitted.trend = trend2 > 0 ? trend / sqrt(trend2) : 0;
   }
 
   static constexpr double kLooks = 1.15;

@@ -26,17 +26,17 @@ namespace condyle {
 
 /// The columns, in the order of the symbols above.
 enum RegressionColumn : std::uint8_t {
-  kAcceleration,
-  kVelocity,
-  kPosition,
-  kOne,
-  kSquare,
-  kCube,
-  kFourth,
-  kSign,
-  kDriveSlope,
-  kDriveCurvature,
-  kDrive,
+  kAccelerationColumn,
+  kVelocityColumn,
+  kPositionColumn,
+  kOneColumn,
+  kSquareColumn,
+  kCubeColumn,
+  kFourthColumn,
+  kSignColumn,
+  kDriveSlopeColumn,
+  kDriveCurvatureColumn,
+  kDriveColumn,
   kRegressionColumns
 };
 
@@ -70,7 +70,7 @@ struct RegressionSums {
         products[next++] += columns[i] * columns[j];
       }
     }
-    const Scalar X = columns[kPosition] / Scalar(kShapeUnit_m);
+    const Scalar X = columns[kPositionColumn] / Scalar(kShapeUnit_m);
     Scalar power = 1;
     for (Scalar& sum : powers) sum += (power *= X);
     instants += Scalar(1);

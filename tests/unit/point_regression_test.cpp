@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+// The identification of a point: what it finds without noise, and what gaps, contacts and bad
+// samples do to it.
+#include "condyle/estimator/point_identification.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <random>
+
+namespace condyle {
+namespace {
+
+// A formula of a motion, and the force that makes it.
+struct Chewing {
+  double mass_kg = 0.25, friction_Ns_m = 0.05, stiffness_N_m = 20, offset_N = 0.1, coulomb_N = 0;
+
+  static double angle(double t) { return 8.2 * t + 0.8 * std::sin(1.1 * t); }
+  static double position_m(double t) {
+    return 0.007 * std::sin(angle(t)) + 0.002 * std::sin(2 * angle(t) + 1);
+  }
+  double force_N(double t) const {
+    constexpr double kStep_s = 1e-4;
+    const double before = position_m(t - kStep_s), here = position_m(t),
+                 after = position_m(t + kStep_s), v = (after - before) / (2 * kStep_s);
+    return mass_kg * (after - 2 * here + before) / (kStep_s * kStep_s) + friction_Ns_m * v +
+           stiffness_N_m * here - offset_N + coulomb_N * v / std::sqrt(v * v + 25e-6);
+  }
+};
+
+JointParameters exact() {
+  JointParameters parameters;
+  parameters.drive.gain_sd = parameters.drive.missing_share = 0;
+  parameters.drive.delay_sd_s = 1e-5;
+  return parameters;
+}
+
+// A drive of 137 Hz and positions of 60 Hz over `duration_s`, with little noise; `spoil(t, z)` may
+// change a position or ask for it to be left out.
+template <class Scalar, class Spoil>
+std::unique_ptr<PointIdentification<Scalar>> identify(const JointParameters& parameters,
+                                                      const Chewing& chewing, double duration_s,
+                                                      const Spoil& spoil) {
+  auto identification = std::make_unique<PointIdentification<Scalar>>(parameters);
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise;
+  int drives = 0;
+  for (int k = 0; k < duration_s * 60; ++k) {
+    const double t = k / 60.0;
+    for (; drives / 137.0 <= t; ++drives) {
+      const double drive_N = chewing.force_N(drives / 137.0) + 1e-3 * noise(random);
+      identification->add_drive(nanoseconds(drives / 137.0), static_cast<Scalar>(drive_N));
+    }
+    double position_m = Chewing::position_m(t) + 1e-5 * noise(random);
+    if (spoil(t, position_m)) {
+      identification->add_position(nanoseconds(t), static_cast<Scalar>(position_m));
+    }
+  }
+  identification->conclude();
+  return identification;
+}
+constexpr auto kAsItIs = [](double, double&) { return true; };
+
+void expect_truth(const JointEstimate<double>& estimate, const Chewing& chewing) {
+  const auto expect = [](const IdentifiedValue<double>& value, double truth) {
+    EXPECT_EQ(value.limit, JointLimit::none) << limit_name(value.limit);
+    EXPECT_NEAR(value.fitted, truth, 4 * value.fitted_sd);
+  };
+  expect(estimate.friction_Ns_m, chewing.friction_Ns_m);
+  expect(estimate.mass_kg, chewing.mass_kg);
+  expect(estimate.stiffness_N_m, chewing.stiffness_N_m);
+  expect(estimate.offset_N, chewing.offset_N);
+}
+
+TEST(PointIdentification, FindsThePointWhereDriveAndPositionsComeApart) {
+  for (const Chewing& chewing :
+       {Chewing{}, Chewing{.mass_kg = 0.08, .friction_Ns_m = 0.7, .stiffness_N_m = 0},
+        Chewing{.mass_kg = 0.6, .friction_Ns_m = 0, .stiffness_N_m = 120, .offset_N = -1}}) {
+    const auto found = identify<double>(exact(), chewing, 20, kAsItIs);
+    expect_truth(found->estimate(), chewing);
+    EXPECT_NEAR(found->estimate().drive_noise_sd_N, 1e-3, 1e-4);
+    EXPECT_NEAR(found->estimate().position_noise_sd_m, 1e-5, 2e-6);
+    EXPECT_LT(found->estimate().mass_kg.fitted_sd, 0.004 * chewing.mass_kg);
+  }
+}
+
+TEST(PointIdentification, SaysTheSameInFloat) {
+  const auto in_double = identify<double>(exact(), {}, 20, kAsItIs)->estimate();
+  const auto in_float = identify<float>(exact(), {}, 20, kAsItIs)->estimate();
+  const auto expect_same = [](const auto& d, const auto& f) {
+    EXPECT_EQ(d.limit, f.limit);
+    EXPECT_NEAR(static_cast<double>(f.fitted), d.fitted, 0.1 * d.fitted_sd);
+    EXPECT_NEAR(static_cast<double>(f.fitted_sd) / d.fitted_sd, 1, 0.1);
+  };
+  expect_same(in_double.friction_Ns_m, in_float.friction_Ns_m);
+  expect_same(in_double.mass_kg, in_float.mass_kg);
+}
+
+TEST(PointIdentification, NeedsADriveAndTime) {
+  PointIdentification<double> alone(exact());
+  for (TimeNs k = 0; k < 600; ++k) alone.add_position(k * 16'666'667, Chewing::position_m(static_cast<double>(k) / 60));
+  EXPECT_EQ(alone.estimate().mass_kg.limit, JointLimit::no_drive);
+  EXPECT_EQ(alone.estimate().mass_kg.quantity.provenance, Provenance::assumed);
+  EXPECT_EQ(alone.estimate().mass_kg.quantity.value, exact().mass_kg.mean);
+  EXPECT_EQ(identify<double>(exact(), {}, 5, kAsItIs)->estimate().mass_kg.limit,
+            JointLimit::too_early);
+  PointIdentification<double> slow(exact());
+  for (TimeNs k = 0; k < 200; ++k) {
+    slow.add_drive(k * 100'000'000, 0);
+    slow.add_position(k * 100'000'000, Chewing::position_m(static_cast<double>(k) / 10));
+  }
+  EXPECT_EQ(slow.estimate().mass_kg.limit, JointLimit::too_slow);
+}
+
+TEST(PointIdentification, GapsAndMissingPositionsCostOnlyTheirSurroundings) {
+  const auto whole = identify<double>(exact(), {}, 30, kAsItIs);
+  int k = 0;
+  const auto holed = identify<double>(exact(), {}, 30, [&](double t, double&) {
+    return std::fmod(t, 10) > 0.4 && ++k % 7 != 0;
+  });
+  expect_truth(holed->estimate(), {});
+  EXPECT_LT(holed->estimate().used_s, whole->estimate().used_s - 1);
+  EXPECT_GT(holed->estimate().used_s, whole->estimate().used_s - 5);
+}
+
+// Food above 6 mm pushes with what no drive holds; what is masked may be anything.
+TEST(PointIdentification, LeavesOutWhatIsInContact) {
+  JointParameters parameters = exact();
+  parameters.contact_above_m = 0.006;
+  std::mt19937_64 random(5);
+  const auto found = identify<double>(parameters, {}, 60, [&](double, double& z) {
+    if (z > 0.006) z += 0.01 * static_cast<double>(random() % 100) / 100;
+    return true;
+  });
+  EXPECT_GT(found->counts().positions_in_contact, 100U);
+  EXPECT_GT(found->estimate().used_s, 5);
+  expect_truth(found->estimate(), {});
+}
+
+TEST(PointIdentification, FindsTheDelayAndCoulombFriction) {
+  JointParameters parameters = exact();
+  parameters.delay = DelayModel::fitted;
+  parameters.drive.delay_sd_s = 0.005;
+  parameters.coulomb_N.sd = 0.1;
+  Chewing chewing;
+  chewing.coulomb_N = 0.02;
+  auto identification = std::make_unique<PointIdentification<double>>(parameters);
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> noise;
+  for (int k = 0; k < 6000; ++k) {
+    const double t = k / 100.0;
+    identification->add_drive(nanoseconds(t + 0.004), chewing.force_N(t) + 1e-3 * noise(random));
+    identification->add_position(nanoseconds(t), Chewing::position_m(t) + 1e-5 * noise(random));
+  }
+  identification->conclude();
+  const auto& estimate = identification->estimate();
+  EXPECT_EQ(estimate.delay_s.limit, JointLimit::none) << limit_name(estimate.delay_s.limit);
+  EXPECT_NEAR(estimate.delay_s.fitted, 0.004, 4 * estimate.delay_s.fitted_sd);
+  EXPECT_LT(estimate.delay_s.fitted_sd, 5e-4);
+  EXPECT_EQ(estimate.coulomb_N.limit, JointLimit::none) << limit_name(estimate.coulomb_N.limit);
+  EXPECT_NEAR(estimate.coulomb_N.fitted, 0.02, 4 * estimate.coulomb_N.fitted_sd);
+  EXPECT_NEAR(estimate.friction_Ns_m.fitted, 0.05, 4 * estimate.friction_Ns_m.fitted_sd);
+}
+
+// A friction that wanders is that of the end, and known less well than one that stays.
+TEST(PointIdentification, AWalkWidensTheInterval) {
+  JointParameters walking = exact();
+  walking.friction_Ns_m.walk_per_root_s = 0.002;
+  const auto still = identify<double>(exact(), {}, 60, kAsItIs)->estimate().friction_Ns_m;
+  const auto walked = identify<double>(walking, {}, 60, kAsItIs)->estimate().friction_Ns_m;
+  EXPECT_GT(walked.fitted_sd, 2 * still.fitted_sd);
+  EXPECT_LT(walked.fitted_sd, 0.002 * std::sqrt(60.0 / 3));
+  EXPECT_NEAR(walked.fitted, 0.05, 4 * walked.fitted_sd);
+}
+
+TEST(PointIdentification, BadTimesAreCountedAndDoNoHarm) {
+  auto identification = std::make_unique<PointIdentification<double>>(exact());
+  std::mt19937_64 random(9);
+  const TimeNs wild[] = {std::numeric_limits<TimeNs>::min(), -1, 0, 1,
+                         std::numeric_limits<TimeNs>::max()};
+  for (TimeNs k = 0; k < 5000; ++k) {
+    const bool is_wild = random() % 10 == 0;
+    const TimeNs t = is_wild ? wild[random() % 5] : k * 10'000'000;
+    identification->add_drive(t, static_cast<double>(random() % 100));
+    identification->add_position(random() % 10 == 0 ? wild[random() % 5] : t,
+                                 static_cast<double>(random() % 100) * 1e-3);
+  }
+  identification->conclude();
+  EXPECT_NE(identification->estimate().mass_kg.limit, JointLimit::none);
+  EXPECT_GT(identification->counts().drive_gaps, 100U);
+}
+
+}  // namespace
+}  // namespace condyle
