@@ -121,12 +121,13 @@ WatchedRecording watch(const ChangesOptions& options, const RecommendedParameter
 // Why no cycle was watched.
 [[noreturn]] void refuse_unwatched(const ChangesOptions& options,
                                    const RecommendedParameters& parameters, JointLimit limit) {
-  if (limit != JointLimit::no_drive && limit != JointLimit::too_early) {
-    throw InputError(options.recording,
-                     fmt::format("drive and model do not explain the motion, so that its damping is "
-                                 "not known ({}; `condyle_sim replay` says more)",
-                                 limit_name(limit)),
-                     "measure the total force, unfiltered, and leave out contacts");
+  if (is_failure(limit) && limit != JointLimit::no_drive && limit != JointLimit::too_early) {
+    throw InputError(
+        options.recording,
+        fmt::format("drive and model do not explain the motion, so that its damping is "
+                    "not known ({}; `condyle replay` says more)",
+                    limit_name(limit)),
+        "measure the total force, unfiltered, and leave out contacts");
   }
   throw InputError(options.recording,
                    fmt::format("ends before the point was identified, which takes {:g} s of motion "

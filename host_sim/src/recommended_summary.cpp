@@ -47,9 +47,10 @@ std::string limit_words(const IdentifiedValue<double>& value) {
       return ": this motion cannot tell viscous from sliding friction; let its speed vary";
     case JointLimit::resolution:
       return std::isfinite(value.needed_s)
-                 ? fmt::format(": too little for the stated resolution; about {:.0f} s of this "
-                               "motion would do",
-                               value.needed_s)
+                 ? fmt::format(
+                       ": too little for the stated resolution; about {:.0f} s of this "
+                       "motion would do",
+                       value.needed_s)
                  : ": too little for the stated resolution; record longer, with larger motion";
     case JointLimit::gain:
       return ": the uncertainty of the drive's gain is too large for the stated resolution";

@@ -31,8 +31,8 @@ using Truth = testing_support::DrivenTruth;
 
 template <class Scalar>
 JointFilterEstimate<Scalar> identify(JointIdentification<Scalar>& stage,
-                               const std::vector<DrivenSample>& samples, double rate_Hz,
-                               double* mean_nis = nullptr) {
+                                     const std::vector<DrivenSample>& samples, double rate_Hz,
+                                     double* mean_nis = nullptr) {
   JointFilterEstimate<Scalar> estimate;
   double nis = 0, count = 0;
   for (const DrivenSample& sample : samples) {

@@ -30,8 +30,12 @@ Jet sine(const Jet& angle) {
   const double s = std::sin(angle.value), c = std::cos(angle.value);
   return {s, c * angle.rate, c * angle.curvature - s * angle.rate * angle.rate};
 }
-Jet time_jet(double t) { return {t, 1, 0}; }
-Jet constant(double value) { return {value, 0, 0}; }
+Jet time_jet(double t) {
+  return {t, 1, 0};
+}
+Jet constant(double value) {
+  return {value, 0, 0};
+}
 
 // Slow sines about zero, of unit variance, which vary rhythm and height.
 class Wander {
@@ -81,8 +85,7 @@ class MovingPoint {
     const Jet theta = constant(phase_) + f * time +
                       (kTau * motion_.sweep_Hz_per_s / 2) * (time * time) +
                       (f * motion_.rhythm_spread) * rhythm_.integral_at(t);
-    const Jet height =
-        motion_.amplitude_m * (constant(1) + motion_.height_spread * height_.at(t));
+    const Jet height = motion_.amplitude_m * (constant(1) + motion_.height_spread * height_.at(t));
     const Jet shape = sine(theta) + motion_.second * sine(2 * theta + constant(1)) +
                       motion_.third * sine(3 * theta + constant(2));
     const Jet tremor =
@@ -215,8 +218,9 @@ std::vector<Reading> drive_of(const Regime& regime, const MovingPoint& point, Ra
     const double t = phase_s + k / sensor.rate_Hz;
     if (t > regime.duration_s) break;
     slow = keep * slow + std::sqrt(1 - keep * keep) * random.normal();
-    const double u_N = sensor.gain * force_N(t - sensor.delay_s) + sensor.noise_N * random.normal() +
-                       sensor.slow_noise_N * slow + sensor.drift_N * t / regime.duration_s;
+    const double u_N = sensor.gain * force_N(t - sensor.delay_s) +
+                       sensor.noise_N * random.normal() + sensor.slow_noise_N * slow +
+                       sensor.drift_N * t / regime.duration_s;
     drive.push_back({t * (1 + sensor.clock_ppm * 1e-6), u_N});
   }
   return drive;

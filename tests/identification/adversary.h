@@ -17,34 +17,34 @@ namespace condyle::adversary {
 /// How the point moves.
 struct Motion {
   double frequency_Hz = 1.3, amplitude_m = 7.5e-3;
-  double second = 0.3, third = 0.1;                 ///< harmonics
-  double rhythm_spread = 0.08, height_spread = 0.1; ///< relative
-  double sweep_Hz_per_s = 0;                        ///< of the frequency
+  double second = 0.3, third = 0.1;                  ///< harmonics
+  double rhythm_spread = 0.08, height_spread = 0.1;  ///< relative
+  double sweep_Hz_per_s = 0;                         ///< of the frequency
   double tremor_Hz = 0, tremor_m = 0;
 };
 
 /// What holds it. Only the first four are what the identification assumes.
 struct Point {
   double mass_kg = 0.25, friction_Ns_m = 0.05, stiffness_N_m = 20, offset_N = 0.1;
-  double coulomb_N = 0;              ///< with the sign of the velocity
+  double coulomb_N = 0;                    ///< with the sign of the velocity
   double bristle_N = 0, bristle_m = 1e-3;  ///< Dahl's friction: it needs that way to turn round
   double square_N_m2 = 0, cube_N_m3 = 0;   ///< of the position about the middle
   double contact_N_m = 0, contact_at_m = 0;
   double drag_Ns2_m2 = 0;
-  double friction_end_share = 1;     ///< friction at the end over that at the start, linear
-  double missing_Ns_m = 0;           ///< friction whose force the drive does not hold
-  double mass_slope_per_m = 0;       ///< relative
+  double friction_end_share = 1;  ///< friction at the end over that at the start, linear
+  double missing_Ns_m = 0;        ///< friction whose force the drive does not hold
+  double mass_slope_per_m = 0;    ///< relative
 };
 
 /// What measures the position.
 struct Tracker {
   double rate_Hz = 60, noise_m = 5e-5, rounding_m = 0;
-  double jitter_s = 0;          ///< of the instants, which are stamped as they are
-  double stamp_error_s = 0;     ///< of the stamps
+  double jitter_s = 0;       ///< of the instants, which are stamped as they are
+  double stamp_error_s = 0;  ///< of the stamps
   double drop_share = 0, outlier_share = 0, outlier_m = 3e-3;
-  double correlation = 0;       ///< of the noise of neighbours (first order)
-  int mean_of = 1;              ///< causal mean of samples
-  bool heavy_tails = false;     ///< Student's, 3 degrees of freedom
+  double correlation = 0;    ///< of the noise of neighbours (first order)
+  int mean_of = 1;           ///< causal mean of samples
+  bool heavy_tails = false;  ///< Student's, 3 degrees of freedom
   double scale = 1;
 };
 
@@ -97,8 +97,8 @@ struct TruePoint {
 };
 std::vector<TruePoint> motion_of(const Regime& regime, std::uint64_t seed, double step_s);
 
-/// The viscous friction that takes as much energy from that motion as all of its friction does; where
-/// it changes, with what it is at the end (Ns/m).
+/// The viscous friction that takes as much energy from that motion as all of its friction does;
+/// where it changes, with what it is at the end (Ns/m).
 double effective_friction_Ns_m(const Regime& regime, std::uint64_t seed);
 
 }  // namespace condyle::adversary

@@ -2,9 +2,9 @@
 // The identification against recordings that another simulator made (adversary.h): what it shows
 // holds the truth, or it shows nothing.
 //
-// A row fails where fewer of the shown values hold the truth than intervals of 90 % would leave once
-// in 1000 times, unless less than 3 % of the runs show one. Intervals of 95 % fail a row of 200 once
-// in 10^6 times, shorter ones less often. The seeds are fixed.
+// A row fails where fewer of the shown values hold the truth than intervals of 90 % would leave
+// once in 1000 times, unless less than 3 % of the runs show one. Intervals of 95 % fail a row of
+// 200 once in 10^6 times, shorter ones less often. The seeds are fixed.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -120,8 +120,9 @@ TEST(Clean, IsNearlyAsGoodAsCanBe) {
       mass2 += std::pow(verdicts.mass.error / bound.mass_kg, 2) / kRuns;
     }
     const double chance = 1 + 3.3 / std::sqrt(2.0 * kRuns);
-    std::cout << fmt::format("{} Hz: friction {:.2f}, mass {:.2f} times the bound; shown {} of {}\n",
-                             rate_Hz, std::sqrt(friction2), std::sqrt(mass2), shown, kRuns);
+    std::cout << fmt::format(
+        "{} Hz: friction {:.2f}, mass {:.2f} times the bound; shown {} of {}\n", rate_Hz,
+        std::sqrt(friction2), std::sqrt(mass2), shown, kRuns);
     EXPECT_LT(std::sqrt(friction2), 1.15 * chance);
     EXPECT_LT(std::sqrt(mass2), 1.7 * chance);
     EXPECT_GE(static_cast<std::uint64_t>(shown),

@@ -16,12 +16,16 @@ constexpr Motion sine(double frequency_Hz, double amplitude_m = 7.5e-3) {
 }
 // Slow opening and closing.
 constexpr Motion opening(double frequency_Hz, double amplitude_m = 7.5e-3) {
-  return {.frequency_Hz = frequency_Hz, .amplitude_m = amplitude_m, .second = 0.1, .third = 0,
-          .rhythm_spread = 0.05, .height_spread = 0.1};
+  return {.frequency_Hz = frequency_Hz,
+          .amplitude_m = amplitude_m,
+          .second = 0.1,
+          .third = 0,
+          .rhythm_spread = 0.05,
+          .height_spread = 0.1};
 }
 constexpr Motion chewing(double frequency_Hz, double amplitude_m, double second, double third) {
-  return {.frequency_Hz = frequency_Hz, .amplitude_m = amplitude_m, .second = second,
-          .third = third};
+  return {
+      .frequency_Hz = frequency_Hz, .amplitude_m = amplitude_m, .second = second, .third = third};
 }
 constexpr Tracker at(double rate_Hz, double noise_m = 5e-5) {
   return {.rate_Hz = rate_Hz, .noise_m = noise_m};
@@ -41,8 +45,10 @@ std::vector<Attack> make_named() {
   add({.name = "clean 200 Hz", .tracker = at(200), .drive = drive(200)});
   add({.name = "clean 60 Hz, known"}, kKnown);
   add({.name = "clean kv 0.5, known", .point = {.friction_Ns_m = 0.5}}, kKnown);
-  add({.name = "clean m 0.1, 5 mm, 2 mN", .motion = {.amplitude_m = 2.5e-3},
-       .point = {.mass_kg = 0.1}, .drive = drive(60, 0.002)});
+  add({.name = "clean m 0.1, 5 mm, 2 mN",
+       .motion = {.amplitude_m = 2.5e-3},
+       .point = {.mass_kg = 0.1},
+       .drive = drive(60, 0.002)});
   add({.name = "clean 100 um", .tracker = at(60, 1e-4)});
   add({.name = "clean 10 s, known", .duration_s = 10}, kKnown);
   add({.name = "clean fit"}, kFit);
@@ -51,20 +57,27 @@ std::vector<Attack> make_named() {
   add({.name = "clean drive 30 Hz", .drive = drive(30)});
   add({.name = "clean rounded 0.1 mm, known", .tracker = {.noise_m = 2e-5, .rounding_m = 1e-4}},
       kKnown);
-  add({.name = "clean sweep", .motion = {.frequency_Hz = 0.5, .second = 0, .third = 0,
-       .sweep_Hz_per_s = 0.1}});
+  add({.name = "clean sweep",
+       .motion = {.frequency_Hz = 0.5, .second = 0, .third = 0, .sweep_Hz_per_s = 0.1}});
   add({.name = "clean 600 s, known", .duration_s = 600}, kKnown);
   add({.name = "clean m 0.05, known", .point = {.mass_kg = 0.05}}, kKnown);
   add({.name = "clean m 1, known", .point = {.mass_kg = 1}}, kKnown);
-  add({.name = "clean kv 0, 5 um, 200 Hz, known", .point = {.friction_Ns_m = 0},
-       .tracker = at(200, 5e-6), .drive = drive(200)}, kKnown);
+  add({.name = "clean kv 0, 5 um, 200 Hz, known",
+       .point = {.friction_Ns_m = 0},
+       .tracker = at(200, 5e-6),
+       .drive = drive(200)},
+      kKnown);
   add({.name = "clean 300 um", .tracker = at(60, 3e-4)});
   // 1: a drive quieter than stated.
-  add({.name = "quiet opening 0.3 Hz 15 mm 60 s", .duration_s = 60, .motion = opening(0.3),
+  add({.name = "quiet opening 0.3 Hz 15 mm 60 s",
+       .duration_s = 60,
+       .motion = opening(0.3),
        .drive = drive(60, 0.002)});
-  add({.name = "quiet opening 0.3 Hz 35 mm", .motion = opening(0.3, 17.5e-3),
+  add({.name = "quiet opening 0.3 Hz 35 mm",
+       .motion = opening(0.3, 17.5e-3),
        .drive = drive(60, 0.002)});
-  add({.name = "quiet chewing 0.7 Hz", .motion = chewing(0.7, 7.5e-3, 0.15, 0),
+  add({.name = "quiet chewing 0.7 Hz",
+       .motion = chewing(0.7, 7.5e-3, 0.15, 0),
        .drive = drive(60, 0.002)});
   add({.name = "quiet chewing 3 mm", .motion = {.amplitude_m = 1.5e-3}, .drive = drive(60, 0.002)});
   add({.name = "quiet sine 120 s", .duration_s = 120, .motion = kSine, .drive = drive(60, 0.001)});
@@ -72,18 +85,25 @@ std::vector<Attack> make_named() {
   add({.name = "sine 30 s", .motion = kSine});
   add({.name = "sine 120 s", .duration_s = 120, .motion = kSine});
   add({.name = "sine 300 s", .duration_s = 300, .motion = kSine});
-  add({.name = "sine, 2nd 1 %, 120 s", .duration_s = 120,
+  add({.name = "sine, 2nd 1 %, 120 s",
+       .duration_s = 120,
        .motion = {.second = 0.01, .third = 0, .rhythm_spread = 0, .height_spread = 0}});
-  add({.name = "sine, 2nd 2 %, 300 s", .duration_s = 300,
+  add({.name = "sine, 2nd 2 %, 300 s",
+       .duration_s = 300,
        .motion = {.second = 0.02, .third = 0, .rhythm_spread = 0, .height_spread = 0}});
-  add({.name = "sine varied 2 %, 120 s", .duration_s = 120,
+  add({.name = "sine varied 2 %, 120 s",
+       .duration_s = 120,
        .motion = {.second = 0, .third = 0, .rhythm_spread = 0.02, .height_spread = 0.02}});
   add({.name = "tapping 3 Hz 8 mm 60 s", .duration_s = 60, .motion = sine(3, 4e-3)});
   add({.name = "sine 2 Hz 60 s", .duration_s = 60, .motion = sine(2)});
-  add({.name = "sine 2 Hz 120 s ks 0", .duration_s = 120, .motion = sine(2),
+  add({.name = "sine 2 Hz 120 s ks 0",
+       .duration_s = 120,
+       .motion = sine(2),
        .point = {.stiffness_N_m = 0}});
   add({.name = "opening 0.2 Hz 180 s", .duration_s = 180, .motion = opening(0.2)});
-  add({.name = "opening 0.5 Hz 50 mN 60 s", .duration_s = 60, .motion = opening(0.5),
+  add({.name = "opening 0.5 Hz 50 mN 60 s",
+       .duration_s = 60,
+       .motion = opening(0.5),
        .drive = drive(60, 0.05)});
   add({.name = "chewing 0.1 N 120 s", .duration_s = 120, .drive = drive(60, 0.1)});
   for (const double frequency_Hz : {0.5, 1.3, 2.0}) {
@@ -92,26 +112,42 @@ std::vector<Attack> make_named() {
   for (const double frequency_Hz : {0.2, 0.3, 0.4}) {
     add({.name = "fit opening", .motion = opening(frequency_Hz)}, kFit);
   }
-  add({.name = "fit opening 0.3 Hz 200 Hz 120 s", .duration_s = 120, .motion = opening(0.3),
-       .tracker = at(200), .drive = drive(200)}, kFit);
+  add({.name = "fit opening 0.3 Hz 200 Hz 120 s",
+       .duration_s = 120,
+       .motion = opening(0.3),
+       .tracker = at(200),
+       .drive = drive(200)},
+      kFit);
   add({.name = "fit 0.65 Hz 2nd 0.1", .motion = chewing(0.65, 7.5e-3, 0.1, 0)}, kFit);
   add({.name = "fit 1 Hz 2nd 0.05", .motion = chewing(1, 7.5e-3, 0.05, 0)}, kFit);
   add({.name = "fit 50 mN 200 Hz", .tracker = at(200), .drive = drive(200, 0.05)}, kFit);
-  add({.name = "fit 100 mN 200 Hz 120 s", .duration_s = 120, .tracker = at(200),
-       .drive = drive(200, 0.1)}, kFit);
+  add({.name = "fit 100 mN 200 Hz 120 s",
+       .duration_s = 120,
+       .tracker = at(200),
+       .drive = drive(200, 0.1)},
+      kFit);
   // 5: delay times damping.
   constexpr Statement k5{.delay_sd_s = 5e-3}, k2{.delay_sd_s = 2e-3}, kHalf{.gain_sd = 1e-3};
-  add({.name = "delay 5 ms kv 2", .motion = chewing(1.3, 7.5e-3, 0.3, 0),
-       .point = {.friction_Ns_m = 2}}, k5);
+  add({.name = "delay 5 ms"}, k5);
+  add({.name = "delay 5 ms ks 0", .point = {.stiffness_N_m = 0}}, k5);
+  add({.name = "delay 5 ms kv 2",
+       .motion = chewing(1.3, 7.5e-3, 0.3, 0),
+       .point = {.friction_Ns_m = 2}},
+      k5);
   add({.name = "delay 5 ms kv 2 300 um", .point = {.friction_Ns_m = 2}, .tracker = at(60, 3e-4)},
       k5);
   add({.name = "delay 2 ms kv 5", .point = {.friction_Ns_m = 5}}, k2);
   add({.name = "delay 0.5 ms kv 2", .point = {.friction_Ns_m = 2}}, kHalf);
-  add({.name = "delay 0.5 ms kv 5 200 Hz", .point = {.friction_Ns_m = 5}, .tracker = at(200),
-       .drive = drive(200)}, kHalf);
+  add({.name = "delay 0.5 ms kv 5 200 Hz",
+       .point = {.friction_Ns_m = 5},
+       .tracker = at(200),
+       .drive = drive(200)},
+      kHalf);
   // 6: what the model does not have.
   add({.name = "Coulomb 10 mN", .point = {.coulomb_N = 0.01}});
-  add({.name = "Coulomb 10 mN 200 Hz", .point = {.coulomb_N = 0.01}, .tracker = at(200),
+  add({.name = "Coulomb 10 mN 200 Hz",
+       .point = {.coulomb_N = 0.01},
+       .tracker = at(200),
        .drive = drive(200)});
   add({.name = "Coulomb 20 mN 300 um", .point = {.coulomb_N = 0.02}, .tracker = at(60, 3e-4)});
   add({.name = "Coulomb 2 mN known", .point = {.coulomb_N = 0.002}}, kKnown);
@@ -128,8 +164,7 @@ std::vector<Attack> make_named() {
   // 7: nobody is asked for it, or it changes.
   add({.name = "positions 5 % large", .tracker = {.scale = 1.05}}, kDefault, "scale");
   add({.name = "friction changes x3", .point = {.friction_end_share = 3}});
-  add({.name = "friction changes x3 600 s", .duration_s = 600,
-       .point = {.friction_end_share = 3}});
+  add({.name = "friction changes x3 600 s", .duration_s = 600, .point = {.friction_end_share = 3}});
   add({.name = "missing 0.05 Ns/m", .point = {.friction_Ns_m = 0.1, .missing_Ns_m = 0.05}},
       kDefault, "missing share");
   add({.name = "mass along the path 1 %/cm", .point = {.mass_slope_per_m = 1}}, kDefault,
@@ -143,7 +178,9 @@ std::vector<Attack> make_named() {
   add({.name = "drive drifts 50 mN", .drive = {.drift_N = 0.05}});
   add({.name = "AR 0.5 known", .tracker = {.correlation = 0.5}}, kKnown);
   add({.name = "AR 0.9", .tracker = {.correlation = 0.9}});
-  add({.name = "sine AR 0.9 120 s", .duration_s = 120, .motion = kSine,
+  add({.name = "sine AR 0.9 120 s",
+       .duration_s = 120,
+       .motion = kSine,
        .tracker = {.correlation = 0.9}});
   add({.name = "mean of 3", .tracker = {.mean_of = 3}});
   add({.name = "mean of 5", .tracker = {.mean_of = 5}});
@@ -192,8 +229,8 @@ Attack random_attack(const RandomClass& of, std::uint64_t seed) {
   attack.said.gain_sd = random.uniform() < 0.5 ? 1e-3 : 1e-2;
   regime.duration_s = random.log_uniform(12, 150);
   regime.tracker.rate_Hz = random.log_uniform(60, 200);
-  regime.drive.rate_Hz = random.uniform() < 0.5 ? regime.tracker.rate_Hz
-                                                : random.log_uniform(60, 200);
+  regime.drive.rate_Hz =
+      random.uniform() < 0.5 ? regime.tracker.rate_Hz : random.log_uniform(60, 200);
   regime.tracker.noise_m = random.log_uniform(15e-6, 200e-6);
   regime.drive.noise_N = random.log_uniform(8e-4, 0.05);
   regime.motion.amplitude_m = random.log_uniform(2e-3, 12.5e-3);

@@ -34,7 +34,8 @@ Verdicts judge(const Attack& attack, std::uint64_t seed) {
   std::size_t next = 0;
   double looked_s = 0;
   for (const Reading& position : recording.positions) {
-    for (; next < recording.drive.size() && recording.drive[next].time_s <= position.time_s; ++next) {
+    for (; next < recording.drive.size() && recording.drive[next].time_s <= position.time_s;
+         ++next) {
       const Reading& drive = recording.drive[next];
       identification->add_drive(nanoseconds(drive.time_s), drive.value);
     }
@@ -44,7 +45,8 @@ Verdicts judge(const Attack& attack, std::uint64_t seed) {
     look_now();
   }
   for (; next < recording.drive.size(); ++next) {
-    identification->add_drive(nanoseconds(recording.drive[next].time_s), recording.drive[next].value);
+    identification->add_drive(nanoseconds(recording.drive[next].time_s),
+                              recording.drive[next].value);
   }
   identification->conclude();
   look_now();

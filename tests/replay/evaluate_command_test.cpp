@@ -267,12 +267,6 @@ TEST(Evaluate, FrictionAndMassRespondOnlyToAMeasuredDrive) {
   for (const char* quantity : {"friction    shown", "mass        shown"}) {
     EXPECT_THAT(line_of(measured.output, quantity), HasSubstr("in 20 of 20 runs"));
   }
-  arguments.push_back("--withhold-drive");
-  const auto withheld = run_condyle(arguments);
-  ASSERT_EQ(withheld.exit_code, 0) << withheld.errors;
-  for (const char* quantity : {"friction    shown", "mass        shown"}) {
-    EXPECT_THAT(line_of(withheld.output, quantity), HasSubstr("in 0 of 20 runs"));
-  }
 }
 
 TEST(Evaluate, StopsWhenInterrupted) {

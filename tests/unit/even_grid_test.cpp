@@ -23,8 +23,9 @@ std::vector<Point> gridded(const std::vector<TimeNs>& times, const Value& value)
   EvenGrid<double> grid(kStep_ns);
   std::vector<Point> points;
   for (const TimeNs time_ns : times) {
-    grid.add(time_ns, value(seconds(time_ns)),
-             [&](TimeNs at_ns, double at) { points.push_back({at_ns, at}); });
+    grid.add(time_ns, value(seconds(time_ns)), [&](TimeNs at_ns, double at) {
+      points.push_back({at_ns, at});
+    });
   }
   return points;
 }

@@ -102,7 +102,7 @@ TEST(LinkMessages, RefusesStartsThatCannotRun) {
   refused(
       published, [](auto& m) { m.published.mass.initial_kg = kNaN; }, RefusalReason::not_finite);
   refused(
-      recommended, [](auto& m) { m.recommended.assumed_mass_kg = -1; }, range, 10);
+      recommended, [](auto& m) { m.recommended.assumed_mass_kg = -1; }, range, 9);
   refused(
       recommended, [](auto& m) { m.recommended.changes.cycles.travel_m = kInfinity; },
       RefusalReason::not_finite);

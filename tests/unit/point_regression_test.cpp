@@ -99,7 +99,8 @@ TEST(PointIdentification, SaysTheSameInFloat) {
 
 TEST(PointIdentification, NeedsADriveAndTime) {
   PointIdentification<double> alone(exact());
-  for (TimeNs k = 0; k < 600; ++k) alone.add_position(k * 16'666'667, Chewing::position_m(static_cast<double>(k) / 60));
+  for (TimeNs k = 0; k < 600; ++k)
+    alone.add_position(k * 16'666'667, Chewing::position_m(static_cast<double>(k) / 60));
   EXPECT_EQ(alone.estimate().mass_kg.limit, JointLimit::no_drive);
   EXPECT_EQ(alone.estimate().mass_kg.quantity.provenance, Provenance::assumed);
   EXPECT_EQ(alone.estimate().mass_kg.quantity.value, exact().mass_kg.mean);
@@ -116,9 +117,8 @@ TEST(PointIdentification, NeedsADriveAndTime) {
 TEST(PointIdentification, GapsAndMissingPositionsCostOnlyTheirSurroundings) {
   const auto whole = identify<double>(exact(), {}, 30, kAsItIs);
   int k = 0;
-  const auto holed = identify<double>(exact(), {}, 30, [&](double t, double&) {
-    return std::fmod(t, 10) > 0.4 && ++k % 7 != 0;
-  });
+  const auto holed = identify<double>(
+      exact(), {}, 30, [&](double t, double&) { return std::fmod(t, 10) > 0.4 && ++k % 7 != 0; });
   expect_truth(holed->estimate(), {});
   EXPECT_LT(holed->estimate().used_s, whole->estimate().used_s - 1);
   EXPECT_GT(holed->estimate().used_s, whole->estimate().used_s - 5);

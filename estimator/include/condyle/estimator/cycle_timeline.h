@@ -105,7 +105,8 @@ class CycleTimeline {
   }
 
  private:
-  static constexpr std::size_t kMostWaiting = 64;  // for a drive of 25 Hz and positions of 500 Hz, and more
+  static constexpr std::size_t kMostWaiting =
+      64;  // for a drive of 25 Hz and positions of 500 Hz, and more
   struct Waiting {
     TimeNs time_ns;
     Scalar position_m, sd_m;

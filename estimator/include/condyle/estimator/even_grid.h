@@ -4,9 +4,10 @@
 //   T         step of the grid
 //   t, z      times and values of the last six samples
 //
-// A sample within T / 50 of the next grid point is that point, and the grid goes on from it: samples
-// at even steps pass unchanged. Any other grid point is the polynomial of degree five through the
-// six samples around it (Lagrange), three before and three after where a segment has that many.
+// A sample within T / 50 of the next grid point is that point, and the grid goes on from it:
+// samples at even steps pass unchanged. Any other grid point is the polynomial of degree five
+// through the six samples around it (Lagrange), three before and three after where a segment has
+// that many.
 #pragma once
 
 #include <array>

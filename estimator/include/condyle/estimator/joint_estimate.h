@@ -39,12 +39,25 @@ inline constexpr std::size_t kJointLimits = 19;
 
 /// Name of a limit as it stands in files and summaries.
 constexpr const char* limit_name(JointLimit limit) {
-  constexpr const char* names[kJointLimits] = {
-      "",           "no_drive",          "too_slow",          "too_early",
-      "dynamics",   "noise",             "changing",          "delay_stated",
-      "negative_friction", "model", "information", "excitation", "mass_or_stiffness", "friction_or_delay",
-      "viscous_or_coulomb", "resolution", "gain",             "delay",
-      "missing"};
+  constexpr const char* names[kJointLimits] = {"",
+                                               "no_drive",
+                                               "too_slow",
+                                               "too_early",
+                                               "dynamics",
+                                               "noise",
+                                               "changing",
+                                               "delay_stated",
+                                               "negative_friction",
+                                               "model",
+                                               "information",
+                                               "excitation",
+                                               "mass_or_stiffness",
+                                               "friction_or_delay",
+                                               "viscous_or_coulomb",
+                                               "resolution",
+                                               "gain",
+                                               "delay",
+                                               "missing"};
   return names[static_cast<int>(limit)];
 }
 
@@ -52,12 +65,12 @@ constexpr const char* limit_name(JointLimit limit) {
 template <class Scalar>
 struct IdentifiedValue {
   static constexpr Scalar kNone = std::numeric_limits<Scalar>::quiet_NaN();
-  Quantity<Scalar> quantity;    ///< to be shown: the prior's, assumed, where it is not measured
-  Scalar fitted = kNone;        ///< by the regression, whether it is known or not
-  Scalar fitted_sd = kNone;     ///< with what is taken for granted; infinite where it has no end
-  Scalar sampling_sd = kNone;   ///< without: what the recording's own scatter says
-  Scalar information = 0;       ///< head motion: its information share (provenance.h)
-  Scalar needed_s = kNone;      ///< recorded time that would suffice; where the limit is resolution
+  Quantity<Scalar> quantity;   ///< to be shown: the prior's, assumed, where it is not measured
+  Scalar fitted = kNone;       ///< by the regression, whether it is known or not
+  Scalar fitted_sd = kNone;    ///< with what is taken for granted; infinite where it has no end
+  Scalar sampling_sd = kNone;  ///< without: what the recording's own scatter says
+  Scalar information = 0;      ///< head motion: its information share (provenance.h)
+  Scalar needed_s = kNone;     ///< recorded time that would suffice; where the limit is resolution
   JointLimit limit = JointLimit::no_drive;
 };
 

@@ -49,8 +49,9 @@ class ModulatingKernel {
     const Scalar s = distance_s / half_width_s_, q = Scalar(1) - s * s;
     if (!(q > Scalar(0))) return {};
     const Scalar q2 = q * q, q6 = q2 * q2 * q2, q7 = q6 * q;
-    return {scale_ * q7 * q, scale_ * Scalar(-16) * s * q7 / half_width_s_,
-            scale_ * (Scalar(-16) * q7 + Scalar(224) * s * s * q6) / (half_width_s_ * half_width_s_)};
+    return {
+        scale_ * q7 * q, scale_ * Scalar(-16) * s * q7 / half_width_s_,
+        scale_ * (Scalar(-16) * q7 + Scalar(224) * s * s * q6) / (half_width_s_ * half_width_s_)};
   }
 
   /// What a white noise of samples `step_s` apart becomes.

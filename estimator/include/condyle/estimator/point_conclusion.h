@@ -1,32 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 // From the sums of a recording to what may be said of the point.
 //
-//   P, P0     the plain fit of m, kv, ks, c (and tau, where the delay is fitted): noise taken out of
-//             all columns, or kept in the even ones (regression_fit.h)
-//   S         P0 with X^2, X^3, X^4 beside: a spring of any shape. Where the delay is fitted, P with
-//             them: u' is odd as v is, yet a motion that does not look the same backwards couples
-//             it with X^k, whose noise may then not be kept
+//   P, P0     the plain fit of m, kv, ks, c (and tau, where the delay is fitted): noise taken out
+//             of all columns, or kept in the even ones (regression_fit.h)
+//   S         P0 with X^2, X^3, X^4 beside: a spring of any shape. Where the delay is fitted, P
+//   with
+//             these: u' is odd as v is, yet a motion that differs from itself played backwards
+//             couples it with X^k, whose noise may then not be kept
 //   E, E0     P, P0 with X^2, X^3, X^4 and the sign of the velocity: also sliding friction
 //   V         variance of a value by the scatter of the blocks
 //   Fc, f     Fc of E0; f = Fc sum q_s v / sum v^2: sliding friction as damping of the same energy
 //
-// Each value has candidates with a discrepancy d, which is what the other fit says; the one with
-// the smallest V + d^2 and delay's part is taken:
-//   mass      P: d = m_E - m_P;  E: d = (m_P - m_E) / 2
-//   friction  P0: d = kv_S - kv_P (and, delay fitted, (kv_E + f - kv_P) / 2);
-//             S: d = 0 (and, delay fitted, (kv_E + f - kv_S) / 2); either with 0.1 f and the correction
-//             for noise beside, which is small where the parity of the kernel keeps it so.
-//             Where Coulomb friction is fitted, E0 alone: kv is then the viscous part
-//   others    stiffness, offset P: d to E; delay P: half of d to E; Coulomb
-//             E0. Where Coulomb friction is fitted, the delay is that of E
-// Granted, each independent of the others:
+// Candidates: each value has some, with a discrepancy d that another fit tells. The one with the
+// smallest sum of V, d^2 and the delay's part is taken:
+//   mass      P: d = m_E - m_P.  E: d = (m_P - m_E) / 2
+//   friction  P0: d = kv_S - kv_P.  S: d = 0. Either with 0.1 f and the correction for noise, and
+//             with half of kv_E + f - kv where the delay is fitted. Where Coulomb friction is
+//             fitted, E0 alone: kv is then the viscous part
+//   others    stiffness and offset P: d to E. Coulomb friction E0. Delay P: d is half of that to E;
+//             E where Coulomb friction is fitted
+// Granted, each apart from the others:
 //   gain      sigma_g theta: one scale of drive, positions and axis
 //   delay     known to s: s times what a second of delay adds, to second order; by regression
 //   missing   a force of at most the share s of the total, in phase with v or a: s rms(u) / rms(v)
 //   noise     (0.25 + |R - 1|) times the correction for noise, R the smallest residual of the fits
-// Withheld, both values, where a test speaks: |z| > 3 of u'' added to E (dynamics), R beyond
-//   1.25 + 3 sqrt(2 / (T w_c / 3.55)) (noise), trends beyond 3 of kv in P0, m in E, tau in E0 (changing), tau farther
-//   than 4 standard deviations from what is stated (delay_stated), kv below -3 (negative_friction).
+// Withheld, all values, where a test speaks. What a delay within its statement does is no alarm:
+//   noise              R beyond 1.25 + 3 sqrt(2 / (T w_c / 3.55))
+//   dynamics           u'' added to E, beyond 3 standard deviations
+//   delay_stated       tau, u' added to E0, beyond 4 from what is stated
+//   changing           trends of kv in P0, of m in E or of tau, beyond 3
+//   negative_friction  kv below -3
 // Measured: standard deviation, all of it, at most half the resolution that the user asks for.
 // Walk:     a value that may wander by q per root second is that of the end, where the mean of T
 //           seconds strays by q^2 T / 3: the last half or quarter is taken where that is better
@@ -113,8 +116,8 @@ class PointConclusion {
       estimate.position_noise_sd_m = Scalar(sqrt(data_.position_variance_m2()));
       estimate.residual_ratio = Scalar(residual_);
       estimate.plain = plain_;
-      write(mass_, parameters_.mass_kg,
-            parameters_.mass_resolution_fraction * mass_.fit.value, 1 / rms_a_, estimate.mass_kg);
+      write(mass_, parameters_.mass_kg, parameters_.mass_resolution_fraction * mass_.fit.value,
+            1 / rms_a_, estimate.mass_kg);
       write(friction_, parameters_.friction_Ns_m, parameters_.friction_resolution_Ns_m, 1 / rms_v_,
             estimate.friction_Ns_m);
       const auto by_prior = [](const JointPrior& prior) { return sqrt(2.0) * prior.sd; };
@@ -135,11 +138,13 @@ class PointConclusion {
 
     FitColumns columns(bool has_powers, bool has_sign, bool keeps_even_noise) const {
       FitColumns columns;
-      for (const RegressionColumn column : {kAccelerationColumn, kVelocityColumn, kPositionColumn, kOneColumn}) {
+      for (const RegressionColumn column :
+           {kAccelerationColumn, kVelocityColumn, kPositionColumn, kOneColumn}) {
         columns.add(column);
       }
       if (has_powers) {
-        for (const RegressionColumn column : {kSquareColumn, kCubeColumn, kFourthColumn}) columns.add(column);
+        for (const RegressionColumn column : {kSquareColumn, kCubeColumn, kFourthColumn})
+          columns.add(column);
       }
       if (has_sign) columns.add(kSignColumn);
       if (fits_delay_) columns.add(kDriveSlopeColumn);
@@ -147,14 +152,20 @@ class PointConclusion {
       return columns;
     }
 
+    FitColumns late_columns() const {
+      FitColumns late = columns(true, true, true);
+      if (!fits_delay_) late.add(kDriveSlopeColumn);
+      return late;
+    }
+
     void judge() {
       using std::sqrt;
       const Fit P(data_, columns(false, false, false)), P0(data_, columns(false, false, true)),
           S(data_, columns(true, false, !fits_delay_)), E(data_, columns(true, true, false)),
-          E0(data_, columns(true, true, true));
+          E0(data_, columns(true, true, true)), late(data_, late_columns());
       measure_motion();
       residual_ = FittedValue::kUnbounded;
-      for (const Fit* fit : {&P, &P0, &E, &E0}) {
+      for (const Fit* fit : {&P, &P0, &E, &E0, &late}) {
         if (fit->is_solved() && fit->residual() < residual_) residual_ = fit->residual();
       }
       const FittedValue sliding = E0.fitted(kSignColumn), extended = E0.fitted(kVelocityColumn);
@@ -190,7 +201,7 @@ class PointConclusion {
       }
       keep_plain(plain.fit.is_known() ? P : P0);
       find_pairs();
-      test(E, P0);
+      test(E, P0, late.fitted(kDriveSlopeColumn));
     }
 
     void keep_plain(const Fit& fit) {
@@ -198,10 +209,10 @@ class PointConclusion {
       plain_.friction_Ns_m = Scalar(fit.value(kVelocityColumn));
       plain_.mass_kg = Scalar(fit.value(kAccelerationColumn));
       plain_.stiffness_N_m = Scalar(fit.value(kPositionColumn));
-      plain_.offset_N = Scalar(data_.setup().place_m * fit.value(kPositionColumn) -
-                               fit.value(kOneColumn));
-      plain_.delay_s = Scalar(parameters_.drive.delay_s +
-                              (fits_delay_ ? fit.value(kDriveSlopeColumn) : 0));
+      plain_.offset_N =
+          Scalar(data_.setup().place_m * fit.value(kPositionColumn) - fit.value(kOneColumn));
+      plain_.delay_s =
+          Scalar(parameters_.drive.delay_s + (fits_delay_ ? fit.value(kDriveSlopeColumn) : 0));
     }
 
     // rms of the motion, noise taken out.
@@ -213,7 +224,8 @@ class PointConclusion {
       using std::sqrt;
       rms_a_ = sqrt(mean2(kAccelerationColumn));
       rms_v_ = sqrt(mean2(kVelocityColumn));
-      rms_x_ = sqrt(mean2(kPositionColumn) - square(sum.product(kPositionColumn, kOneColumn) / sum.instants));
+      rms_x_ = sqrt(mean2(kPositionColumn) -
+                    square(sum.product(kPositionColumn, kOneColumn) / sum.instants));
       rms_u_ = sqrt(mean2(kDriveColumn));
     }
 
@@ -238,7 +250,8 @@ class PointConclusion {
                                        : FittedValue::kUnbounded;
     }
 
-    void test(const Fit& E, const Fit& P0) {
+    // `delay`: of the drive beyond what is stated.
+    void test(const Fit& E, const Fit& P0, const FittedValue& delay) {
       using std::abs;
       using std::sqrt;
       constexpr double kDynamics = 3, kDelay = 4, kNegative = 3;
@@ -247,24 +260,21 @@ class PointConclusion {
       curved.add(kDriveCurvatureColumn);
       if (fits_delay_) curved.add(kDriveSlopeColumn);
       const FittedValue curvature = Fit(data_, curved).fitted(kDriveCurvatureColumn);
-      FitColumns late = columns(true, true, true);
-      if (!fits_delay_) late.add(kDriveSlopeColumn);
-      const FittedValue delay = Fit(data_, late).fitted(kDriveSlopeColumn);
       const double stated_sd_s = parameters_.drive.delay_sd_s;
       const double independent = data_.duration_s() * data_.setup().cutoff_rad_s / 3.55;
       const double highest = 1.25 + 3 * sqrt(2 / independent);
       const double delay_sd_s =
           sqrt(square(delay.sd) + square(delay.correction) + square(stated_sd_s));
-      const double curvature_sd = sqrt(square(curvature.sd) + 3 * square(square(delay_sd_s_) / 2));
-      if (curvature.is_known() && abs(curvature.value) > kDynamics * curvature_sd) {
-        failure_ = JointLimit::dynamics;
-      } else if (!(residual_ <= highest)) {
+      const double curvature_sd = sqrt(Candidate{curvature}.all2(delay_sd_s_));
+      if (residual_ < FittedValue::kUnbounded && residual_ > highest) {
         failure_ = JointLimit::noise;
+      } else if (curvature.is_known() && abs(curvature.value) > kDynamics * curvature_sd) {
+        failure_ = JointLimit::dynamics;
       } else if (delay.is_known() && abs(delay.value) > kDelay * delay_sd_s) {
         failure_ = JointLimit::delay_stated;
       } else if (!has_walk(parameters_) &&
-                 (has_trend(P0.fitted(kVelocityColumn)) || has_trend(E.fitted(kAccelerationColumn)) ||
-                  has_trend(delay))) {
+                 (has_trend(P0.fitted(kVelocityColumn)) ||
+                  has_trend(E.fitted(kAccelerationColumn)) || has_trend(delay))) {
         failure_ = JointLimit::changing;
       } else if (friction_.fit.is_known() &&
                  friction_.fit.value <
@@ -277,9 +287,9 @@ class PointConclusion {
     // A delay within what is stated is no trend.
     bool has_trend(const FittedValue& fit) const {
       constexpr double kTrend = 3;
-      return fit.is_known() && square(fit.trend) >
-                                   square(kTrend) * (fit.trend2 +
-                                                     square(delay_sd_s_ * fit.trend_per_delay));
+      return fit.is_known() &&
+             square(fit.trend) >
+                 square(kTrend) * (fit.trend2 + square(delay_sd_s_ * fit.trend_per_delay));
     }
 
     // `per_N`: what a force of 1 N rms in phase adds to the value.
@@ -298,8 +308,8 @@ class PointConclusion {
       };
       const Part parts[] = {
           {square(fit.sd), JointLimit::resolution},
-          {candidate.discrepancy2, is_friction ? JointLimit::viscous_or_coulomb
-                                               : JointLimit::mass_or_stiffness},
+          {candidate.discrepancy2,
+           is_friction ? JointLimit::viscous_or_coulomb : JointLimit::mass_or_stiffness},
           {is_delay ? 0 : square(drive.gain_sd * fit.value), JointLimit::gain},
           {candidate.delay2(delay_sd_s_), JointLimit::delay},
           {square(drive.missing_share * rms_u_ * per_N), JointLimit::missing},
@@ -333,10 +343,10 @@ class PointConclusion {
         const double others = sum - parts[0].variance;
         const bool would_do = alone_sd < FittedValue::kUnbounded &&
                               square(alone_sd) + (fit.is_known() ? others : 0) <= target;
-        value.limit = would_do ? (is_mass ? JointLimit::mass_or_stiffness
-                                          : JointLimit::friction_or_delay)
-                      : fit.is_known() ? JointLimit::resolution
-                                       : JointLimit::excitation;
+        value.limit =
+            would_do ? (is_mass ? JointLimit::mass_or_stiffness : JointLimit::friction_or_delay)
+            : fit.is_known() ? JointLimit::resolution
+                             : JointLimit::excitation;
         if (value.limit == JointLimit::resolution && others < target) {
           value.needed_s = Scalar(T * parts[0].variance / (target - others));
         }
@@ -361,9 +371,9 @@ class PointConclusion {
     JointEstimate<Scalar> estimate;
     const DriveParameters& drive = parameters_.drive;
     const JointPrior delay{drive.delay_s, drive.delay_sd_s, 0};
-    const JointLimit limit = regression_.is_too_slow()   ? JointLimit::too_slow
+    const JointLimit limit = regression_.is_too_slow() ? JointLimit::too_slow
                              : regression_.has_drive() ? JointLimit::too_early
-                                                         : JointLimit::no_drive;
+                                                       : JointLimit::no_drive;
     const auto set = [limit](IdentifiedValue<Scalar>& value, const JointPrior& prior) {
       value.quantity = {Scalar(prior.mean), Scalar(prior.sd), Provenance::assumed};
       value.limit = limit;

@@ -33,9 +33,7 @@ class PointIdentification {
   }
 
   /// Draws the conclusion of all that was given, now.
-  void conclude() {
-    estimate_ = PointConclusion<Scalar>(regression_, parameters_).draw();
-  }
+  void conclude() { estimate_ = PointConclusion<Scalar>(regression_, parameters_).draw(); }
 
   /// The last conclusion.
   const JointEstimate<Scalar>& estimate() const { return estimate_; }

@@ -3,14 +3,16 @@
 //
 //   z, u      positions (m) and drive (N), each at its own times and rate
 //   s_z, s_u  standard deviations of their noise, T_z, T_u their steps
-//   h, w_c    half-width of the kernel (modulating_kernel.h), and the frequency up to which it passes
-//   t_j       instants, every h / 4, at points of the positions
+//   h, w_c    half-width of the kernel (modulating_kernel.h), and the frequency up to which it
+//   passes t_j       instants, every h / 4, at points of the positions
 //
-// Model:       u = m a + kv v + ks x + c, and what else acts (c = -b, the constant force b acts with
+// Model:       u = m a + kv v + ks x + c, and what else acts (c = -b, the constant force b acts
+// with
 //              the drive); through the kernel it stays as it is:
 //              u_f = m a_f + kv v_f + ks x_f + c 1_f. No derivative of a sample is needed, nor
 //              common times. regression_fit.h solves it, point_conclusion.h says what is known.
-// Width:       w_c = 1.2 w_0, w_0^2 = s_u sqrt(T_u) / (m_0 s_z sqrt(T_z)): where the drive's noise and
+// Width:       w_c = 1.2 w_0, w_0^2 = s_u sqrt(T_u) / (m_0 s_z sqrt(T_z)): where the drive's noise
+// and
 //              the position's, times m_0 w^2, are equal. It is chosen once, after the first second.
 //              Another width costs efficiency, never coverage. Where positions in contact are left
 //              out it is 39 rad/s at least, so that a third of a second between them suffices.
@@ -152,11 +154,11 @@ class PointRegression {
     using std::sqrt;
     const double s_z = sqrt(static_cast<double>(z.sum / z.count)),
                  s_u = sqrt(static_cast<double>(u.sum / u.count));
-    const double w0 = sqrt(s_u * sqrt(T_u) /
-                           (parameters_.mass_kg.mean * (s_z + kLeastNoise_m) * sqrt(T_z)));
+    const double w0 =
+        sqrt(s_u * sqrt(T_u) / (parameters_.mass_kg.mean * (s_z + kLeastNoise_m) * sqrt(T_z)));
     cutoff_rad_s_ = 1.2 * w0;
-    const bool has_contact = parameters_.contact_above_m < kNoContact_m ||
-                             parameters_.contact_below_m > -kNoContact_m;
+    const bool has_contact =
+        parameters_.contact_above_m < kNoContact_m || parameters_.contact_below_m > -kNoContact_m;
     if (has_contact && cutoff_rad_s_ < kCutoffBesideContact_rad_s) {
       cutoff_rad_s_ = kCutoffBesideContact_rad_s;
     }
@@ -171,7 +173,8 @@ class PointRegression {
     if (stride_ == 0) stride_ = 1;
     blocks_ = RegressionBlocks<Scalar>(static_cast<double>(stride_) * T_z);
     Scalar sum = 0;
-    for (std::uint64_t k = positions_.begin(); k < positions_.end(); ++k) sum += positions_.value(k);
+    for (std::uint64_t k = positions_.begin(); k < positions_.end(); ++k)
+      sum += positions_.value(k);
     place_m_ = sum / static_cast<Scalar>(positions_.end() - positions_.begin());
     segment_ = positions_.segment();
     has_begun_ = true;
@@ -251,8 +254,8 @@ class PointRegression {
       if (center_next_ >= sign_next_) return false;
       const bool is_cut = sign_begin_ < positions_.begin();
       const std::uint64_t first = is_cut ? positions_.begin() + 1 : sign_begin_;
-      if (center_next_ > first && difference_of(positions_.time_ns(center_next_),
-                                                positions_.time_ns(first)) >= reach_s) {
+      if (center_next_ > first &&
+          difference_of(positions_.time_ns(center_next_), positions_.time_ns(first)) >= reach_s) {
         break;
       }
       if (is_cut) ++counts_.positions_dropped;

@@ -13,9 +13,10 @@
 // Estimate:  theta = (M - N)^-1 r (W. A. Fuller, Measurement Error Models, 1987, section 1.2 and
 //            2.2). The noise of u is only in the residual: it biases nothing, whatever its size or
 //            colour. N_u'u' and the covariance of u with u'' have the drive's own noise.
-// Even noise kept: with N of a, x and X^k left in M a direction of them that is nothing but noise is
-//            harmlessly regularised. v is apart from them, as the kernel's derivatives of odd and of
-//            even order do not mix: friction is taken so.
+// Even noise kept: with N of a, x and X^k left in M a direction of them that is nothing but noise
+// is
+//            harmlessly regularised. v is apart from them, as the kernel's derivatives of odd and
+//            of even order do not mix: friction is taken so.
 // Delay:     u(t + tau) = u + tau u' + tau^2 u''/2: r gains tau^2/2 sum y u'', three iterations.
 // Interval:  with I = (M - N)^-1, D = 1 / I_ii, g = D (row i of I), per block
 //              alpha_b = g'(r_b - (M_b - N_b) theta),  beta_b = g'(M_b - N_b) g,
@@ -58,10 +59,10 @@ struct FitColumns {
 struct FittedValue {
   static constexpr double kUnbounded = std::numeric_limits<double>::infinity();
   double value = std::numeric_limits<double>::quiet_NaN();
-  double sd = kUnbounded;   ///< half of the interval of 95 %, over 1.96
-  double per_delay = 0;     ///< what a second of the drive's delay adds to it
-  double per_delay2 = 0;    ///< likewise, per square second, times 2
-  double correction = 0;    ///< what taking the noise out changed
+  double sd = kUnbounded;        ///< half of the interval of 95 %, over 1.96
+  double per_delay = 0;          ///< what a second of the drive's delay adds to it
+  double per_delay2 = 0;         ///< likewise, per square second, times 2
+  double correction = 0;         ///< what taking the noise out changed
   double trend = 0, trend2 = 0;  ///< see above: the sum, and its variance
   double trend_per_delay = 0;    ///< what a second of the drive's delay adds to the sum
   bool is_known() const { return sd < kUnbounded; }
@@ -145,7 +146,9 @@ class RegressionData {
   const RegressionSetup& setup() const { return setup_; }
   double duration_s() const { return sum_.instants * setup_.instant_s; }
   /// Variances of a sample's noise (m^2, N^2).
-  double position_variance_m2() const { return sum_.position_variance_sum / sum_.position_variances; }
+  double position_variance_m2() const {
+    return sum_.position_variance_sum / sum_.position_variances;
+  }
   double drive_variance_N2() const { return sum_.drive_variance_sum / sum_.drive_variances; }
 
   /// What noise is expected to add to the product of columns i and j of `sums`. The variance is
@@ -171,7 +174,10 @@ class RegressionData {
  private:
   // X^k has the noise k X^(k-1) of X.
   static int power_of(RegressionColumn column) {
-    return column == kSquareColumn ? 2 : column == kCubeColumn ? 3 : column == kFourthColumn ? 4 : 0;
+    return column == kSquareColumn   ? 2
+           : column == kCubeColumn   ? 3
+           : column == kFourthColumn ? 4
+                                     : 0;
   }
   template <class Sum>
   double of_powers(const RegressionSums<Sum>& sums, RegressionColumn i, RegressionColumn j) const {
@@ -246,15 +252,16 @@ class RegressionFit {
   RegressionColumn column(std::size_t i) const { return fit_.columns[i]; }
   double sign(std::size_t i) const { return column(i) == kDriveSlopeColumn ? -1 : 1; }
   static bool is_even(RegressionColumn column) {
-    return column == kAccelerationColumn || column == kPositionColumn || column == kSquareColumn || column == kCubeColumn ||
-           column == kFourthColumn;
+    return column == kAccelerationColumn || column == kPositionColumn || column == kSquareColumn ||
+           column == kCubeColumn || column == kFourthColumn;
   }
 
   template <class Sum>
   double less_noise(const RegressionSums<Sum>& sums, std::size_t i, std::size_t j) const {
     const bool is_kept = fit_.keeps_even_noise && is_even(column(i)) && is_even(column(j));
     const double product = static_cast<double>(sums.product(column(i), column(j)));
-    return sign(i) * sign(j) * (is_kept ? product : product - data_.noise(sums, column(i), column(j)));
+    return sign(i) * sign(j) *
+           (is_kept ? product : product - data_.noise(sums, column(i), column(j)));
   }
   template <class Sum>
   double less_noise_with(const RegressionSums<Sum>& sums, std::size_t i, RegressionColumn j) const {
@@ -279,9 +286,19 @@ class RegressionFit {
 
   void make_residual() {
     const RegressionSums<double>& sum = data_.sum();
-    double square = sum.product(kDriveColumn, kDriveColumn), expected = data_.noise(sum, kDriveColumn, kDriveColumn);
+    // The drive, taken back by tau to second order, is u + bend u''.
+    const double bend = tau_ * tau_ / 2;
+    const auto of_drive = [bend](const auto& product) {
+      return product(kDriveColumn, kDriveColumn) +
+             2 * bend * product(kDriveColumn, kDriveCurvatureColumn) +
+             bend * bend * product(kDriveCurvatureColumn, kDriveCurvatureColumn);
+    };
+    double square = of_drive([&sum](auto i, auto j) { return sum.product(i, j); });
+    double expected = of_drive([&](auto i, auto j) { return data_.noise(sum, i, j); });
     for (std::size_t i = 0; i < size_; ++i) {
-      square -= 2 * theta_[i] * sign(i) * sum.product(column(i), kDriveColumn);
+      square -= 2 * theta_[i] * sign(i) *
+                (sum.product(column(i), kDriveColumn) +
+                 bend * sum.product(column(i), kDriveCurvatureColumn));
       for (std::size_t j = 0; j < size_; ++j) {
         const double product = theta_[i] * theta_[j];
         square += product * sign(i) * sign(j) * sum.product(column(i), column(j));
@@ -338,8 +355,7 @@ class RegressionFit {
     const double quadratic = D * D - t2 * C, linear = t2 * B;
     if (quadratic > 0) {
       const double root = sqrt(linear * linear + quadratic * t2 * A),
-                   half_low = (root + linear) / quadratic,
-                   half_high = (root - linear) / quadratic;
+                   half_low = (root + linear) / quadratic, half_high = (root - linear) / quadratic;
       fitted.sd = (half_low > half_high ? half_low : half_high) / kNormalQuantile95;
     }
     const double place = place_sum / beta_sum;

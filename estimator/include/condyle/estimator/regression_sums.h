@@ -50,8 +50,8 @@ struct RegressionSums {
   static constexpr std::size_t kPowers = 6;
   static constexpr std::size_t kSize = kProducts + kPowers + 5;
 
-  std::array<Scalar, kProducts> products{};  ///< see `product`
-  std::array<Scalar, kPowers> powers{};      ///< of X, X^2 ... X^6
+  std::array<Scalar, kProducts> products{};                  ///< see `product`
+  std::array<Scalar, kPowers> powers{};                      ///< of X, X^2 ... X^6
   Scalar position_variance_sum = 0, position_variances = 0;  ///< of sixth differences (m^2)
   Scalar drive_variance_sum = 0, drive_variances = 0;        ///< likewise (N^2)
   Scalar instants = 0;

@@ -32,7 +32,7 @@
 namespace condyle::hal {
 
 /// Version of all that is said here. Both sides must have the same.
-inline constexpr std::uint16_t kLinkVersion = 2;
+inline constexpr std::uint16_t kLinkVersion = 3;
 
 /// LinkFrame::type.
 enum class MessageType : std::uint8_t {
