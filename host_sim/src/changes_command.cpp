@@ -112,7 +112,7 @@ WatchedRecording watch(const ChangesOptions& options, const RecommendedParameter
   if (!facebow.problem().empty()) throw InputError(facebow.problem());
   result.identified = sensor.timeline().identified();
   result.notes = info.notes;
-  for (const std::string& note : drive_notes(channel, sensor.counts())) {
+  for (const std::string& note : sensor.notes()) {
     result.notes.push_back(note);
   }
   return result;

@@ -30,19 +30,22 @@ class DriveChannel {
         ++missing_;
       } else {
         ++samples_;
+        if (!first_ns_) first_ns_ = sample.time_ns;
         last_ns_ = sample.time_ns;
         add(sample.time_ns, sample.drive_N);
       }
     }
   }
 
-  /// For the summary: what it is and how much came, a line each.
-  std::vector<std::string> notes() const;
+  /// For the summary: what it is, how much came, and how much of the recording, which lasts from
+  /// `first_ns` to `last_ns`, it covers; a line each. Reads to its end. Throws InputError where the
+  /// two have no instant in common.
+  std::vector<std::string> notes(TimeNs first_ns, TimeNs last_ns);
 
  private:
   std::string path_;
   std::unique_ptr<Recording> recording_;
-  std::optional<TimeNs> last_ns_;
+  std::optional<TimeNs> first_ns_, last_ns_;
   bool has_ended_ = false;
   std::uint64_t samples_ = 0, missing_ = 0;
 };

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <numbers>
+
 namespace condyle::host {
 
 void DriveOptions::add_to(CommandLine command) {
@@ -15,9 +17,17 @@ void DriveOptions::add_to(CommandLine command) {
   command.add_option("--drive-gain-sd", gain_sd, "Relative uncertainty of its gain (0.01)")
       .number_in({0, 1});
   command
+      .add_option("--position-scale-sd", position_scale_sd,
+                  "Relative uncertainty of the scale of the positions (0)")
+      .number_in({0, 1});
+  command
+      .add_option("--drive-angle-sd-deg", axis_angle_sd_deg,
+                  "Uncertainty of the angle between the drive's axis and the followed one (0)")
+      .number_in({0, 57});
+  command
       .add_option("--drive-noise-N", noise_sd_N,
                   "Its noise, of each sample (0.01); `changes` uses it, `replay` takes it from the "
-                  "drive itself")
+                  "drive itself and says where it differs")
       .number_in({1e-9, 1e3});
   command.add_option("--drive-delay-ms", delay_ms, "How late its samples are stamped (0)")
       .number_in({-1000, 1000});
@@ -44,6 +54,8 @@ void DriveOptions::apply(JointParameters& joint) const {
   DriveParameters& drive = joint.drive;
   drive.missing_share = missing_share.value_or(drive.missing_share);
   drive.gain_sd = gain_sd.value_or(drive.gain_sd);
+  drive.position_scale_sd = position_scale_sd.value_or(drive.position_scale_sd);
+  if (axis_angle_sd_deg) drive.axis_angle_sd_rad = *axis_angle_sd_deg * std::numbers::pi / 180;
   drive.noise_sd_N = noise_sd_N.value_or(drive.noise_sd_N);
   if (delay_ms) drive.delay_s = *delay_ms * 1e-3;
   if (delay_sd_ms) drive.delay_sd_s = *delay_sd_ms * 1e-3;

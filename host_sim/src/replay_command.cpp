@@ -86,6 +86,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
     }
   }
 
+  const std::vector<std::string> drive_notes = summary.drive_notes();
   // Everything is written and closed before anything gets its name.
   const std::string name = std::filesystem::path(options.recording).filename().string();
   std::vector<std::unique_ptr<OutputFile>> figures;
@@ -118,7 +119,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   };
   line("recording", recording_text(options, facebow.info()));
   for (const std::string& note : facebow.info().notes) line("note", note);
-  for (const std::string& note : summary.drive_notes()) line("note", note);
+  for (const std::string& note : drive_notes) line("note", note);
   text += summary.text();
   if (estimates) line("estimates", options.out);
   for (const auto& figure : figures) {
@@ -179,7 +180,7 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
         channel ? &*channel : nullptr, parameters.joint.drive.delay_s, parameters,
         options.estimator.lag, followed, kAxes == 3 ? static_cast<int>(options.followed.axis) : 0);
     summary.set_conclusion([&] { return sensor.conclude(); });
-    summary.set_drive([&] { return drive_notes(channel, sensor.counts()); });
+    summary.set_drive([&] { return sensor.notes(); });
     return run(sensor, true);
   }
   RecommendedSensor<double, kAxes> sensor(parameters, options.estimator.lag, followed);

@@ -17,6 +17,10 @@ constexpr double kUnevenShare = 0.01;
 constexpr double kTrustedNis = 1.5;
 // Another axis is named from so many times the followed one's range on.
 constexpr double kFarther = 2, kLeastMotion_m = 1e-3;
+// A jaw, its head free to move, stays within the one; the noise of the best tracker spans the
+// other.
+constexpr double kWidest_m = 0.5, kNarrowest_m = 3e-5;
+constexpr double kShortestStep_s = 1.0 / 5000;
 
 // No interval: the filter's own would be that of its tuning.
 std::string without_interval(const Quantity<double>& quantity, const char* unit) {
@@ -106,8 +110,11 @@ std::string ReplaySummary::times_text(const std::string& steps_note) const {
 
 std::string ReplaySummary::motion_text() const {
   std::string text;
-  if (point_axes_ == 3) {
-    const auto ranges_m = ranges_.ranges_m();
+  const auto ranges_m = ranges_.ranges_m();
+  if (point_axes_ == 1) {
+    add_line(text, "range",
+             fmt::format("{:.4g} mm, the middle 95 % of the positions", ranges_m[0] * 1e3));
+  } else {
     add_line(text, "ranges",
              fmt::format("x {:.4g}, y {:.4g}, z {:.4g} mm, the middle 95 % of the positions",
                          ranges_m[0] * 1e3, ranges_m[1] * 1e3, ranges_m[2] * 1e3));
@@ -137,15 +144,36 @@ std::string ReplaySummary::no_position_text() const {
 }
 
 std::vector<std::string> ReplaySummary::warnings() const {
-  if (point_axes_ != 3) return {};
+  std::vector<std::string> warnings = unit_warnings();
+  if (point_axes_ != 3) return warnings;
   const auto ranges_m = ranges_.ranges_m();
   const auto followed = static_cast<std::size_t>(followed_);
   const std::size_t other = livelier_axis(ranges_m, followed, kFarther, kLeastMotion_m);
-  if (other == followed) return {};
-  return {
+  if (other == followed) return warnings;
+  warnings.push_back(
       fmt::format("the motion is along {0} ({1:.4g} mm) more than along the followed {2} ({3:.4g} "
                   "mm); --axis {0} follows it",
-                  "xyz"[other], ranges_m[other] * 1e3, "xyz"[followed], ranges_m[followed] * 1e3)};
+                  "xyz"[other], ranges_m[other] * 1e3, "xyz"[followed], ranges_m[followed] * 1e3));
+  return warnings;
+}
+
+std::vector<std::string> ReplaySummary::unit_warnings() const {
+  std::vector<std::string> warnings;
+  const auto ranges_m = ranges_.ranges_m();
+  const double widest_m = *std::max_element(ranges_m.begin(), ranges_m.end());
+  if (widest_m > kWidest_m || (steps_ > 0 && widest_m < kNarrowest_m)) {
+    warnings.push_back(fmt::format(
+        "the positions span {:.2g} mm, and a jaw moves 1 to 70 mm: check their unit, which the "
+        "column's name or --unit states",
+        widest_m * 1e3));
+  }
+  if (steps_ > 0 && mean_step_s() < kShortestStep_s) {
+    warnings.push_back(
+        fmt::format("{:.3g} samples a second, and a facebow gives 50 to 500: check the unit of "
+                    "the times",
+                    1 / mean_step_s()));
+  }
+  return warnings;
 }
 
 std::string ReplaySummary::last_values_text(const char* level) const {

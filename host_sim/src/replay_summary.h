@@ -74,6 +74,7 @@ class ReplaySummary {
 
  private:
   std::string motion_text() const;
+  std::vector<std::string> unit_warnings() const;
 
   Axis followed_;
   int point_axes_ = 1;

@@ -5,10 +5,10 @@
 
 namespace condyle::host {
 
-std::vector<std::string> drive_notes(const std::optional<DriveChannel>& channel,
-                                     const DriveCounts& counts) {
+std::vector<std::string> drive_notes(DriveChannel* channel, const DriveCounts& counts,
+                                     const TimeSpan& span) {
   std::vector<std::string> notes;
-  if (channel) notes = channel->notes();
+  if (channel != nullptr) notes = channel->notes(span.first_ns, span.last_ns);
   const auto add = [&notes](std::uint64_t count, const char* words) {
     if (count > 0) notes.push_back(fmt::format("drive: {} {}", count, words));
   };

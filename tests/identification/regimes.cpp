@@ -172,6 +172,13 @@ std::vector<Attack> make_named() {
   add({.name = "clock 10 ppm 120 s known", .duration_s = 120, .drive = {.clock_ppm = 10}}, kKnown,
       "clock drift below what is stated");
   add({.name = "clock 50 ppm 300 s", .duration_s = 300, .drive = {.clock_ppm = 50}});
+  // Units that nobody checked.
+  add({.name = "drive in kN", .drive = {.noise_N = 1e-5, .gain = 1e-3}});
+  add({.name = "drive in kgf", .drive = {.noise_N = 1e-3, .gain = 1 / 9.80665}});
+  add({.name = "drive in mN", .drive = {.noise_N = 10, .gain = 1e3}});
+  add({.name = "drive reversed", .drive = {.gain = -1}});
+  add({.name = "drive reversed kv 0.5", .point = {.friction_Ns_m = 0.5}, .drive = {.gain = -1}});
+  add({.name = "drive half as large", .drive = {.gain = 0.5}}, kDefault, "gain");
   // Noise that is not what it seems.
   add({.name = "slow drive noise 10 mN", .drive = {.slow_noise_N = 0.01}});
   add({.name = "slow drive noise 10 mN known", .drive = {.slow_noise_N = 0.01}}, kKnown);

@@ -50,6 +50,22 @@ class Drive : public testing::Test {
     arguments.insert(arguments.end(), options.begin(), options.end());
     return run_condyle(arguments);
   }
+  // With each row of the drive changed by `change(time_s, drive_N)`.
+  template <class Change>
+  CommandResult replay_changed(const Change& change) {
+    std::string text = "time_s,drive_N\n";
+    std::istringstream lines(read_file(drive_));
+    std::string line;
+    std::getline(lines, line);
+    while (std::getline(lines, line)) {
+      double time_s = std::stod(line), drive_N = std::stod(line.substr(line.find(',') + 1));
+      change(time_s, drive_N);
+      text += fmt::format("{},{}\n", time_s, drive_N);
+    }
+    auto options = complete_;
+    options[1] = folder_.write("changed.csv", text);
+    return replay(recording_, options);
+  }
   // The recording with its drive as a column, which both were measured at the same times.
   std::string with_column() {
     std::istringstream positions(read_file(recording_)), drive(read_file(drive_));
@@ -105,18 +121,46 @@ TEST_F(Drive, SaysWhatLimits) {
   auto uncalibrated = complete_;
   uncalibrated[7] = "0.1";
   EXPECT_THAT(replay(recording_, uncalibrated).output, HasSubstr("the drive's gain is too large"));
-  // A drive that is not the one that moved the point.
-  std::string text = read_file(drive_), other = "time_s,drive_N\n";
-  std::istringstream lines(text.substr(text.find('\n') + 1));
-  for (std::string line; std::getline(lines, line);) {
-    const std::size_t comma = line.find(',');
-    const double time_s = std::stod(line);
-    other += fmt::format("{},{}\n", line.substr(0, comma),
-                         std::stod(line.substr(comma + 1)) + 0.1 * std::sin(20 * time_s));
-  }
-  auto wrong = complete_;
-  wrong[1] = folder_.write("other.csv", other);
-  EXPECT_THAT(replay(recording_, wrong).output, HasSubstr("another force acts"));
+  EXPECT_THAT(replay_changed([](double& time_s, double& drive_N) {
+                drive_N += 0.1 * std::sin(20 * time_s);
+              }).output,
+              HasSubstr("another force acts"));
+}
+
+TEST_F(Drive, NoticesUnitsThatCannotBe) {
+  const auto scaled = [&](double factor) {
+    return replay_changed([factor](double&, double& drive_N) { drive_N *= factor; }).output;
+  };
+  const auto withheld = AllOf(HasSubstr("0.05 Ns/m, assumed"), HasSubstr("0.25 kg, assumed"));
+  EXPECT_THAT(scaled(1e-3), AllOf(withheld, HasSubstr("were the drive in kN, it would be 0.25 kg"),
+                                  HasSubstr("1.1e-05 N, which few sensors have")));
+  EXPECT_THAT(scaled(1 / 9.80665), AllOf(withheld, HasSubstr("were the drive in kgf")));
+  EXPECT_THAT(scaled(1e3), AllOf(withheld, HasSubstr("were the drive in mN")));
+  EXPECT_THAT(scaled(-1), AllOf(withheld, HasSubstr("the sign of the drive or of the axis")));
+  // The motion cannot tell: what the values rest on is said.
+  EXPECT_THAT(scaled(0.2), AllOf(HasSubstr("few jaws have such a mass"),
+                                 HasSubstr("rests on    what was stated: drive in N")));
+  auto stated = complete_;
+  stated.insert(stated.end(), {"--drive-noise-N", "0.1"});
+  EXPECT_THAT(replay(recording_, stated).output, HasSubstr("0.011 N, 0.1 N was stated"));
+}
+
+TEST_F(Drive, WidensByWhatIsStatedOfScaleAndAngle) {
+  auto stated = complete_;
+  stated.insert(stated.end(), {"--position-scale-sd", "0.1"});
+  EXPECT_THAT(replay(recording_, stated).output, HasSubstr("the drive's gain is too large"));
+  stated[stated.size() - 2] = "--drive-angle-sd-deg";
+  stated.back() = "20";
+  EXPECT_THAT(replay(recording_, stated).output, HasSubstr("the drive's gain is too large"));
+}
+
+TEST_F(Drive, IsNotTakenOnAnotherClock) {
+  const auto apart = replay_changed([](double& time_s, double&) { time_s += 1000; });
+  EXPECT_EQ(apart.exit_code, 2);
+  EXPECT_THAT(apart.errors, AllOf(HasSubstr("it covers 1000 to 1029.98 s, the recording 0 to"),
+                                  HasSubstr("no time in common")));
+  EXPECT_THAT(replay_changed([](double& time_s, double&) { time_s += 10; }).output,
+              HasSubstr("drive: it covers 10 to 39.9833 s, the recording 0 to"));
 }
 
 TEST_F(Drive, IsTheSameInAColumnOrApart) {

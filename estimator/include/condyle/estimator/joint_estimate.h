@@ -14,6 +14,8 @@ enum class JointLimit : std::uint8_t {
   too_early,           ///< too little was recorded to judge by
   dynamics,            ///< the drive's sensor, or the tracker, follows late or smoothed
   noise,               ///< what is left over is not the noise that the samples show
+  drive_reversed,      ///< the mass would be negative: the drive's sign is reversed
+  implausible_mass,    ///< the mass is outside the stated range: a unit is wrong
   changing,            ///< the parameters, or the drive's delay, changed along the recording
   delay_stated,        ///< the drive's delay is not what was stated
   negative_friction,   ///< friction would be negative: the drive is not all that drives
@@ -35,7 +37,7 @@ constexpr bool is_failure(JointLimit limit) {
 }
 
 /// Number of limits.
-inline constexpr std::size_t kJointLimits = 19;
+inline constexpr std::size_t kJointLimits = 21;
 
 /// Name of a limit as it stands in files and summaries.
 constexpr const char* limit_name(JointLimit limit) {
@@ -45,6 +47,8 @@ constexpr const char* limit_name(JointLimit limit) {
                                                "too_early",
                                                "dynamics",
                                                "noise",
+                                               "drive_reversed",
+                                               "implausible_mass",
                                                "changing",
                                                "delay_stated",
                                                "negative_friction",

@@ -20,10 +20,12 @@ struct JointPrior {
 /// How the measured drive relates to the true one. What it gets wrong for good enters the intervals
 /// and is never fitted: u = g F + missing has one scale too many for m, kv and g together.
 struct DriveParameters {
-  double noise_sd_N = 0.01;   ///< white, of each sample (N)
-  double gain_sd = 0.01;      ///< relative uncertainty of its calibration
-  double delay_s = 0;         ///< how much later than the force its samples are stamped (s)
-  double delay_sd_s = 0.005;  ///< uncertainty of that (s)
+  double noise_sd_N = 0.01;      ///< white, of each sample (N)
+  double gain_sd = 0.01;         ///< relative uncertainty of its calibration
+  double position_scale_sd = 0;  ///< relative uncertainty of the scale of the positions
+  double axis_angle_sd_rad = 0;  ///< of the angle between its axis and that of the positions (rad)
+  double delay_s = 0;            ///< how much later than the force its samples are stamped (s)
+  double delay_sd_s = 0.005;     ///< uncertainty of that (s)
   /// Share of the total force that it may miss, 0 to 1. 1, the default: nobody knows, so that
   /// nothing that needs the total drive is called measured.
   double missing_share = 1;
@@ -57,6 +59,9 @@ struct JointParameters {
   /// deviation is at most half of them.
   double friction_resolution_Ns_m = 0.1;
   double mass_resolution_fraction = 0.05;
+  /// The masses that a jaw, with what is fixed to it, may have (kg). Another one speaks of a wrong
+  /// unit: nothing is measured then.
+  double least_mass_kg = 0.03, most_mass_kg = 3;
   DriveParameters drive;
 };
 
@@ -71,6 +76,8 @@ constexpr void visit_joint_fields(Parameters& parameters, Visitor&& visit) {
   auto& drive = parameters.drive;
   one("drive", "noise_sd_N", drive.noise_sd_N, "N", Range{1e-9, 1e3});
   one("drive", "gain_sd", drive.gain_sd, "of the gain", Range{0, 1});
+  one("drive", "position_scale_sd", drive.position_scale_sd, "of the scale", Range{0, 1});
+  one("drive", "axis_angle_sd_rad", drive.axis_angle_sd_rad, "rad", Range{0, 1});
   one("drive", "delay_s", drive.delay_s, "s", Range{-1, 1});
   one("drive", "delay_sd_s", drive.delay_sd_s, "s", Range{0, 1});
   one("drive", "missing_share", drive.missing_share, "of the force", Range{0, 1});
@@ -110,6 +117,8 @@ constexpr void visit_joint_fields(Parameters& parameters, Visitor&& visit) {
       Range{1e-9, 1e6});
   one(section, "mass_resolution_fraction", parameters.mass_resolution_fraction, "of the mass",
       Range{1e-6, 1});
+  one(section, "least_mass_kg", parameters.least_mass_kg, "kg", Range{0, 1e6});
+  one(section, "most_mass_kg", parameters.most_mass_kg, "kg", Range{1e-6, 1e9});
 }
 
 /// True where every field of `parameters` lies in its range (see `visit_joint_fields`).

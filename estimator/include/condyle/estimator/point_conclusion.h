@@ -20,12 +20,14 @@
 //   others    stiffness and offset P: d to E. Coulomb friction E0. Delay P: d is half of that to E;
 //             E where Coulomb friction is fitted
 // Granted, each apart from the others:
-//   gain      sigma_g theta: one scale of drive, positions and axis
+//   gain      sigma_g theta, one scale of all: sigma_g^2 = gain^2 + scale^2 + 3/4 angle^4 (a force
+//             at an angle A counts with cos A, which is 1 - A^2 / 2)
 //   delay     known to s: s times what a second of delay adds, to second order; by regression
 //   missing   a force of at most the share s of the total, in phase with v or a: s rms(u) / rms(v)
 //   noise     (0.25 + |R - 1|) times the correction for noise, R the smallest residual of the fits
 // Withheld, all values, where a test speaks. What a delay within its statement does is no alarm:
 //   noise              R beyond 1.25 + 3 sqrt(2 / (T w_c / 3.55))
+//   drive_reversed     m below -3; implausible_mass: m beyond 3 outside the stated range
 //   dynamics           u'' added to E, beyond 3 standard deviations
 //   delay_stated       tau, u' added to E0, beyond 4 from what is stated
 //   changing           trends of kv in P0, of m in E or of tau, beyond 3
@@ -266,7 +268,15 @@ class PointConclusion {
       const double delay_sd_s =
           sqrt(square(delay.sd) + square(delay.correction) + square(stated_sd_s));
       const double curvature_sd = sqrt(Candidate{curvature}.all2(delay_sd_s_));
-      if (residual_ < FittedValue::kUnbounded && residual_ > highest) {
+      const double mass = mass_.fit.value,
+                   mass_sd = sqrt(mass_.all2(delay_sd_s_) + scale2() * square(mass) +
+                                  square(parameters_.drive.missing_share * rms_u_ / rms_a_));
+      if (mass_.fit.is_known() && mass < -kNegative * mass_sd) {
+        failure_ = JointLimit::drive_reversed;
+      } else if (mass_.fit.is_known() && (mass + kNegative * mass_sd < parameters_.least_mass_kg ||
+                                          mass - kNegative * mass_sd > parameters_.most_mass_kg)) {
+        failure_ = JointLimit::implausible_mass;
+      } else if (residual_ < FittedValue::kUnbounded && residual_ > highest) {
         failure_ = JointLimit::noise;
       } else if (curvature.is_known() && abs(curvature.value) > kDynamics * curvature_sd) {
         failure_ = JointLimit::dynamics;
@@ -282,6 +292,13 @@ class PointConclusion {
                                        square(parameters_.drive.missing_share * rms_u_ / rms_v_))) {
         failure_ = JointLimit::negative_friction;
       }
+    }
+
+    // Relative variance of the one scale of drive, positions and axis.
+    double scale2() const {
+      const DriveParameters& drive = parameters_.drive;
+      return square(drive.gain_sd) + square(drive.position_scale_sd) +
+             0.75 * square(square(drive.axis_angle_sd_rad));
     }
 
     // A delay within what is stated is no trend.
@@ -310,7 +327,7 @@ class PointConclusion {
           {square(fit.sd), JointLimit::resolution},
           {candidate.discrepancy2,
            is_friction ? JointLimit::viscous_or_coulomb : JointLimit::mass_or_stiffness},
-          {is_delay ? 0 : square(drive.gain_sd * fit.value), JointLimit::gain},
+          {is_delay ? 0 : scale2() * square(fit.value), JointLimit::gain},
           {candidate.delay2(delay_sd_s_), JointLimit::delay},
           {square(drive.missing_share * rms_u_ * per_N), JointLimit::missing},
           {square((0.25 + abs(residual_ - 1)) * fit.correction), JointLimit::excitation},

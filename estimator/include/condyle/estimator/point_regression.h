@@ -277,6 +277,7 @@ class PointRegression {
           y[kDriveCurvatureColumn] += phi.curvature * uT;
         });
     if (!has_drive) {  // it began later, or had a gap
+      ++counts_.positions_too_early;
       ++center_next_;
       return true;
     }
