@@ -20,6 +20,7 @@ constexpr Range kPositive{1e-9, 1e6}, kTimes{0, 1e9};
 // What is stated of the accelerometer and of muscles, in the user's units.
 struct Stated {
   double gain_sd = HeadMotionParameters{}.gain_sd;
+  double lever_sd = HeadMotionParameters{}.lever_sd;
   double delay_sd_ms = 1e3 * HeadMotionParameters{}.delay_sd_s;
   double muscle_share = HeadMotionParameters{}.muscle_share;
 
@@ -27,7 +28,13 @@ struct Stated {
     command
         .add_option("--acceleration-gain-sd", gain_sd,
                     "Relative uncertainty of the accelerometer's gain")
-        .number_in({1e-6, 1})
+        .number_in({0, 1})
+        .show_default();
+    command
+        .add_option("--lever-sd", lever_sd,
+                    "Share of the acceleration that the head's turning may add or take off, where "
+                    "the accelerometer is away from the jaw's axis")
+        .number_in({0, 1})
         .show_default();
     command
         .add_option("--acceleration-delay-sd-ms", delay_sd_ms,
@@ -43,6 +50,7 @@ struct Stated {
   }
   void apply(HeadMotionParameters& parameters) const {
     parameters.gain_sd = gain_sd;
+    parameters.lever_sd = lever_sd;
     parameters.delay_sd_s = 1e-3 * delay_sd_ms;
     parameters.muscle_share = muscle_share;
   }
@@ -73,7 +81,7 @@ int run(HeadMotionOptions& options) {
 
   std::unique_ptr<OutputFolder> folder;
   std::vector<std::unique_ptr<OutputFile>> files;
-  if (!options.figures.empty()) {
+  if (!options.figures.empty() && !motion.course.empty()) {
     folder = std::make_unique<OutputFolder>(options.figures);
     files = draw_head_motion(options.figures, motion);
   }
@@ -85,6 +93,9 @@ int run(HeadMotionOptions& options) {
   std::string text =
       fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) +
       head_motion_text(motion);
+  if (!options.figures.empty() && files.empty()) {
+    text += "figures             none: nothing is known yet that could be drawn\n";
+  }
   text += commit_all(files);
   print_output(text);
   return kExitOk;
@@ -106,7 +117,7 @@ Command add_plan_head_motion(CommandLine protocol) {
   };
   add("--rate-Hz", plan.rate_Hz, "Samples per second, of both", {1, 1e3});
   add("--noise-mm", plan.noise_mm, "Standard deviation of a measured position", {1e-6, 100});
-  add("--acceleration-noise-m-s2", plan.stated.acceleration_noise_sd_m_s2,
+  add("--acceleration-noise-m-s2", plan.acceleration_noise_sd_m_s2,
       "Standard deviation of a measured acceleration", kPositive);
   add("--duration-s", plan.duration_s, "Length of the recording", {1, 900});
   add("--amplitude-mm", plan.amplitude_mm, "Amplitude of the head along the axis", {1e-3, 1e3});
@@ -139,7 +150,7 @@ Command add_head_motion(CommandLine protocol) {
                      "position: CSV with time_s and acceleration_m_s2; else a column of RECORDING");
   command
       .add_option("--acceleration-noise-m-s2", source.acceleration_noise_sd_m_s2,
-                  "Its noise, of each sample; else from its sixth differences")
+                  "Its noise, of each sample, to be compared with what it shows itself")
       .number_in(kPositive);
   command
       .add_option("--acceleration-delay-ms", options->delay_ms, "How late its samples are stamped")
@@ -160,7 +171,7 @@ Command add_head_motion(CommandLine protocol) {
       .one_value_each();
   command
       .add_option("--noise-mm", options->noise_mm,
-                  "Standard deviation of a measured position; else from its sixth differences")
+                  "Standard deviation of a measured position, to be compared with what they show")
       .number_in({1e-6, 100});
   command.add_option("--begin-s", source.begin_s, "First time, from the first sample")
       .number_in(kTimes);

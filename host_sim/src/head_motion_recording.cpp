@@ -4,15 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "input_error.h"
-#include "sixth_differences.h"
 
 namespace condyle::host {
 namespace {
 
-constexpr double kLongestGap_s = 0.1;  // of the acceleration
-constexpr std::size_t kMostSamples = 5'000'000, kFewestForNoise = 20;
+constexpr std::size_t kMostSamples = 5'000'000;
 
 RecordingOptions options_of(const HeadMotionSource& source) {
   RecordingOptions options = source.reading;
@@ -79,8 +78,8 @@ class Reader {
 
   void add(const Recording& recording, const Sample& sample, double acceleration_m_s2) {
     const double time_s = seconds(sample.time_ns - first_ns_.value_or(0)) - source_.delay_s;
-    if (time_s < source_.begin_s.value_or(time_s) - kLongestGap_s ||
-        time_s > source_.end_s.value_or(time_s) + kLongestGap_s) {
+    if (time_s < source_.begin_s.value_or(time_s) - motion_.parameters.longest_gap_s ||
+        time_s > source_.end_s.value_or(time_s) + motion_.parameters.longest_gap_s) {
       return;
     }
     append(recording, time_s, acceleration_m_s2, motion_.acceleration_time_s,
@@ -106,40 +105,46 @@ class Reader {
   std::optional<TimeNs> first_ns_;
 };
 
-double noise_of(const std::optional<double>& stated, const std::vector<double>& values,
-                const std::string& name, const char* option) {
-  if (stated) return *stated;
-  const double noise = values.size() < kFewestForNoise ? 0 : noise_by_sixth_differences(values);
-  if (noise > 0) return noise;
-  throw InputError(name, "does not show its noise", fmt::format("give {}", option));
+// Whether a position has accelerations on either side, none farther than the longest gap.
+std::size_t count_taken(const IdentifiedHeadMotion& motion) {
+  const auto& times_s = motion.acceleration_time_s;
+  return static_cast<std::size_t>(
+      std::count_if(motion.time_s.begin(), motion.time_s.end(), [&](double time_s) {
+        const auto after = std::lower_bound(times_s.begin(), times_s.end(), time_s);
+        return after != times_s.end() &&
+               (*after == time_s || (after != times_s.begin() &&
+                                     *after - *(after - 1) <= motion.parameters.longest_gap_s));
+      }));
 }
 
 void run(IdentifiedHeadMotion& motion) {
-  HeadMotionIdentification<double> stage(motion.parameters);
+  HeadMotionIdentification<double> identification(motion.parameters);
   const auto& times_s = motion.acceleration_time_s;
-  const std::size_t shown_every = std::max<std::size_t>(motion.time_s.size() / 500, 1);
-  std::size_t next = 0;  // position
-  for (std::size_t i = 0; i < times_s.size(); ++i) {
-    double step_s = i > 0 ? times_s[i] - times_s[i - 1] : 0;
-    if (step_s > kLongestGap_s) {
-      stage.interrupt();
-      ++motion.gaps;
-      step_s = 0;
+  std::size_t next = 0;  // acceleration
+  double concluded_s = -1;
+  const auto add_next = [&] {
+    identification.add_acceleration(nanoseconds(times_s[next]), motion.acceleration_m_s2[next]);
+    ++next;
+  };
+  for (std::size_t i = 0; i < motion.time_s.size(); ++i) {
+    const double time_s = motion.time_s[i];
+    while (next < times_s.size() && times_s[next] <= time_s) add_next();
+    identification.add_position(nanoseconds(time_s), motion.position_m[i]);
+    if (time_s - concluded_s < 1) continue;
+    concluded_s = time_s;
+    const auto now = identification.estimate();
+    if (!std::isfinite(now.damping_rate_per_s.fitted_sd) ||
+        !std::isfinite(now.stiffness_per_mass_per_s2.fitted_sd)) {
+      continue;
     }
-    stage.accelerate(step_s, motion.acceleration_m_s2[i]);
-    for (; next < motion.time_s.size() && motion.time_s[next] <= times_s[i]; ++next) {
-      const double before_s = times_s[i] - motion.time_s[next];
-      if (before_s > step_s) continue;
-      stage.measure(step_s > 0 ? 1 - before_s / step_s : 1, motion.position_m[next],
-                    motion.noise_sd_m);
-      if (++motion.taken % shown_every != 0) continue;
-      const auto now = stage.estimate();
-      motion.course.push_back(
-          {motion.time_s[next], now.damping_rate_per_s.fitted, now.damping_rate_per_s.fitted_sd,
-           now.stiffness_per_mass_per_s2.fitted, now.stiffness_per_mass_per_s2.fitted_sd});
-    }
+    motion.course.push_back({time_s, now.damping_rate_per_s.fitted,
+                             now.damping_rate_per_s.fitted_sd, now.stiffness_per_mass_per_s2.fitted,
+                             now.stiffness_per_mass_per_s2.fitted_sd});
   }
-  motion.estimate = stage.estimate();
+  while (next < times_s.size()) add_next();
+  identification.conclude();
+  motion.estimate = identification.estimate();
+  motion.counts = identification.counts();
 }
 
 }  // namespace
@@ -156,17 +161,14 @@ IdentifiedHeadMotion identify_head_motion(const HeadMotionSource& source,
   motion.recording = source.recording;
   motion.parameters = parameters;
   Reader(source, motion).read();
-  motion.noise_sd_m =
-      noise_of(source.noise_sd_m, motion.position_m, source.recording, "--noise-mm");
-  motion.parameters.acceleration_noise_sd_m_s2 =
-      noise_of(source.acceleration_noise_sd_m_s2, motion.acceleration_m_s2,
-               source.acceleration.empty() ? source.recording : source.acceleration,
-               "--acceleration-noise-m-s2");
-  run(motion);
+  motion.stated_noise_sd_m = source.noise_sd_m;
+  motion.stated_acceleration_noise_sd_m_s2 = source.acceleration_noise_sd_m_s2;
+  motion.taken = count_taken(motion);
   if (motion.taken == 0) {
     throw InputError(source.recording, "none of its positions has an acceleration around it",
                      "check that both have the same clock, --begin-s and --end-s");
   }
+  run(motion);
   return motion;
 }
 

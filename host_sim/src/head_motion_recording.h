@@ -20,10 +20,10 @@ struct HeadMotionSource {
   bool axis_given = false;
   std::optional<double> begin_s, end_s;  ///< from the recording's first time (s)
   double delay_s = 0;                    ///< how late the acceleration is stamped (s)
-  std::optional<double> noise_sd_m, acceleration_noise_sd_m_s2;  ///< else from sixth differences
+  std::optional<double> noise_sd_m, acceleration_noise_sd_m_s2;  ///< as stated; only compared
 };
 
-/// The filter's values over time, for pictures.
+/// The values over time, a conclusion each, for pictures.
 struct HeadMotionPoint {
   double time_s = 0;
   double damping_rate_per_s = 0, damping_rate_sd = 0;
@@ -35,11 +35,12 @@ struct IdentifiedHeadMotion {
   std::string recording;
   std::vector<double> time_s, position_m;                      ///< from the recording's first time
   std::vector<double> acceleration_time_s, acceleration_m_s2;  ///< likewise, without the delay
-  double noise_sd_m = 0;
-  HeadMotionParameters parameters;  ///< with the noise that was counted with
+  std::optional<double> stated_noise_sd_m, stated_acceleration_noise_sd_m_s2;
+  HeadMotionParameters parameters;
   HeadMotionEstimate<double> estimate;
-  std::vector<HeadMotionPoint> course;  ///< some 500 points
-  std::size_t taken = 0, gaps = 0;      ///< positions with an acceleration; gaps of that
+  std::vector<HeadMotionPoint> course;  ///< one a second, where there is an interval
+  std::size_t taken = 0;                ///< positions with an acceleration around them
+  DriveCounts counts;
 };
 
 /// Reads and identifies it. An InputError where the recordings cannot be used.

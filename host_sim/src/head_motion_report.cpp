@@ -20,14 +20,36 @@ using Value = IdentifiedValue<double>;
 const char* reason(JointLimit limit) {
   switch (limit) {
     case JointLimit::no_drive:
+      return "no acceleration came with the positions";
+    case JointLimit::too_slow:
+      return "positions or accelerations come too seldom; record at least 25 of each a second";
     case JointLimit::too_early:
-      return "too few positions to judge the model by; record longer";
-    case JointLimit::model:
+      return "too short to judge by; record 10 s of motion or more without a gap";
+    case JointLimit::noise:
       return "the head's motion does not explain the jaw's: a muscle, a hand or a contact acts, "
              "the "
-             "head turns, or the noise is not as stated";
-    case JointLimit::information:
-      return "the motion tells less than how much subjects differ; move the head more";
+             "head turns, or one of them was smoothed";
+    case JointLimit::dynamics:
+      return "accelerometer or tracker was smoothed or follows late; record both unfiltered";
+    case JointLimit::mass_stated:
+      return "the motion shows another gain than the calibration's: the head turns, muscles act, "
+             "or the accelerometer is along another axis (--acceleration-gain-sd, --lever-sd)";
+    case JointLimit::delay_stated:
+      return "the acceleration's delay is not what is stated (--acceleration-delay-ms)";
+    case JointLimit::changing:
+      return "damping, or the acceleration's delay, changes along the recording; record shorter";
+    case JointLimit::negative_friction:
+      return "damping would be negative: muscles drive the jaw, or the acceleration has the wrong "
+             "sign";
+    case JointLimit::excitation:
+    case JointLimit::mass_or_stiffness:
+      return "the motion is too weak or too uniform; nod more, at several rhythms";
+    case JointLimit::viscous_or_coulomb:
+      return "the motion cannot tell damping from a force that only changes its direction, as "
+             "sliding friction or bursts of a muscle do; let its speed vary";
+    case JointLimit::gain:
+      return "the uncertainty of the accelerometer's gain is too large (--acceleration-gain-sd, "
+             "--lever-sd)";
     case JointLimit::delay:
       return "the uncertainty of the acceleration's delay is too large "
              "(--acceleration-delay-sd-ms)";
@@ -41,8 +63,7 @@ const char* reason(JointLimit limit) {
 
 // True where the interval holds the value, however wide it is.
 bool has_interval(const Value& value) {
-  return value.limit != JointLimit::no_drive && value.limit != JointLimit::too_early &&
-         value.limit != JointLimit::model && value.limit != JointLimit::information;
+  return !is_failure(value.limit) && std::isfinite(value.fitted_sd);
 }
 
 std::pair<double, double> interval(const Value& value) {
@@ -70,9 +91,15 @@ Json json_of(const Value& value) {
           {"standard_deviation", number(is_known, value.fitted_sd)},
           {"low_95", number(has_interval(value), low)},
           {"high_95", number(has_interval(value), high)},
-          {"information", value.information},
           {"provenance", is_known ? provenance_name(value.quantity.provenance) : "not known"},
           {"limit", limit_name(value.limit)}};
+}
+
+// " (A stated)" where that is another noise.
+std::string unlike(double noise, const std::optional<double>& stated, double shown_per_si) {
+  constexpr double kFar = 1.5;
+  if (!stated || (noise < kFar * *stated && noise * kFar > *stated)) return "";
+  return fmt::format(" ({:.2g} stated: smoothed, or not white?)", *stated * shown_per_si);
 }
 
 std::string block(const IdentifiedHeadMotion& motion) {
@@ -85,7 +112,7 @@ std::string block(const IdentifiedHeadMotion& motion) {
   return text + "EOD\n";
 }
 
-// The vertical range is that of the second half, when the filter has settled.
+// The vertical range is that of the second half.
 std::string range_of(const IdentifiedHeadMotion& motion, double HeadMotionPoint::*value,
                      double HeadMotionPoint::*deviation) {
   double low = HUGE_VAL, high = -HUGE_VAL;
@@ -103,25 +130,37 @@ std::string range_of(const IdentifiedHeadMotion& motion, double HeadMotionPoint:
 std::string head_motion_text(const IdentifiedHeadMotion& motion) {
   const HeadMotionEstimate<double>& estimate = motion.estimate;
   const HeadMotionParameters& stated = motion.parameters;
-  std::string text =
-      fmt::format("{:<20}{}, {} positions with an acceleration{}\n", "recording", motion.recording,
-                  motion.taken, motion.gaps > 0 ? fmt::format(", {} gaps in it", motion.gaps) : "");
-  text += fmt::format("{:<20}acceleration {:.3g} m/s^2, jaw {:.3g} mm and {:.3g} mm/s, rms\n",
-                      "motion", estimate.rms_acceleration_m_s2, 1e3 * estimate.rms_position_m,
-                      1e3 * estimate.rms_velocity_m_s);
-  text += fmt::format(
-      "{:<20}position {:.3g} mm, acceleration {:.3g} m/s^2; gain +- {:.3g}, delay "
-      "+- {:.3g} ms, muscles {}\n",
-      "counted with", 1e3 * motion.noise_sd_m, stated.acceleration_noise_sd_m_s2, stated.gain_sd,
-      1e3 * stated.delay_sd_s,
-      stated.muscle_share < 1 ? fmt::format("up to {:g} of the inertial force", stated.muscle_share)
-                              : "not known");
+  std::string text = fmt::format(
+      "{:<20}{}, {} positions with an acceleration{}\n", "recording", motion.recording,
+      motion.taken,
+      motion.counts.drive_gaps > 0 ? fmt::format(", {} gaps", motion.counts.drive_gaps) : "");
+  const bool is_judged = std::isfinite(estimate.residual_ratio);
+  if (is_judged) {
+    text += fmt::format("{:<20}acceleration {:.3g} m/s^2, jaw {:.3g} mm and {:.3g} mm/s, rms\n",
+                        "motion", estimate.rms_acceleration_m_s2, 1e3 * estimate.rms_position_m,
+                        1e3 * estimate.rms_velocity_m_s);
+  }
+  text += fmt::format("{:<20}gain +- {:.3g}, lever +- {:.3g}, delay +- {:.3g} ms, muscles {}\n",
+                      "stated", stated.gain_sd, stated.lever_sd, 1e3 * stated.delay_sd_s,
+                      stated.muscle_share < 1
+                          ? fmt::format("up to {:g} of the inertial force", stated.muscle_share)
+                          : "not known");
   text += line("kv/m", "1/s", estimate.damping_rate_per_s);
   text += line("ks/m", "1/s^2", estimate.stiffness_per_mass_per_s2);
-  text += fmt::format("{:<20}{:.4g} +- {:.2g}, estimated along; the mass cancels and is not told\n",
-                      "gain", estimate.gain, estimate.gain_sd);
-  text += fmt::format("{:<20}mean NIS {:.3f}, correlation {:.3f} (1 and 0 where the model holds)\n",
-                      "innovations", estimate.mean_nis, estimate.innovation_correlation);
+  text += fmt::format("{:<20}{}; the mass cancels and is not told\n", "gain",
+                      std::isfinite(estimate.gain_sd)
+                          ? fmt::format("the motion itself shows {:.4g} +- {:.2g} of the stated",
+                                        estimate.gain, estimate.gain_sd)
+                          : "as stated: the motion does not show it");
+  if (is_judged) {
+    text += fmt::format(
+        "{:<20}{:.2f} of what noise makes (1 where the model holds); noise by their "
+        "own differences: positions {:.2g} mm{}, acceleration {:.2g} m/s^2{}\n",
+        "residual", estimate.residual_ratio, 1e3 * estimate.position_noise_sd_m,
+        unlike(estimate.position_noise_sd_m, motion.stated_noise_sd_m, 1e3),
+        estimate.acceleration_noise_sd_m_s2,
+        unlike(estimate.acceleration_noise_sd_m_s2, motion.stated_acceleration_noise_sd_m_s2, 1));
+  }
   return text +
          "A relaxed jaw is presumed: what muscles add in answer to the motion looks like damping "
          "or "
@@ -136,13 +175,12 @@ std::string head_motion_json(const IdentifiedHeadMotion& motion) {
                      {"stiffness_per_mass_per_s2", json_of(estimate.stiffness_per_mass_per_s2)},
                      {"gain", estimate.gain},
                      {"gain_sd", estimate.gain_sd},
-                     {"mean_nis", estimate.mean_nis},
-                     {"innovation_correlation", estimate.innovation_correlation},
+                     {"residual_ratio", estimate.residual_ratio},
                      {"rms_acceleration_m_s2", estimate.rms_acceleration_m_s2},
                      {"rms_position_m", estimate.rms_position_m},
                      {"rms_velocity_m_s", estimate.rms_velocity_m_s},
-                     {"noise_sd_m", motion.noise_sd_m},
-                     {"acceleration_noise_sd_m_s2", motion.parameters.acceleration_noise_sd_m_s2},
+                     {"noise_sd_m", estimate.position_noise_sd_m},
+                     {"acceleration_noise_sd_m_s2", estimate.acceleration_noise_sd_m_s2},
                      {"muscle_share", motion.parameters.muscle_share},
                      {"condyle", CONDYLE_VERSION},
                      {"note", "research use only; this is no diagnosis"}};

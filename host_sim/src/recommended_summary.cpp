@@ -14,8 +14,7 @@ namespace {
 std::string limit_words(const IdentifiedValue<double>& value) {
   switch (value.limit) {
     case JointLimit::none:
-    case JointLimit::model:        // head motion only, as
-    case JointLimit::information:  // is this
+    case JointLimit::mass_stated:  // of a known mass only
       return "";
     case JointLimit::no_drive:
       return ": no drive was measured while the position was";

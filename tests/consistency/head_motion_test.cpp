@@ -10,10 +10,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <memory>
 
 #include "consistency/acceptance.h"
 #include "consistency/head_motion_samples.h"
-#include "evaluation/chi_square.h"
 #include "support/tier.h"
 
 namespace condyle {
@@ -39,24 +39,26 @@ HeadMotionEstimate<double> identify(const HeadMotionTruth& truth,
                                     const HeadMotionParameters& parameters, double rate_Hz,
                                     double duration_s, unsigned seed) {
   NoddingHead head(truth, rate_Hz, seed);
-  HeadMotionIdentification<double> stage(parameters);
+  const auto identification = std::make_unique<HeadMotionIdentification<double>>(parameters);
   for (int i = 0; i < duration_s * rate_Hz; ++i) {
     const auto sample = head.next();
-    stage.accelerate(1 / rate_Hz, sample.acceleration_m_s2);
-    stage.measure(1, sample.position_m, truth.position_sd_m);
+    const TimeNs time_ns = nanoseconds(i / rate_Hz);
+    identification->add_acceleration(time_ns, sample.acceleration_m_s2);
+    identification->add_position(time_ns, sample.position_m);
   }
-  return stage.estimate();
+  identification->conclude();
+  return identification->estimate();
 }
 
 struct Score {
   unsigned seeds;
-  double nees = 0, mean_sd = 0;
+  double error2 = 0, mean_sd = 0;
   unsigned covered = 0;
   void add(const IdentifiedValue<double>& value, double truth) {
-    const double deviation = (value.fitted - truth) / value.fitted_sd;
-    nees += deviation * deviation / seeds;
-    covered += std::abs(deviation) < kNormalQuantile95 ? 1U : 0U;
-    mean_sd += value.fitted_sd / seeds;
+    const double error = value.fitted - truth;
+    error2 += error * error / seeds;
+    covered += std::abs(error) < kNormalQuantile95 * value.fitted_sd ? 1U : 0U;
+    if (std::isfinite(value.fitted_sd)) mean_sd += value.fitted_sd / seeds;
   }
   double covered_percent() const { return 100.0 * covered / seeds; }
 };
@@ -67,34 +69,32 @@ struct Case {
 
 class HeadMotion : public testing::TestWithParam<Case> {};
 
-// 10 s, each seed with a gain of its own. A consistent estimate leaves the bounds of each average
-// once in 100 times, that of the coverage once in 1000. Of 40 seeds each of the twelve averages
-// finds intervals that are 25 % too narrow in 6 of 10 times.
+// 12 s, each seed with a gain of its own. Intervals of 95 % hold in fewer once in 300 times.
 TEST_P(HeadMotion, IsKnownAsWellAsIsSaid) {
   const unsigned kSeeds = runs(40U, 100U, 200U);
   const auto [damping_rate_per_s, rate_Hz] = GetParam();
   Score damping{kSeeds}, stiffness{kSeeds};
-  double nis = 0, measured = 0;
+  unsigned withheld = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     std::mt19937_64 random(1000 + seed);
     HeadMotionTruth truth;
     truth.damping_rate_per_s = damping_rate_per_s;
     truth.gain = 1 + kGainSd * std::normal_distribution<double>()(random);
-    const auto estimate = identify(truth, relaxed(), rate_Hz, 10, seed);
+    HeadMotionParameters parameters = relaxed();
+    parameters.damping_rate_resolution_per_s = 0.4 + 0.2 * damping_rate_per_s;
+    const auto estimate = identify(truth, parameters, rate_Hz, 12, seed);
     damping.add(estimate.damping_rate_per_s, damping_rate_per_s);
     stiffness.add(estimate.stiffness_per_mass_per_s2, truth.stiffness_per_mass_per_s2);
-    nis += estimate.mean_nis / kSeeds;
-    measured += estimate.damping_rate_per_s.limit == JointLimit::none ? 1 : 0;
+    withheld += is_failure(estimate.damping_rate_per_s.limit) ? 1U : 0U;
   }
   for (const auto& [name, score] : {std::pair{"kv/m", damping}, std::pair{"ks/m", stiffness}}) {
-    std::cout << "             " << name << ": NEES " << score.nees << ", covered "
-              << score.covered_percent() << " %, sd " << score.mean_sd << '\n';
-    EXPECT_TRUE(host::mean_chi_square_bounds(1, kSeeds, 0.99).contains(score.nees)) << name;
-    EXPECT_TRUE(host::proportion_interval(score.covered, kSeeds, 0.999).contains(0.95)) << name;
+    std::cout << "             " << name << ": covered " << score.covered_percent() << " %, sd "
+              << score.mean_sd << ", error rms " << std::sqrt(score.error2) << '\n';
+    EXPECT_GE(score.covered, fewest_hits(kSeeds, 0.95, 1.0 / 300)) << name;
+    EXPECT_LT(score.mean_sd, 2 * std::sqrt(score.error2)) << name;
   }
-  std::cout << "             mean NIS " << nis << ", kv/m measured in " << 100 * measured / kSeeds
-            << " %\n";
-  EXPECT_NEAR(nis, 1, 0.03);
+  std::cout << "             kv/m withheld by a test in " << withheld << '\n';
+  EXPECT_LE(withheld, most_hits(kSeeds, 0.02, 1.0 / 300));
 }
 INSTANTIATE_TEST_SUITE_P(Jaws, HeadMotion,
                          testing::Values(Case{0.1, 60}, Case{2, 60}, Case{8, 60}, Case{8, 200},
@@ -140,32 +140,34 @@ Eigen::Vector2d bound(const HeadMotionTruth& truth, double rate_Hz, int n, unsig
   const Eigen::MatrixXd S =
       position2 * Eigen::MatrixXd::Identity(n, n) + acceleration2 * H * H.transpose();
   Eigen::MatrixXd I = J.transpose() * S.llt().solve(J);
-  const HeadMotionParameters prior = relaxed();
-  const double deviations[] = {HUGE_VAL,
-                               0.1,
-                               prior.damping_rate_per_s.sd,
-                               prior.stiffness_per_mass_per_s2.sd,
-                               prior.gain_sd,
-                               prior.offset_sd_m_s2};
+  constexpr double kKnownGain = 1e-6;
+  const double deviations[] = {HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, kKnownGain, HUGE_VAL};
   for (int i = 0; i < 6; ++i) I(i, i) += 1 / (deviations[i] * deviations[i]);
   const Eigen::MatrixXd covariance = I.inverse();
   return covariance.diagonal().segment<2>(2).cwiseSqrt();
 }
 
+// A rms of n runs strays by 1 / sqrt(2 n), and passes 3.3 of that once in 1000 times.
 TEST(HeadMotionBound, IsNearlyReached) {
+  const unsigned kSeeds = runs(20U, 40U, 200U);
+  const double chance = 1 + 3.3 / std::sqrt(2.0 * kSeeds);
   for (const double damping_rate_per_s : {2.0, 8.0, 40.0}) {
     HeadMotionTruth truth;
     truth.damping_rate_per_s = damping_rate_per_s;
-    for (unsigned seed = 1; seed <= 3; ++seed) {
-      const Eigen::Vector2d least = bound(truth, 60, 600, seed);
-      const auto estimate = identify(truth, relaxed(), 60, 10, seed);
-      const double damping = estimate.damping_rate_per_s.sampling_sd / least[0];
-      const double stiffness = estimate.stiffness_per_mass_per_s2.sampling_sd / least[1];
-      std::cout << "             kv/m " << damping_rate_per_s << ": sd over the bound " << damping
-                << ", ks/m " << stiffness << " (bounds " << least.transpose() << ")\n";
-      EXPECT_NEAR(damping, 1, 0.1);
-      EXPECT_NEAR(stiffness, 1, 0.1);
+    const Eigen::Vector2d least = bound(truth, 60, 900, 1);
+    Score damping{kSeeds}, stiffness{kSeeds};
+    for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+      const auto estimate = identify(truth, relaxed(), 60, 15, seed);
+      damping.add(estimate.damping_rate_per_s, damping_rate_per_s);
+      stiffness.add(estimate.stiffness_per_mass_per_s2, truth.stiffness_per_mass_per_s2);
     }
+    const double of_damping = std::sqrt(damping.error2) / least[0],
+                 of_stiffness = std::sqrt(stiffness.error2) / least[1];
+    std::cout << "             kv/m " << damping_rate_per_s << ": error over the bound "
+              << of_damping << ", ks/m " << of_stiffness << " (bounds " << least.transpose()
+              << ")\n";
+    EXPECT_LT(of_damping, 1.15 * chance);
+    EXPECT_LT(of_stiffness, 1.15 * chance);
   }
 }
 
@@ -185,8 +187,7 @@ TEST(HeadMotionGranted, CoversTheDelayThatIsStated) {
     stiffness.add(estimate.stiffness_per_mass_per_s2, truth.stiffness_per_mass_per_s2);
   }
   std::cout << "             covered kv/m " << damping.covered_percent() << " %, ks/m "
-            << stiffness.covered_percent() << " %; NEES " << damping.nees << ", " << stiffness.nees
-            << '\n';
+            << stiffness.covered_percent() << " %\n";
   const auto fewest = fewest_hits(kSeeds, 0.95, 1.0 / 300);  // more than 90 % of 200
   EXPECT_GE(damping.covered, fewest);
   EXPECT_GE(stiffness.covered, fewest);

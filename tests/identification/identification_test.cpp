@@ -24,18 +24,6 @@ using testing_support::runs;
 
 constexpr double kFalseAlarm = 1e-3, kSeldom = 0.03;
 
-std::string line_of(const char* name, const char* value, const Tally& tally) {
-  std::string limits;
-  for (std::size_t k = 1; k < kJointLimits; ++k) {
-    if (tally.limits[k] == 0) continue;
-    limits += fmt::format("{}{} {}", limits.empty() ? "" : ", ",
-                          limit_name(static_cast<JointLimit>(k)), tally.limits[k]);
-  }
-  return fmt::format("{:<34}{:<9}shown {:4d} of {:4d}, covered {:5.1f} %{}{}\n", name, value,
-                     tally.shown, tally.runs, 100 * tally.covered_share(),
-                     limits.empty() ? "" : "; withheld: ", limits);
-}
-
 void expect_covered(const Tally& tally, double share) {
   if (tally.shown < kSeldom * tally.runs) return;
   EXPECT_GE(static_cast<std::uint64_t>(tally.covered),
@@ -71,11 +59,7 @@ TEST_P(Named, IsCoveredOrWithheld) {
 }
 INSTANTIATE_TEST_SUITE_P(Regimes, Named, testing::ValuesIn(named_attacks()),
                          [](const testing::TestParamInfo<Attack>& test) {
-                           std::string name = std::to_string(test.index) + '_';
-                           for (const char* c = test.param.regime.name; *c != '\0'; ++c) {
-                             if (std::isalnum(static_cast<unsigned char>(*c)) != 0) name += *c;
-                           }
-                           return name;
+                           return name_of(test.index, test.param.regime.name);
                          });
 
 class Drawn : public testing::TestWithParam<RandomClass> {};

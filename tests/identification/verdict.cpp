@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "identification/verdict.h"
 
+#include <fmt/format.h>
+
+#include <cctype>
 #include <cmath>
 #include <memory>
 
@@ -18,6 +21,12 @@ void look(const IdentifiedValue<double>& value, double truth, Verdict& verdict) 
 }
 
 }  // namespace
+
+Verdict verdict_of(const IdentifiedValue<double>& value, double truth) {
+  Verdict verdict;
+  look(value, truth, verdict);
+  return verdict;
+}
 
 Verdicts judge(const Attack& attack, std::uint64_t seed) {
   const Regime regime = drawn(attack, seed);
@@ -62,6 +71,26 @@ void Tally::add(const Verdict& verdict) {
   covered += verdict.is_covered ? 1 : 0;
   error_square += verdict.error * verdict.error;
   sd += verdict.sd;
+}
+
+std::string line_of(const char* name, const char* value, const Tally& tally) {
+  std::string limits;
+  for (std::size_t k = 1; k < kJointLimits; ++k) {
+    if (tally.limits[k] == 0) continue;
+    limits += fmt::format("{}{} {}", limits.empty() ? "" : ", ",
+                          limit_name(static_cast<JointLimit>(k)), tally.limits[k]);
+  }
+  return fmt::format("{:<34}{:<9}shown {:4d} of {:4d}, covered {:5.1f} %{}{}\n", name, value,
+                     tally.shown, tally.runs, 100 * tally.covered_share(),
+                     limits.empty() ? "" : "; withheld: ", limits);
+}
+
+std::string name_of(std::size_t index, const char* name) {
+  std::string text = std::to_string(index) + '_';
+  for (const char* c = name; *c != '\0'; ++c) {
+    if (std::isalnum(static_cast<unsigned char>(*c)) != 0) text += *c;
+  }
+  return text;
 }
 
 }  // namespace condyle::adversary

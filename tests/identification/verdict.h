@@ -2,6 +2,8 @@
 // What the identification says of a simulated recording, against the truth.
 #pragma once
 
+#include <string>
+
 #include "condyle/estimator/point_identification.h"
 #include "identification/regimes.h"
 
@@ -18,6 +20,9 @@ struct Verdicts {
   Verdict friction, mass;
 };
 
+/// What is shown at the end.
+Verdict verdict_of(const IdentifiedValue<double>& value, double truth);
+
 Verdicts judge(const Attack& attack, std::uint64_t seed);
 
 /// Of one value in many runs.
@@ -29,5 +34,10 @@ struct Tally {
   void add(const Verdict& verdict);
   double covered_share() const { return shown > 0 ? static_cast<double>(covered) / shown : 1; }
 };
+
+/// A line of the table that a test prints.
+std::string line_of(const char* name, const char* value, const Tally& tally);
+/// A test's name.
+std::string name_of(std::size_t index, const char* name);
 
 }  // namespace condyle::adversary

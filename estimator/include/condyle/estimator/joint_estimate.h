@@ -16,11 +16,10 @@ enum class JointLimit : std::uint8_t {
   noise,               ///< what is left over is not the noise that the samples show
   drive_reversed,      ///< the mass would be negative: the drive's sign is reversed
   implausible_mass,    ///< the mass is outside the stated range: a unit is wrong
+  mass_stated,         ///< the motion shows another mass than the one that is known
   changing,            ///< the parameters, or the drive's delay, changed along the recording
   delay_stated,        ///< the drive's delay is not what was stated
   negative_friction,   ///< friction would be negative: the drive is not all that drives
-  model,               ///< head motion: the innovations are not what they would be if it held
-  information,         ///< head motion: the measurements tell less than the prior does
   excitation,          ///< the motion is too weak, or too uniform, against the noise
   mass_or_stiffness,   ///< likewise; it would do, were mass told from the spring's shape
   friction_or_delay,   ///< likewise; it would do, were friction told from the drive's delay
@@ -33,11 +32,11 @@ enum class JointLimit : std::uint8_t {
 
 /// True where nothing may be said of any value: too little was measured, or a test speaks.
 constexpr bool is_failure(JointLimit limit) {
-  return limit >= JointLimit::no_drive && limit <= JointLimit::model;
+  return limit >= JointLimit::no_drive && limit <= JointLimit::negative_friction;
 }
 
 /// Number of limits.
-inline constexpr std::size_t kJointLimits = 21;
+inline constexpr std::size_t kJointLimits = 20;
 
 /// Name of a limit as it stands in files and summaries.
 constexpr const char* limit_name(JointLimit limit) {
@@ -49,11 +48,10 @@ constexpr const char* limit_name(JointLimit limit) {
                                                "noise",
                                                "drive_reversed",
                                                "implausible_mass",
+                                               "mass_stated",
                                                "changing",
                                                "delay_stated",
                                                "negative_friction",
-                                               "model",
-                                               "information",
                                                "excitation",
                                                "mass_or_stiffness",
                                                "friction_or_delay",
@@ -73,7 +71,6 @@ struct IdentifiedValue {
   Scalar fitted = kNone;       ///< by the regression, whether it is known or not
   Scalar fitted_sd = kNone;    ///< with what is taken for granted; infinite where it has no end
   Scalar sampling_sd = kNone;  ///< without: what the recording's own scatter says
-  Scalar information = 0;      ///< head motion: its information share (provenance.h)
   Scalar needed_s = kNone;     ///< recorded time that would suffice; where the limit is resolution
   JointLimit limit = JointLimit::no_drive;
 };
@@ -97,6 +94,10 @@ struct JointEstimate {
   /// Noise of a sample of the drive and of the position, by their own differences; NaN before.
   Scalar drive_noise_sd_N = std::numeric_limits<Scalar>::quiet_NaN();
   Scalar position_noise_sd_m = std::numeric_limits<Scalar>::quiet_NaN();
+  /// rms of the drive, of it about its mean, of velocity and of position about its mean, as the
+  /// kernel passes them; NaN before.
+  Scalar drive_rms_N = PointValues<Scalar>::kNone, drive_variation_rms_N = drive_rms_N;
+  Scalar velocity_rms_m_s = drive_rms_N, position_rms_m = drive_rms_N;
   /// Mean square of what the model leaves over what noise makes of it; 1 where the model holds.
   Scalar residual_ratio = std::numeric_limits<Scalar>::quiet_NaN();
 };

@@ -36,10 +36,14 @@ struct DriveParameters {
 /// estimated with the rest, starting from what is stated.
 enum class DelayModel { known, fitted };
 
+/// Whether the mass is taken as its prior says, or estimated with the rest.
+enum class MassModel { known, fitted };
+
 /// The joint identification.
 struct JointParameters {
   JointPrior friction_Ns_m{0.05, 0.5, 0};
   JointPrior mass_kg{0.25, 0.25, 0};
+  MassModel mass = MassModel::fitted;
   JointPrior stiffness_N_m{0, 50, 0};
   JointPrior offset_N{0, 1, 0};
   /// Coulomb friction; with sd 0 there is none. For Coulomb friction alone, let the viscous one

@@ -19,15 +19,21 @@
 //             fitted, E0 alone: kv is then the viscous part
 //   others    stiffness and offset P: d to E. Coulomb friction E0. Delay P: d is half of that to E;
 //             E where Coulomb friction is fitted
+// Known mass: a has no column, and these are fitted to u - m_0 a. The tests below are by fits with
+// the column, which takes up a gain within its statement, but for tau; m is theirs.
 // Granted, each apart from the others:
-//   gain      sigma_g theta, one scale of all: sigma_g^2 = gain^2 + scale^2 + 3/4 angle^4 (a force
+//   gain      sigma_g (theta - m_0 dtheta/dm_0), one scale of all: sigma_g^2 = gain^2 + scale^2 +
+//   3/4 angle^4 (a force
 //             at an angle A counts with cos A, which is 1 - A^2 / 2)
 //   delay     known to s: s times what a second of delay adds, to second order; by regression
-//   missing   a force of at most the share s of the total, in phase with v or a: s rms(u) / rms(v)
+//   missing   a force of at most the share s of the total, in phase with v or a: s rms(u) / rms(v);
+//             where the mass is known, u about its mean
+//   mass      sigma_m dtheta/dm_0
 //   noise     (0.25 + |R - 1|) times the correction for noise, R the smallest residual of the fits
 // Withheld, all values, where a test speaks. What a delay within its statement does is no alarm:
 //   noise              R beyond 1.25 + 3 sqrt(2 / (T w_c / 3.55))
 //   drive_reversed     m below -3; implausible_mass: m beyond 3 outside the stated range
+//   mass_stated        where the mass is known: m of P or E with its column beyond 3 from it
 //   dynamics           u'' added to E, beyond 3 standard deviations
 //   delay_stated       tau, u' added to E0, beyond 4 from what is stated
 //   changing           trends of kv in P0, of m in E or of tau, beyond 3
@@ -118,6 +124,10 @@ class PointConclusion {
       estimate.position_noise_sd_m = Scalar(sqrt(data_.position_variance_m2()));
       estimate.residual_ratio = Scalar(residual_);
       estimate.plain = plain_;
+      estimate.drive_rms_N = Scalar(rms_u_);
+      estimate.drive_variation_rms_N = Scalar(rms_u_about_mean_);
+      estimate.velocity_rms_m_s = Scalar(rms_v_);
+      estimate.position_rms_m = Scalar(rms_x_);
       write(mass_, parameters_.mass_kg, parameters_.mass_resolution_fraction * mass_.fit.value,
             1 / rms_a_, estimate.mass_kg);
       write(friction_, parameters_.friction_Ns_m, parameters_.friction_resolution_Ns_m, 1 / rms_v_,
@@ -139,9 +149,17 @@ class PointConclusion {
     using Fit = RegressionFit<Scalar>;
 
     FitColumns columns(bool has_powers, bool has_sign, bool keeps_even_noise) const {
+      return columns(parameters_.mass, has_powers, has_sign, keeps_even_noise);
+    }
+    FitColumns columns(MassModel mass, bool has_powers, bool has_sign,
+                       bool keeps_even_noise) const {
       FitColumns columns;
-      for (const RegressionColumn column :
-           {kAccelerationColumn, kVelocityColumn, kPositionColumn, kOneColumn}) {
+      if (mass == MassModel::fitted) {
+        columns.add(kAccelerationColumn);
+      } else {
+        columns.known_mass_kg = parameters_.mass_kg.mean;
+      }
+      for (const RegressionColumn column : {kVelocityColumn, kPositionColumn, kOneColumn}) {
         columns.add(column);
       }
       if (has_powers) {
@@ -164,21 +182,14 @@ class PointConclusion {
       using std::sqrt;
       const Fit P(data_, columns(false, false, false)), P0(data_, columns(false, false, true)),
           S(data_, columns(true, false, !fits_delay_)), E(data_, columns(true, true, false)),
-          E0(data_, columns(true, true, true)), late(data_, late_columns());
+          E0(data_, columns(true, true, true));
       measure_motion();
-      residual_ = FittedValue::kUnbounded;
-      for (const Fit* fit : {&P, &P0, &E, &E0, &late}) {
-        if (fit->is_solved() && fit->residual() < residual_) residual_ = fit->residual();
-      }
+      for (const Fit* fit : {&P, &P0, &E, &E0}) note_residual(*fit);
       const FittedValue sliding = E0.fitted(kSignColumn), extended = E0.fitted(kVelocityColumn);
       const double share = sliding.value * data_.sum().product(kSignColumn, kVelocityColumn) /
                            data_.sum().product(kVelocityColumn, kVelocityColumn);
 
-      Candidate plain{P.fitted(kAccelerationColumn)}, shaped{E.fitted(kAccelerationColumn)};
-      const double apart = shaped.fit.value - plain.fit.value;
-      plain.discrepancy2 = square(apart);
-      shaped.discrepancy2 = square(apart / 2);
-      mass_ = better(plain, shaped);
+      if (!is_mass_known()) mass_ = mass_of(P, E);
 
       Candidate viscous{P0.fitted(kVelocityColumn)}, sprung{S.fitted(kVelocityColumn)};
       viscous.discrepancy2 = square(sprung.fit.value - viscous.fit.value) + square(share / 10) +
@@ -201,15 +212,41 @@ class PointConclusion {
         delay_ = {(fits_sliding ? E : P).fitted(kDriveSlopeColumn)};
         delay_.discrepancy2 = square((E.value(kDriveSlopeColumn) - delay_.fit.value) / 2);
       }
-      keep_plain(plain.fit.is_known() ? P : P0);
+      keep_plain(!is_mass_known() && P.fitted(kAccelerationColumn).is_known() ? P : P0);
       find_pairs();
-      test(E, P0, late.fitted(kDriveSlopeColumn));
+      if (is_mass_known()) {
+        test_with_free_mass();
+      } else {
+        test(E, P0);
+      }
+    }
+    void test_with_free_mass() {
+      const Fit P(data_, columns(MassModel::fitted, false, false, false)),
+          P0(data_, columns(MassModel::fitted, false, false, true)),
+          E(data_, columns(MassModel::fitted, true, true, false));
+      for (const Fit* fit : {&P, &P0, &E}) note_residual(*fit);
+      mass_ = mass_of(P, E);
+      test(E, P0);
+    }
+    void note_residual(const Fit& fit) {
+      if (fit.is_solved() && fit.residual() < residual_) residual_ = fit.residual();
+    }
+
+    bool is_mass_known() const { return parameters_.mass == MassModel::known; }
+
+    Candidate mass_of(const Fit& P, const Fit& E) const {
+      Candidate plain{P.fitted(kAccelerationColumn)}, shaped{E.fitted(kAccelerationColumn)};
+      const double apart = shaped.fit.value - plain.fit.value;
+      plain.discrepancy2 = square(apart);
+      shaped.discrepancy2 = square(apart / 2);
+      return better(plain, shaped);
     }
 
     void keep_plain(const Fit& fit) {
       if (!fit.is_solved()) return;
       plain_.friction_Ns_m = Scalar(fit.value(kVelocityColumn));
-      plain_.mass_kg = Scalar(fit.value(kAccelerationColumn));
+      plain_.mass_kg =
+          Scalar(is_mass_known() ? parameters_.mass_kg.mean : fit.value(kAccelerationColumn));
       plain_.stiffness_N_m = Scalar(fit.value(kPositionColumn));
       plain_.offset_N =
           Scalar(data_.setup().place_m * fit.value(kPositionColumn) - fit.value(kOneColumn));
@@ -229,6 +266,8 @@ class PointConclusion {
       rms_x_ = sqrt(mean2(kPositionColumn) -
                     square(sum.product(kPositionColumn, kOneColumn) / sum.instants));
       rms_u_ = sqrt(mean2(kDriveColumn));
+      rms_u_about_mean_ =
+          sqrt(mean2(kDriveColumn) - square(sum.product(kDriveColumn, kOneColumn) / sum.instants));
     }
 
     Candidate better(const Candidate& one, const Candidate& other) const {
@@ -247,17 +286,20 @@ class PointConclusion {
         if (still.columns[i] != kDriveSlopeColumn) without_delay.add(still.columns[i]);
       }
       without_delay.keeps_even_noise = true;
-      mass_alone_sd_ = Fit(data_, without_spring).fitted(kAccelerationColumn).sd;
+      mass_alone_sd_ = is_mass_known() ? FittedValue::kUnbounded
+                                       : Fit(data_, without_spring).fitted(kAccelerationColumn).sd;
       friction_alone_sd_ = fits_delay_ ? Fit(data_, without_delay).fitted(kVelocityColumn).sd
                                        : FittedValue::kUnbounded;
     }
 
-    // `delay`: of the drive beyond what is stated.
-    void test(const Fit& E, const Fit& P0, const FittedValue& delay) {
+    void test(const Fit& E, const Fit& P0) {
       using std::abs;
       using std::sqrt;
-      constexpr double kDynamics = 3, kDelay = 4, kNegative = 3;
-      FitColumns curved = columns(true, true, false);
+      constexpr double kDynamics = 3, kDelay = 4, kNegative = 3, kMassStated = 3;
+      const Fit late(data_, late_columns());
+      note_residual(late);
+      const FittedValue delay = late.fitted(kDriveSlopeColumn);  // beyond what is stated
+      FitColumns curved = columns(MassModel::fitted, true, true, false);
       if (fits_delay_) --curved.count;
       curved.add(kDriveCurvatureColumn);
       if (fits_delay_) curved.add(kDriveSlopeColumn);
@@ -266,17 +308,24 @@ class PointConclusion {
       const double independent = data_.duration_s() * data_.setup().cutoff_rad_s / 3.55;
       const double highest = 1.25 + 3 * sqrt(2 / independent);
       const double delay_sd_s =
-          sqrt(square(delay.sd) + square(delay.correction) + square(stated_sd_s));
+          sqrt(square(delay.sd) + square(delay.correction) + square(stated_sd_s) +
+               scale2() * square(delay.value - parameters_.mass_kg.mean * delay.per_known_mass));
       const double curvature_sd = sqrt(Candidate{curvature}.all2(delay_sd_s_));
       const double mass = mass_.fit.value,
                    mass_sd = sqrt(mass_.all2(delay_sd_s_) + scale2() * square(mass) +
-                                  square(parameters_.drive.missing_share * rms_u_ / rms_a_));
-      if (mass_.fit.is_known() && mass < -kNegative * mass_sd) {
+                                  square(missing_N() / rms_a_) + known_mass_variance());
+      if (is_mass_known()) {
+        if (mass_.fit.is_known() && abs(mass - parameters_.mass_kg.mean) > kMassStated * mass_sd) {
+          failure_ = JointLimit::mass_stated;
+        }
+      } else if (mass_.fit.is_known() && mass < -kNegative * mass_sd) {
         failure_ = JointLimit::drive_reversed;
       } else if (mass_.fit.is_known() && (mass + kNegative * mass_sd < parameters_.least_mass_kg ||
                                           mass - kNegative * mass_sd > parameters_.most_mass_kg)) {
         failure_ = JointLimit::implausible_mass;
-      } else if (residual_ < FittedValue::kUnbounded && residual_ > highest) {
+      }
+      if (failure_ != JointLimit::none) return;
+      if (residual_ < FittedValue::kUnbounded && residual_ > highest) {
         failure_ = JointLimit::noise;
       } else if (curvature.is_known() && abs(curvature.value) > kDynamics * curvature_sd) {
         failure_ = JointLimit::dynamics;
@@ -287,11 +336,17 @@ class PointConclusion {
                   has_trend(E.fitted(kAccelerationColumn)) || has_trend(delay))) {
         failure_ = JointLimit::changing;
       } else if (friction_.fit.is_known() &&
-                 friction_.fit.value <
-                     -kNegative * sqrt(friction_.all2(delay_sd_s_) +
-                                       square(parameters_.drive.missing_share * rms_u_ / rms_v_))) {
+                 friction_.fit.value < -kNegative * sqrt(friction_.all2(delay_sd_s_) +
+                                                         square(missing_N() / rms_v_))) {
         failure_ = JointLimit::negative_friction;
       }
+    }
+
+    double missing_N() const {
+      return parameters_.drive.missing_share * (is_mass_known() ? rms_u_about_mean_ : rms_u_);
+    }
+    double known_mass_variance() const {
+      return is_mass_known() ? square(parameters_.mass_kg.sd) : 0;
     }
 
     // Relative variance of the one scale of drive, positions and axis.
@@ -327,9 +382,12 @@ class PointConclusion {
           {square(fit.sd), JointLimit::resolution},
           {candidate.discrepancy2,
            is_friction ? JointLimit::viscous_or_coulomb : JointLimit::mass_or_stiffness},
-          {is_delay ? 0 : scale2() * square(fit.value), JointLimit::gain},
+          {is_delay ? 0
+                    : scale2() * square(fit.value - parameters_.mass_kg.mean * fit.per_known_mass),
+           JointLimit::gain},
+          {known_mass_variance() * square(fit.per_known_mass), JointLimit::gain},
           {candidate.delay2(delay_sd_s_), JointLimit::delay},
-          {square(drive.missing_share * rms_u_ * per_N), JointLimit::missing},
+          {square(missing_N() * per_N), JointLimit::missing},
           {square((0.25 + abs(residual_ - 1)) * fit.correction), JointLimit::excitation},
           {square(prior.walk_per_root_s) * T / 3, JointLimit::changing}};
       double sum = 0;
@@ -376,8 +434,8 @@ class PointConclusion {
     RegressionData<Scalar> data_;
     bool fits_delay_;
     double delay_sd_s_;
-    double residual_ = 0;
-    double rms_a_ = 0, rms_v_ = 0, rms_x_ = 0, rms_u_ = 0;
+    double residual_ = FittedValue::kUnbounded;
+    double rms_a_ = 0, rms_v_ = 0, rms_x_ = 0, rms_u_ = 0, rms_u_about_mean_ = 0;
     double mass_alone_sd_ = FittedValue::kUnbounded, friction_alone_sd_ = FittedValue::kUnbounded;
     PointValues<Scalar> plain_;
     Candidate mass_, friction_, stiffness_, offset_, coulomb_, delay_;

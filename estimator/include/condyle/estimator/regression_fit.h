@@ -13,6 +13,7 @@
 // Estimate:  theta = (M - N)^-1 r (W. A. Fuller, Measurement Error Models, 1987, section 1.2 and
 //            2.2). The noise of u is only in the residual: it biases nothing, whatever its size or
 //            colour. N_u'u' and the covariance of u with u'' have the drive's own noise.
+// Known mass: u - m_0 a takes the place of u
 // Even noise kept: with N of a, x and X^k left in M a direction of them that is nothing but noise
 // is
 //            harmlessly regularised. v is apart from them, as the kernel's derivatives of odd and
@@ -45,6 +46,7 @@ struct FitColumns {
   std::array<RegressionColumn, kMostFitted> columns{};
   std::size_t count = 0;
   bool keeps_even_noise = false;
+  double known_mass_kg = 0;  ///< m_0: not fitted, a has no column
 
   void add(RegressionColumn column) { columns[count++] = column; }
   /// Place of a column; `count` where it is not one of them.
@@ -62,6 +64,7 @@ struct FittedValue {
   double sd = kUnbounded;        ///< half of the interval of 95 %, over 1.96
   double per_delay = 0;          ///< what a second of the drive's delay adds to it
   double per_delay2 = 0;         ///< likewise, per square second, times 2
+  double per_known_mass = 0;     ///< what a kilogram more of known mass adds to it
   double correction = 0;         ///< what taking the noise out changed
   double trend = 0, trend2 = 0;  ///< see above: the sum, and its variance
   double trend_per_delay = 0;    ///< what a second of the drive's delay adds to the sum
@@ -240,7 +243,8 @@ class RegressionFit {
     for (std::size_t j = 0; j < size_; ++j) {
       fitted.per_delay += I_[i][j] * less_noise_with(data_.sum(), j, kDriveSlopeColumn);
       fitted.per_delay2 += I_[i][j] * less_noise_with(data_.sum(), j, kDriveCurvatureColumn);
-      double Ntheta = 0;
+      fitted.per_known_mass -= I_[i][j] * of_known_mass(data_.sum(), j);
+      double Ntheta = fit_.known_mass_kg * noise_with_mass(j);
       for (std::size_t k = 0; k < size_; ++k) Ntheta += N_[j][k] * theta_[k];
       fitted.correction += I_[i][j] * Ntheta;
     }
@@ -268,10 +272,21 @@ class RegressionFit {
     return sign(i) *
            (static_cast<double>(sums.product(column(i), j)) - data_.noise(sums, column(i), j));
   }
+  // Column i times a, as the known mass has it.
+  template <class Sum>
+  double of_known_mass(const RegressionSums<Sum>& sums, std::size_t i) const {
+    if (fit_.known_mass_kg == 0) return 0;
+    if (!fit_.keeps_even_noise) return less_noise_with(sums, i, kAccelerationColumn);
+    return sign(i) * static_cast<double>(sums.product(column(i), kAccelerationColumn));
+  }
+  double noise_with_mass(std::size_t i) const {
+    return sign(i) * data_.noise(data_.sum(), column(i), kAccelerationColumn);
+  }
   // r, the drive taken back by tau to second order.
   template <class Sum>
   double right_side(const RegressionSums<Sum>& sums, std::size_t i) const {
-    const double r = less_noise_with(sums, i, kDriveColumn);
+    const double r =
+        less_noise_with(sums, i, kDriveColumn) - fit_.known_mass_kg * of_known_mass(sums, i);
     return tau_ == 0 ? r : r + tau_ * tau_ / 2 * less_noise_with(sums, i, kDriveCurvatureColumn);
   }
 
@@ -295,7 +310,14 @@ class RegressionFit {
     };
     double square = of_drive([&sum](auto i, auto j) { return sum.product(i, j); });
     double expected = of_drive([&](auto i, auto j) { return data_.noise(sum, i, j); });
+    const double m0 = fit_.known_mass_kg;
+    square += m0 * (m0 * sum.product(kAccelerationColumn, kAccelerationColumn) -
+                    2 * sum.product(kAccelerationColumn, kDriveColumn) -
+                    2 * bend * sum.product(kAccelerationColumn, kDriveCurvatureColumn));
+    expected += m0 * m0 * data_.noise(sum, kAccelerationColumn, kAccelerationColumn);
     for (std::size_t i = 0; i < size_; ++i) {
+      square += 2 * m0 * theta_[i] * sign(i) * sum.product(column(i), kAccelerationColumn);
+      expected += 2 * m0 * theta_[i] * noise_with_mass(i);
       square -= 2 * theta_[i] * sign(i) *
                 (sum.product(column(i), kDriveColumn) +
                  bend * sum.product(column(i), kDriveCurvatureColumn));
