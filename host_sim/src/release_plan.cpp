@@ -71,6 +71,10 @@ std::string plan_text(const ReleasePlan& plan) {
   text += row(plan, plan.duration_s) + "\n";
   for (const double factor : {0.5, 1.5, 2.0, 4.0}) text += row(plan, factor * plan.duration_s);
 
+  text +=
+      "\nThe intervals of a recording are about three times as wide, far wider where kv/m is above "
+      "20: they hold what a\nlater start of the fit changes, so that a hand that still acts is "
+      "covered.\n";
   const double sd = expected_deviations(plan, plan.duration_s).damping_rate_per_s;
   if (!std::isfinite(sd)) {
     text += "\nToo few samples: a release needs more than five, and motion in them.\n";

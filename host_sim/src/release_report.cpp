@@ -91,6 +91,7 @@ Json json_of(const FittedRelease& release) {
                {"rest_m", fit.rest_m},
                {"start_m", fit.start_m},
                {"start_velocity_m_s", fit.start_velocity_m_s},
+               {"later_start_s", fit.later_start_s},
                {"noise_sd_m", fit.noise_sd_m},
                {"residual_rms_m", fit.residual_rms_m},
                {"residual_correlation", fit.residual_correlation},

@@ -9,6 +9,15 @@
 // Estimate:   the theta of the least SSE, of maximum likelihood: grid, then damped Gauss-Newton
 //             with exact sensitivities (release_search.h)
 // Covariance: the Cramer-Rao bound at the estimate (release_motion.h)
+// Noise:      sigma^2 times max(1, SSE / (sigma^2 (n - k))) times (1 + rho) / (1 - rho), rho the
+//             correlation of neighbouring residuals and a standard deviation of it, 1 / sqrt n,
+//             more: what is slightly coloured or larger than stated passes the checks, yet widens
+// Later start: the fit without the first samples, as many as leave three times the standard
+//             deviation. A hand or muscle that still acts at the begin, smoothing over the release,
+//             a spring that hardens and dry friction make it differ; of a spring and a damper it is
+//             the same within its noise. By how much it differs, over 1 - E, is part of every
+//             interval and of the covariance, E the energy left at the later start as a share of
+//             that at the first: an error that grows with the energy, as hardening, is then covered
 // Intervals:  95 %, by profile likelihood: near overdamping lambda is far from normal, and has no
 //             upper end where the fast mode dies within a sample. The standard deviation that
 //             counts is the wider half of the interval / q, q = 1.96 (sigma not known: Student's t)
@@ -90,8 +99,10 @@ struct PassiveRelease {
   ReleaseRates<Scalar> rates;  ///< of the least SSE, even where a value is not known
   Scalar rest_m = 0, start_m = 0, start_velocity_m_s = 0;
   ReleaseCovariance<Scalar> covariance = ReleaseCovariance<Scalar>::Zero();
-  Scalar noise_sd_m = 0;  ///< that the intervals count with: as stated, or from the residuals
-  Scalar quantile = 0;    ///< q
+  ReleaseCovariance<Scalar> bound = covariance;  ///< by the noise alone: Cramer-Rao's
+  Scalar noise_sd_m = 0;     ///< that the intervals count with: as stated, or from the residuals
+  Scalar quantile = 0;       ///< q
+  Scalar later_start_s = 0;  ///< where the fit of a later start begins
   Scalar residual_rms_m = 0, chi_square = 0, residual_correlation = 0;
   int degrees_of_freedom = 0;
 };
@@ -191,6 +202,79 @@ void check_residuals(std::span<const Scalar> time_s, std::span<const Scalar> pos
                                                           : ReleaseResiduals::as_stated;
 }
 
+/// How many times sigma^2 the noise counts; see above.
+template <class Scalar>
+Scalar noise_factor(const PassiveRelease<Scalar>& release, Scalar samples) {
+  using std::sqrt;
+  const Scalar excess = release.chi_square / Scalar(release.degrees_of_freedom);
+  const Scalar rho =
+      std::clamp(release.residual_correlation + Scalar(1) / sqrt(samples), Scalar(0), Scalar(0.95));
+  return std::max(excess, Scalar(1)) * (Scalar(1) + rho) / (Scalar(1) - rho);
+}
+
+/// What a later start changes; infinite where it has no fit.
+template <class Scalar>
+struct LaterStart {
+  Scalar start_s = 0, lambda = 0, kappa = 0, rest_m = 0, zeta = 0, log_omega = 0;
+};
+
+template <class Scalar>
+LaterStart<Scalar> start_later(std::span<const Scalar> time_s, std::span<const Scalar> position_m,
+                               const PassiveRelease<Scalar>& release, Scalar negligible_m2) {
+  using std::sqrt;
+  constexpr Scalar kMostTimes = 3, kUnknown = std::numeric_limits<Scalar>::infinity();
+  constexpr std::size_t kSteps = 24;
+  const std::size_t most = time_s.size() - std::size_t{kFewestReleaseSamples};
+  std::size_t begin = 0;
+  Scalar least = 0;  // variance of lambda of the whole
+  Scalar energy_m2 = 1, later_energy_m2 = 1;
+  for (std::size_t i = 0; i <= kSteps; ++i) {
+    const std::size_t k = i * most / kSteps;
+    const auto at = release_response(release.rates, time_s[k] - time_s[0]);
+    const Scalar off_m = release.start_m - release.rest_m;
+    const Scalar p_m = off_m * at.C + release.start_velocity_m_s * at.S;
+    // C' = -kappa S, S' = C - lambda S
+    const Scalar v_m_s = -off_m * release.rates.kappa * at.S +
+                         release.start_velocity_m_s * (at.C - release.rates.lambda * at.S);
+    const auto bound =
+        release_bound(time_s.subspan(k), release.rates, p_m, v_m_s, release.noise_sd_m, false);
+    const Scalar variance = bound(kReleaseLambda, kReleaseLambda);
+    const Scalar now_m2 = p_m * p_m + v_m_s * v_m_s / release.rates.kappa;
+    if (i == 0) {
+      least = variance;
+      energy_m2 = now_m2;
+    }
+    if (!(variance <= kMostTimes * kMostTimes * least)) break;
+    begin = k;
+    later_energy_m2 = now_m2;
+  }
+  const ReleaseSearch<Scalar> search(time_s.subspan(begin), position_m.subspan(begin), false);
+  const auto minimum =
+      search.descend(search.from(release.rates), ReleaseHeld::nothing, negligible_m2);
+  if (!minimum.has_converged) {
+    return {time_s[begin] - time_s[0], kUnknown, kUnknown, kUnknown, kUnknown, kUnknown};
+  }
+  const auto zeta = [](const ReleaseRates<Scalar>& rates) {
+    return rates.lambda / (Scalar(2) * sqrt(rates.kappa));
+  };
+  const Scalar share = std::clamp(later_energy_m2 / energy_m2, Scalar(0), Scalar(0.99)),
+               more = Scalar(1) / (Scalar(1) - share);
+  return {time_s[begin] - time_s[0],
+          more * (minimum.rates.lambda - release.rates.lambda),
+          more * (minimum.rates.kappa - release.rates.kappa),
+          more * (minimum.equations.linear[0] - release.rest_m),
+          more * (zeta(minimum.rates) - zeta(release.rates)),
+          more * elementary::log(minimum.rates.kappa / release.rates.kappa) / Scalar(2)};
+}
+
+/// The ends of an interval around `value`, `apart` added to either side.
+template <class Scalar>
+std::pair<Scalar, Scalar> widened(Scalar value, std::pair<Scalar, Scalar> ends, Scalar apart) {
+  using std::sqrt;
+  const auto half = [apart](Scalar own) { return sqrt(own * own + apart * apart); };
+  return {value - half(value - ends.first), value + half(ends.second - value)};
+}
+
 /// Gives a value its interval, standard deviation and provenance.
 template <class Scalar>
 ReleaseValue<Scalar> release_value(Scalar value, Scalar low, Scalar high, Scalar q, double spread,
@@ -235,10 +319,10 @@ PassiveRelease<Scalar> fit_passive_release(std::span<const Scalar> time_s,
       static_cast<int>(time_s.size()) - kReleaseUnknowns + (settings.starts_at_rest ? 1 : 0);
   const Scalar stated_sd_m = Scalar(settings.noise_sd_m);
   internal::check_residuals(time_s, position_m, stated_sd_m, release);
-  release.covariance =
+  release.bound =
       release_bound(time_s, release.rates, release.start_m - release.rest_m,
                     release.start_velocity_m_s, release.noise_sd_m, settings.starts_at_rest);
-  if (!minimum.has_converged || !release.covariance.allFinite()) {
+  if (!minimum.has_converged || !release.bound.allFinite()) {
     release.outcome = ReleaseOutcome::not_converged;
     return release;
   }
@@ -247,12 +331,23 @@ PassiveRelease<Scalar> fit_passive_release(std::span<const Scalar> time_s,
                        ? Scalar(kNormalQuantile95)
                        : internal::student_half_width(Scalar(release.degrees_of_freedom));
   release.quantile = q;
-  const Scalar variance = release.noise_sd_m * release.noise_sd_m;
+  const Scalar factor = internal::noise_factor(release, Scalar(time_s.size()));
+  const Scalar variance = factor * release.noise_sd_m * release.noise_sd_m;
+  const auto later = internal::start_later(time_s, position_m, release, negligible_m2);
+  release.later_start_s = later.start_s;
+  release.covariance = factor * release.bound;
   const Scalar omega = sqrt(release.rates.kappa);
   const auto deviations = release_deviations(release.covariance, release.rates);
   const auto ends = [&](ReleaseHeld held, Scalar deviation) {
-    return std::pair(search.interval_end(minimum, held, Scalar(-1), deviation, variance, q),
-                     search.interval_end(minimum, held, Scalar(1), deviation, variance, q));
+    const Scalar value = held == ReleaseHeld::lambda ? release.rates.lambda
+                         : held == ReleaseHeld::zeta ? release.rates.lambda / (Scalar(2) * omega)
+                                                     : elementary::log(omega);
+    const Scalar apart = held == ReleaseHeld::lambda ? later.lambda
+                         : held == ReleaseHeld::zeta ? later.zeta
+                                                     : later.log_omega;
+    const std::pair own(search.interval_end(minimum, held, Scalar(-1), deviation, variance, q),
+                        search.interval_end(minimum, held, Scalar(1), deviation, variance, q));
+    return internal::widened(value, own, q * apart);
   };
   const ReleaseSpread& spread = settings.spread;
   const ReleaseResolution& resolution = settings.resolution;
@@ -281,6 +376,9 @@ PassiveRelease<Scalar> fit_passive_release(std::span<const Scalar> time_s,
   release.stiffness_per_mass_per_s2 = internal::release_value(
       release.rates.kappa, low * low, high * high, q, spread.stiffness_per_mass_per_s2,
       resolution.stiffness_fraction * static_cast<double>(release.rates.kappa), is_trusted);
+  ReleaseCovariance<Scalar> apart = ReleaseCovariance<Scalar>::Zero();
+  apart.col(0) << later.lambda, later.kappa, later.rest_m, 0, 0;
+  release.covariance += apart * apart.transpose();
   return release;
 }
 

@@ -16,7 +16,8 @@
 //            load's uncertainty is one more measurement each, so that it widens what it bears on
 // Intervals: of the ratios 1 / eta, lambda / eta, kappa / eta by E. C. Fieller (J. R. Stat. Soc. B
 //            16 (1954) 175-185), without an end where eta may be zero
-// Agreement: the sum of squares is chi-square with one degree of freedom, two with rests; more than
+// Agreement: the sum of squares, by the noise alone, is chi-square with one degree of freedom, two
+// with rests; more than
 //            a chance of 1 in 1000: the recordings are not of one (kv, ks, m), and there is no
 //            value
 #pragma once
@@ -78,10 +79,15 @@ class PairEquations {
   enum { kMass, kStiffness, kWeight, kRest, kLambda, kKappa, kEta, kUnknowns };
   using State = Eigen::Matrix<Scalar, kUnknowns, 1>;
   using Covariance = Eigen::Matrix<Scalar, kUnknowns, kUnknowns>;
+  using Weights = ReleaseCovariance<Scalar> PassiveRelease<Scalar>::*;
 
+  /// `weights`: which covariance of the releases counts.
   PairEquations(const std::array<const PassiveRelease<Scalar>*, 2>& releases,
-                const ReleaseLoad& load)
-      : releases_(releases), load_(load), uses_rests_(load.weight_N.value != 0) {}
+                const ReleaseLoad& load, Weights weights)
+      : releases_(releases),
+        load_(load),
+        weights_(weights),
+        uses_rests_(load.weight_N.value != 0) {}
 
   bool uses_rests() const { return uses_rests_; }
 
@@ -164,7 +170,7 @@ class PairEquations {
   }
 
   Scalar variance(int i) const {
-    return releases_[0]->covariance(i, i) + releases_[1]->covariance(i, i);
+    return (releases_[0]->*weights_)(i, i) + (releases_[1]->*weights_)(i, i);
   }
 
   template <class Data>
@@ -184,7 +190,7 @@ class PairEquations {
     Eigen::Matrix<Scalar, 3, 3> L = Eigen::Matrix<Scalar, 3, 3>::Zero();
     for (int i = 0; i < count; ++i) {
       for (int j = 0; j <= i; ++j) {
-        Scalar sum = release.covariance(kPlaces[i], kPlaces[j]);
+        Scalar sum = (release.*weights_)(kPlaces[i], kPlaces[j]);
         for (int k = 0; k < j; ++k) sum -= L(i, k) * L(j, k);
         L(i, j) = i == j ? sqrt(sum) : sum / L(j, j);
       }
@@ -196,8 +202,39 @@ class PairEquations {
 
   std::array<const PassiveRelease<Scalar>*, 2> releases_;
   ReleaseLoad load_;
+  Weights weights_;
   bool uses_rests_;
 };
+
+/// Where the least squares are least.
+template <class Scalar>
+struct PairSolution {
+  typename PairEquations<Scalar>::State x;
+  typename PairEquations<Scalar>::Covariance inverse;
+  Scalar chi_square = 0;
+  bool has_converged = false;
+};
+
+template <class Scalar>
+PairSolution<Scalar> solve(const PairEquations<Scalar>& equations) {
+  using Equations = PairEquations<Scalar>;
+  constexpr int kMostSteps = 30;
+  PairSolution<Scalar> solution;
+  solution.x = equations.start();
+  for (int i = 0; i < kMostSteps && !solution.has_converged; ++i) {
+    const auto R = equations.triangle(solution.x);
+    solution.inverse = Equations::inverse(R);
+    const auto whitened = R.col(Equations::kUnknowns).template head<Equations::kUnknowns>().eval();
+    solution.x += solution.inverse * whitened;
+    solution.chi_square = R(Equations::kUnknowns, Equations::kUnknowns);
+    solution.chi_square *= solution.chi_square;
+    // of a standard deviation, squared
+    solution.has_converged = whitened.squaredNorm() < Scalar(1e-6);
+    if (!solution.x.allFinite()) break;
+  }
+  solution.has_converged = solution.has_converged && solution.inverse.allFinite();
+  return solution;
+}
 
 /// Ends of the interval of a / b, by Fieller; infinite where b may be 0.
 template <class Scalar>
@@ -253,26 +290,14 @@ ReleasePair<Scalar> combine_releases(const PassiveRelease<Scalar>& first,
   }
   if (!internal::is_fit_for_a_pair(first) || !internal::is_fit_for_a_pair(second)) return pair;
 
-  const Equations equations({&first, &second}, settings.load);
-  constexpr int kMostSteps = 30;
-  auto x = equations.start();
-  typename Equations::Covariance inverse;
-  bool has_converged = false;
-  Scalar chi_square = 0;
-  for (int i = 0; i < kMostSteps && !has_converged; ++i) {
-    const auto R = equations.triangle(x);
-    inverse = Equations::inverse(R);
-    const auto whitened = R.col(Equations::kUnknowns).template head<Equations::kUnknowns>().eval();
-    x += inverse * whitened;
-    chi_square = R(Equations::kUnknowns, Equations::kUnknowns);
-    chi_square *= chi_square;
-    has_converged = whitened.squaredNorm() < Scalar(1e-6);  // of a standard deviation, squared
-    if (!x.allFinite()) break;
-  }
-  if (!has_converged || !inverse.allFinite()) {
+  const Equations by_noise({&first, &second}, settings.load, &PassiveRelease<Scalar>::bound),
+      equations({&first, &second}, settings.load, &PassiveRelease<Scalar>::covariance);
+  const auto agreement = internal::solve(by_noise), solution = internal::solve(equations);
+  if (!agreement.has_converged || !solution.has_converged) {
     pair.outcome = ReleasePairOutcome::not_converged;
     return pair;
   }
+  const Scalar chi_square = agreement.chi_square;
   pair.chi_square = chi_square;
   pair.degrees_of_freedom = equations.uses_rests() ? 2 : 1;
   const Scalar limit = equations.uses_rests() ? Scalar(13.82) : Scalar(10.83);
@@ -282,7 +307,8 @@ ReleasePair<Scalar> combine_releases(const PassiveRelease<Scalar>& first,
   }
   pair.outcome = ReleasePairOutcome::combined;
 
-  const auto P = (inverse * inverse.transpose()).eval();
+  const auto& x = solution.x;
+  const auto P = (solution.inverse * solution.inverse.transpose()).eval();
   constexpr int eta = Equations::kEta;
   const Scalar e = x[eta], q = std::max(first.quantile, second.quantile);
   const auto ratio = [&](Scalar a, Scalar aa, Scalar ab, double spread, double resolution) {

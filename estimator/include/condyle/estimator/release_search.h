@@ -65,6 +65,14 @@ class ReleaseSearch {
     return best;
   }
 
+  /// Where a search may begin.
+  End from(const Rates& rates) const {
+    End end;
+    end.rates = rates;
+    end.equations = at(rates);
+    return end;
+  }
+
   /// Down from `end`, until no more than `smallest_gain_m2` is to be won.
   End descend(End end, ReleaseHeld held, Scalar smallest_gain_m2) const {
     constexpr int kMostSteps = 80;
