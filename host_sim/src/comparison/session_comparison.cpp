@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
+#include "comparison/repeat_order.h"
 #include "input_error.h"
 
 namespace condyle::host {
@@ -16,11 +18,20 @@ constexpr double kDetectionShare = 0.95;
 // Rates that differ by more let the estimators see another motion.
 constexpr double kRateTolerance = 0.05;
 
+// Durations, and noise of sessions, that differ by more make the quantities that depend on them
+// differ.
+constexpr double kLongerDuration = 1.2, kMoreNoise = 1.5;
+// Likeness of neighbouring repeats that chance makes this seldom.
+constexpr double kAlikeByChance = 0.01;
+
+enum DependsOn : unsigned { kNothing = 0, kDuration = 1, kNoise = 2 };
+
 // A quantity and where it stands in a report.
 struct ComparedQuantity {
   const char *name, *column, *unit;
   double (*value)(const RunReport&);
   const char* missing;                              // what is the matter where there is no value
+  unsigned depends_on = kNothing;                   // beside the subject
   double (*stated_sd)(const RunReport&) = nullptr;  // that repeats do not show
 };
 
@@ -35,22 +46,22 @@ constexpr const char* kNotMeasured = "it is not measured";
 
 const ComparedQuantity kQuantities[] = {
     {"range of motion", "range", "mm", [](const RunReport& r) { return 1e3 * r.range_m; },
-     kNoMotion},
+     kNoMotion, kDuration | kNoise},
     {"velocity, rms", "velocity_rms", "mm/s",
-     [](const RunReport& r) { return 1e3 * r.velocity_rms_m_s; }, kNoMotion},
+     [](const RunReport& r) { return 1e3 * r.velocity_rms_m_s; }, kNoMotion, kNoise},
     {"peak velocity, positive", "velocity_peak_positive", "mm/s",
-     [](const RunReport& r) { return 1e3 * r.velocity_peak_up_m_s; }, kNoMotion},
+     [](const RunReport& r) { return 1e3 * r.velocity_peak_up_m_s; }, kNoMotion, kNoise},
     {"peak velocity, negative", "velocity_peak_negative", "mm/s",
-     [](const RunReport& r) { return 1e3 * r.velocity_peak_down_m_s; }, kNoMotion},
+     [](const RunReport& r) { return 1e3 * r.velocity_peak_down_m_s; }, kNoMotion, kNoise},
     {"jerk density", "jerk_density", "m^2/s^5",
-     [](const RunReport& r) { return r.jerk_density_m2_s5; }, kNoNoise},
+     [](const RunReport& r) { return r.jerk_density_m2_s5; }, kNoNoise, kDuration | kNoise},
     {"noise of the instrument", "noise_sd", "mm",
      [](const RunReport& r) { return 1e3 * r.noise_sd_m; }, kNoNoise},
     {"friction", "friction", "Ns/m",
-     [](const RunReport& r) { return measured_value(r.friction_Ns_m); }, kNotMeasured,
+     [](const RunReport& r) { return measured_value(r.friction_Ns_m); }, kNotMeasured, kNothing,
      [](const RunReport& r) { return r.friction_Ns_m.standard_deviation; }},
     {"mass", "mass", "kg", [](const RunReport& r) { return measured_value(r.mass_kg); },
-     kNotMeasured, [](const RunReport& r) { return r.mass_kg.standard_deviation; }},
+     kNotMeasured, kNothing, [](const RunReport& r) { return r.mass_kg.standard_deviation; }},
 };
 
 bool is_copy(const RunReport& a, const RunReport& b) {
@@ -108,6 +119,36 @@ double stated_variance(const ComparedQuantity& quantity, const Session& session)
   return sum / static_cast<double>(session.recordings.size());
 }
 
+// Why a quantity that depends on `depends_on` is not compared; empty where it is.
+std::string differing_conditions(const std::vector<Session>& sessions, unsigned depends_on) {
+  double shortest_s = std::numeric_limits<double>::infinity(), longest_s = 0;
+  double least_m = shortest_s, most_m = 0;  // mean noise of a session
+  for (const Session& session : sessions) {
+    double noise_m = 0;
+    for (const RecordingReport& recording : session.recordings) {
+      shortest_s = std::min(shortest_s, recording.duration_s);
+      longest_s = std::max(longest_s, recording.duration_s);
+      noise_m += recording.runs[0].noise_sd_m / static_cast<double>(session.recordings.size());
+    }
+    if (!std::isfinite(noise_m)) continue;
+    least_m = std::min(least_m, noise_m);
+    most_m = std::max(most_m, noise_m);
+  }
+  if ((depends_on & kDuration) != 0 && longest_s > kLongerDuration * shortest_s) {
+    return fmt::format(
+        "the recordings last {:.3g} to {:.3g} s, and a longer one has more of it by that alone; "
+        "compare recordings of one duration",
+        shortest_s, longest_s);
+  }
+  if ((depends_on & kNoise) != 0 && most_m > kMoreNoise * least_m) {
+    return fmt::format(
+        "the noise of the instrument is {:.2g} mm in one session and {:.2g} mm in another, which "
+        "changes it by itself; compare recordings of one instrument and set-up",
+        1e3 * least_m, 1e3 * most_m);
+  }
+  return "";
+}
+
 QuantityComparison compare_quantity(const ComparedQuantity& quantity,
                                     const std::vector<Session>& sessions) {
   QuantityComparison result{quantity.name, quantity.column, quantity.unit, {}, {}, {}, {}, 0, {}};
@@ -124,6 +165,16 @@ QuantityComparison compare_quantity(const ComparedQuantity& quantity,
   if (missing > 0) {
     result.withheld =
         fmt::format("in {} of {} recordings {}", missing, recordings, quantity.missing);
+    return result;
+  }
+  result.withheld = differing_conditions(sessions, quantity.depends_on);
+  if (!result.withheld.empty()) return result;
+  const double by_chance = probability_of_order(result.values);
+  if (by_chance < kAlikeByChance) {
+    result.withheld = fmt::format(
+        "repeats in a row are more alike than chance makes them (probability {:.2g}), so that "
+        "their scatter is not that between sessions; spread the repeats, or mix their order",
+        by_chance);
     return result;
   }
   for (const auto& values : result.values) result.means.push_back(mean_of(values));

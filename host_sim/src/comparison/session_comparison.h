@@ -14,8 +14,10 @@
 // estimated. Where nothing has changed, one comparison in 20 exceeds it by chance; so each also has
 // Holm's adjusted probability (S. Holm, Scand. J. Stat. 6 (1979) 65-70), by which one false finding
 // in 20 such tables is made. The repeats are taken as independent, normal and equally scattered in
-// all sessions. What differs from session to session but not within one (how the instrument was
-// mounted, the day) is part of the change.
+// all sessions; where repeats in a row are alike (repeat_order.h) a quantity is not compared, nor
+// one that the duration or the instrument's noise changes where these differ. What differs from
+// session to session but not within one (how the instrument was mounted, the day) is part of the
+// change.
 //
 // Friction and mass have a standard deviation of their own, which also holds what the drive as
 // stated gets wrong in every repeat alike. It may have been wrong otherwise in the other session:

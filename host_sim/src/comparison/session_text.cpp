@@ -13,8 +13,6 @@
 namespace condyle::host {
 namespace {
 
-// Durations that differ by more make ranges and peaks differ.
-constexpr double kLongerDuration = 1.2;
 // Share of measured samples below which what was missed may be what differs.
 constexpr double kFewMeasured = 0.95;
 
@@ -72,11 +70,8 @@ std::string quantity_text(const QuantityComparison& quantity,
 
 std::string doubts_text(const std::vector<Session>& sessions) {
   std::string text;
-  double shortest_s = std::numeric_limits<double>::infinity(), longest_s = 0;
   for (const Session& session : sessions) {
     for (const RecordingReport& recording : session.recordings) {
-      shortest_s = std::min(shortest_s, recording.duration_s);
-      longest_s = std::max(longest_s, recording.duration_s);
       for (const std::string& note : recording.notes) {
         text += fmt::format("note         {}: {}\n", recording.source, note);
       }
@@ -89,12 +84,6 @@ std::string doubts_text(const std::vector<Session>& sessions) {
       if (warning.empty()) continue;
       text += fmt::format("note         {}: {}\n", recording.source, warning);
     }
-  }
-  if (longest_s > kLongerDuration * shortest_s) {
-    text += fmt::format(
-        "note         the recordings last {:.3g} to {:.3g} s; a longer one has a larger range of "
-        "motion by that alone\n",
-        shortest_s, longest_s);
   }
   return text;
 }
@@ -124,7 +113,8 @@ std::string session_text(const std::string& estimator, const std::vector<Session
         exceeding, tests, 0.05 * static_cast<double>(tests), adjusted);
   }
   return text +
-         "The scatter is that of repeats within a session. An instrument mounted anew, another "
+         "The scatter is that of repeats within a session; with three or four of them it cannot be "
+         "seen whether those in a row\nare alike. An instrument mounted anew, another "
          "day, another task or pace are\npart of a change. It speaks of change; it diagnoses "
          "nothing; research use only.\n";
 }

@@ -24,9 +24,11 @@ struct Unit {
 constexpr Unit kUnits[] = {
     {"noise (sd)", "mm", 1e3}, {"jerk density", "m^2/s^5", 1}, {"correlation", "ms", 1e3}};
 
-// `doubt`: what speaks against the interval; may be empty.
+constexpr const char* kOfModel = "of white noise and white jerk";
+
+// `rests_on`: what the interval is of; that of the best-fitting model, not of the instrument.
 std::string parameter_text(const FittedParameter& parameter, const Unit& unit,
-                           const char* doubt = "") {
+                           const char* rests_on = kOfModel) {
   if (parameter.at_bound) {
     return fmt::format("{:.4g} {}: at its bound, so that it is NOT known",
                        unit.scale * parameter.value, unit.text);
@@ -36,9 +38,9 @@ std::string parameter_text(const FittedParameter& parameter, const Unit& unit,
                        unit.scale * parameter.value, unit.text);
   }
   const double factor = std::exp(1.96 * parameter.log_sd);
-  return fmt::format("{:.4g} {} ({:.4g} to {:.4g}, 95 %{})", unit.scale * parameter.value,
+  return fmt::format("{:.4g} {} ({:.4g} to {:.4g}: 95 % of fits, {})", unit.scale * parameter.value,
                      unit.text, unit.scale * parameter.value / factor,
-                     unit.scale * parameter.value * factor, doubt);
+                     unit.scale * parameter.value * factor, rests_on);
 }
 
 // `text` without what a comment of a TOML file may not hold: names of files are free.
@@ -49,7 +51,7 @@ std::string in_comment(const std::string& text) {
 }
 
 const char* doubt_of(const LikelihoodTuning& tuning) {
-  return tuning.correlated ? ", if the noise were white, which it is not" : "";
+  return tuning.correlated ? "if the noise were white, which it is not" : kOfModel;
 }
 
 std::string unique_text(const FittedModel& model, std::size_t starts) {
