@@ -25,9 +25,9 @@ void DriveOptions::add_to(CommandLine command) {
                   "Uncertainty of the angle between the drive's axis and the followed one (0)")
       .number_in({0, 57});
   command
-      .add_option("--drive-noise-N", noise_sd_N,
-                  "Its noise, of each sample (0.01); `changes` uses it, `replay` takes it from the "
-                  "drive itself and says where it differs")
+      .add_option(
+          "--drive-noise-N", noise_sd_N,
+          "Its noise, of each sample, to be compared with what the drive itself shows (0.01)")
       .number_in({1e-9, 1e3});
   command.add_option("--drive-delay-ms", delay_ms, "How late its samples are stamped (0)")
       .number_in({-1000, 1000});

@@ -7,7 +7,7 @@
 //       drive is linear between its samples, and a position waits for the next one
 //
 //   n         steps per sample of the drive, counted during 1
-//   sigma^2   variance of a sample of the drive
+//   sigma^2   variance of a sample of the drive, as its own differences showed it during 1
 //
 // Drive noise: the drive at a position between two samples has the error of these, and no new one.
 // cycle_damping.h takes it for one of its own; with n sigma^2 for each the noise of the drive's
@@ -181,8 +181,8 @@ class CycleTimeline {
     const JointLimit limit = estimate.mass_kg.limit;
     if (is_failure(limit) || !is_valid(baseline_of(estimate))) return;
     JointParameters joint = joint_;
-    joint.drive.noise_sd_N *=
-        sqrt(1 + static_cast<double>(between_) / static_cast<double>(drives_));
+    joint.drive.noise_sd_N = static_cast<double>(estimate.drive_noise_sd_N) *
+                             sqrt(1 + static_cast<double>(between_) / static_cast<double>(drives_));
     damping_.emplace(baseline_of(estimate), joint, watch_.cycles);
     start_at(end_ns_);
     if (joint_.delay == DelayModel::fitted) {  // from here on what was found is taken off as well

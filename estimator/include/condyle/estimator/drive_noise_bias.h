@@ -74,7 +74,7 @@ class DriveNoiseBias {
 
   /// `T` s within an interval of the drive of `interval_s` > 0, from its share `begin` to `end`
   /// (below 0 or above 1 where a delay says so), with the `response` for these rates over T; `q` is
-  /// the density of white acceleration (m^2/s^3), as in joint_identification.h.
+  /// the density of white acceleration (m^2/s^3).
   void predict(const DrivenRates<Scalar>& rates, const DrivenResponse<Scalar>& response,
                Scalar begin, Scalar end, Scalar interval_s, Scalar q, Scalar T) {
     const auto transition = [=](const auto& table, Scalar eta) {

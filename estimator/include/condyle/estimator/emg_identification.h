@@ -21,7 +21,9 @@
 //                Q   of lowest order in T / tau, q = 2 (s rms F)^2 / tau:
 //                    Q_dd = q T, Q_vd = q T^2 / 2, Q_vv = q T^3 / 3, Q_pd = q T^3 / 6,
 //                    Q_pv = q T^4 / 8, Q_pp = q T^5 / 20
-//                B   of the products lambda v and kappa p, as in joint_identification.h
+//                B   what the products lambda v and kappa p of two unknowns add beyond their
+//                    linear part, of normal x: B_vv = T^2 sum (A_aa A_bb + A_ab^2),
+//                    B_pv = T B_vv / 2, B_pp = T^2 B_vv / 4
 // Update:      for z, the single state p: S = A_pp + R, K = A_.p / S, A <- A - S K K'
 // Values:      kv = lambda m and the like, with the standard deviation of the assumed mass: K_n, kv
 //              and m are known up to one scale (g u = m a + kv v), which the assumed mass sets.
