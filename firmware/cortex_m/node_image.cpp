@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The estimator as an image: reports in, estimates out, over the board's UART. Numbers are of the
 // type that the core computes with, CONDYLE_SCALAR. A late estimate waits for at most
-// CONDYLE_MOST_LAG samples, for which the board must have the memory.
+// CONDYLE_MOST_LAG samples, for which the board must have the memory; CONDYLE_IDENTIFIES: whether
+// it has that for friction and mass too, and a core that computes with double.
 //
 // CONDYLE_FAILS_AT: the image of a test, whose filter fails at that sample, as its fail_node does;
 // where that comes back, the filter says of its estimate what is not so.
@@ -113,9 +114,10 @@ class FailingSensor final : public Sensor {
  private:
   int samples_ = 0;
 };
-using Node = firmware::EstimatorNode<CONDYLE_SCALAR, FailingSensor, CONDYLE_MOST_LAG>;
+using Node = firmware::EstimatorNode<CONDYLE_SCALAR, FailingSensor, CONDYLE_MOST_LAG, false>;
 #else
-using Node = firmware::EstimatorNode<CONDYLE_SCALAR, std::type_identity_t, CONDYLE_MOST_LAG>;
+using Node = firmware::EstimatorNode<CONDYLE_SCALAR, std::type_identity_t, CONDYLE_MOST_LAG,
+                                     CONDYLE_IDENTIFIES>;
 #endif
 
 constinit UartStream g_line;

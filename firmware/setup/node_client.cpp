@@ -200,6 +200,8 @@ NodeAnswer NodeClient::take_frame() {
     case hal::MessageType::recommended_estimate:
       forget_oldest();
       return NodeAnswer::estimate;
+    case hal::MessageType::conclusion:
+      return NodeAnswer::conclusion;
     case hal::MessageType::accepted:
       accepted_ = read<hal::AcceptedMessage>().message;
       if (accepted_ == hal::MessageType::finish) return finished();

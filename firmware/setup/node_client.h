@@ -20,6 +20,7 @@ enum class NodeAnswer {
   none,         ///< nothing yet
   estimate,     ///< frame() holds one
   no_estimate,  ///< the report led to none: damaged, twice told, of another number
+  conclusion,   ///< frame() holds one; it answers no report
   finished,     ///< the target has told everything
 };
 

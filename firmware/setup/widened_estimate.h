@@ -2,6 +2,7 @@
 // A target's estimates as those of this computer, whose numbers are double.
 #pragma once
 
+#include "condyle/estimator/joint_estimate.h"
 #include "condyle/estimator/published_cascade.h"
 #include "condyle/estimator/recommended_estimator.h"
 
@@ -51,6 +52,42 @@ RecommendedEstimate<double> widened(const RecommendedEstimate<Scalar>& estimate)
                     .noise_sd_m = static_cast<double>(axis.noise_sd_m),
                     .jerk_density_m2_s5 = static_cast<double>(axis.jerk_density_m2_s5)};
   }
+  return wide;
+}
+
+template <class Scalar>
+IdentifiedValue<double> widened(const IdentifiedValue<Scalar>& value) {
+  IdentifiedValue<double> wide;
+  wide.quantity = widened(value.quantity);
+  wide.fitted = static_cast<double>(value.fitted);
+  wide.fitted_sd = static_cast<double>(value.fitted_sd);
+  wide.sampling_sd = static_cast<double>(value.sampling_sd);
+  wide.needed_s = static_cast<double>(value.needed_s);
+  wide.limit = value.limit;
+  return wide;
+}
+
+template <class Scalar>
+JointEstimate<double> widened(const JointEstimate<Scalar>& joint) {
+  JointEstimate<double> wide;
+  wide.friction_Ns_m = widened(joint.friction_Ns_m);
+  wide.mass_kg = widened(joint.mass_kg);
+  wide.stiffness_N_m = widened(joint.stiffness_N_m);
+  wide.offset_N = widened(joint.offset_N);
+  wide.coulomb_N = widened(joint.coulomb_N);
+  wide.delay_s = widened(joint.delay_s);
+  wide.plain = {
+      static_cast<double>(joint.plain.friction_Ns_m), static_cast<double>(joint.plain.mass_kg),
+      static_cast<double>(joint.plain.stiffness_N_m), static_cast<double>(joint.plain.offset_N),
+      static_cast<double>(joint.plain.delay_s)};
+  wide.used_s = static_cast<double>(joint.used_s);
+  wide.drive_noise_sd_N = static_cast<double>(joint.drive_noise_sd_N);
+  wide.position_noise_sd_m = static_cast<double>(joint.position_noise_sd_m);
+  wide.drive_rms_N = static_cast<double>(joint.drive_rms_N);
+  wide.drive_variation_rms_N = static_cast<double>(joint.drive_variation_rms_N);
+  wide.velocity_rms_m_s = static_cast<double>(joint.velocity_rms_m_s);
+  wide.position_rms_m = static_cast<double>(joint.position_rms_m);
+  wide.residual_ratio = static_cast<double>(joint.residual_ratio);
   return wide;
 }
 

@@ -108,6 +108,7 @@ void exchange(Archive& archive, Exchanged<Archive, StartMessage>& message) {
   archive.require(message.nominal_step_ns >= 0 && message.nominal_step_ns <= kMaxNominalStepNs,
                   RefusalReason::out_of_range);
   archive.boolean(message.expects_drive);
+  archive.boolean(message.identifies);
   if (message.estimator == EstimatorChoice::published) {
     exchange(archive, message.published);
   } else {
@@ -138,6 +139,7 @@ void exchange(Archive& archive, Exchanged<Archive, GreetingMessage>& message) {
   archive.template integer<std::uint8_t>(message.scalar_size);
   archive.require(message.scalar_size == 4 || message.scalar_size == 8,
                   RefusalReason::unknown_value);
+  archive.boolean(message.identifies);
   archive.template integer<std::uint32_t>(message.boot_count);
   archive.enumeration(message.reset_cause, ResetCause::fault);
   archive.boolean(message.has_fault);
@@ -160,7 +162,7 @@ void exchange(Archive& archive, Exchanged<Archive, LayoutProblem>& problem) {
 template <class Archive>
 void exchange(Archive& archive, Exchanged<Archive, RefusedMessage>& message) {
   archive.template integer<std::uint8_t>(message.message);
-  archive.enumeration(message.refusal.reason, RefusalReason::lag_too_long);
+  archive.enumeration(message.refusal.reason, RefusalReason::cannot_identify);
   archive.template integer<std::uint16_t>(message.refusal.index);
   archive.optional(message.layout_problem, [&](auto& problem) { exchange(archive, problem); });
 }
@@ -224,6 +226,31 @@ void exchange_recommended(Archive& archive, Estimate& estimate) {
   archive.events(estimate.events);
 }
 
+template <class Archive, class Value>
+void exchange_identified(Archive& archive, Value& value) {
+  exchange_quantity(archive, value.quantity);
+  for (auto* number : {&value.fitted, &value.fitted_sd, &value.sampling_sd, &value.needed_s}) {
+    archive.number(*number);
+  }
+  archive.enumeration(value.limit, JointLimit::missing);
+}
+
+template <class Archive, class Estimate>
+void exchange_conclusion(Archive& archive, Estimate& estimate) {
+  for (auto* value : {&estimate.friction_Ns_m, &estimate.mass_kg, &estimate.stiffness_N_m,
+                      &estimate.offset_N, &estimate.coulomb_N, &estimate.delay_s}) {
+    exchange_identified(archive, *value);
+  }
+  auto& plain = estimate.plain;
+  for (auto* number :
+       {&plain.friction_Ns_m, &plain.mass_kg, &plain.stiffness_N_m, &plain.offset_N, &plain.delay_s,
+        &estimate.used_s, &estimate.drive_noise_sd_N, &estimate.position_noise_sd_m,
+        &estimate.drive_rms_N, &estimate.drive_variation_rms_N, &estimate.velocity_rms_m_s,
+        &estimate.position_rms_m, &estimate.residual_ratio}) {
+    archive.number(*number);
+  }
+}
+
 template <class Archive>
 void exchange(Archive& archive, Exchanged<Archive, HealthMessage>& message) {
   const auto count = [&archive](auto& number) { archive.template integer<std::uint64_t>(number); };
@@ -273,6 +300,8 @@ void exchange_message(Archive& archive, Message& message) {
   } else if constexpr (Message::kType == MessageType::recommended_estimate) {
     exchange(archive, message.sample);
     exchange_recommended(archive, message.estimate);
+  } else if constexpr (Message::kType == MessageType::conclusion) {
+    exchange_conclusion(archive, message.conclusion);
   } else {
     exchange(archive, message);
   }
@@ -323,6 +352,8 @@ CONDYLE_MESSAGE(PublishedEstimateMessage<float>);
 CONDYLE_MESSAGE(PublishedEstimateMessage<double>);
 CONDYLE_MESSAGE(RecommendedEstimateMessage<float>);
 CONDYLE_MESSAGE(RecommendedEstimateMessage<double>);
+CONDYLE_MESSAGE(ConclusionMessage<float>);
+CONDYLE_MESSAGE(ConclusionMessage<double>);
 CONDYLE_MESSAGE(HealthMessage);
 CONDYLE_MESSAGE(FaultMessage);
 #undef CONDYLE_MESSAGE

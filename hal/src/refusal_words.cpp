@@ -188,6 +188,9 @@ RefusalWords words_of(const RefusedMessage& refused, const LayoutMessage& layout
   } else if (refused.message == static_cast<std::uint8_t>(MessageType::start)) {
     words = refused.refusal.reason == RefusalReason::lag_too_long
                 ? words_of_lag(refused.refusal.index, start.lag)
+            : refused.refusal.reason == RefusalReason::cannot_identify
+                ? RefusalWords{"the target cannot identify friction and mass",
+                               "take a target of more memory, and a recording with a drive"}
                 : words_of_value(refused.refusal, start, start);
     words.reason = "the start: " + words.reason;
   } else {

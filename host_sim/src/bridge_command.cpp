@@ -11,9 +11,11 @@
 #include "command_line.h"
 #include "commands.h"
 #include "condyle/hal/serial_port.h"
+#include "drive_options.h"
 #include "estimates_file.h"
 #include "estimator_option.h"
 #include "input_error.h"
+#include "joint_text.h"
 #include "local_node.h"
 #include "node_client.h"
 #include "node_rows.h"
@@ -31,6 +33,7 @@ struct BridgeOptions {
   unsigned baud = 1'000'000;
   bool checks = false;
   EstimatorOption estimator;
+  DriveOptions drive_stated;
   FollowedCoordinate followed;
   RecordingOptions reading;
   std::string unit;
@@ -48,6 +51,7 @@ hal::StartMessage start_of(const BridgeOptions& options, const BridgeInput& inpu
   } else {
     start.lag = static_cast<std::uint8_t>(options.estimator.lag);
     start.recommended = options.estimator.load_recommended();
+    options.drive_stated.apply(start.recommended.joint);
     refuse_long_step(start.recommended, seconds(start.nominal_step_ns), options.input,
                      "its median step", "check the unit of time_s");
   }
@@ -216,6 +220,7 @@ class Bridge {
   void take(NodeAnswer answer) {
     std::optional<EstimateRow> row;
     if (answer == NodeAnswer::no_estimate) ++counts_.without_estimate;
+    if (answer == NodeAnswer::conclusion) rows_.take_conclusion(client_.frame());
     if (answer == NodeAnswer::estimate) {
       ++counts_.estimates;
       row = rows_.row_of(client_.frame());
@@ -251,13 +256,15 @@ int bridge(const BridgeOptions& options) {
   refuse_same_files({options.input, options.estimator.parameters, options.reading.profile},
                     {options.out});
   options.estimator.refuse_if_published("--lag", options.estimator.lag > 0);
+  options.estimator.refuse_if_published("--drive-missing and the like",
+                                        options.drive_stated.is_given());
   hal::SteadyClock clock;
   BridgeInput input =
       open_bridge_input(options.input, options.serial, options.reading, clock, stop_requested);
   if (!is_available(input.layout.kind, options.followed)) {
     throw InputError("--point", "there is one point", "leave it out");
   }
-  const hal::StartMessage start = start_of(options, input);
+  hal::StartMessage start = start_of(options, input);
 
   hal::SerialPort port(clock);
   if (port.open(options.port, options.baud) != hal::Status::ok) {
@@ -267,6 +274,8 @@ int bridge(const BridgeOptions& options) {
   client.connect(stop_requested);
   const unsigned scalar_size = client.greeting().scalar_size;
   if (client.fault()) print_error("the target had stopped: " + fault_words(*client.fault()));
+  start.identifies =
+      input.has_drive && !options.estimator.is_published() && client.greeting().identifies;
   client.begin(input.layout, start);
   std::optional<Twin> twin;
   if (options.checks) twin.emplace(scalar_size, input.layout, start, clock);
@@ -275,9 +284,9 @@ int bridge(const BridgeOptions& options) {
   const int axis_count = is_published ? 0 : input.layout.kind == SampleKind::one_axis ? 1 : 3;
   std::unique_ptr<EstimatesFile> estimates;
   if (!options.out.empty()) {
-    estimates = std::make_unique<EstimatesFile>(options.out, axis_count, false);
+    estimates = std::make_unique<EstimatesFile>(options.out, axis_count, start.identifies);
   }
-  NodeRows rows(axis_count, options.followed, scalar_size);
+  NodeRows rows(axis_count, options.followed, scalar_size, start.identifies);
   Bridge bridge(input, client, twin ? &*twin : nullptr, rows, estimates.get(), clock);
   const auto keep_estimates = [&] {
     if (!estimates) return;
@@ -317,6 +326,11 @@ int bridge(const BridgeOptions& options) {
   if (counts.without_time > 0) {
     line("left out", fmt::format("{} samples without a time", counts.without_time));
   }
+  if (start.identifies) {
+    text += joint_text(rows.conclusion(), start.recommended.joint);
+  } else if (input.has_drive && !is_published) {
+    line("drive", "not used: the target has no memory to identify friction and mass");
+  }
   line("its side", health_words(health));
   line("this side",
        fmt::format("{} frames refused, {} lost", client.frames_refused(), client.frames_lost()));
@@ -349,6 +363,7 @@ Command add_bridge(CommandLine app) {
   command.add_flag("--check", options->checks,
                    "Run the same estimator here as well and compare every answer, byte for byte");
   options->estimator.add_to(command);
+  options->drive_stated.add_to(command);
   command.add_option("--point", options->followed.point, "Point to follow")
       .within(1, 3)
       .show_default();

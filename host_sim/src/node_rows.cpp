@@ -25,11 +25,27 @@ std::optional<EstimateRow> NodeRows::row_in(const hal::LinkFrame& frame) {
     if (is_read(message) &&
         (message.estimate.axis_count == axis_count_ || !message.estimate.is_ready)) {
       if (!message.estimate.is_ready) return std::nullopt;
-      return host::row_of(widened(message.estimate), followed_.axis);
+      if (!has_joint_) return host::row_of(widened(message.estimate), followed_.axis);
+      return host::row_of(DrivenEstimate<double>{widened(message.estimate), conclusion_},
+                          followed_.axis);
     }
   }
   ++unreadable_;
   return std::nullopt;
+}
+
+template <class Scalar>
+void NodeRows::take_in(const hal::LinkFrame& frame) {
+  hal::ConclusionMessage<Scalar> message;
+  if (hal::get(frame.payload, message).reason != hal::RefusalReason::none) {
+    ++unreadable_;
+    return;
+  }
+  conclusion_ = widened(message.conclusion);
+}
+
+void NodeRows::take_conclusion(const hal::LinkFrame& frame) {
+  scalar_size_ == sizeof(float) ? take_in<float>(frame) : take_in<double>(frame);
 }
 
 std::optional<EstimateRow> NodeRows::row_of(const hal::LinkFrame& frame) {

@@ -161,7 +161,7 @@ std::vector<std::string> ReplaySummary::unit_warnings() const {
   std::vector<std::string> warnings;
   const auto ranges_m = ranges_.ranges_m();
   const double widest_m = *std::max_element(ranges_m.begin(), ranges_m.end());
-  if (widest_m > kWidest_m || (steps_ > 0 && widest_m < kNarrowest_m)) {
+  if (widest_m > kWidest_m || (widest_m > 0 && widest_m < kNarrowest_m)) {
     warnings.push_back(fmt::format(
         "the positions span {:.2g} mm, and a jaw moves 1 to 70 mm: check their unit, which the "
         "column's name or --unit states",

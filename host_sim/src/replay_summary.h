@@ -38,10 +38,13 @@ class ReplaySummary {
   /// What to warn about beside the summary.
   virtual std::vector<std::string> warnings() const;
 
- protected:
+  /// "value +- half of the interval of `level`, unit, provenance".
   static std::string with_interval(const Quantity<double>& quantity, double shown_per_si,
                                    const char* unit, const char* level);
+  /// Adds a line of a summary.
   static void add_line(std::string& text, const char* label, const std::string& words);
+
+ protected:
   /// Duration, rate (with `steps_note` on its line), gaps, events, and what the motion says of the
   /// samples.
   std::string times_text(const std::string& steps_note) const;
@@ -134,8 +137,6 @@ class RecommendedSummary final : public ReplaySummary {
  private:
   std::string per_axis(const char* format, double (*value)(const RecommendedSummary&, int)) const;
   std::string filtered_text() const;
-  // What the drive told of friction, mass, stiffness and offset.
-  std::string joint_text() const;
   // How well the points kept their distances; why there is no estimate.
   std::string body_text() const;
   std::string nothing_text() const;

@@ -8,6 +8,7 @@
 
 #include "condyle/estimator/cascade_core.h"
 #include "condyle/estimator/elementary.h"
+#include "condyle/estimator/point_identification.h"
 #include "condyle/estimator/recommended_estimator.h"
 #include "unit/dense_cascade.h"
 
@@ -146,6 +147,20 @@ struct RecommendedLate : RecommendedCase<T, 3, 10> {
   static constexpr const char* kName = "recommended_three_axes_lag_10";
 };
 
+/// Friction and mass from a drive of the positions' rate; once a second a conclusion is drawn.
+template <class T>
+struct IdentifiedPoint {
+  using Scalar = T;
+  static constexpr const char* kName = "identified_point";
+  PointIdentification<Scalar> identification{JointParameters{}};
+  TimeNs time_ns = 0;
+  void step(Scalar z, Scalar step_s) {
+    time_ns += static_cast<TimeNs>(static_cast<double>(step_s) * 1e9);
+    identification.add_drive(time_ns, Scalar(20) * z);
+    identification.add_position(time_ns, z);
+  }
+};
+
 /// One sample, as a program calls a filter: position (m), time since the sample before (s).
 template <class Case>
 CONDYLE_ONE_FUNCTION void one_step(Case& filter, typename Case::Scalar z,
@@ -162,6 +177,9 @@ void for_each_filter(Visitor&& visit) {
   give.template operator()<RecommendedOneAxis<Scalar>>();
   give.template operator()<RecommendedThreeAxes<Scalar>>();
   give.template operator()<RecommendedLate<Scalar>>();
+#if !defined(__ARM_FP) || (__ARM_FP & 8) != 0  // conclusions are drawn in double
+  give.template operator()<IdentifiedPoint<Scalar>>();
+#endif
 }
 
 /// The same for their dense twins.

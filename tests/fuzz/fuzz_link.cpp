@@ -60,6 +60,9 @@ void read_message(std::uint8_t type, ByteSpan payload) {
     case MessageType::recommended_estimate:
       read<RecommendedEstimateMessage<float>>(payload);
       return read<RecommendedEstimateMessage<double>>(payload);
+    case MessageType::conclusion:
+      read<ConclusionMessage<float>>(payload);
+      return read<ConclusionMessage<double>>(payload);
     case MessageType::health:
       return read<HealthMessage>(payload);
     case MessageType::fault:

@@ -47,7 +47,11 @@ TEST(CycleTimeline, IsTheStageWhereBothAreMeasuredAtOnce) {
     }
     ASSERT_EQ(timeline.is_watching(), t == 1000 * kStep_ns) << t;
     if (!timeline.is_watching()) continue;
-    stage.emplace(baseline_of(timeline.identified()), joint_parameters(), CycleParameters{});
+    JointParameters learned = joint_parameters();
+    learned.drive.noise_sd_N = timeline.identified().drive_noise_sd_N;
+    EXPECT_NEAR(learned.drive.noise_sd_N, DrivenChewing::kDriveSd_N,
+                0.1 * DrivenChewing::kDriveSd_N);
+    stage.emplace(baseline_of(timeline.identified()), learned, CycleParameters{});
     (void)stage->step(0, sample.drive_N, sample.position_m, DrivenChewing::kPositionSd_m);
   }
   ASSERT_EQ(seen.size(), expected.size());

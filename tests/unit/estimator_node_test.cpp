@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "consistency/random.h"
 #include "support/virtual_line.h"
 
 namespace condyle::firmware {
@@ -85,8 +86,8 @@ class EstimatorNodeTest : public testing::Test {
     EXPECT_EQ(refused.refusal.reason, reason);
   }
 
-  // One number of 64 bits: a position along one axis.
-  static hal::LayoutMessage layout() {
+  // Numbers of 64 bits: a position along one axis; with `has_drive` a drive after it.
+  static hal::LayoutMessage layout(bool has_drive = false) {
     hal::LayoutMessage message;
     message.layout.kind = SampleKind::one_axis;
     hal::ReportField field;
@@ -94,10 +95,15 @@ class EstimatorNodeTest : public testing::Test {
     field.type = hal::FieldType::floating_point;
     (void)message.layout.coordinates.push_back({field, 0});
     message.layout.minimum_size_bytes = 8;
+    if (has_drive) {
+      field.offset_bits = 64;
+      message.layout.drive_N = field;
+      message.layout.minimum_size_bytes = 16;
+    }
     return message;
   }
-  void begin(const hal::StartMessage& start) {
-    tell(layout());
+  void begin(const hal::StartMessage& start, bool has_drive = false) {
+    tell(layout(has_drive));
     expect_accepted(MessageType::layout);
     tell(start);
     expect_accepted(MessageType::start);
@@ -207,6 +213,58 @@ TEST_F(EstimatorNodeTest, AnswersEachReportWithItsEstimate) {
   EXPECT_EQ(health.reports.received, kSamples);
   EXPECT_EQ(health.uart_overruns, 3U);
   EXPECT_GT(target_.feeds(), kSamples);
+}
+
+// Conclusions are those of the sensor itself: one before the estimate with which it was drawn, and
+// one at the end.
+TEST_F(EstimatorNodeTest, IdentifiesFrictionAndMass) {
+  hal::StartMessage start;
+  start.identifies = true;
+  start.recommended.joint.drive.missing_share = 0;
+  start.recommended.joint.drive.delay_sd_s = 5e-4;
+  tell(layout());
+  expect_accepted(MessageType::layout);
+  tell(start);
+  expect_refused(MessageType::start, RefusalReason::cannot_identify);
+  begin(start, true);
+  DrivenSensor<float, 1> sensor(start.recommended, 0, {}, 0);
+  SampleChecker checker;
+  std::uint64_t conclusions = 0;
+  const auto expect_conclusion = [&] {
+    const auto heard_now = heard<hal::ConclusionMessage<float>>().conclusion;
+    EXPECT_EQ(heard_now.mass_kg.limit, sensor.conclusion().mass_kg.limit);
+    EXPECT_EQ(heard_now.used_s, sensor.conclusion().used_s);
+    EXPECT_EQ(heard_now.mass_kg.quantity.value, sensor.conclusion().mass_kg.quantity.value);
+    EXPECT_EQ(heard_now.friction_Ns_m.quantity.standard_deviation,
+              sensor.conclusion().friction_Ns_m.quantity.standard_deviation);
+  };
+  testing_support::Random random(1);
+  for (int i = 0; i < 1200; ++i) {
+    const double t = i / 60.0, w = 8;
+    Sample sample;
+    sample.time_ns = nanoseconds(t);
+    sample.coordinates[0] = 0.01 * (std::sin(w * t) + 0.3 * std::sin(2.3 * w * t));
+    const double v = 0.01 * w * (std::cos(w * t) + 0.69 * std::cos(2.3 * w * t)),
+                 a = -0.01 * w * w * (std::sin(w * t) + 1.587 * std::sin(2.3 * w * t));
+    sample.drive_N = 0.25 * a + 0.5 * v + 20 * sample.coordinates[0] + 0.01 * random.normal();
+    sample.coordinates[0] += 5e-5 * random.normal();
+    sample.drive_valid = true;
+    std::array<double, 2> numbers = {sample.coordinates[0], sample.drive_N};
+    tell(hal::ReportMessage{sample.time_ns, std::bit_cast<std::array<std::uint8_t, 16>>(numbers)});
+    const auto expected = sensor.process(sample, checker.check(sample));
+    if (sensor.conclusions() != conclusions) {
+      conclusions = sensor.conclusions();
+      expect_conclusion();
+    }
+    const auto heard_now = heard<hal::RecommendedEstimateMessage<float>>();
+    ASSERT_EQ(heard_now.estimate.axes[0].velocity_m_s.value, expected.axes[0].velocity_m_s.value);
+  }
+  tell(hal::FinishMessage{});
+  sensor.conclude();
+  expect_conclusion();
+  expect_accepted(MessageType::finish);
+  EXPECT_GT(conclusions, 19U);
+  EXPECT_EQ(sensor.conclusion().mass_kg.limit, JointLimit::none);
 }
 
 TEST_F(EstimatorNodeTest, SaysWhichReportsLedToNoEstimate) {

@@ -133,6 +133,46 @@ RC_GTEST_PROP(LinkMessages, RecommendedEstimatesArriveBitByBit, ()) {
   check_recommended<double>();
 }
 
+template <class Scalar>
+void check_conclusion() {
+  using Any = AnyBits<Scalar>;
+  Any any;
+  using Joint = JointEstimate<Scalar>;
+  using Value = IdentifiedValue<Scalar>;
+  constexpr Value Joint::*kValues[] = {&Joint::friction_Ns_m, &Joint::mass_kg,
+                                       &Joint::stiffness_N_m, &Joint::offset_N,
+                                       &Joint::coulomb_N,     &Joint::delay_s};
+  constexpr Scalar Value::*kParts[] = {&Value::fitted, &Value::fitted_sd, &Value::sampling_sd,
+                                       &Value::needed_s};
+  constexpr Scalar Joint::*kNumbers[] = {
+      &Joint::used_s,         &Joint::drive_noise_sd_N,      &Joint::position_noise_sd_m,
+      &Joint::drive_rms_N,    &Joint::drive_variation_rms_N, &Joint::velocity_rms_m_s,
+      &Joint::position_rms_m, &Joint::residual_ratio};
+  ConclusionMessage<Scalar> message;
+  Joint& said = message.conclusion;
+  for (const auto value : kValues) {
+    any.set((said.*value).quantity);
+    for (const auto part : kParts) any.set(said.*value.*part);
+    (said.*value).limit =
+        static_cast<JointLimit>(*rc::gen::inRange(0, static_cast<int>(kJointLimits)));
+  }
+  for (const auto number : kNumbers) any.set(said.*number);
+  any.set(said.plain.mass_kg);
+  const Joint heard = sent(message).conclusion;
+  for (const auto value : kValues) {
+    RC_ASSERT(Any::are_same((said.*value).quantity, (heard.*value).quantity));
+    for (const auto part : kParts) RC_ASSERT(Any::are_same(said.*value.*part, heard.*value.*part));
+    RC_ASSERT((said.*value).limit == (heard.*value).limit);
+  }
+  for (const auto number : kNumbers) RC_ASSERT(Any::are_same(said.*number, heard.*number));
+  RC_ASSERT(Any::are_same(said.plain.mass_kg, heard.plain.mass_kg));
+}
+
+RC_GTEST_PROP(LinkMessages, ConclusionsArriveBitByBit, ()) {
+  check_conclusion<float>();
+  check_conclusion<double>();
+}
+
 TEST(LinkMessages, RefusesEstimatesThatAreNone) {
   RecommendedEstimateMessage<float> message;
   for (const int axis_count : {2, 4}) {

@@ -98,11 +98,11 @@ TEST(LinkMessages, RefusesStartsThatCannotRun) {
   refused(
       recommended, [](auto& m) { m.nominal_step_ns = kMaxNominalStepNs + 1; }, range, 4);
   refused(
-      published, [](auto& m) { m.published.sample_time_s = 0; }, range, 7);
+      published, [](auto& m) { m.published.sample_time_s = 0; }, range, 8);
   refused(
       published, [](auto& m) { m.published.mass.initial_kg = kNaN; }, RefusalReason::not_finite);
   refused(
-      recommended, [](auto& m) { m.recommended.assumed_mass_kg = -1; }, range, 9);
+      recommended, [](auto& m) { m.recommended.assumed_mass_kg = -1; }, range, 10);
   refused(
       recommended, [](auto& m) { m.recommended.changes.cycles.travel_m = kInfinity; },
       RefusalReason::not_finite);

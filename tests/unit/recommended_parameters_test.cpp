@@ -52,7 +52,7 @@ TEST(RecommendedParameters, EveryFieldIsChecked) {
     *values = good;
     ++fields;
   });
-  EXPECT_EQ(fields, 52);
+  EXPECT_EQ(fields, 56);
   EXPECT_TRUE(is_valid(parameters));
 }
 

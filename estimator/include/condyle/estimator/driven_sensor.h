@@ -41,6 +41,9 @@ class DrivenSensor {
     return identification_.estimate();
   }
 
+  /// The last conclusion, and how many were drawn.
+  const JointEstimate<Scalar>& conclusion() const { return identification_.estimate(); }
+  std::uint64_t conclusions() const { return identification_.conclusions(); }
   DriveCounts counts() const { return identification_.counts(); }
 
  private:

@@ -83,8 +83,8 @@ class EvenChannel {
   std::uint64_t begin() const { return end_ - begin_ > kCapacity ? end_ - kCapacity : begin_; }
   std::uint64_t end() const { return end_; }
   /// A point; `begin() <= index < end()`.
-  TimeNs time_ns(std::uint64_t index) const { return times_ns_[index % kCapacity]; }
-  Scalar value(std::uint64_t index) const { return values_[index % kCapacity]; }
+  TimeNs time_ns(std::uint64_t index) const { return times_ns_[place_of(index)]; }
+  Scalar value(std::uint64_t index) const { return values_[place_of(index)]; }
   /// Half the time between its neighbours (s); `begin() < index < end() - 1`.
   Scalar width_s(std::uint64_t index) const {
     return difference_s<Scalar>(time_ns(index + 1), time_ns(index - 1)) / Scalar(2);
@@ -148,6 +148,10 @@ class EvenChannel {
     }
   }
 
+  static std::size_t place_of(std::uint64_t index) {
+    return static_cast<std::size_t>(index % kCapacity);
+  }
+
   void give(TimeNs time_ns, Scalar value) {
     const Scalar variance = sixth_difference_.add(time_ns, value);
     if (variance >= Scalar(0)) {
@@ -155,8 +159,8 @@ class EvenChannel {
       variances_.count += Scalar(1);
     }
     grid_.add(time_ns, value, [this](TimeNs point_ns, Scalar point) {
-      times_ns_[end_ % kCapacity] = point_ns;
-      values_[end_ % kCapacity] = point;
+      times_ns_[place_of(end_)] = point_ns;
+      values_[place_of(end_)] = point;
       ++end_;
     });
   }

@@ -33,16 +33,22 @@ class PointIdentification {
   }
 
   /// Draws the conclusion of all that was given, now.
-  void conclude() { estimate_ = PointConclusion<Scalar>(regression_, parameters_).draw(); }
+  void conclude() {
+    estimate_ = PointConclusion<Scalar>(regression_, parameters_).draw();
+    ++conclusions_;
+  }
 
   /// The last conclusion.
   const JointEstimate<Scalar>& estimate() const { return estimate_; }
+  /// How many were drawn.
+  std::uint64_t conclusions() const { return conclusions_; }
   DriveCounts counts() const { return regression_.counts(); }
 
  private:
   JointParameters parameters_;
   PointRegression<Scalar> regression_;
   JointEstimate<Scalar> estimate_;
+  std::uint64_t conclusions_ = 0;
   bool has_concluded_ = false;
   TimeNs concluded_ns_ = 0;
 };

@@ -212,6 +212,10 @@ class PointRegression {
     return k;
   }
 
+  static std::size_t place_of(std::uint64_t index) {
+    return static_cast<std::size_t>(index % kPositions);
+  }
+
   // The signs of all points that have half a kernel of positions on either side.
   void make_signs() {
     using std::sqrt;
@@ -242,7 +246,7 @@ class PointRegression {
         drive_from_ = 0;
       }
       const auto v_s = static_cast<Scalar>(parameters_.coulomb_velocity_m_s);
-      signs_[sign_next_ % kPositions] = v / sqrt(v * v + v_s * v_s);
+      signs_[place_of(sign_next_)] = v / sqrt(v * v + v_s * v_s);
     }
   }
 
@@ -293,7 +297,7 @@ class PointRegression {
       y[kSquareColumn] += value * X2;
       y[kCubeColumn] += value * X2 * X;
       y[kFourthColumn] += value * X2 * X2;
-      y[kSignColumn] += value * signs_[k % kPositions];
+      y[kSignColumn] += value * signs_[place_of(k)];
     });
     add_to_block(y);
     center_next_ += stride_;

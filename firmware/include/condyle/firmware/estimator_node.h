@@ -10,6 +10,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "condyle/estimator/driven_sensor.h"
 #include "condyle/estimator/published_sensor.h"
 #include "condyle/estimator/recommended_sensor.h"
 #include "condyle/firmware/run_loop.h"
@@ -36,9 +37,9 @@ class NodeTarget {
 
 /// The estimator at the end of a line, with numbers of type `Scalar`. `Wrapped<Sensor>` stands for
 /// the sensor: itself, or one that a test makes fail. `kMostLag`: longest lag that the target has
-/// the memory for.
+/// the memory for; `kIdentifies`: whether it has that for friction and mass, some 50 kB with float.
 template <class Scalar, template <class> class Wrapped = std::type_identity_t,
-          int kMostLag = hal::kMaxLinkLag>
+          int kMostLag = hal::kMaxLinkLag, bool kIdentifies = true>
 class EstimatorNode final : private hal::ReportSource {
  public:
   static constexpr TimeNs kPatience_ns = 20'000'000;
@@ -65,6 +66,8 @@ class EstimatorNode final : private hal::ReportSource {
   using Published = Wrapped<PublishedSensor<Scalar>>;
   template <int kAxes>
   using Recommended = Wrapped<RecommendedSensor<Scalar, kAxes, kMostLag>>;
+  template <int kAxes>
+  using Driven = Wrapped<DrivenSensor<Scalar, kAxes, kMostLag>>;
   using Type = hal::MessageType;
   using Reason = hal::RefusalReason;
 
@@ -81,6 +84,7 @@ class EstimatorNode final : private hal::ReportSource {
   void greet() {
     hal::GreetingMessage greeting = target_.greeting();
     greeting.scalar_size = sizeof(Scalar);
+    greeting.identifies = kIdentifies;
     const std::optional<hal::FaultMessage> fault = target_.fault();
     greeting.has_fault = fault.has_value();
     send(greeting);
@@ -142,11 +146,26 @@ class EstimatorNode final : private hal::ReportSource {
     if (start_.estimator == hal::EstimatorChoice::recommended && start_.lag > kMostLag) {
       return refuse({Reason::lag_too_long, kMostLag});
     }
+    const bool has_drive =
+        start_.estimator == hal::EstimatorChoice::recommended && layout_.layout.drive_N.has_value();
+    if (start_.identifies && !(kIdentifies && has_drive)) {
+      return refuse({Reason::cannot_identify});
+    }
     accept(Type::start);
+    const bool has_one_axis = layout_.layout.kind == SampleKind::one_axis;
     const FollowedPoint point{.point = start_.followed.point, .body_point_m = {}};
     if (start_.estimator == hal::EstimatorChoice::published) {
       run_with(*new (sensor_) Published(start_.published, start_.followed));
-    } else if (layout_.layout.kind == SampleKind::one_axis) {
+    } else if (start_.identifies) {
+      if constexpr (kIdentifies) {
+        if (has_one_axis) {
+          run_with(*new (sensor_) Driven<1>(start_.recommended, start_.lag, point, 0));
+        } else {
+          run_with(*new (sensor_) Driven<3>(start_.recommended, start_.lag, point,
+                                            static_cast<int>(start_.followed.axis)));
+        }
+      }
+    } else if (has_one_axis) {
       run_with(*new (sensor_) Recommended<1>(start_.recommended, start_.lag, point));
     } else {
       run_with(*new (sensor_) Recommended<3>(start_.recommended, start_.lag, point));
@@ -175,6 +194,7 @@ class EstimatorNode final : private hal::ReportSource {
     static_assert(sizeof(Sensor) <= sizeof sensor_);
     facebow_.emplace(static_cast<hal::ReportSource&>(*this), layout_.layout);
     counts_ = {};
+    conclusions_ = 0;
     has_ended_ = is_unanswered_ = false;
     RunSettings settings;
     settings.followed = start_.followed;
@@ -184,14 +204,34 @@ class EstimatorNode final : private hal::ReportSource {
     settings.reopen_pause_ns = 1;  // the PC says when the device is back, not before
     (void)firmware::run(
         *facebow_, clock_, sensor, settings, counts_,
-        [this](const Sample& sample, const auto& estimate) { this->tell(sample, estimate); },
+        [this, &sensor](const Sample& sample, const auto& estimate) {
+          if constexpr (kIdentifying<Sensor>) tell_conclusion(sensor);
+          this->tell(sample, estimate);
+        },
         [this] {
           target_.feed_watchdog();
           return false;  // the PC says when
         });
     reports_ = facebow_->counts();
     facebow_.reset();
-    if (has_ended_) accept(Type::finish);
+    if (!has_ended_) return;
+    if constexpr (kIdentifying<Sensor>) {
+      sensor.conclude();
+      tell_conclusion(sensor);
+    }
+    accept(Type::finish);
+  }
+
+  template <class Sensor>
+  static constexpr bool kIdentifying = requires(Sensor& sensor) {
+    sensor.conclude();
+  };
+  // What was drawn since it was last told.
+  template <class Sensor>
+  void tell_conclusion(Sensor& sensor) {
+    if (sensor.conclusions() == conclusions_) return;
+    conclusions_ = sensor.conclusions();
+    send(hal::ConclusionMessage<Scalar>{sensor.conclusion()});
   }
 
   void tell(const Sample& sample, const PublishedEstimate<Scalar>& estimate) {
@@ -265,9 +305,14 @@ class EstimatorNode final : private hal::ReportSource {
   std::optional<hal::DeviceFacebow> facebow_;  // during a run
   hal::ReportCounts reports_;                  // of the last run
   RunCounts counts_;
+  std::uint64_t conclusions_ = 0;  // of the run, that were told
   // The sensor of the run: one at a time, never destroyed (none has anything to give back).
-  static constexpr std::size_t kSensorSize =
-      std::max({sizeof(Published), sizeof(Recommended<1>), sizeof(Recommended<3>)});
+  static constexpr std::size_t kSensorSize = [] {
+    std::size_t size =
+        std::max({sizeof(Published), sizeof(Recommended<1>), sizeof(Recommended<3>)});
+    if constexpr (kIdentifies) size = std::max({size, sizeof(Driven<1>), sizeof(Driven<3>)});
+    return size;
+  }();
   alignas(std::max_align_t) std::byte sensor_[kSensorSize];
 };
 

@@ -6,8 +6,8 @@
 //   PC: hello         target: greeting, and fault where one is on record
 //   PC: layout        target: accepted or refused
 //   PC: start         target: accepted or refused
-//   PC: report, ...   target: estimates
-//   PC: finish        target: the estimates that waited, then accepted
+//   PC: report, ...   target: estimates; before one with which a conclusion was drawn, that
+//   PC: finish        target: the estimates that waited, the last conclusion, then accepted
 //   PC: reconnected   target: no answer; among reports
 //   PC: ask_health    target: health; at any time
 #pragma once
@@ -18,6 +18,7 @@
 #include <optional>
 #include <span>
 
+#include "condyle/estimator/joint_estimate.h"
 #include "condyle/estimator/parameters.h"
 #include "condyle/estimator/published_cascade.h"
 #include "condyle/estimator/recommended_estimator.h"
@@ -52,6 +53,7 @@ enum class MessageType : std::uint8_t {
   recommended_estimate,
   health,
   fault,
+  conclusion,
 };
 
 /// True of the types above.
@@ -60,7 +62,7 @@ constexpr bool is_message_type(std::uint8_t type) {
     return type >= static_cast<std::uint8_t>(first) && type <= static_cast<std::uint8_t>(last);
   };
   return is_between(MessageType::hello, MessageType::reconnected) ||
-         is_between(MessageType::greeting, MessageType::fault);
+         is_between(MessageType::greeting, MessageType::conclusion);
 }
 
 /// Why a message is not taken.
@@ -76,7 +78,8 @@ enum class RefusalReason : std::uint8_t {
   not_expected,             ///< not now: a report before start, ...
   unusable_layout,          ///< find_layout_problem
   coordinate_not_followed,  ///< the layout has no such point
-  lag_too_long  ///< for the target's memory; `index` is the longest that it keeps (samples)
+  lag_too_long,    ///< for the target's memory; `index` is the longest that it keeps (samples)
+  cannot_identify  ///< friction and mass: the target has no memory for it, or there is no drive
 };
 
 /// Why and where a message is not taken.
@@ -113,6 +116,7 @@ struct StartMessage {
   FollowedCoordinate followed;
   TimeNs nominal_step_ns = 0;  ///< for finding gaps; 0 finds none
   bool expects_drive = false;  ///< a sample without drive force is an event
+  bool identifies = false;     ///< friction and mass, from the drive along the followed axis
   // Those of the chosen estimator are sent; the other's stay as they are.
   PublishedParameters published;
   RecommendedParameters recommended;
@@ -158,6 +162,7 @@ struct GreetingMessage {
   FixedText software_version{};
   FixedText core_name{};         ///< "Cortex-M7"
   std::uint8_t scalar_size = 8;  ///< of the estimates' numbers (bytes): 4 or 8
+  bool identifies = false;       ///< it has the memory to identify friction and mass
   std::uint32_t boot_count = 0;  ///< since power was last switched on
   ResetCause reset_cause = ResetCause::unknown;
   bool has_fault = false;  ///< a FaultMessage follows
@@ -198,6 +203,13 @@ struct RecommendedEstimateMessage {
   static constexpr MessageType kType = MessageType::recommended_estimate;
   SampleStamp sample;
   RecommendedEstimate<Scalar> estimate;
+};
+
+/// What the drive tells of friction and mass, once a second and at the end. `Scalar` likewise.
+template <class Scalar>
+struct ConclusionMessage {
+  static constexpr MessageType kType = MessageType::conclusion;
+  JointEstimate<Scalar> conclusion;
 };
 
 /// What the target has counted since it started; reports and run: since `start`.
