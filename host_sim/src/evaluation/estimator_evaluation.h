@@ -32,11 +32,11 @@ struct InnovationStatistics {
 
 /// What was said of friction or of mass at the ends of the runs.
 struct IdentifiedStatistics {
-  Moments error;      ///< of what was fitted, shown or not; its square is the bias' part
-  Moments square;     ///< of these errors
-  Moments fitted_sd;  ///< that it stated
-  std::uint64_t shown = 0;                           ///< as measured
-  std::uint64_t covered = 0;                         ///< of these, by the 95 % interval
+  Moments error;              ///< of what was fitted, shown or not; its square is the bias' part
+  Moments square;             ///< of these errors
+  Moments fitted_sd;          ///< that it stated
+  std::uint64_t shown = 0;    ///< as measured
+  std::uint64_t covered = 0;  ///< of these, by the 95 % interval
   std::array<std::uint64_t, kJointLimits> limits{};  ///< why not
 };
 
