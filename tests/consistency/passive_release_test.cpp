@@ -56,9 +56,7 @@ struct Errors {
               << bias_ratio() << ", of " << runs << " covered " << covered << ", measured "
               << measured << ", withheld " << withheld << '\n';
   }
-  void expect_covered() const {
-    EXPECT_GE(covered, fewest_hits(runs, 0.95, 0.0068));
-  }
+  void expect_covered() const { EXPECT_GE(covered, fewest_hits(runs, 0.95, 0.0068)); }
 };
 
 struct Setting {
