@@ -205,6 +205,7 @@ class EstimatorNode final : private hal::ReportSource {
     (void)firmware::run(
         *facebow_, clock_, sensor, settings, counts_,
         [this, &sensor](const Sample& sample, const auto& estimate) {
+          static_cast<void>(sensor);  // of the others nothing is asked
           if constexpr (kIdentifying<Sensor>) tell_conclusion(sensor);
           this->tell(sample, estimate);
         },
