@@ -58,13 +58,18 @@ class EvenGrid {
       const TimeNs distance_ns = times_ns_[k] - next_ns_;
       if (distance_ns > step_ns_ / 50 || -distance_ns > step_ns_ / 50) continue;
       sink(times_ns_[k], values_[k]);
-      next_ns_ = times_ns_[k] + step_ns_;
+      step_from(times_ns_[k]);
       return true;
     }
     if (count_ < kSamples || next_ns_ > times_ns_[kSamples / 2]) return false;
     sink(next_ns_, interpolated());
-    next_ns_ += step_ns_;
+    step_from(next_ns_);
     return true;
+  }
+
+  // The grid ends where time does.
+  void step_from(TimeNs time_ns) {
+    if (__builtin_add_overflow(time_ns, step_ns_, &next_ns_)) interrupt();
   }
 
   Scalar interpolated() const {

@@ -24,8 +24,10 @@ class PointIdentification {
   /// A measured position (m). One that is missing or was rejected is left out.
   void add_position(TimeNs time_ns, Scalar position_m) {
     regression_.add_position(time_ns, position_m);
-    const bool is_due = !has_concluded_ || time_ns - concluded_ns_ >= kNanosecondsPerSecond ||
-                        time_ns < concluded_ns_;
+    TimeNs since_ns = 0;
+    const bool is_due = !has_concluded_ ||
+                        __builtin_sub_overflow(time_ns, concluded_ns_, &since_ns) ||
+                        since_ns >= kNanosecondsPerSecond || since_ns < 0;
     if (!is_due) return;
     concluded_ns_ = time_ns;
     has_concluded_ = true;
