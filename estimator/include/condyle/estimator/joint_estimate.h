@@ -21,9 +21,9 @@ enum class JointLimit : std::uint8_t {
   delay_stated,        ///< the drive's delay is not what was stated
   negative_friction,   ///< friction would be negative: the drive is not all that drives
   excitation,          ///< the motion is too weak, or too uniform, against the noise
-  mass_or_stiffness,   ///< likewise; it would do, were mass told from the spring's shape
-  friction_or_delay,   ///< likewise; it would do, were friction told from the drive's delay
-  viscous_or_coulomb,  ///< likewise; it would do, were the kinds of friction told apart
+  mass_or_stiffness,   ///< the motion does not tell mass from the spring's shape
+  friction_or_delay,   ///< the motion does not tell friction from the drive's delay
+  viscous_or_coulomb,  ///< the motion does not tell viscous from sliding friction
   resolution,          ///< too little was recorded for the stated resolution
   gain,                ///< the drive's calibration is too uncertain for it,
   delay,               ///< or the drive's delay, which acts like friction,

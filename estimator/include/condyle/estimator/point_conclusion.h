@@ -30,7 +30,7 @@
 //             where the mass is known, u about its mean
 //   mass      sigma_m dtheta/dm_0
 //   noise     (0.25 + |R - 1|) times the correction for noise, R the smallest residual of the fits
-// Withheld, all values, where a test speaks. What a delay within its statement does is no alarm:
+// A test that fails withholds all values. A delay within its statement fails none:
 //   noise              R beyond 1.25 + 3 sqrt(2 / (T w_c / 3.55))
 //   drive_reversed     m below -3; implausible_mass: m beyond 3 outside the stated range
 //   mass_stated        where the mass is known: m of P or E with its column beyond 3 from it
