@@ -232,7 +232,7 @@ void exchange_identified(Archive& archive, Value& value) {
   for (auto* number : {&value.fitted, &value.fitted_sd, &value.sampling_sd, &value.needed_s}) {
     archive.number(*number);
   }
-  archive.enumeration(value.limit, JointLimit::missing);
+  archive.enumeration(value.limit, JointLimit::smoothing);
 }
 
 template <class Archive, class Estimate>

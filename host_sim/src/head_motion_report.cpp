@@ -56,6 +56,9 @@ const char* reason(JointLimit limit) {
     case JointLimit::missing:
       return "muscles may add too much; the jaw must be relaxed (--muscle-share SHARE, if that is "
              "known)";
+    case JointLimit::smoothing:
+      return "the noise of accelerations or positions is not white, as smoothing or rounded time "
+             "stamps make it; record both unfiltered, their times to 0.1 ms";
     default:
       return "too uncertain for the stated resolution; record longer, or move the head more";
   }

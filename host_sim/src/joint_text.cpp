@@ -65,6 +65,9 @@ std::string limit_words(const IdentifiedValue<double>& value) {
       return ": the uncertainty of the drive's delay, which acts like friction, is too large";
     case JointLimit::missing:
       return ": the drive may miss too much of the force (--drive-missing SHARE, if that is known)";
+    case JointLimit::smoothing:
+      return ": the noise of drive or positions is not white, as smoothing or rounded time stamps "
+             "make it; record both unfiltered, their times to 0.1 ms";
   }
   return "";
 }

@@ -54,7 +54,11 @@ const char* residuals_name(ReleaseResiduals residuals) {
 std::string advice(const PassiveRelease<double>& fit) {
   switch (fit.residuals) {
     case ReleaseResiduals::as_stated:
-      return "";
+      return fit.may_be_overdamped
+                 ? "the motion may be overdamped: a hand that lets go over a time looks the same.\n"
+                   "                    NOTHING IS MEASURED; a load on the jaw lowers the damping "
+                   "ratio"
+                 : "";
     case ReleaseResiduals::smaller:
       return fmt::format(
           "the noise is smaller than stated: intervals are too wide; --noise-mm {:.3g} would fit",

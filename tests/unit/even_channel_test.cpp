@@ -24,9 +24,9 @@ TEST(EvenChannel, LearnsItsStepAndKeepsTheLatest) {
   EXPECT_EQ(channel.value(150), 150);
   EXPECT_EQ(channel.time_ns(150), 150 * 5'000'000);
   EXPECT_DOUBLE_EQ(channel.width_s(150), 0.005);
-  EXPECT_NEAR(channel.variances().sum, 0, 1e-12);
-  EXPECT_EQ(channel.take_variances().count, 194);
-  EXPECT_EQ(channel.variances().count, 0);
+  EXPECT_NEAR(channel.noise().variance, 0, 1e-12);
+  EXPECT_EQ(channel.take_noise().count, 194);
+  EXPECT_EQ(channel.noise().count, 0);
 }
 
 TEST(EvenChannel, AveragesWhatComesTooFast) {

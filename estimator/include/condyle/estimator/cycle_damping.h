@@ -25,7 +25,7 @@
 // follows its model rather than the positions. This is added to the standard deviation. Farther off
 // the positions lie beyond the gate, no cycle counts and the outcome says `lost`.
 //
-// What point_conclusion.h takes for granted of the drive shifts each cycle's damping too. Where
+// What point_judgement.h takes for granted of the drive shifts each cycle's damping too. Where
 // it is the same in all of them a change is still a change. A drive that is late by tau is not: it
 // adds m w^2 tau, which follows the rhythm w.
 #pragma once

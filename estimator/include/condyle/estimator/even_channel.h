@@ -3,14 +3,14 @@
 // samples show.
 //
 //   T         the median of the first steps; even_grid.h brings what follows to it
-//   s^2       mean of the sixth differences' variances (sixth_difference.h)
+//   s^2       mean of the squares of sixth differences (noise_difference.h)
 //
 // A step longer than 3.5 T, or than stated, ends a segment; what is due within it is interpolated.
 // Samples closer than the least step are averaged first, times and values alike.
 #pragma once
 
 #include "condyle/estimator/even_grid.h"
-#include "condyle/estimator/sixth_difference.h"
+#include "condyle/estimator/noise_difference.h"
 
 namespace condyle {
 
@@ -67,7 +67,7 @@ class EvenChannel {
     has_newest_ = false;
     first_count_ = is_learned_ ? first_count_ : 0;
     grid_.interrupt();
-    sixth_difference_.interrupt();
+    observer_.interrupt();
     begin_ = end_;
     ++segment_;
   }
@@ -90,17 +90,13 @@ class EvenChannel {
     return difference_s<Scalar>(time_ns(index + 1), time_ns(index - 1)) / Scalar(2);
   }
 
-  /// Sum and number of the variances that sixth differences showed since the last call; both begin
-  /// anew.
-  struct Variances {
-    Scalar sum = 0, count = 0;
-  };
-  Variances take_variances() {
-    const Variances taken = variances_;
-    variances_ = {};
+  /// What the samples' differences showed since the last call; it begins anew.
+  NoiseSums<Scalar> take_noise() {
+    const NoiseSums<Scalar> taken = noise_;
+    noise_ = {};
     return taken;
   }
-  const Variances& variances() const { return variances_; }
+  const NoiseSums<Scalar>& noise() const { return noise_; }
 
  private:
   static constexpr std::size_t kFirst = 17;  // samples that T is learned from
@@ -136,7 +132,7 @@ class EvenChannel {
     step_ns_ = steps_ns[(kFirst - 1) / 2];
     is_learned_ = true;
     grid_ = EvenGrid<Scalar>(step_ns_);
-    sixth_difference_ = SixthDifference<Scalar>(step_s(), Scalar(8.5) * step_s());
+    observer_ = NoiseObserver<Scalar>(step_s());
     std::array<Scalar, kFirst> first;
     for (std::size_t k = 0; k < kFirst; ++k) first[k] = values_[k];
     for (std::size_t k = 0; k < kFirst; ++k) {
@@ -153,11 +149,7 @@ class EvenChannel {
   }
 
   void give(TimeNs time_ns, Scalar value) {
-    const Scalar variance = sixth_difference_.add(time_ns, value);
-    if (variance >= Scalar(0)) {
-      variances_.sum += variance;
-      variances_.count += Scalar(1);
-    }
+    observer_.add(time_ns, value, noise_);
     grid_.add(time_ns, value, [this](TimeNs point_ns, Scalar point) {
       times_ns_[place_of(end_)] = point_ns;
       values_[place_of(end_)] = point;
@@ -174,8 +166,8 @@ class EvenChannel {
   Scalar group_sum_ = 0;
   TimeNs group_count_ = 0;
   EvenGrid<Scalar> grid_{1};
-  SixthDifference<Scalar> sixth_difference_{Scalar(1), Scalar(1)};
-  Variances variances_;
+  NoiseObserver<Scalar> observer_{Scalar(1)};
+  NoiseSums<Scalar> noise_;
   std::uint64_t begin_ = 0, end_ = 0, segment_ = 0;
   std::array<TimeNs, kCapacity> times_ns_{};
   std::array<Scalar, kCapacity> values_{};

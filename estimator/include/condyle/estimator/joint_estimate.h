@@ -28,6 +28,7 @@ enum class JointLimit : std::uint8_t {
   gain,                ///< the drive's calibration is too uncertain for it,
   delay,               ///< or the drive's delay, which acts like friction,
   missing,             ///< or what the drive may miss
+  smoothing,           ///< the samples' noise is not white, and smoothing may change it
 };
 
 /// True where nothing may be said of any value: too little was measured, or a test speaks.
@@ -36,7 +37,7 @@ constexpr bool is_failure(JointLimit limit) {
 }
 
 /// Number of limits.
-inline constexpr std::size_t kJointLimits = 20;
+inline constexpr std::size_t kJointLimits = 21;
 
 /// Name of a limit as it stands in files and summaries.
 constexpr const char* limit_name(JointLimit limit) {
@@ -59,7 +60,8 @@ constexpr const char* limit_name(JointLimit limit) {
                                                "resolution",
                                                "gain",
                                                "delay",
-                                               "missing"};
+                                               "missing",
+                                               "smoothing"};
   return names[static_cast<int>(limit)];
 }
 

@@ -12,12 +12,8 @@
 // Noise:      sigma^2 times max(1, SSE / (sigma^2 (n - k))) times (1 + rho) / (1 - rho), rho the
 //             correlation of neighbouring residuals and a standard deviation of it, 1 / sqrt n,
 //             more: what is slightly coloured or larger than stated passes the checks, yet widens
-// Later start: the fit without the first samples, as many as leave three times the standard
-//             deviation. A hand or muscle that still acts at the begin, smoothing over the release,
-//             a spring that hardens and dry friction make it differ; of a spring and a damper it is
-//             the same within its noise. By how much it differs, over 1 - E, is part of every
-//             interval and of the covariance, E the energy left at the later start as a share of
-//             that at the first: an error that grows with the energy, as hardening, is then covered
+// Later start: what fits without the first samples change (release_later_start.h) is part of every
+//             interval and of the covariance
 // Intervals:  95 %, by profile likelihood: near overdamping lambda is far from normal, and has no
 //             upper end where the fast mode dies within a sample. The standard deviation that
 //             counts is the wider half of the interval / q, q = 1.96 (sigma not known: Student's t)
@@ -28,10 +24,12 @@
 //             friction, smoothed positions) no value is given.
 //
 // Measured: information share at least kMeasuredInformationShare against the spread between
-// subjects, standard deviation at most half the smallest difference that matters, checks passed.
+// subjects, standard deviation at most half the smallest difference that matters, checks passed,
+// and the interval of the damping ratio below 1: a hand that lets go over a time adds a real pole
+// to the motion, which cannot be told from those of an overdamped jaw.
 #pragma once
 
-#include "condyle/estimator/release_search.h"
+#include "condyle/estimator/release_later_start.h"
 
 namespace condyle {
 
@@ -78,8 +76,6 @@ enum class ReleaseResiduals : std::uint8_t {
   driven,     ///< white, but kv is below zero with 95 % confidence: something drives the jaw on
 };
 
-inline constexpr int kFewestReleaseSamples = 10;
-
 /// One value of a release.
 template <class Scalar>
 struct ReleaseValue {
@@ -102,7 +98,8 @@ struct PassiveRelease {
   ReleaseCovariance<Scalar> bound = covariance;  ///< by the noise alone: Cramer-Rao's
   Scalar noise_sd_m = 0;     ///< that the intervals count with: as stated, or from the residuals
   Scalar quantile = 0;       ///< q
-  Scalar later_start_s = 0;  ///< where the fit of a later start begins
+  Scalar later_start_s = 0;  ///< where the fit of the latest start begins
+  bool may_be_overdamped = false;  ///< the interval of the damping ratio reaches 1
   Scalar residual_rms_m = 0, chi_square = 0, residual_correlation = 0;
   int degrees_of_freedom = 0;
 };
@@ -212,61 +209,6 @@ Scalar noise_factor(const PassiveRelease<Scalar>& release, Scalar samples) {
   return std::max(excess, Scalar(1)) * (Scalar(1) + rho) / (Scalar(1) - rho);
 }
 
-/// What a later start changes; infinite where it has no fit.
-template <class Scalar>
-struct LaterStart {
-  Scalar start_s = 0, lambda = 0, kappa = 0, rest_m = 0, zeta = 0, log_omega = 0;
-};
-
-template <class Scalar>
-LaterStart<Scalar> start_later(std::span<const Scalar> time_s, std::span<const Scalar> position_m,
-                               const PassiveRelease<Scalar>& release, Scalar negligible_m2) {
-  using std::sqrt;
-  constexpr Scalar kMostTimes = 3, kUnknown = std::numeric_limits<Scalar>::infinity();
-  constexpr std::size_t kSteps = 24;
-  const std::size_t most = time_s.size() - std::size_t{kFewestReleaseSamples};
-  std::size_t begin = 0;
-  Scalar least = 0;  // variance of lambda of the whole
-  Scalar energy_m2 = 1, later_energy_m2 = 1;
-  for (std::size_t i = 0; i <= kSteps; ++i) {
-    const std::size_t k = i * most / kSteps;
-    const auto at = release_response(release.rates, time_s[k] - time_s[0]);
-    const Scalar off_m = release.start_m - release.rest_m;
-    const Scalar p_m = off_m * at.C + release.start_velocity_m_s * at.S;
-    // C' = -kappa S, S' = C - lambda S
-    const Scalar v_m_s = -off_m * release.rates.kappa * at.S +
-                         release.start_velocity_m_s * (at.C - release.rates.lambda * at.S);
-    const auto bound =
-        release_bound(time_s.subspan(k), release.rates, p_m, v_m_s, release.noise_sd_m, false);
-    const Scalar variance = bound(kReleaseLambda, kReleaseLambda);
-    const Scalar now_m2 = p_m * p_m + v_m_s * v_m_s / release.rates.kappa;
-    if (i == 0) {
-      least = variance;
-      energy_m2 = now_m2;
-    }
-    if (!(variance <= kMostTimes * kMostTimes * least)) break;
-    begin = k;
-    later_energy_m2 = now_m2;
-  }
-  const ReleaseSearch<Scalar> search(time_s.subspan(begin), position_m.subspan(begin), false);
-  const auto minimum =
-      search.descend(search.from(release.rates), ReleaseHeld::nothing, negligible_m2);
-  if (!minimum.has_converged) {
-    return {time_s[begin] - time_s[0], kUnknown, kUnknown, kUnknown, kUnknown, kUnknown};
-  }
-  const auto zeta = [](const ReleaseRates<Scalar>& rates) {
-    return rates.lambda / (Scalar(2) * sqrt(rates.kappa));
-  };
-  const Scalar share = std::clamp(later_energy_m2 / energy_m2, Scalar(0), Scalar(0.99)),
-               more = Scalar(1) / (Scalar(1) - share);
-  return {time_s[begin] - time_s[0],
-          more * (minimum.rates.lambda - release.rates.lambda),
-          more * (minimum.rates.kappa - release.rates.kappa),
-          more * (minimum.equations.linear[0] - release.rest_m),
-          more * (zeta(minimum.rates) - zeta(release.rates)),
-          more * elementary::log(minimum.rates.kappa / release.rates.kappa) / Scalar(2)};
-}
-
 /// The ends of an interval around `value`, `apart` added to either side.
 template <class Scalar>
 std::pair<Scalar, Scalar> widened(Scalar value, std::pair<Scalar, Scalar> ends, Scalar apart) {
@@ -278,15 +220,14 @@ std::pair<Scalar, Scalar> widened(Scalar value, std::pair<Scalar, Scalar> ends, 
 /// Gives a value its interval, standard deviation and provenance.
 template <class Scalar>
 ReleaseValue<Scalar> release_value(Scalar value, Scalar low, Scalar high, Scalar q, double spread,
-                                   double resolution, bool is_trusted) {
+                                   double resolution, bool is_measurable) {
   ReleaseValue<Scalar> result;
-  if (!is_trusted) return result;  // its interval would not hold
   result.low95 = low;
   result.high95 = high;
   const Scalar deviation = std::max(value - low, high - value) / q;
   if (!(deviation - deviation == Scalar(0))) return result;
   result.information = information_share(deviation * deviation, Scalar(spread * spread));
-  const bool is_known = is_trusted && result.information >= Scalar(kMeasuredInformationShare) &&
+  const bool is_known = is_measurable && result.information >= Scalar(kMeasuredInformationShare) &&
                         deviation <= Scalar(resolution) / Scalar(2);
   result.quantity = {value, deviation, is_known ? Provenance::measured : Provenance::assumed};
   return result;
@@ -333,7 +274,10 @@ PassiveRelease<Scalar> fit_passive_release(std::span<const Scalar> time_s,
   release.quantile = q;
   const Scalar factor = internal::noise_factor(release, Scalar(time_s.size()));
   const Scalar variance = factor * release.noise_sd_m * release.noise_sd_m;
-  const auto later = internal::start_later(time_s, position_m, release, negligible_m2);
+  const auto later = internal::start_later<Scalar>(time_s, position_m,
+                                                   {release.rates, release.rest_m, release.start_m,
+                                                    release.start_velocity_m_s, release.noise_sd_m},
+                                                   negligible_m2);
   release.later_start_s = later.start_s;
   release.covariance = factor * release.bound;
   const Scalar omega = sqrt(release.rates.kappa);
@@ -355,27 +299,31 @@ PassiveRelease<Scalar> fit_passive_release(std::span<const Scalar> time_s,
   if (has_trusted_residuals(release) && fastest < Scalar(0)) {
     release.residuals = ReleaseResiduals::driven;
   }
-  const bool is_trusted = has_trusted_residuals(release);
-  release.damping_rate_per_s =
-      internal::release_value(release.rates.lambda, slowest, fastest, q, spread.damping_rate_per_s,
-                              resolution.damping_rate_per_s, is_trusted);
   const auto [least, most] = ends(ReleaseHeld::zeta, deviations.damping_ratio);
-  release.damping_ratio =
-      internal::release_value(release.rates.lambda / (Scalar(2) * omega), least, most, q,
-                              spread.damping_ratio, resolution.damping_ratio, is_trusted);
+  release.may_be_overdamped = !(most < Scalar(1));
   const auto [w_low, w_high] = ends(ReleaseHeld::omega, deviations.natural_frequency_rad_s / omega);
   const Scalar low = elementary::exp(w_low), high = elementary::exp(w_high);
   constexpr double kTurn = 6.283185307179586;
   const double resolution_rad_s =
       resolution.natural_frequency_fraction * static_cast<double>(omega);
-  release.natural_frequency_rad_s = internal::release_value(
-      omega, low, high, q, spread.natural_frequency_rad_s, resolution_rad_s, is_trusted);
-  release.natural_frequency_Hz = internal::release_value(
-      omega / Scalar(kTurn), low / Scalar(kTurn), high / Scalar(kTurn), q,
-      spread.natural_frequency_rad_s / kTurn, resolution_rad_s / kTurn, is_trusted);
-  release.stiffness_per_mass_per_s2 = internal::release_value(
-      release.rates.kappa, low * low, high * high, q, spread.stiffness_per_mass_per_s2,
-      resolution.stiffness_fraction * static_cast<double>(release.rates.kappa), is_trusted);
+  const auto value = [&](Scalar fitted, Scalar lowest, Scalar highest, double of_spread,
+                         double of_resolution) {
+    if (!has_trusted_residuals(release)) return ReleaseValue<Scalar>();  // intervals would not hold
+    return internal::release_value(fitted, lowest, highest, q, of_spread, of_resolution,
+                                   !release.may_be_overdamped);
+  };
+  release.damping_rate_per_s = value(release.rates.lambda, slowest, fastest,
+                                     spread.damping_rate_per_s, resolution.damping_rate_per_s);
+  release.damping_ratio = value(release.rates.lambda / (Scalar(2) * omega), least, most,
+                                spread.damping_ratio, resolution.damping_ratio);
+  release.natural_frequency_rad_s =
+      value(omega, low, high, spread.natural_frequency_rad_s, resolution_rad_s);
+  release.natural_frequency_Hz =
+      value(omega / Scalar(kTurn), low / Scalar(kTurn), high / Scalar(kTurn),
+            spread.natural_frequency_rad_s / kTurn, resolution_rad_s / kTurn);
+  release.stiffness_per_mass_per_s2 =
+      value(release.rates.kappa, low * low, high * high, spread.stiffness_per_mass_per_s2,
+            resolution.stiffness_fraction * static_cast<double>(release.rates.kappa));
   ReleaseCovariance<Scalar> apart = ReleaseCovariance<Scalar>::Zero();
   apart.col(0) << later.lambda, later.kappa, later.rest_m, 0, 0;
   release.covariance += apart * apart.transpose();

@@ -139,8 +139,8 @@ class PointRegression {
   // Chooses the kernel once a second was seen.
   bool begin() {
     if (!positions_.is_learned() || !drive_.is_learned()) return false;
-    const auto& z = positions_.variances();
-    const auto& u = drive_.variances();
+    const auto& z = positions_.noise();
+    const auto& u = drive_.noise();
     const double T_z = static_cast<double>(positions_.step_s()),
                  T_u = static_cast<double>(drive_.step_s()), T = T_z > T_u ? T_z : T_u;
     const double highest_rad_s = kCutoffTimesStep / T;
@@ -152,8 +152,8 @@ class PointRegression {
       return false;
     }
     using std::sqrt;
-    const double s_z = sqrt(static_cast<double>(z.sum / z.count)),
-                 s_u = sqrt(static_cast<double>(u.sum / u.count));
+    const double s_z = sqrt(static_cast<double>(z.variance / z.count)),
+                 s_u = sqrt(static_cast<double>(u.variance / u.count));
     const double w0 =
         sqrt(s_u * sqrt(T_u) / (parameters_.mass_kg.mean * (s_z + kLeastNoise_m) * sqrt(T_z)));
     cutoff_rad_s_ = 1.2 * w0;
@@ -307,12 +307,8 @@ class PointRegression {
   void add_to_block(const std::array<Scalar, kRegressionColumns>& y) {
     RegressionSums<Scalar>& block = blocks_.open();
     block.add_instant(y);
-    const auto z = positions_.take_variances();
-    const auto u = drive_.take_variances();
-    block.position_variance_sum += z.sum;
-    block.position_variances += z.count;
-    block.drive_variance_sum += u.sum;
-    block.drive_variances += u.count;
+    block.position_noise.add(positions_.take_noise());
+    block.drive_noise.add(drive_.take_noise());
     note_span(positions_, position_span_);
     note_span(drive_, drive_span_);
     blocks_.close_if_full();

@@ -139,8 +139,8 @@ class RegressionData {
                  std::size_t first)
       : blocks_(blocks), setup_(setup), first_(first) {
     for (std::size_t b = first; b < blocks.size(); ++b) sum_.add(blocks[b]);
-    position_share_ = sum_.instants / sum_.position_variances;
-    drive_share_ = sum_.instants / sum_.drive_variances;
+    position_share_ = sum_.instants / sum_.position_noise.count;
+    drive_share_ = sum_.instants / sum_.drive_noise.count;
   }
 
   std::size_t size() const { return blocks_.size() - first_; }
@@ -150,17 +150,23 @@ class RegressionData {
   double duration_s() const { return sum_.instants * setup_.instant_s; }
   /// Variances of a sample's noise (m^2, N^2).
   double position_variance_m2() const {
-    return sum_.position_variance_sum / sum_.position_variances;
+    return sum_.position_noise.variance / sum_.position_noise.count;
   }
-  double drive_variance_N2() const { return sum_.drive_variance_sum / sum_.drive_variances; }
+  double drive_variance_N2() const { return sum_.drive_noise.variance / sum_.drive_noise.count; }
+
+  /// True where the samples' differences show that the noise of positions or drive is not white.
+  bool has_coloured_noise() const {
+    return is_coloured(&RegressionSums<Scalar>::position_noise) ||
+           is_coloured(&RegressionSums<Scalar>::drive_noise);
+  }
 
   /// What noise is expected to add to the product of columns i and j of `sums`. The variance is
   /// that within the block, so that its own uncertainty is part of the scatter.
   template <class Sum>
   double noise(const RegressionSums<Sum>& sums, RegressionColumn i, RegressionColumn j) const {
     if (i > j) std::swap(i, j);
-    const double z = static_cast<double>(sums.position_variance_sum) * position_share_,
-                 u = static_cast<double>(sums.drive_variance_sum) * drive_share_;
+    const double z = static_cast<double>(sums.position_noise.variance) * position_share_,
+                 u = static_cast<double>(sums.drive_noise.variance) * drive_share_;
     const KernelGains& of_z = setup_.position;
     const KernelGains& of_u = setup_.drive;
     if (i == kDriveSlopeColumn && j == kDriveSlopeColumn) return u * of_u.G2;
@@ -175,6 +181,30 @@ class RegressionData {
   }
 
  private:
+  // Either sum of the blocks is farther from 0 than their scatter allows. A block that is much
+  // louder than the others counts as one of thrice their variance.
+  bool is_coloured(NoiseSums<Scalar> RegressionSums<Scalar>::*of) const {
+    constexpr double kBeyond = 3, kLoud = 3;
+    const auto n = static_cast<double>(size());
+    double inverses = 0;
+    for (std::size_t b = 0; b < size(); ++b) {
+      const auto variance = static_cast<double>((block(b).*of).variance);
+      if (variance > 0) inverses += 1 / variance;
+    }
+    const auto is_far = [&](Scalar NoiseSums<Scalar>::*which) {
+      double sum = 0, squares = 0;
+      for (std::size_t b = 0; b < size(); ++b) {
+        const NoiseSums<Scalar>& noise = block(b).*of;
+        const double loudness = static_cast<double>(noise.variance) * inverses / n;
+        const double of_block =
+            static_cast<double>(noise.*which) * (loudness > kLoud ? kLoud / loudness : 1);
+        sum += of_block;
+        squares += of_block * of_block;
+      }
+      return sum * sum > kBeyond * kBeyond * (squares - sum * sum / n) * n / (n - 1);
+    };
+    return is_far(&NoiseSums<Scalar>::neighbours) || is_far(&NoiseSums<Scalar>::apart);
+  }
   // X^k has the noise k X^(k-1) of X.
   static int power_of(RegressionColumn column) {
     return column == kSquareColumn   ? 2

@@ -13,14 +13,15 @@
 //          are merged and the later ones hold twice as much: kBlocks / 2 to kBlocks of them, for
 //          any duration, whose scatter shows how well a sum is known (the interval of
 //          regression_fit.h).
-// Noise:   of the products, from the kernel's gains and the variances that sixth differences showed
-//          within the block. That of q2, q3, q4 is to first order X' noise, with the slopes
+// Noise:   of the products, from the kernel's gains and the variances that the samples' differences
+//          showed within the block. That of q2, q3, q4 is to first order X' noise, with the slopes
 //          2 X, 3 X^2, 4 X^3: it needs the sums of X to X^6.
 #pragma once
 
 #include <array>
 
 #include "condyle/estimator/modulating_kernel.h"
+#include "condyle/estimator/noise_difference.h"
 
 namespace condyle {
 
@@ -48,12 +49,11 @@ template <class Scalar>
 struct RegressionSums {
   static constexpr std::size_t kProducts = kRegressionColumns * (kRegressionColumns + 1) / 2;
   static constexpr std::size_t kPowers = 6;
-  static constexpr std::size_t kSize = kProducts + kPowers + 5;
+  static constexpr std::size_t kSize = kProducts + kPowers + 9;
 
-  std::array<Scalar, kProducts> products{};                  ///< see `product`
-  std::array<Scalar, kPowers> powers{};                      ///< of X, X^2 ... X^6
-  Scalar position_variance_sum = 0, position_variances = 0;  ///< of sixth differences (m^2)
-  Scalar drive_variance_sum = 0, drive_variances = 0;        ///< likewise (N^2)
+  std::array<Scalar, kProducts> products{};       ///< see `product`
+  std::array<Scalar, kPowers> powers{};           ///< of X, X^2 ... X^6
+  NoiseSums<Scalar> position_noise, drive_noise;  ///< of the samples (m^2, N^2)
   Scalar instants = 0;
 
   static constexpr std::size_t place(std::size_t i, std::size_t j) {
@@ -80,10 +80,8 @@ struct RegressionSums {
   void add(const RegressionSums<Other>& other) {
     for (std::size_t i = 0; i < kProducts; ++i) products[i] += Scalar(other.products[i]);
     for (std::size_t i = 0; i < kPowers; ++i) powers[i] += Scalar(other.powers[i]);
-    position_variance_sum += Scalar(other.position_variance_sum);
-    position_variances += Scalar(other.position_variances);
-    drive_variance_sum += Scalar(other.drive_variance_sum);
-    drive_variances += Scalar(other.drive_variances);
+    position_noise.add(other.position_noise);
+    drive_noise.add(other.drive_noise);
     instants += Scalar(other.instants);
   }
 };

@@ -255,7 +255,10 @@ std::pair<Scalar, Scalar> ratio_interval(Scalar a, Scalar b, Scalar aa, Scalar a
 template <class Scalar>
 bool is_fit_for_a_pair(const PassiveRelease<Scalar>& release) {
   using std::sqrt;
-  if (release.outcome != ReleaseOutcome::converged || !has_trusted_residuals(release)) return false;
+  if (release.outcome != ReleaseOutcome::converged || !has_trusted_residuals(release) ||
+      release.may_be_overdamped) {
+    return false;
+  }
   const auto is_normal = [&release](const ReleaseValue<Scalar>& value, int i) {
     return value.quantity.standard_deviation < Scalar(1.5) * sqrt(release.covariance(i, i));
   };

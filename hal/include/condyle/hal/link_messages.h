@@ -33,7 +33,7 @@
 namespace condyle::hal {
 
 /// Version of all that is said here. Both sides must have the same.
-inline constexpr std::uint16_t kLinkVersion = 3;
+inline constexpr std::uint16_t kLinkVersion = 4;
 
 /// LinkFrame::type.
 enum class MessageType : std::uint8_t {
