@@ -21,6 +21,7 @@ namespace {
 struct FitOptions {
   ReleaseSource source;  // without the recording and its times
   double noise_mm = 0;
+  std::optional<double> let_go_ms;
   ReleaseResolution resolution;
   std::string axis = "z", unit, out, figures;
   Option axis_option;
@@ -38,6 +39,12 @@ struct FitOptions {
                     "Standard deviation of a measured position; without it, the residuals' own, "
                     "which cannot tell a wrong model by its size")
         .number_in({1e-6, 100});
+    command
+        .add_option(
+            "--let-go-ms", let_go_ms,
+            "The support was gone this long after the begin, for certain; without it a slow "
+            "hand and an overdamped jaw cannot be told apart")
+        .number_in({0, 1000});
     command.add_option("--out", out, "JSON file for the values");
     command.add_option("--figures", figures, "Folder for figures (SVG and PNG)");
   }
@@ -47,6 +54,7 @@ struct FitOptions {
     result.recording = recording;
     result.begin_s = begin_s;
     result.end_s = end_s;
+    result.let_go_s = 1e-3 * let_go_ms.value_or(0);
     result.followed.axis = static_cast<Axis>(axis[0] - 'x');
     result.axis_given = axis_option.is_given();
     if (!unit.empty()) result.reading.units_per_metre = unit == "mm" ? 1000 : 1;
@@ -55,6 +63,7 @@ struct FitOptions {
   ReleaseSettings settings() const {
     ReleaseSettings result;
     result.noise_sd_m = 1e-3 * noise_mm;
+    result.is_sudden = let_go_ms.has_value();
     result.resolution = resolution;
     return result;
   }

@@ -109,8 +109,9 @@ ReleaseStretch read_release(const ReleaseSource& source) {
     throw InputError(source.recording, "holds no position", "record the release anew");
   }
   stretch.was_found = !source.begin_s;
-  const double begin_s = source.begin_s ? *source.begin_s : find_begin_s(source, stretch);
-  const double end_s = source.end_s.value_or(begin_s + kReleaseDuration_s);
+  const double let_go_s = source.begin_s ? *source.begin_s : find_begin_s(source, stretch);
+  const double end_s = source.end_s.value_or(let_go_s + kReleaseDuration_s);
+  const double begin_s = let_go_s + source.let_go_s;
   if (!(end_s > begin_s)) {
     throw InputError("--end-s",
                      fmt::format("{:g} s is not after the begin at {:g} s", end_s, begin_s),

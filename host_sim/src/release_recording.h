@@ -20,6 +20,7 @@ struct ReleaseSource {
   /// From the recording's first time (s); without a begin it is looked for, without an end it is
   /// kReleaseDuration_s later.
   std::optional<double> begin_s, end_s;
+  double let_go_s = 0;  ///< the hand lets go over this time after the begin, which is left out
 };
 
 /// Before the masseter reflex and its like move the jaw on.

@@ -46,7 +46,8 @@ Json json_of(const Value& value) {
 }
 
 const char* residuals_name(ReleaseResiduals residuals) {
-  constexpr const char* names[] = {"as stated", "smaller", "larger", "coloured", "driven"};
+  constexpr const char* names[] = {"as stated", "smaller", "larger",
+                                   "coloured",  "driven",  "overdamped"};
   return names[static_cast<int>(residuals)];
 }
 
@@ -54,11 +55,7 @@ const char* residuals_name(ReleaseResiduals residuals) {
 std::string advice(const PassiveRelease<double>& fit) {
   switch (fit.residuals) {
     case ReleaseResiduals::as_stated:
-      return fit.may_be_overdamped
-                 ? "the motion may be overdamped: a hand that lets go over a time looks the same.\n"
-                   "                    NOTHING IS MEASURED; a load on the jaw lowers the damping "
-                   "ratio"
-                 : "";
+      return "";
     case ReleaseResiduals::smaller:
       return fmt::format(
           "the noise is smaller than stated: intervals are too wide; --noise-mm {:.3g} would fit",
@@ -77,6 +74,10 @@ std::string advice(const PassiveRelease<double>& fit) {
       return "kv/m below zero: something drove the jaw on, so this was no passive release.\n       "
              " "
              "            NOTHING IS MEASURED; relax the jaw, choose --begin-s and --end-s";
+    case ReleaseResiduals::overdamped:
+      return "the motion may be overdamped, and a hand that lets go over a time looks the same.\n"
+             "                    NOTHING IS MEASURED; state --let-go-ms, or fix a known mass to "
+             "the jaw, which lowers the damping ratio";
   }
   return "";
 }

@@ -79,8 +79,9 @@ class PassiveReleases : public testing::TestWithParam<Setting> {
                                     Errors{truth.lambda_per_s / 40, bound.damping_ratio},
                                     Errors{20, bound.natural_frequency_rad_s}};
     for (std::uint64_t seed = 1; seed <= seeds(); ++seed) {
-      const auto release = fit(release_samples(truth, kNoise_m, seed),
-                               {.noise_sd_m = GetParam().knows_noise ? kNoise_m : 0});
+      const auto release =
+          fit(release_samples(truth, kNoise_m, seed),
+              {.noise_sd_m = GetParam().knows_noise ? kNoise_m : 0, .is_sudden = true});
       const double omega = std::sqrt(release.rates.kappa);
       errors[0].add(release.damping_rate_per_s, release.rates.lambda);
       errors[1].add(release.stiffness_per_mass_per_s2, release.rates.kappa);
@@ -157,7 +158,7 @@ TEST_P(ReleasePairs, IntervalsHoldTheTruth) {
     loaded.lambda_per_s = kv / (kMass_kg + dm);
     loaded.kappa_per_s2 = (kStiffness_N_m + dk) / (kMass_kg + dm);
     loaded.rest_m = alone.rest_m + W / kStiffness_N_m;
-    const ReleaseSettings noise{.noise_sd_m = kNoise_m};
+    const ReleaseSettings noise{.noise_sd_m = kNoise_m, .is_sudden = true};
     const auto first = fit(release_samples(alone, kNoise_m, 2 * seed), noise);
     const auto second = fit(release_samples(loaded, kNoise_m, 2 * seed + 1), noise);
     const auto pair = combine_releases(first, second, settings);

@@ -193,7 +193,8 @@ std::vector<Reading> positions_of(const Regime& regime, const MovingPoint& point
     if (random.uniform() < tracker.outlier_share) z_m += tracker.outlier_m * random.normal();
     if (tracker.rounding_m > 0) z_m = tracker.rounding_m * std::round(z_m / tracker.rounding_m);
     if (random.uniform() < tracker.drop_share) continue;
-    positions.push_back({t + tracker.stamp_error_s * random.uniform(-1, 1), z_m});
+    const double late_s = tracker.is_centred ? (tracker.mean_of - 1) / 2.0 / tracker.rate_Hz : 0;
+    positions.push_back({t - late_s + tracker.stamp_error_s * random.uniform(-1, 1), z_m});
   }
   return positions;
 }

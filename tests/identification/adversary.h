@@ -43,7 +43,8 @@ struct Tracker {
   double stamp_error_s = 0;  ///< of the stamps
   double drop_share = 0, outlier_share = 0, outlier_m = 3e-3;
   double correlation = 0;    ///< of the noise of neighbours (first order)
-  int mean_of = 1;           ///< causal mean of samples
+  int mean_of = 1;           ///< mean of samples, stamped with the last
+  bool is_centred = false;   ///< stamped with its middle
   bool heavy_tails = false;  ///< Student's, 3 degrees of freedom
   double scale = 1;
 };

@@ -63,6 +63,11 @@ std::vector<HeadAttack> attacks() {
   add({.name = "Coulomb 0.02", .point = jaw(0.02, 0, 0), .drive = at(60)});
   add({.name = "drag 3", .point = jaw(0, 0, 3), .drive = at(60)});
   add({.name = "mean of 3", .tracker = {.mean_of = 3}, .drive = at(60)});
+  for (const int mean_of : {3, 5, 9}) {
+    add({.name = "quiet positions, smoothed",
+         .tracker = {.noise_m = 1e-5, .mean_of = mean_of, .is_centred = true},
+         .drive = {.noise_N = 0.05}});
+  }
   add({.name = "AR 0.9", .tracker = {.correlation = 0.9}, .drive = at(60)});
   add({.name = "low-pass 10 Hz", .drive = {.noise_N = 0.05, .low_pass_Hz = 10}});
   add({.name = "one frequency",

@@ -191,6 +191,17 @@ std::vector<Attack> make_named() {
        .tracker = {.correlation = 0.9}});
   add({.name = "mean of 3", .tracker = {.mean_of = 3}});
   add({.name = "mean of 5", .tracker = {.mean_of = 5}});
+  // Smoothing that neither residual nor dynamics show: the positions' noise is far below the
+  // drive's.
+  for (const double rate_Hz : {60.0, 200.0}) {
+    for (const int mean_of : {3, 5, 7, 15}) {
+      add({.name = "quiet positions, smoothed",
+           .motion = {.frequency_Hz = 2, .amplitude_m = 6e-3},
+           .point = {.friction_Ns_m = 1, .stiffness_N_m = 60},
+           .tracker = {.rate_Hz = rate_Hz, .noise_m = 1e-5, .mean_of = mean_of, .is_centred = true},
+           .drive = {.rate_Hz = 100, .noise_N = 0.03}});
+    }
+  }
   add({.name = "Student noise", .tracker = {.heavy_tails = true}});
   add({.name = "outliers 1 %", .tracker = {.outlier_share = 0.01}});
   add({.name = "drops 10 % known", .tracker = {.drop_share = 0.1}}, kKnown);

@@ -26,10 +26,12 @@ struct Release {
   bool states_noise = true;
   double muscle_m_s2 = 0, muscle_s = 0.1;  ///< dies away with that time constant
   double let_go_s = 0;                     ///< over which the support goes, linear
+  double fading_s = 0;                     ///< time constant of a support that fades away
   double hardening = 0;                    ///< of the spring at the opening
   double dry_m_s2 = 0;                     ///< sliding friction
   int mean_of = 1;
   double correlation = 0, jitter_s = 0;
+  bool says_sudden = false;
   const char* cannot_be_had = nullptr;
 };
 
@@ -42,8 +44,9 @@ Samples simulate(const Release& of, std::uint64_t seed) {
   constexpr double kStep_s = 1e-4;
   const auto acceleration = [&](double t, double p, double v) {
     const double share = p / of.opening_m;
-    const double support =
-        t < of.let_go_s ? of.stiffness_per_s2 * of.opening_m * (1 - t / of.let_go_s) : 0;
+    const double support = of.stiffness_per_s2 * of.opening_m *
+                           ((t < of.let_go_s ? 1 - t / of.let_go_s : 0) +
+                            (of.fading_s > 0 ? std::exp(-t / of.fading_s) : 0));
     return -of.damping_per_s * v - of.stiffness_per_s2 * p * (1 + of.hardening * share * share) +
            support + of.muscle_m_s2 * std::exp(-t / of.muscle_s) -
            of.dry_m_s2 * v / std::sqrt(v * v + 1e-8);
@@ -86,7 +89,7 @@ std::vector<Release> releases() {
   all.push_back({.name = "clean"});
   all.push_back({.name = "clean, noise not stated", .states_noise = false});
   all.push_back({.name = "clean 200 Hz", .rate_Hz = 200});
-  all.push_back({.name = "clean 40 1/s", .damping_per_s = 40});
+  all.push_back({.name = "clean 40 1/s", .damping_per_s = 40, .says_sudden = true});
   all.push_back({.name = "muscle 0.2 m/s^2 0.1 s", .muscle_m_s2 = 0.2});
   all.push_back({.name = "muscle 0.2 m/s^2 0.05 s", .muscle_m_s2 = 0.2, .muscle_s = 0.05});
   all.push_back({.name = "muscle 1 m/s^2 0.03 s", .muscle_m_s2 = 1, .muscle_s = 0.03});
@@ -96,13 +99,30 @@ std::vector<Release> releases() {
   all.push_back({.name = "let go over 60 ms", .let_go_s = 0.06});
   all.push_back({.name = "let go over 100 ms", .let_go_s = 0.1});
   all.push_back({.name = "let go over 100 ms, 40 1/s", .damping_per_s = 40, .let_go_s = 0.1});
+  for (const double fading_s : {0.01, 0.02, 0.03, 0.05, 0.1}) {
+    all.push_back({.name = "fades away", .fading_s = fading_s});
+    all.push_back({.name = "fades away, 25 1/s",
+                   .damping_per_s = 25,
+                   .stiffness_per_s2 = 300,
+                   .fading_s = fading_s});
+    all.push_back({.name = "fades away, 40 1/s",
+                   .damping_per_s = 40,
+                   .stiffness_per_s2 = 300,
+                   .opening_m = 0.02,
+                   .noise_m = 2e-5,
+                   .fading_s = fading_s});
+  }
   all.push_back({.name = "muscle 0.5 m/s^2 0.2 s, 40 1/s",
                  .damping_per_s = 40,
                  .muscle_m_s2 = 0.5,
-                 .muscle_s = 0.2});
+                 .muscle_s = 0.2,
+                 .says_sudden = true});
   all.push_back({.name = "hardening 5 %", .hardening = 0.05});
   all.push_back({.name = "hardening 20 %", .hardening = 0.2});
-  all.push_back({.name = "hardening 30 %, 40 1/s", .damping_per_s = 40, .hardening = 0.3});
+  all.push_back({.name = "hardening 30 %, 40 1/s",
+                 .damping_per_s = 40,
+                 .hardening = 0.3,
+                 .says_sudden = true});
   all.push_back({.name = "dry friction 0.02 m/s^2", .dry_m_s2 = 0.02});
   all.push_back({.name = "dry friction 0.04 m/s^2", .dry_m_s2 = 0.04});
   all.push_back({.name = "mean of 5", .mean_of = 5});
@@ -137,7 +157,8 @@ TEST_P(Released, IsCoveredOrWithheld) {
   for (int seed = 1; seed <= kRuns; ++seed) {
     const Samples samples = simulate(of, static_cast<std::uint64_t>(seed));
     const auto release = fit_passive_release<double>(
-        samples.time_s, samples.position_m, {.noise_sd_m = of.states_noise ? of.noise_m : 0});
+        samples.time_s, samples.position_m,
+        {.noise_sd_m = of.states_noise ? of.noise_m : 0, .is_sudden = of.says_sudden});
     damping.add(verdict_of(release.damping_rate_per_s, of.damping_per_s));
     stiffness.add(verdict_of(release.stiffness_per_mass_per_s2, of.stiffness_per_s2));
     measured += release.damping_rate_per_s.quantity.provenance == Provenance::measured ? 1 : 0;

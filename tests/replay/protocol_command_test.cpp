@@ -99,6 +99,23 @@ TEST(ProtocolRelease, ABeginTooEarlyIsFoundOut) {
   EXPECT_THAT(result.output, Not(HasSubstr(" measured\n")));
 }
 
+// A slow hand looks like an overdamped jaw, until the user states when the support was gone.
+TEST(ProtocolRelease, AnOverdampedJawNeedsAStatedLetGo) {
+  const TemporaryFolder folder;
+  const std::string path = record(folder, "release", {.friction_Ns_m = 12}, 4);
+  const auto unsaid = run_condyle({"protocol", "release", path, "--noise-mm", "0.05"});
+  ASSERT_EQ(unsaid.exit_code, 0) << unsaid.errors;
+  EXPECT_THAT(unsaid.output, AllOf(HasSubstr("overdamped"), HasSubstr("--let-go-ms"),
+                                   HasSubstr("kv/m                NOT KNOWN")));
+  const auto result = run_condyle({"protocol", "release", path, "--noise-mm", "0.05", "--let-go-ms",
+                                   "5", "--out", folder / "values.json"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const auto json = read_json(folder / "values.json");
+  EXPECT_EQ(json["residuals"], "as stated");
+  EXPECT_TRUE(holds(json["damping_rate_per_s"], 48));
+  EXPECT_TRUE(holds(json["stiffness_per_mass_per_s2"], 400));
+}
+
 TEST(ProtocolRelease, SaysWhatItCannotUse) {
   const TemporaryFolder folder;
   const std::string path = record(folder, "release", {}, 3);

@@ -40,11 +40,25 @@ TEST(PassiveReleaseFit, CriticalDampingIsNoSpecialCase) {
   for (const double lambda : {39.99, 40.0, 40.01}) {
     ReleaseTruth truth;
     truth.lambda_per_s = lambda;
-    const auto release = fit(release_samples(truth, 0, 1), {.noise_sd_m = 1e-6});
+    const auto release = fit(release_samples(truth, 0, 1), {.noise_sd_m = 1e-6, .is_sudden = true});
     ASSERT_EQ(release.outcome, ReleaseOutcome::converged);
     EXPECT_NEAR(release.damping_rate_per_s.quantity.value, lambda, 1e-3);
     EXPECT_NEAR(release.damping_ratio.quantity.value, lambda / 40, 1e-4);
     EXPECT_NEAR(release.natural_frequency_Hz.quantity.value, 20 / 6.283185307179586, 1e-4);
+  }
+}
+
+TEST(PassiveReleaseFit, GivesNoValueOfAnOverdampedJawUnlessTheSupportIsGone) {
+  for (const double lambda : {40.0, 60.0}) {
+    ReleaseTruth truth;
+    truth.lambda_per_s = lambda;
+    const auto samples = release_samples(truth, kNoise_m, 1);
+    const auto release = fit(samples, {.noise_sd_m = kNoise_m});
+    EXPECT_EQ(release.residuals, ReleaseResiduals::overdamped) << lambda;
+    EXPECT_TRUE(std::isnan(release.damping_rate_per_s.quantity.value)) << lambda;
+    const auto sudden = fit(samples, {.noise_sd_m = kNoise_m, .is_sudden = true});
+    EXPECT_EQ(sudden.residuals, ReleaseResiduals::as_stated) << lambda;
+    EXPECT_TRUE(std::isfinite(sudden.damping_rate_per_s.quantity.value)) << lambda;
   }
 }
 

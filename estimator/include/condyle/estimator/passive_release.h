@@ -17,6 +17,9 @@
 // Intervals:  95 %, by profile likelihood: near overdamping lambda is far from normal, and has no
 //             upper end where the fast mode dies within a sample. The standard deviation that
 //             counts is the wider half of the interval / q, q = 1.96 (sigma not known: Student's t)
+// Overdamped: a hand that lets go over a time adds a real pole to the motion, which cannot be told
+//             from those of an overdamped jaw: where the interval of the damping ratio reaches 1,
+//             no value is given, unless the support is known to be gone at the first sample
 // Checks:     SSE / sigma^2 is chi-square with n - k degrees of freedom (limits left by chance
 //             once in 2000 times each, E. B. Wilson, M. M. Hilferty, PNAS 17 (1931) 684-688);
 //             correlation of neighbouring residuals at most 3.29 / sqrt n (once in 2000). Where
@@ -24,9 +27,7 @@
 //             friction, smoothed positions) no value is given.
 //
 // Measured: information share at least kMeasuredInformationShare against the spread between
-// subjects, standard deviation at most half the smallest difference that matters, checks passed,
-// and the interval of the damping ratio below 1: a hand that lets go over a time adds a real pole
-// to the motion, which cannot be told from those of an overdamped jaw.
+// subjects, standard deviation at most half the smallest difference that matters, checks passed.
 #pragma once
 
 #include "condyle/estimator/release_later_start.h"
@@ -53,6 +54,7 @@ struct ReleaseSpread {
 struct ReleaseSettings {
   double noise_sd_m = 0;        ///< sigma (m); 0: taken from the residuals
   bool starts_at_rest = false;  ///< v0 is known to be 0
+  bool is_sudden = false;       ///< the support is known to be gone at the first sample
   ReleaseResolution resolution;
   ReleaseSpread spread;
 };
@@ -69,11 +71,12 @@ enum class ReleaseOutcome : std::uint8_t {
 
 /// What the residuals say of the model and the noise.
 enum class ReleaseResiduals : std::uint8_t {
-  as_stated,  ///< white, and of the stated size (of any size where none was stated)
-  smaller,    ///< white and smaller: intervals are too wide
-  larger,     ///< the motion is no such release, or the noise is larger than stated
-  coloured,   ///< neighbours are correlated: no such release, or smoothed positions
-  driven,     ///< white, but kv is below zero with 95 % confidence: something drives the jaw on
+  as_stated,   ///< white, and of the stated size (of any size where none was stated)
+  smaller,     ///< white and smaller: intervals are too wide
+  larger,      ///< the motion is no such release, or the noise is larger than stated
+  coloured,    ///< neighbours are correlated: no such release, or smoothed positions
+  driven,      ///< white, but kv is below zero with 95 % confidence: something drives the jaw on
+  overdamped,  ///< white, but perhaps overdamped: a hand that lets go over a time looks the same
 };
 
 /// One value of a release.
@@ -99,7 +102,6 @@ struct PassiveRelease {
   Scalar noise_sd_m = 0;     ///< that the intervals count with: as stated, or from the residuals
   Scalar quantile = 0;       ///< q
   Scalar later_start_s = 0;  ///< where the fit of the latest start begins
-  bool may_be_overdamped = false;  ///< the interval of the damping ratio reaches 1
   Scalar residual_rms_m = 0, chi_square = 0, residual_correlation = 0;
   int degrees_of_freedom = 0;
 };
@@ -220,14 +222,14 @@ std::pair<Scalar, Scalar> widened(Scalar value, std::pair<Scalar, Scalar> ends, 
 /// Gives a value its interval, standard deviation and provenance.
 template <class Scalar>
 ReleaseValue<Scalar> release_value(Scalar value, Scalar low, Scalar high, Scalar q, double spread,
-                                   double resolution, bool is_measurable) {
+                                   double resolution) {
   ReleaseValue<Scalar> result;
   result.low95 = low;
   result.high95 = high;
   const Scalar deviation = std::max(value - low, high - value) / q;
   if (!(deviation - deviation == Scalar(0))) return result;
   result.information = information_share(deviation * deviation, Scalar(spread * spread));
-  const bool is_known = is_measurable && result.information >= Scalar(kMeasuredInformationShare) &&
+  const bool is_known = result.information >= Scalar(kMeasuredInformationShare) &&
                         deviation <= Scalar(resolution) / Scalar(2);
   result.quantity = {value, deviation, is_known ? Provenance::measured : Provenance::assumed};
   return result;
@@ -300,7 +302,9 @@ PassiveRelease<Scalar> fit_passive_release(std::span<const Scalar> time_s,
     release.residuals = ReleaseResiduals::driven;
   }
   const auto [least, most] = ends(ReleaseHeld::zeta, deviations.damping_ratio);
-  release.may_be_overdamped = !(most < Scalar(1));
+  if (has_trusted_residuals(release) && !settings.is_sudden && !(most < Scalar(1))) {
+    release.residuals = ReleaseResiduals::overdamped;
+  }
   const auto [w_low, w_high] = ends(ReleaseHeld::omega, deviations.natural_frequency_rad_s / omega);
   const Scalar low = elementary::exp(w_low), high = elementary::exp(w_high);
   constexpr double kTurn = 6.283185307179586;
@@ -309,8 +313,7 @@ PassiveRelease<Scalar> fit_passive_release(std::span<const Scalar> time_s,
   const auto value = [&](Scalar fitted, Scalar lowest, Scalar highest, double of_spread,
                          double of_resolution) {
     if (!has_trusted_residuals(release)) return ReleaseValue<Scalar>();  // intervals would not hold
-    return internal::release_value(fitted, lowest, highest, q, of_spread, of_resolution,
-                                   !release.may_be_overdamped);
+    return internal::release_value(fitted, lowest, highest, q, of_spread, of_resolution);
   };
   release.damping_rate_per_s = value(release.rates.lambda, slowest, fastest,
                                      spread.damping_rate_per_s, resolution.damping_rate_per_s);

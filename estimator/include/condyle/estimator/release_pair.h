@@ -255,10 +255,7 @@ std::pair<Scalar, Scalar> ratio_interval(Scalar a, Scalar b, Scalar aa, Scalar a
 template <class Scalar>
 bool is_fit_for_a_pair(const PassiveRelease<Scalar>& release) {
   using std::sqrt;
-  if (release.outcome != ReleaseOutcome::converged || !has_trusted_residuals(release) ||
-      release.may_be_overdamped) {
-    return false;
-  }
+  if (release.outcome != ReleaseOutcome::converged || !has_trusted_residuals(release)) return false;
   const auto is_normal = [&release](const ReleaseValue<Scalar>& value, int i) {
     return value.quantity.standard_deviation < Scalar(1.5) * sqrt(release.covariance(i, i));
   };
@@ -316,7 +313,7 @@ ReleasePair<Scalar> combine_releases(const PassiveRelease<Scalar>& first,
   const Scalar e = x[eta], q = std::max(first.quantile, second.quantile);
   const auto ratio = [&](Scalar a, Scalar aa, Scalar ab, double spread, double resolution) {
     const auto [low, high] = internal::ratio_interval(a, e, aa, ab, P(eta, eta), q);
-    return internal::release_value(a / e, low, high, q, spread, resolution, true);
+    return internal::release_value(a / e, low, high, q, spread, resolution);
   };
   const auto of_unknown = [&](int i, double spread, double resolution) {
     return ratio(x[i], P(i, i), P(i, eta), spread, resolution);
