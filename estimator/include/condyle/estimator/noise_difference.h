@@ -47,14 +47,18 @@ class NoiseDifference {
     }
     using std::sqrt;
     const std::array<Scalar, kSamples> before = weights_;
+    weights_.fill(Scalar(1));
+    for (std::size_t k = 1; k < kSamples; ++k) {
+      for (std::size_t l = 0; l < k; ++l) {
+        const Scalar apart = t[k] - t[l];
+        weights_[k] *= apart;
+        weights_[l] *= -apart;
+      }
+    }
     Scalar sum = 0, weights2 = 0;
     for (std::size_t k = 0; k < kSamples; ++k) {
-      Scalar product = 1;
-      for (std::size_t l = 0; l < kSamples; ++l) {
-        if (l != k) product *= t[k] - t[l];
-      }
-      if (product == Scalar(0)) return false;
-      weights_[k] = Scalar(1) / product;
+      if (weights_[k] == Scalar(0)) return false;
+      weights_[k] = Scalar(1) / weights_[k];
       sum += weights_[k] * (values_[(oldest + k) % kSamples] - values_[oldest]);
       weights2 += weights_[k] * weights_[k];
     }
