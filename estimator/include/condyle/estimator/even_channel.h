@@ -67,7 +67,7 @@ class EvenChannel {
     has_newest_ = false;
     first_count_ = is_learned_ ? first_count_ : 0;
     grid_.interrupt();
-    observer_.interrupt();
+    difference_.interrupt();
     begin_ = end_;
     ++segment_;
   }
@@ -90,13 +90,18 @@ class EvenChannel {
     return difference_s<Scalar>(time_ns(index + 1), time_ns(index - 1)) / Scalar(2);
   }
 
-  /// What the samples' differences showed since the last call; it begins anew.
+  /// What the samples' differences showed since the last call; either begins anew.
   NoiseSums<Scalar> take_noise() {
     const NoiseSums<Scalar> taken = noise_;
     noise_ = {};
     return taken;
   }
   const NoiseSums<Scalar>& noise() const { return noise_; }
+  NoiseLagSums<Scalar> take_colour() {
+    const NoiseLagSums<Scalar> taken = colour_;
+    colour_.fill(Scalar(0));
+    return taken;
+  }
 
  private:
   static constexpr std::size_t kFirst = 17;  // samples that T is learned from
@@ -132,7 +137,7 @@ class EvenChannel {
     step_ns_ = steps_ns[(kFirst - 1) / 2];
     is_learned_ = true;
     grid_ = EvenGrid<Scalar>(step_ns_);
-    observer_ = NoiseObserver<Scalar>(step_s());
+    difference_ = NoiseDifference<Scalar>(step_s());
     std::array<Scalar, kFirst> first;
     for (std::size_t k = 0; k < kFirst; ++k) first[k] = values_[k];
     for (std::size_t k = 0; k < kFirst; ++k) {
@@ -149,7 +154,7 @@ class EvenChannel {
   }
 
   void give(TimeNs time_ns, Scalar value) {
-    observer_.add(time_ns, value, noise_);
+    difference_.add(time_ns, value, noise_, colour_);
     grid_.add(time_ns, value, [this](TimeNs point_ns, Scalar point) {
       times_ns_[place_of(end_)] = point_ns;
       values_[place_of(end_)] = point;
@@ -166,8 +171,9 @@ class EvenChannel {
   Scalar group_sum_ = 0;
   TimeNs group_count_ = 0;
   EvenGrid<Scalar> grid_{1};
-  NoiseObserver<Scalar> observer_{Scalar(1)};
+  NoiseDifference<Scalar> difference_{Scalar(1)};
   NoiseSums<Scalar> noise_;
+  NoiseLagSums<Scalar> colour_{};
   std::uint64_t begin_ = 0, end_ = 0, segment_ = 0;
   std::array<TimeNs, kCapacity> times_ns_{};
   std::array<Scalar, kCapacity> values_{};

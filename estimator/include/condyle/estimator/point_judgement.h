@@ -28,7 +28,7 @@
 //   missing   a force of at most the share s of the total, in phase with v or a: s rms(u) / rms(v);
 //             where the mass is known, u about its mean
 //   mass      sigma_m dtheta/dm_0
-//   smoothing where the noise of the samples of either is not white, what a square second of u''
+//   smoothing where the noise of the positions is not white, what a square second of u''
 //             adds, times what the test of dynamics leaves open: the root of u''^2 + V
 //   noise     (0.1 + |R - 1|) times the correction for noise, 0.25 where it is not white; R is the
 //             smallest residual of the fits
@@ -60,7 +60,7 @@ class PointJudgement {
         data_(blocks, setup, first),
         fits_delay_(parameters.delay == DelayModel::fitted),
         delay_sd_s_(fits_delay_ ? 0 : parameters.drive.delay_sd_s),
-        is_noise_white_(!data_.has_coloured_noise()) {
+        is_noise_white_(!data_.has_coloured_positions()) {
     judge();
   }
 

@@ -309,6 +309,8 @@ class PointRegression {
     block.add_instant(y);
     block.position_noise.add(positions_.take_noise());
     block.drive_noise.add(drive_.take_noise());
+    const NoiseLagSums<Scalar> colour = positions_.take_colour();
+    for (std::size_t i = 0; i < kNoiseLags; ++i) block.position_colour[i] += colour[i];
     note_span(positions_, position_span_);
     note_span(drive_, drive_span_);
     blocks_.close_if_full();

@@ -154,10 +154,30 @@ class RegressionData {
   }
   double drive_variance_N2() const { return sum_.drive_noise.variance / sum_.drive_noise.count; }
 
-  /// True where the samples' differences show that the noise of positions or drive is not white.
-  bool has_coloured_noise() const {
-    return is_coloured(&RegressionSums<Scalar>::position_noise) ||
-           is_coloured(&RegressionSums<Scalar>::drive_noise);
+  /// True where the positions' noise is not white: at some lag the blocks' sums are farther from 0
+  /// than their scatter allows. A block that is much louder than the others counts as one of thrice
+  /// their variance. The drive's noise needs no such test: it is in the residual.
+  bool has_coloured_positions() const {
+    constexpr double kBeyond = 4, kLoud = 3;
+    const auto n = static_cast<double>(size());
+    double inverses = 0;
+    for (std::size_t b = 0; b < size(); ++b) {
+      const auto variance = static_cast<double>(block(b).position_noise.variance);
+      if (variance > 0) inverses += 1 / variance;
+    }
+    for (std::size_t lag = 0; lag < kNoiseLags; ++lag) {
+      double sum = 0, squares = 0;
+      for (std::size_t b = 0; b < size(); ++b) {
+        const RegressionSums<Scalar>& of = block(b);
+        const double loudness = static_cast<double>(of.position_noise.variance) * inverses / n;
+        const double share = static_cast<double>(of.position_colour[lag]) *
+                             (loudness > kLoud ? kLoud / loudness : 1);
+        sum += share;
+        squares += share * share;
+      }
+      if (sum * sum > kBeyond * kBeyond * (squares - sum * sum / n) * n / (n - 1)) return true;
+    }
+    return false;
   }
 
   /// What noise is expected to add to the product of columns i and j of `sums`. The variance is
@@ -181,30 +201,6 @@ class RegressionData {
   }
 
  private:
-  // Either sum of the blocks is farther from 0 than their scatter allows. A block that is much
-  // louder than the others counts as one of thrice their variance.
-  bool is_coloured(NoiseSums<Scalar> RegressionSums<Scalar>::*of) const {
-    constexpr double kBeyond = 3, kLoud = 3;
-    const auto n = static_cast<double>(size());
-    double inverses = 0;
-    for (std::size_t b = 0; b < size(); ++b) {
-      const auto variance = static_cast<double>((block(b).*of).variance);
-      if (variance > 0) inverses += 1 / variance;
-    }
-    const auto is_far = [&](Scalar NoiseSums<Scalar>::*which) {
-      double sum = 0, squares = 0;
-      for (std::size_t b = 0; b < size(); ++b) {
-        const NoiseSums<Scalar>& noise = block(b).*of;
-        const double loudness = static_cast<double>(noise.variance) * inverses / n;
-        const double of_block =
-            static_cast<double>(noise.*which) * (loudness > kLoud ? kLoud / loudness : 1);
-        sum += of_block;
-        squares += of_block * of_block;
-      }
-      return sum * sum > kBeyond * kBeyond * (squares - sum * sum / n) * n / (n - 1);
-    };
-    return is_far(&NoiseSums<Scalar>::neighbours) || is_far(&NoiseSums<Scalar>::apart);
-  }
   // X^k has the noise k X^(k-1) of X.
   static int power_of(RegressionColumn column) {
     return column == kSquareColumn   ? 2

@@ -49,11 +49,12 @@ template <class Scalar>
 struct RegressionSums {
   static constexpr std::size_t kProducts = kRegressionColumns * (kRegressionColumns + 1) / 2;
   static constexpr std::size_t kPowers = 6;
-  static constexpr std::size_t kSize = kProducts + kPowers + 9;
+  static constexpr std::size_t kSize = kProducts + kPowers + 5 + kNoiseLags;
 
   std::array<Scalar, kProducts> products{};       ///< see `product`
   std::array<Scalar, kPowers> powers{};           ///< of X, X^2 ... X^6
   NoiseSums<Scalar> position_noise, drive_noise;  ///< of the samples (m^2, N^2)
+  NoiseLagSums<Scalar> position_colour{};
   Scalar instants = 0;
 
   static constexpr std::size_t place(std::size_t i, std::size_t j) {
@@ -82,6 +83,9 @@ struct RegressionSums {
     for (std::size_t i = 0; i < kPowers; ++i) powers[i] += Scalar(other.powers[i]);
     position_noise.add(other.position_noise);
     drive_noise.add(other.drive_noise);
+    for (std::size_t i = 0; i < kNoiseLags; ++i) {
+      position_colour[i] += Scalar(other.position_colour[i]);
+    }
     instants += Scalar(other.instants);
   }
 };
