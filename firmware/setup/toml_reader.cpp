@@ -5,6 +5,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "byte_reader.h"
 #include "input_error.h"
@@ -22,6 +23,46 @@ std::string read_text(const std::string& path) {
     throw InputError(path, "is larger than 1 MiB", "such a file has a few lines");
   }
   return text;
+}
+
+constexpr int kDeepestKey = 32;
+
+// The byte at which a key has more dots than that, or none: the parser recurses once for each, and
+// what comes from outside could exhaust the stack. Dots within strings and comments do not count.
+std::optional<std::size_t> find_deep_key(std::string_view text) {
+  int dots = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"' || c == '\'') {
+      const std::size_t run = std::min(text.find_first_not_of(c, i), text.size()) - i;
+      const bool is_multiline = run >= 3;
+      if (run == 2 || run >= 6) {  // an empty string
+        i += run - 1;
+        continue;
+      }
+      std::size_t quotes = 0;  // in a row
+      for (i += is_multiline ? 3 : 1; i < text.size(); ++i) {
+        if (c == '"' && text[i] == '\\') {
+          ++i;
+          quotes = 0;
+        } else if (text[i] == c) {
+          ++quotes;
+          const bool goes_on = i + 1 < text.size() && text[i + 1] == c && quotes < 5;
+          if (!is_multiline || (quotes >= 3 && !goes_on)) break;
+        } else {
+          quotes = 0;
+          if (!is_multiline && text[i] == '\n') break;  // the parser refuses it
+        }
+      }
+    } else if (c == '#') {
+      i = std::min(text.find('\n', i), text.size()) - 1;
+    } else if (c == '.') {
+      if (++dots > kDeepestKey) return i;
+    } else if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos) {
+      dots = 0;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -137,6 +178,12 @@ TomlReader::TomlReader(const std::string& path) : TomlReader(path, read_text(pat
 TomlReader::TomlReader(const std::string& name, std::string_view text)
     : document_(std::make_unique<Document>()) {
   document_->path = name;
+  if (const auto deep = find_deep_key(text)) {
+    const std::string_view before = text.substr(0, *deep);
+    const auto line = std::count(before.begin(), before.end(), '\n') + 1;
+    throw InputError(fmt::format("{}:{}", name, line), "a key is nested too deeply",
+                     fmt::format("give a key of at most {} parts", kDeepestKey + 1));
+  }
   try {
     document_->root = toml::parse(text, name);
   } catch (const toml::parse_error& error) {
