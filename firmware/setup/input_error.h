@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "clean_text.h"
+
 namespace condyle::host {
 
 /// Something the user gave cannot be used: says where, what is wrong and how to mend it. The
@@ -11,25 +13,11 @@ namespace condyle::host {
 class InputError : public std::runtime_error {
  public:
   /// A message that has it all.
-  explicit InputError(const std::string& message) : std::runtime_error(printable(message)) {}
+  explicit InputError(const std::string& message) : std::runtime_error(clean_line(message)) {}
   /// `where`: "FILE", "FILE:LINE" or "FILE:LINE: column NAME". Control characters, which may come
   /// from the input itself, are shown as \xNN.
   InputError(const std::string& where, const std::string& problem, const std::string& mend)
-      : std::runtime_error(printable(where + ": " + problem + (mend.empty() ? "" : "; " + mend))) {}
-
- private:
-  static std::string printable(const std::string& text) {
-    std::string result;
-    for (const char c : text) {
-      const auto byte = static_cast<unsigned char>(c);
-      if (byte >= 0x20 && byte != 0x7f) {
-        result += c;
-      } else {
-        constexpr const char* digits = "0123456789abcdef";
-        result += {'\\', 'x', digits[byte >> 4U], digits[byte & 15U]};
-      }
-    }
-    return result;
+      : std::runtime_error(clean_line(where + ": " + problem + (mend.empty() ? "" : "; " + mend))) {
   }
 };
 

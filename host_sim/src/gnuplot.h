@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -18,7 +20,8 @@ std::string gnuplot_quoted(std::string_view text);
 /// gnuplot's.
 std::string title_command(std::string_view title, std::string_view options = "");
 
-/// A running gnuplot that draws into a folder. Problems are InputErrors.
+/// A running gnuplot that draws into a folder. Where it is missing or fails there is no figure, and
+/// the command is told so at its end (deferred_problem.h).
 class Gnuplot {
  public:
   /// `directory` must be there.
@@ -35,7 +38,10 @@ class Gnuplot {
   std::vector<std::unique_ptr<OutputFile>> finish();
 
  private:
-  std::string directory_;
+  int wait();
+
+  std::string directory_, problem_;
+  pid_t child_ = 0;
   std::vector<std::unique_ptr<OutputFile>> files_;
   std::FILE* pipe_ = nullptr;
 };

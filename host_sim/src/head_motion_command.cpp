@@ -93,7 +93,7 @@ int run(HeadMotionOptions& options) {
   std::string text =
       fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) +
       head_motion_text(motion);
-  if (!options.figures.empty() && files.empty()) {
+  if (!options.figures.empty() && motion.course.empty()) {
     text += "figures             none: nothing is known yet that could be drawn\n";
   }
   text += commit_all(files);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "deferred_problem.h"
 #include "input_error.h"
 
 namespace condyle::host {
@@ -55,7 +56,10 @@ int run(int argc, char** argv) {
   }
   try {
     for (const auto& [name, command] : commands) {
-      if (line.is_given(name)) return command();
+      if (!line.is_given(name)) continue;
+      const int exit_code = command();
+      for (const std::string& problem : deferred_problems()) print_error(problem);
+      return exit_code == kExitOk && !deferred_problems().empty() ? kExitBadInput : exit_code;
     }
   } catch (const InputError& error) {
     if (stop_requested()) {  // what looks like an error is the interrupted wait

@@ -11,6 +11,7 @@
 #include "condyle/estimator/published_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/clock.h"
+#include "deferred_problem.h"
 #include "device_values.h"
 #include "drive_options.h"
 #include "estimates_file.h"
@@ -127,7 +128,9 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   }
   for (const auto& file : values) line("values", file->path());
   for (const std::string& note : value_notes) line("note", note);
-  if (figure_folder && figures.empty()) line("figures", "none: there are no values to draw");
+  if (figure_folder && figures.empty())
+    line("figures", !deferred_problems().empty() ? "none: see the error"
+                                                 : "none: there are no values to draw");
   print_output(text);
   for (const std::string& warning : summary.warnings()) print_error("warning: " + warning);
   return kExitOk;

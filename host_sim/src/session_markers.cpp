@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "clean_text.h"
 #include "condyle/hal/session_log_reader.h"
 #include "number_text.h"
 
@@ -34,7 +35,7 @@ std::vector<std::string> marker_notes(const std::vector<SessionMarker>& markers)
     }
     std::string note = "marker at ";
     append_time_s(note, marker.time_ns);
-    notes.push_back(note + " s: " + marker.text);
+    notes.push_back(note + " s: " + clean_line(marker.text));
   }
   return notes;
 }
@@ -43,9 +44,7 @@ std::string markers_csv(const std::vector<SessionMarker>& markers) {
   std::string csv = "time_s,text\n";
   for (const SessionMarker& marker : markers) {
     append_time_s(csv, marker.time_ns);
-    csv += ",\"";
-    for (const char letter : marker.text) csv += letter == '"' ? "\"\"" : std::string(1, letter);
-    csv += "\"\n";
+    csv += "," + csv_cell(marker.text) + "\n";
   }
   return csv;
 }
