@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bridge_input.h"
+#include "clean_text.h"
 #include "command_line.h"
 #include "commands.h"
 #include "condyle/hal/serial_port.h"
@@ -312,7 +313,7 @@ int bridge(const BridgeOptions& options) {
   std::string text =
       fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
   const auto line = [&text](const char* label, const std::string& words) {
-    text += fmt::format("{:<12}{}\n", label, words);
+    text += fmt::format("{:<12}{}\n", label, clean_line(words));
   };
   line("input", options.input + ", " + input.words);
   line("target", options.port + ": " + greeting_words(client.greeting()));

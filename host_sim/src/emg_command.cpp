@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "clean_text.h"
 #include "command_line.h"
 #include "emg_report.h"
 #include "input_error.h"
@@ -54,7 +55,7 @@ int run(const EmgOptions& options) {
     file.write(is_json ? emg_json(result) : result.rows);
     file.close();
     file.commit();
-    text += file.path() + "\n";
+    text += clean_line(file.path()) + "\n";
   }
   print_output(text);
   return kExitOk;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "clean_text.h"
 #include "input_error.h"
 #include "number_text.h"
 
@@ -169,8 +170,8 @@ EmgResult identify_from_emg(const EmgSource& source, const MuscleFile& muscles) 
 std::string emg_text(const EmgResult& result) {
   const EmgEstimate<double>& estimate = result.estimate;
   const EmgParameters& parameters = result.muscles.identification;
-  std::string text = fmt::format("{:<30}{}, {} positions\n", "recording", result.source.recording,
-                                 result.positions);
+  std::string text = fmt::format("{:<30}{}, {} positions\n", "recording",
+                                 clean_line(result.source.recording), result.positions);
   text += fmt::format("{:<30}{}, {} rows at {:.4g} Hz, {} muscles{}\n", "EMG", result.source.emg,
                       result.emg_rows, result.emg.rate_Hz, result.muscles.set.count,
                       result.source.emg_reading.is_raw ? ", raw" : "");

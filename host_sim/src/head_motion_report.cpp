@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "clean_text.h"
 #include "gnuplot.h"
 
 namespace condyle::host {
@@ -134,7 +135,7 @@ std::string head_motion_text(const IdentifiedHeadMotion& motion) {
   const HeadMotionEstimate<double>& estimate = motion.estimate;
   const HeadMotionParameters& stated = motion.parameters;
   std::string text = fmt::format(
-      "{:<20}{}, {} positions with an acceleration{}\n", "recording", motion.recording,
+      "{:<20}{}, {} positions with an acceleration{}\n", "recording", clean_line(motion.recording),
       motion.taken,
       motion.counts.drive_gaps > 0 ? fmt::format(", {} gaps", motion.counts.drive_gaps) : "");
   const bool is_judged = std::isfinite(estimate.residual_ratio);
@@ -172,7 +173,7 @@ std::string head_motion_text(const IdentifiedHeadMotion& motion) {
 
 std::string head_motion_json(const IdentifiedHeadMotion& motion) {
   const HeadMotionEstimate<double>& estimate = motion.estimate;
-  const Json json = {{"recording", motion.recording},
+  const Json json = {{"recording", clean_line(motion.recording)},
                      {"positions", motion.taken},
                      {"damping_rate_per_s", json_of(estimate.damping_rate_per_s)},
                      {"stiffness_per_mass_per_s2", json_of(estimate.stiffness_per_mass_per_s2)},

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "clean_text.h"
 #include "commands.h"
 #include "deferred_problem.h"
 #include "input_error.h"
@@ -76,14 +77,15 @@ bool stop_requested() {
   return stop_signal;
 }
 
-void print_output(const std::string& text) {
+void print_output(const std::string& raw) {
+  const std::string text = clean_lines(raw);
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
     throw InputError("standard output", "cannot be written", "give it a place that takes the text");
   }
 }
 
 void print_error(const std::string& text) {
-  const std::string line = "condyle: " + text + "\n";
+  const std::string line = "condyle: " + clean_lines(text) + "\n";
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <system_error>
 
+#include "clean_text.h"
 #include "input_error.h"
 
 namespace condyle::host {
@@ -78,7 +79,7 @@ std::string commit_all(const std::vector<std::unique_ptr<OutputFile>>& files) {
   std::string names;
   for (const auto& file : files) {
     file->commit();
-    names += file->path() + "\n";
+    names += clean_line(file->path()) + "\n";
   }
   return names;
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "clean_text.h"
 #include "command_line.h"
 #include "commands.h"
 #include "condyle/estimator/driven_sensor.h"
@@ -118,7 +119,7 @@ std::string summary(const RecordOptions& options, const hal::DeviceProfile& prof
   std::string text =
       fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
   const auto line = [&text](const char* label, const std::string& words) {
-    text += fmt::format("{:<12}{}\n", label, words);
+    text += fmt::format("{:<12}{}\n", label, clean_line(words));
   };
   line("device", fmt::format("{}, through {}", profile.name, options.backend));
   line("duration", fmt::format("{:.3f} s", seconds(elapsed_ns)));

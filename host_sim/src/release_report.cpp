@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "clean_text.h"
 #include "input_error.h"
 
 namespace condyle::host {
@@ -84,7 +85,7 @@ std::string advice(const PassiveRelease<double>& fit) {
 
 Json json_of(const FittedRelease& release) {
   const PassiveRelease<double>& fit = release.fit;
-  Json json = {{"recording", release.recording},
+  Json json = {{"recording", clean_line(release.recording)},
                {"begin_s", release.stretch.time_s.front()},
                {"end_s", release.stretch.time_s.back()},
                {"samples", release.stretch.time_s.size()},
@@ -149,7 +150,7 @@ FittedRelease fit_release(const ReleaseSource& source, const ReleaseSettings& se
 
 std::string release_text(const FittedRelease& release) {
   const PassiveRelease<double>& fit = release.fit;
-  std::string text = fmt::format("{:<20}{}\n", "recording", release.recording);
+  std::string text = fmt::format("{:<20}{}\n", "recording", clean_line(release.recording));
   text += fmt::format("{:<20}{:.4f} to {:.4f} s ({}), {} samples\n", "release",
                       release.stretch.time_s.front(), release.stretch.time_s.back(),
                       release.stretch.was_found ? "begin found" : "begin as given",

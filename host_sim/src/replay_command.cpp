@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "clean_text.h"
 #include "command_line.h"
 #include "commands.h"
 #include "condyle/estimator/driven_sensor.h"
@@ -116,7 +117,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   std::string text =
       fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
   const auto line = [&text](const char* label, const std::string& words) {
-    text += fmt::format("{:<12}{}\n", label, words);
+    text += fmt::format("{:<12}{}\n", label, clean_line(words));
   };
   line("recording", recording_text(options, facebow.info()));
   for (const std::string& note : facebow.info().notes) line("note", note);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "clean_text.h"
 #include "command_line.h"
 #include "commands.h"
 #include "input_error.h"
@@ -80,10 +81,10 @@ int simulate(const SimulateOptions& options) {
     }
   }
   for (const auto& file : files) file->close();
-  for (const auto& file : files) file->commit();
+  const std::string names = commit_all(files);
   std::string text = fmt::format("{} samples of {}, seed {}; simulated, no person was recorded\n",
-                                 samples, scenario.name, seed);
-  for (const auto& file : files) text += file->path() + "\n";
+                                 samples, clean_line(scenario.name), seed);
+  text += names;
   print_output(text);
   return kExitOk;
 }

@@ -166,9 +166,17 @@ TEST_F(BadInput, OutputOverItsOwnInput) {
   EXPECT_EQ(testing_support::read_file(path), before);
 }
 
+// All but the figures is kept.
 TEST_F(BadInput, FiguresWithoutGnuplot) {
-  expect_refused(good(), {"gnuplot: cannot draw the figures: it is not installed", "gnuplot-nox"},
-                 {}, {.search_path = "/nowhere"});
+  const std::string out = folder_ / "out.csv";
+  const CommandResult result =
+      run_condyle({"replay", good(), "--out", out, "--figures", folder_ / "figures"},
+                  {.search_path = "/nowhere"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.errors,
+              AllOf(HasSubstr("gnuplot: cannot draw the figures: it is not installed"),
+                    HasSubstr("gnuplot-nox")));
+  EXPECT_TRUE(std::filesystem::exists(out));
 }
 
 TEST_F(BadInput, NoUsableSampleTime) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clean_text.h"
 #include "comparison/figure_label.h"
 #include "number_text.h"
 
@@ -141,13 +142,9 @@ std::string warning_words(const RunReport& run) {
 }
 
 std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + "\"";
+  std::string cell = csv_cell(text);
+  const bool is_plain = cell == '"' + text + '"' && text.find(',') == std::string::npos;
+  return is_plain ? text : cell;
 }
 
 std::string comparison_text(const std::vector<NamedEstimator>& estimators,
@@ -158,8 +155,8 @@ std::string comparison_text(const std::vector<NamedEstimator>& estimators,
   bool has_assumed = false;
   for (const RecordingReport& recording : recordings) {
     text += fmt::format("{}, {}: {} samples, {:.4g} s, {} gaps; {} predicted by all\n",
-                        recording.source, recording.format, recording.samples, recording.duration_s,
-                        recording.gaps, recording.compared);
+                        clean_line(recording.source), recording.format, recording.samples,
+                        recording.duration_s, recording.gaps, recording.compared);
     for (const std::string& note : recording.notes) text += fmt::format("  note: {}\n", note);
     text += prediction_text(estimators, recording, width) +
             motion_text(estimators, recording, width) + friction_text(estimators, recording);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "clean_text.h"
 #include "comparison/comparison_text.h"
 #include "number_text.h"
 
@@ -19,10 +20,11 @@ constexpr double kFewMeasured = 0.95;
 std::string sessions_text(const std::vector<Session>& sessions) {
   std::string text;
   for (const Session& session : sessions) {
-    text += fmt::format("session      {}: {} recording{}\n", session.name,
+    text += fmt::format("session      {}: {} recording{}\n", clean_line(session.name),
                         session.recordings.size(), session.recordings.size() == 1 ? "" : "s");
     for (const RecordingReport& recording : session.recordings) {
-      text += fmt::format("             {}, {:.4g} s\n", recording.source, recording.duration_s);
+      text += fmt::format("             {}, {:.4g} s\n", clean_line(recording.source),
+                          recording.duration_s);
     }
   }
   return text;
@@ -73,16 +75,16 @@ std::string doubts_text(const std::vector<Session>& sessions) {
   for (const Session& session : sessions) {
     for (const RecordingReport& recording : session.recordings) {
       for (const std::string& note : recording.notes) {
-        text += fmt::format("note         {}: {}\n", recording.source, note);
+        text += fmt::format("note         {}: {}\n", clean_line(recording.source), note);
       }
       const double measured_share = recording.runs[0].measured_share;
       if (measured_share < kFewMeasured) {
         text += fmt::format("note         {}: {:.0f} % of its samples measure the motion\n",
-                            recording.source, 100 * measured_share);
+                            clean_line(recording.source), 100 * measured_share);
       }
       const std::string warning = warning_words(recording.runs[0]);
       if (warning.empty()) continue;
-      text += fmt::format("note         {}: {}\n", recording.source, warning);
+      text += fmt::format("note         {}: {}\n", clean_line(recording.source), warning);
     }
   }
   return text;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuning/tuning_report.h"
+#include "clean_text.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +14,7 @@ namespace {
 constexpr std::size_t kMostNamed = 8;
 
 std::string line(const std::string& label, const std::string& words) {
-  return fmt::format("{:<16}{}\n", label, words);
+  return fmt::format("{:<16}{}\n", label, clean_line(words));
 }
 
 struct Unit {
