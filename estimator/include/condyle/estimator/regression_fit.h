@@ -155,7 +155,8 @@ class RegressionData {
   double drive_variance_N2() const { return sum_.drive_noise.variance / sum_.drive_noise.count; }
 
   /// True where the positions' noise is not white: at some lag the blocks' sums are farther from 0
-  /// than their scatter allows. A block that is much louder than the others counts as one of thrice
+  /// than their scatter allows, by chance once in 70 recordings of 8 s, 200 of 20 s, 1000 of a
+  /// minute. A block that is much louder than the others counts as one of thrice
   /// their variance. The drive's noise needs no such test: it is in the residual.
   bool has_coloured_positions() const {
     constexpr double kBeyond = 4, kLoud = 3;
