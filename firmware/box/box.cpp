@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cstdlib>
+#include <utility>
 
 #include "box/real_time.h"
 #include "box/service_notice.h"
@@ -15,6 +17,7 @@ namespace {
 constexpr std::size_t kHistoryLines = 15'000;  // 30 s at 500 Hz
 constexpr TimeNs kPeriod_ns = 50'000'000, kSearchPause_ns = kNanosecondsPerSecond;
 constexpr TimeNs kWallStep_ns = 200'000'000;
+constexpr std::chrono::seconds kDiskPatience{10};
 
 }  // namespace
 
@@ -28,7 +31,7 @@ Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
       facebow_(configuration_.facebow, clock),
       device_name_(facebow_.profile().name),
       nominal_rate_Hz_(facebow_.profile().rate_Hz),
-      recorder_(configuration_, facebow_, clock, log),
+      keeper_(configuration_, facebow_, clock, log),
       history_(kHistoryLines),
       publisher_(history_, configuration_.udp_address, configuration_.udp_port, clock),
       http_(configuration_, history_, service(), log) {
@@ -40,7 +43,7 @@ Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
 
 Box::~Box() {
   http_.stop();
-  (void)recorder_.stop();
+  (void)keeper_.finish(kDiskPatience);
   if (engine_) engine_->stop();
   if (node_) node_->stop();
   publisher_.stop();
@@ -48,9 +51,13 @@ Box::~Box() {
 
 HttpServer::Service Box::service() {
   return {[this] { return status_json(status()); },
-          [this](const std::string& subject) { return recorder_.start(subject); },
-          [this] { return recorder_.stop(); },
-          [this](const std::string& text) { return recorder_.mark(text); }};
+          [this](const std::string& subject, SessionKeeper::Then then) {
+            keeper_.start(subject, std::move(then));
+          },
+          [this](SessionKeeper::Then then) { keeper_.stop(std::move(then)); },
+          [this](const std::string& text, SessionKeeper::Then then) {
+            keeper_.mark(text, std::move(then));
+          }};
 }
 
 void Box::run(const std::function<bool()>& should_stop) {
@@ -79,7 +86,7 @@ void Box::run(const std::function<bool()>& should_stop) {
       problem_.clear();
     }
     log_.say(BoxLog::Level::info, "real-time", engine_->scheduling() + ", memory " + memory);
-    recorder_.attach(*engine_);
+    keeper_.attach(*engine_);
     is_found_.store(true, std::memory_order_release);
     while (!should_stop()) {
       look_after(clock_.now_ns());
@@ -88,7 +95,12 @@ void Box::run(const std::function<bool()>& should_stop) {
   }
   notify_service_manager("STOPPING=1");
   http_.stop();  // first: it could begin a session
-  (void)recorder_.stop();
+  if (!keeper_.finish(kDiskPatience)) {
+    is_held_by_disk_ = true;
+    log_.say(
+        BoxLog::Level::error, "session",
+        "the disk does not answer: what waits for it is lost; what reached it before is whole");
+  }
   if (engine_) engine_->stop();
   if (node_) node_->stop();
   publisher_.stop();
@@ -116,7 +128,7 @@ bool Box::find_facebow(const std::function<bool()>& should_stop) {
 }
 
 void Box::look_after(TimeNs now_ns) {
-  recorder_.check();
+  keeper_.check();
   watch_device();
   watch_wall_clock();
   measure_rate(now_ns);
@@ -171,7 +183,7 @@ BoxStatus Box::status() const {
   status.device = device_name_;
   status.nominal_rate_Hz = nominal_rate_Hz_;
   status.records = !configuration_.folder.empty();
-  status.session = recorder_.state();
+  status.session = keeper_.state();
   status.publisher = publisher_.counts();
   status.http = http_.counts();
   status.node = configuration_.node;

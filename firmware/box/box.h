@@ -17,7 +17,7 @@
 #include "box/node_estimator.h"
 #include "box/node_feed.h"
 #include "box/publisher.h"
-#include "box/session_recorder.h"
+#include "box/session_keeper.h"
 #include "condyle/hal/clock.h"
 #include "wall_clock.h"
 
@@ -37,6 +37,10 @@ class Box {
   /// Works until `should_stop`, on this thread and others; then ends a session that is being
   /// recorded, and all else. Call it once.
   void run(const std::function<bool()>& should_stop);
+
+  /// After `run`: a disk that does not answer holds the last of the session, and would hold the
+  /// destructor. Who sees this ends the program at once.
+  bool is_held_by_disk() const { return is_held_by_disk_; }
 
   std::uint16_t http_port() const { return http_.port(); }
   BoxStatus status() const;
@@ -58,7 +62,7 @@ class Box {
   FacebowReports facebow_;
   const std::string device_name_;  // copies, for other threads: finding it changes the profile
   const double nominal_rate_Hz_;
-  SessionRecorder recorder_;
+  SessionKeeper keeper_;
   EstimateHistory history_;
   Publisher publisher_;
   // There once the facebow was found.
@@ -67,6 +71,7 @@ class Box {
   std::unique_ptr<Engine> engine_;
   std::unique_ptr<NodeEstimator> node_;
   std::atomic<bool> is_found_ = false;
+  bool is_held_by_disk_ = false;
 
   mutable std::mutex mutex_;
   std::string problem_, memory_;  // guarded by the mutex

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "box/http_request.h"
 
+#include <algorithm>
 #include <charconv>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "box/configuration.h"
 
@@ -24,13 +26,41 @@ bool is_same(const std::string& a, const std::string& b) {
   return difference == 0;
 }
 
-bool names_this_machine(std::string host) {
+bool is_port(std::string_view text) {
+  return !text.empty() && text.size() <= 5 &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+// HOST or HOST:PORT, nothing else; names in either case, with or without the dot at the end.
+bool names_this_machine(const std::string& text) {
+  std::string_view host = text, rest;
   if (host.starts_with('[')) {
     const std::size_t end = host.find(']');
-    return end != std::string::npos && is_loopback(host.substr(1, end - 1));
+    if (end == std::string_view::npos) return false;
+    rest = host.substr(end + 1);
+    host = host.substr(1, end - 1);
+    if (host.find(':') == std::string_view::npos) return false;
+  } else {
+    const std::size_t colon = std::min(host.find(':'), host.size());
+    rest = host.substr(colon);
+    host = host.substr(0, colon);
   }
-  host = host.substr(0, host.find(':'));
-  return host == "localhost" || is_loopback(host);
+  if (!rest.empty() && (rest.front() != ':' || !is_port(rest.substr(1)))) return false;
+  std::string name(host);
+  for (char& c : name) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  if (name == "localhost" || name == "localhost.") return true;
+  return is_loopback(name);
+}
+
+// A browser says so of what a page asks for that the box did not serve.
+bool is_of_another_site(const HttpRequest& request) {
+  const std::string& site = request.fetch_site;
+  if (!site.empty() && site != "same-origin" && site != "none") return true;
+  const std::string& origin = request.origin;
+  return !origin.empty() && origin != "http://" + request.host &&
+         origin != "https://" + request.host;
 }
 
 bool is_json(const std::string& content_type) {
@@ -87,6 +117,15 @@ HttpRouting route_command(const HttpRequest& request, HttpAction action, const c
 }  // namespace
 
 HttpRouting route(const HttpRequest& request, const HttpAccess& access) {
+  if (request.hosts > 1) return refusal(400, "a request has one Host");
+  const bool is_page = request.path == "/" && request.method == "GET";
+  const bool is_navigation = is_page && request.origin.empty() && request.fetch_mode == "navigate";
+  if (is_of_another_site(request) && !is_navigation) {
+    return refusal(403, "a page of another site may not ask the box");
+  }
+  if (is_page && (!access.token.empty() || names_this_machine(request.host))) {
+    return {.action = HttpAction::page, .status = 200, .words = {}, .text = {}, .after = {}};
+  }
   if (!access.token.empty()) {
     if (!is_same(request.authorization, "Bearer " + access.token)) {
       return refusal(401, "send the box's token as Authorization: Bearer TOKEN");

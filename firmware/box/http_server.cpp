@@ -1,20 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "box/http_server.h"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <microhttpd.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
+#include <cerrno>
 #include <cstring>
 #include <exception>
 #include <list>
 #include <mutex>
-#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
 
+#include "box/connection_table.h"
+#include "box/http_answer.h"
 #include "box/http_request.h"
+#include "box/listening_socket.h"
 #include "input_error.h"
 
 namespace condyle::box {
@@ -22,48 +28,32 @@ namespace {
 
 constexpr unsigned kMostConnections = 1200, kMostServed = 200;
 constexpr unsigned kTimeout_s = 10;
+constexpr int kBacklog = 128;
+constexpr std::size_t kMostOfAnAddress = 32;
+constexpr TimeNs kDeadline_ns = kTimeout_s * kNanosecondsPerSecond;
+constexpr TimeNs kPatience_ns = 5 * kNanosecondsPerSecond;  // with a disk that does not answer
 constexpr std::size_t kBlock = 16 * 1024, kConnectionMemory = 32 * 1024;
 constexpr TimeNs kSilence_ns = 5 * kNanosecondsPerSecond;  // before it is said that we are here
 constexpr const char* kDisclaimer = "research use only; this is no diagnosis";
-
-std::string header(MHD_Connection* connection, const char* name) {
-  const char* const value = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, name);
-  return value != nullptr ? value : "";
-}
-
-MHD_Result send_json(MHD_Connection* connection, int status, const std::string& body) {
-  MHD_Response* const response = MHD_create_response_from_buffer(
-      body.size(), const_cast<char*>(body.data()), MHD_RESPMEM_MUST_COPY);
-  if (response == nullptr) return MHD_NO;
-  MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE, "application/json");
-  MHD_add_response_header(response, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
-  MHD_add_response_header(response, "X-Content-Type-Options", "nosniff");
-  if (status == MHD_HTTP_UNAUTHORIZED) {
-    MHD_add_response_header(response, MHD_HTTP_HEADER_WWW_AUTHENTICATE, "Bearer");
-  }
-  if (status == MHD_HTTP_SERVICE_UNAVAILABLE) {
-    MHD_add_response_header(response, MHD_HTTP_HEADER_RETRY_AFTER, "1");
-  }
-  const MHD_Result result = MHD_queue_response(connection, static_cast<unsigned>(status), response);
-  MHD_destroy_response(response);
-  return result;
-}
-
-std::string answer_json(const SessionRecorder::Answer& answer) {
-  nlohmann::ordered_json json;
-  json[answer.status < 400 ? "done" : "problem"] = answer.words;
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
 
 // Between the calls for one request.
 struct Pending {
   std::string body;
   bool is_too_long = false;
+  std::uint64_t number = 0;  // of a command that waits for its answer; 0: none
+  std::optional<HttpServer::Answer> answer;
 };
 
 }  // namespace
 
-struct HttpServer::State {
+struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
+  // A command whose connection is suspended.
+  struct Waiting {
+    std::uint64_t number = 0;
+    MHD_Connection* connection = nullptr;
+    Pending* pending = nullptr;
+    TimeNs since_ns = 0;
+  };
   // Someone who is sent estimates.
   struct Listener {
     State* state = nullptr;
@@ -87,15 +77,10 @@ struct HttpServer::State {
   static MHD_Result on_request(void* self, MHD_Connection* connection, const char* url,
                                const char* method, const char* version, const char* upload,
                                std::size_t* upload_size, void** place);
-  static void on_completed(void*, MHD_Connection*, void** place, MHD_RequestTerminationCode) {
-    delete static_cast<Pending*>(*place);
-    *place = nullptr;
-  }
-  static void on_connection(void* self, MHD_Connection*, void**,
-                            MHD_ConnectionNotificationCode code) {
-    auto& connections = static_cast<State*>(self)->connections;
-    code == MHD_CONNECTION_NOTIFY_STARTED ? ++connections : --connections;
-  }
+  static void on_completed(void* self, MHD_Connection* connection, void** place,
+                           MHD_RequestTerminationCode);
+  static void on_connection(void* self, MHD_Connection* connection, void** place,
+                            MHD_ConnectionNotificationCode code);
   static ssize_t on_read(void* listener, std::uint64_t, char* buffer, std::size_t size) {
     auto& one = *static_cast<Listener*>(listener);
     return one.state->give(one, buffer, size);
@@ -113,7 +98,11 @@ struct HttpServer::State {
     static_cast<State*>(self)->log.say(BoxLog::Level::info, "http", text);
   }
 
-  MHD_Result answer(MHD_Connection* connection, const HttpRequest& request);
+  MHD_Result answer(MHD_Connection* connection, const HttpRequest& request, Pending& pending);
+  MHD_Result command(MHD_Connection* connection, Pending& pending,
+                     const std::function<void(Then)>& run);
+  void go_on(std::uint64_t number, const Answer& answer);
+  void set_idle(MHD_Connection* connection, bool is_idle);
   MHD_Result listen(MHD_Connection* connection, std::optional<std::uint64_t> after);
   ssize_t give(Listener& listener, char* buffer, std::size_t size);
   bool next_text(Listener& listener);
@@ -123,12 +112,18 @@ struct HttpServer::State {
   Service service;
   BoxLog& log;
   HttpAccess access;
+  std::size_t connected() {
+    const std::lock_guard lock(mutex);
+    return connections.size();
+  }
   std::uint16_t most_listeners, port = 0;
   MHD_Daemon* daemon = nullptr;
   std::mutex mutex;
   bool is_stopping = false;  // guarded by the mutex, as are the listeners
   std::list<std::unique_ptr<Listener>> listeners;
-  std::atomic<unsigned> connections = 0;
+  std::list<Waiting> waiting;
+  std::uint64_t commands = 0;
+  ConnectionTable connections{kMostOfAnAddress, kDeadline_ns};
   std::atomic<std::uint64_t> requests = 0, refused = 0, missed = 0;
 };
 
@@ -138,7 +133,7 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
   auto& state = *static_cast<State*>(self);
   if (*place == nullptr) {
     *place = new Pending;
-    if (state.connections > kMostServed) {
+    if (state.connected() > kMostServed) {
       ++state.requests;
       ++state.refused;
       return send_json(connection, MHD_HTTP_SERVICE_UNAVAILABLE,
@@ -157,6 +152,10 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
     return MHD_YES;
   }
   auto& pending = *static_cast<Pending*>(*place);
+  if (pending.answer) {
+    if (pending.answer->status >= 400) ++state.refused;
+    return send_json(connection, pending.answer->status, answer_json(*pending.answer));
+  }
   if (*upload_size > 0) {
     if (pending.body.size() + *upload_size > kLongestBody) pending.is_too_long = true;
     if (!pending.is_too_long) pending.body.append(upload, *upload_size);
@@ -170,6 +169,10 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
   request.authorization = header(connection, MHD_HTTP_HEADER_AUTHORIZATION);
   request.content_type = header(connection, MHD_HTTP_HEADER_CONTENT_TYPE);
   request.last_event_id = header(connection, "Last-Event-ID");
+  request.origin = header(connection, "Origin");
+  request.fetch_site = header(connection, "Sec-Fetch-Site");
+  request.fetch_mode = header(connection, "Sec-Fetch-Mode");
+  request.hosts = count_headers(connection, MHD_HTTP_HEADER_HOST);
   if (const char* const after =
           MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "after")) {
     request.after = after;
@@ -178,7 +181,7 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
   request.is_too_long = pending.is_too_long;
   // Nothing may be thrown through the C library.
   try {
-    return state.answer(connection, request);
+    return state.answer(connection, request, pending);
   } catch (const std::exception& error) {
     state.log.say(BoxLog::Level::error, "http", error.what());
     return send_json(connection, MHD_HTTP_INTERNAL_SERVER_ERROR,
@@ -186,29 +189,95 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
   }
 }
 
-MHD_Result HttpServer::State::answer(MHD_Connection* connection, const HttpRequest& request) {
+void HttpServer::State::on_completed(void* self, MHD_Connection* connection, void** place,
+                                     MHD_RequestTerminationCode) {
+  auto& state = *static_cast<State*>(self);
+  const std::unique_ptr<Pending> pending(static_cast<Pending*>(*place));
+  *place = nullptr;
+  state.set_idle(connection, true);
+  if (!pending || pending->number == 0) return;
+  const std::lock_guard lock(state.mutex);
+  state.waiting.remove_if([&](const Waiting& one) { return one.number == pending->number; });
+}
+
+void HttpServer::State::on_connection(void* self, MHD_Connection* connection, void** place,
+                                      MHD_ConnectionNotificationCode code) {
+  auto& state = *static_cast<State*>(self);
+  const std::lock_guard lock(state.mutex);
+  if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
+    return state.connections.closed(static_cast<ConnectionTable::Connection*>(*place));
+  }
+  const auto* const address =
+      MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+  const auto* const socket = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+  std::vector<int> ending;
+  *place = state.connections.opened(text_of(address->client_addr), socket->connect_fd,
+                                    state.clock.now_ns(), ending);
+  for (const int descriptor : ending) shutdown(descriptor, SHUT_RDWR);
+}
+
+void HttpServer::State::set_idle(MHD_Connection* connection, bool is_idle) {
+  const auto* const context =
+      MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+  if (context == nullptr || context->socket_context == nullptr) return;
+  auto& one = *static_cast<ConnectionTable::Connection*>(context->socket_context);
+  const std::lock_guard lock(mutex);
+  one.is_idle = is_idle;
+  one.since_ns = clock.now_ns();
+}
+
+// Suspends the connection until the answer is there: this thread waits for no disk.
+MHD_Result HttpServer::State::command(MHD_Connection* connection, Pending& pending,
+                                      const std::function<void(Then)>& run) {
+  std::uint64_t number = 0;
+  {
+    const std::lock_guard lock(mutex);
+    if (is_stopping) return MHD_NO;
+    number = pending.number = ++commands;
+    waiting.push_back({number, connection, &pending, clock.now_ns()});
+    MHD_suspend_connection(connection);
+  }
+  run([self = weak_from_this(), number](const Answer& answer) {
+    if (const auto state = self.lock()) state->go_on(number, answer);
+  });
+  return MHD_YES;
+}
+
+void HttpServer::State::go_on(std::uint64_t number, const Answer& answer) {
+  const std::lock_guard lock(mutex);
+  const auto one = std::find_if(waiting.begin(), waiting.end(),
+                                [number](const Waiting& other) { return other.number == number; });
+  if (one == waiting.end()) return;
+  one->pending->answer = answer;
+  MHD_resume_connection(one->connection);
+  waiting.erase(one);
+}
+
+MHD_Result HttpServer::State::answer(MHD_Connection* connection, const HttpRequest& request,
+                                     Pending& pending) {
   ++requests;
+  set_idle(connection, false);
   const HttpRouting routing = route(request, access);
-  SessionRecorder::Answer answer{routing.status, routing.words};
   switch (routing.action) {
     case HttpAction::refuse:
       break;
+    case HttpAction::page:
+      return send_page(connection);
     case HttpAction::status:
       return send_json(connection, MHD_HTTP_OK, service.status());
     case HttpAction::estimates:
       return listen(connection, routing.after);
     case HttpAction::start:
-      answer = service.start(routing.text);
-      break;
+      return command(connection, pending,
+                     [&](Then then) { service.start(routing.text, std::move(then)); });
     case HttpAction::stop:
-      answer = service.stop();
-      break;
+      return command(connection, pending, [&](Then then) { service.stop(std::move(then)); });
     case HttpAction::mark:
-      answer = service.mark(routing.text);
-      break;
+      return command(connection, pending,
+                     [&](Then then) { service.mark(routing.text, std::move(then)); });
   }
-  if (answer.status >= 400) ++refused;
-  return send_json(connection, answer.status, answer_json(answer));
+  ++refused;
+  return send_json(connection, routing.status, answer_json({routing.status, routing.words}));
 }
 
 MHD_Result HttpServer::State::listen(MHD_Connection* connection,
@@ -285,35 +354,28 @@ ssize_t HttpServer::State::give(Listener& listener, char* buffer, std::size_t si
 
 HttpServer::HttpServer(const Configuration& configuration, const EstimateHistory& history,
                        Service service, BoxLog& log)
-    : state_(std::make_unique<State>(configuration, history, std::move(service), log)) {
-  sockaddr_in v4{};
-  sockaddr_in6 v6{};
-  const sockaddr* address = reinterpret_cast<const sockaddr*>(&v4);
-  unsigned flags = MHD_USE_AUTO_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG;
-  if (inet_pton(AF_INET, configuration.http_address.c_str(), &v4.sin_addr) == 1) {
-    v4.sin_family = AF_INET;
-    v4.sin_port = htons(configuration.http_port);
-  } else {
-    inet_pton(AF_INET6, configuration.http_address.c_str(), &v6.sin6_addr);
-    v6.sin6_family = AF_INET6;
-    v6.sin6_port = htons(configuration.http_port);
-    address = reinterpret_cast<const sockaddr*>(&v6);
-    flags |= MHD_USE_IPv6;
-  }
+    : state_(std::make_shared<State>(configuration, history, std::move(service), log)) {
+  const int listening = open_listener(configuration.http_address, configuration.http_port);
+  const auto fail = [&](int error) {
+    close(listening);
+    throw host::InputError(
+        fmt::format("http address {} port {}", configuration.http_address, configuration.http_port),
+        fmt::format("cannot be listened to: {}", std::strerror(error)),
+        error == EADDRINUSE ? "choose a port that no other program uses"
+        : error == EACCES   ? "choose a port from 1024 on"
+                            : "check the address");
+  };
+  if (listening < 0 || ::listen(listening, kBacklog) != 0) fail(errno);
   state_->daemon = MHD_start_daemon(
-      flags, configuration.http_port, nullptr, nullptr, &State::on_request, state_.get(),
-      MHD_OPTION_EXTERNAL_LOGGER, &State::on_message, state_.get(), MHD_OPTION_SOCK_ADDR, address,
-      MHD_OPTION_CONNECTION_LIMIT, kMostConnections, MHD_OPTION_CONNECTION_TIMEOUT, kTimeout_s,
+      MHD_USE_AUTO_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG, 0, nullptr,
+      nullptr, &State::on_request, state_.get(), MHD_OPTION_EXTERNAL_LOGGER, &State::on_message,
+      state_.get(), MHD_OPTION_LISTEN_SOCKET, listening, MHD_OPTION_CONNECTION_LIMIT,
+      kMostConnections, MHD_OPTION_CONNECTION_TIMEOUT, kTimeout_s,
       MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionMemory, MHD_OPTION_NOTIFY_COMPLETED,
       &State::on_completed, state_.get(), MHD_OPTION_NOTIFY_CONNECTION, &State::on_connection,
       state_.get(), MHD_OPTION_END);
-  if (state_->daemon == nullptr) {
-    throw host::InputError(
-        fmt::format("http address {} port {}", configuration.http_address, configuration.http_port),
-        "cannot be listened to", "choose a port that no other program uses");
-  }
-  const MHD_DaemonInfo* const info = MHD_get_daemon_info(state_->daemon, MHD_DAEMON_INFO_BIND_PORT);
-  state_->port = info != nullptr ? info->port : configuration.http_port;
+  if (state_->daemon == nullptr) fail(errno);
+  state_->port = bound_port(listening);
 }
 
 HttpServer::~HttpServer() {
@@ -324,6 +386,15 @@ void HttpServer::tick() {
   const std::uint64_t newest = state_->history.newest();
   const TimeNs now_ns = state_->clock.now_ns();
   const std::lock_guard lock(state_->mutex);
+  std::vector<int> ending;
+  state_->connections.collect_late(now_ns, ending);
+  for (const int descriptor : ending) shutdown(descriptor, SHUT_RDWR);
+  state_->waiting.remove_if([now_ns](const State::Waiting& one) {
+    if (now_ns - one.since_ns < kPatience_ns) return false;
+    one.pending->answer = {503, "the disk does not answer; the command waits for it"};
+    MHD_resume_connection(one.connection);
+    return true;
+  });
   for (const auto& listener : state_->listeners) {
     if (!listener->is_suspended) continue;
     listener->is_to_keep_alive = now_ns - listener->silent_since_ns >= kSilence_ns;
@@ -338,6 +409,11 @@ void HttpServer::stop() {
   {
     const std::lock_guard lock(state_->mutex);
     state_->is_stopping = true;
+    for (const State::Waiting& one : state_->waiting) {
+      one.pending->answer = {503, "the box is ending"};
+      MHD_resume_connection(one.connection);
+    }
+    state_->waiting.clear();
     for (const auto& listener : state_->listeners) {
       if (listener->is_suspended) MHD_resume_connection(listener->connection);
       listener->is_suspended = false;

@@ -9,7 +9,7 @@
 #include "box/box_log.h"
 #include "box/configuration.h"
 #include "box/estimate_history.h"
-#include "box/session_recorder.h"
+#include "box/session_keeper.h"
 
 namespace condyle::box {
 
@@ -21,15 +21,18 @@ struct HttpCounts {
 };
 
 /// The box's HTTP interface (http_request.h), on a thread of its own. A listener who does not read
-/// is left behind, told what it missed, and dropped after 10 s; nobody waits for it.
+/// is left behind, told what it missed, and dropped after 10 s; nobody waits for it. A connection
+/// has 10 s for a request, however slowly it comes (connection_table.h).
 class HttpServer {
  public:
-  /// What it is asked for; called on its thread.
+  using Answer = SessionKeeper::Answer;
+  using Then = SessionKeeper::Then;
+  /// What it is asked for; called on its thread, which must not wait: commands answer later.
   struct Service {
     std::function<std::string()> status;
-    std::function<SessionRecorder::Answer(const std::string&)> start;
-    std::function<SessionRecorder::Answer()> stop;
-    std::function<SessionRecorder::Answer(const std::string&)> mark;
+    std::function<void(const std::string&, Then)> start;
+    std::function<void(Then)> stop;
+    std::function<void(const std::string&, Then)> mark;
   };
 
   /// An InputError where it cannot listen.
@@ -49,7 +52,7 @@ class HttpServer {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  std::shared_ptr<State> state_;
 };
 
 }  // namespace condyle::box

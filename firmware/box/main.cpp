@@ -5,6 +5,7 @@
 #include <charconv>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <string>
@@ -112,6 +113,7 @@ int run(const Arguments& arguments) {
           "listening on " + configuration.http_address + " port " +
               std::to_string(service.http_port()));
   service.run(should_stop);
+  if (service.is_held_by_disk()) std::_Exit(kExitFailure);
   return kExitOk;
 }
 

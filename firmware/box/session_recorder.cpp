@@ -4,10 +4,13 @@
 #include <fmt/format.h>
 #include <sys/statvfs.h>
 
+#include <cerrno>
+#include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <utility>
 
+#include "clean_text.h"
 #include "input_error.h"
 #include "wall_clock.h"
 
@@ -17,6 +20,7 @@ namespace {
 constexpr TimeNs kPause_ns = 5 * kNanosecondsPerSecond;
 // A companion takes so long to be opened.
 constexpr TimeNs kOpening_ns = kNanosecondsPerSecond;
+constexpr TimeNs kLongestPart_ns = 6 * 3600 * kNanosecondsPerSecond;
 
 int http_status(hal::SessionLogFailure failure) {
   return failure == hal::SessionLogFailure::disk_full ? 507 : 500;
@@ -59,17 +63,14 @@ SessionRecorder::SessionRecorder(const Configuration& configuration, const Faceb
 }
 
 SessionRecorder::~SessionRecorder() {
-  const std::lock_guard lock(mutex_);
   (void)end_part();
 }
 
 void SessionRecorder::attach(Engine& engine) {
-  const std::lock_guard lock(mutex_);
   engine_ = &engine;
 }
 
 SessionRecorder::Answer SessionRecorder::start(const std::string& subject) {
-  const std::lock_guard lock(mutex_);
   if (configuration_.folder.empty()) {
     return {409, "this box records nothing; name a [recording] folder in its configuration"};
   }
@@ -79,6 +80,9 @@ SessionRecorder::Answer SessionRecorder::start(const std::string& subject) {
   if (state_.phase != SessionState::Phase::idle)
     return {409, "a session is being recorded; stop it first"};
   if (engine_ == nullptr) return {503, "the facebow has not been found yet"};
+  if (host::wall_ns() < 0) {
+    return {503, "the clock of this machine stands before 1970; set it, then start again"};
+  }
   state_ = {};
   state_.subject = subject;
   stem_ = file_stem(subject);
@@ -123,28 +127,35 @@ SessionRecorder::Answer SessionRecorder::describe_companions() {
   return {};
 }
 
-// Two sessions may begin in the same second, or the wall clock may have been set back.
-std::string SessionRecorder::free_name() const {
+// Two sessions may begin in the same second, or the wall clock may have been set back. A name that
+// belongs to a link that leads nowhere is taken.
+SessionRecorder::Answer SessionRecorder::find_free_name() const {
   for (int number = state_.part + 1;; ++number) {
     const std::filesystem::path file =
         std::filesystem::path(configuration_.folder) /
         (number == 1 ? stem_ + ".mcap" : fmt::format("{}-{}.mcap", stem_, number));
-    if (!std::filesystem::exists(file)) return file.string();
+    std::error_code error;
+    const auto type = std::filesystem::symlink_status(file, error).type();
+    if (type == std::filesystem::file_type::not_found) return {200, file.string()};
+    if (error) return {500, configuration_.folder + ": " + error.message()};
   }
 }
 
 SessionRecorder::Answer SessionRecorder::begin_part() {
-  if (free_bytes() < configuration_.reserve_bytes) {
-    return {507, fmt::format("the disk has less than {:.0f} MB left",
-                             static_cast<double>(configuration_.reserve_bytes) * 1e-6)};
-  }
+  if (Answer room = find_room(); room.status != 200) return room;
   auto part = std::make_unique<Part>();
-  const std::string file = free_name();
+  const Answer name = find_free_name();
+  if (name.status != 200) return name;
+  const std::string& file = name.words;
   const hal::SessionHeader facts = header();
   const hal::SessionLogFailure failure = part->log.open(file, facts);
   if (failure == hal::SessionLogFailure::bad_header) return {500, hal::header_problem(facts)};
   if (failure != hal::SessionLogFailure::none) {
     return {http_status(failure), file + ": " + hal::session_log_failure_name(failure)};
+  }
+  // No device is opened twice.
+  if (part_) {
+    for (const auto& companion : part_->companions) companion->companion.stop();
   }
   try {
     for (std::size_t i = 0; i < companions_.size(); ++i) {
@@ -158,21 +169,28 @@ SessionRecorder::Answer SessionRecorder::begin_part() {
   }
   part->begin_ns = clock_.now_ns();
   part->marker_source = companions_.size() + 1;
-  part_ = std::move(part);
+  // The reports go from the old file to the new one without a gap.
+  engine_->begin_run(&part->log);
+  const std::unique_ptr<Part> old = std::exchange(part_, std::move(part));
+  state_.problem.clear();
+  if (old) (void)close_part(*old);
   state_.phase = SessionState::Phase::recording;
   state_.file = file;
   ++state_.part;
-  state_.problem.clear();
-  engine_->begin_run(&part_->log);
   return {200, file};
 }
 
 hal::SessionLogFailure SessionRecorder::end_part() {
   if (!part_) return hal::SessionLogFailure::none;
   engine_->begin_run(nullptr);
-  for (const auto& companion : part_->companions) companion->companion.stop();
-  const hal::SessionLogFailure failure = part_->log.close();
-  const hal::SessionLogStatus& log = state_.log = part_->log.status();
+  const std::unique_ptr<Part> part = std::move(part_);
+  return close_part(*part);
+}
+
+hal::SessionLogFailure SessionRecorder::close_part(Part& part) {
+  for (const auto& companion : part.companions) companion->companion.stop();
+  const hal::SessionLogFailure failure = part.log.close();
+  const hal::SessionLogStatus& log = state_.log = part.log.status();
   state_.reports_written += log.reports_written;
   state_.reports_lost += log.reports_lost;
   state_.events_written += log.events_written;
@@ -182,12 +200,10 @@ hal::SessionLogFailure SessionRecorder::end_part() {
                      "; what reached the disk before is whole";
     box_log_.say(BoxLog::Level::error, "session", state_.problem);
   }
-  part_.reset();
   return failure;
 }
 
 SessionRecorder::Answer SessionRecorder::stop() {
-  const std::lock_guard lock(mutex_);
   if (state_.phase == SessionState::Phase::idle) return {409, "no session is being recorded"};
   if (state_.phase == SessionState::Phase::paused) {
     state_.paused_ns += clock_.now_ns() - paused_since_ns_;
@@ -203,9 +219,11 @@ SessionRecorder::Answer SessionRecorder::stop() {
 }
 
 SessionRecorder::Answer SessionRecorder::mark(const std::string& text) {
-  const std::lock_guard lock(mutex_);
   if (text.empty() || text.size() > hal::kMaxEventText) {
     return {400, fmt::format("a marker has 1 to {} bytes of text", hal::kMaxEventText)};
+  }
+  if (host::clean_line(text) != text) {
+    return {400, "a marker is one line of UTF-8 without control characters"};
   }
   if (state_.phase == SessionState::Phase::paused) return {409, state_.problem};
   if (!part_) return {409, "no session is being recorded"};
@@ -228,13 +246,15 @@ void SessionRecorder::pause(const std::string& why) {
 }
 
 void SessionRecorder::check() {
-  const std::lock_guard lock(mutex_);
   if (part_) {
     const hal::SessionLogStatus log = part_->log.status();
     if (log.failure != hal::SessionLogFailure::none) {
       pause(state_.file + ": " + hal::session_log_failure_name(log.failure));
-    } else if (free_bytes() < configuration_.reserve_bytes) {
-      pause("the disk is as full as it may become");
+    } else if (const Answer room = find_room(); room.status != 200) {
+      pause(room.words);
+    } else if (clock_.now_ns() - part_->begin_ns >= kLongestPart_ns) {
+      const Answer answer = begin_part();
+      if (answer.status != 200) pause(answer.words);
     }
   } else if (state_.phase == SessionState::Phase::paused && clock_.now_ns() >= next_attempt_ns_) {
     next_attempt_ns_ = clock_.now_ns() + kPause_ns;
@@ -261,6 +281,16 @@ void SessionRecorder::watch_companions() {
   }
 }
 
+SessionRecorder::Answer SessionRecorder::find_room() const {
+  struct statvfs status {};
+  if (statvfs(configuration_.folder.c_str(), &status) != 0) {
+    return {500, configuration_.folder + ": " + std::strerror(errno)};
+  }
+  if (free_bytes() >= configuration_.reserve_bytes) return {};
+  return {507, fmt::format("the disk has less than {:.0f} MB left",
+                           static_cast<double>(configuration_.reserve_bytes) * 1e-6)};
+}
+
 std::uint64_t SessionRecorder::free_bytes() const {
   struct statvfs status {};
   if (configuration_.folder.empty() || statvfs(configuration_.folder.c_str(), &status) != 0) {
@@ -272,7 +302,6 @@ std::uint64_t SessionRecorder::free_bytes() const {
 }
 
 SessionState SessionRecorder::state() const {
-  const std::lock_guard lock(mutex_);
   SessionState state = state_;
   if (part_) {
     state.log = part_->log.status();

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -41,7 +40,8 @@ struct SessionState {
 
 /// Sessions as the user starts and ends them. Each is a run of the engine, so that a replay of its
 /// log gives the same estimates. Where the disk is full the recording pauses; nothing is deleted;
-/// once there is room it goes on in another file. Any thread but the real-time one.
+/// once there is room it goes on in another file. Every six hours another file begins, so that what
+/// is kept in memory of one stays small. One thread at a time, which may have to wait for the disk.
 class SessionRecorder {
  public:
   /// What a command led to: an HTTP status, and a sentence for the user.
@@ -71,8 +71,10 @@ class SessionRecorder {
 
   Answer begin_part();
   Answer describe_companions();
-  std::string free_name() const;
+  Answer find_free_name() const;
+  Answer find_room() const;
   hal::SessionLogFailure end_part();
+  hal::SessionLogFailure close_part(Part& part);
   void watch_companions();
   void pause(const std::string& why);
   std::uint64_t free_bytes() const;
@@ -82,7 +84,6 @@ class SessionRecorder {
   const FacebowReports& facebow_;
   hal::Clock& clock_;
   BoxLog& box_log_;
-  mutable std::mutex mutex_;
   Engine* engine_ = nullptr;
   std::vector<host::SessionDevice> companions_;
   std::unique_ptr<Part> part_;

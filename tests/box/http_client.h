@@ -7,10 +7,10 @@
 
 namespace condyle::testing_support {
 
-/// A connection to 127.0.0.1.
+/// A connection to 127.0.0.1, from there or another address of this machine.
 class Connection {
  public:
-  explicit Connection(std::uint16_t port);
+  explicit Connection(std::uint16_t port, const char* from = "127.0.0.1");
   ~Connection();
   Connection(Connection&& other) noexcept;
   Connection(const Connection&) = delete;

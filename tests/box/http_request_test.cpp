@@ -40,6 +40,49 @@ TEST(HttpRequest, KnowsWhatThereIs) {
   EXPECT_EQ(refused(request("DELETE", "/v1/estimates")), 405);
 }
 
+TEST(HttpRequest, KnowsThisMachineByItsNamesAlone) {
+  for (const char* host : {"localhost", "LOCALHOST:8750", "localhost.", "127.0.0.1:1", "127.1.2.3",
+                           "[::1]", "[::1]:8750"}) {
+    HttpRequest asked = request("GET", "/v1/status");
+    asked.host = host;
+    EXPECT_EQ(refused(asked), 0) << host;
+  }
+  for (const char* host :
+       {"", "evil.example", "[::1].evil.com", "localhost:evil", "localhost:", "localhost:123456",
+        "localhost.evil.com", "[127.0.0.1]", "[::1", "localhost:1:2", "127.0.0.1.evil.com"}) {
+    HttpRequest asked = request("GET", "/v1/status");
+    asked.host = host;
+    EXPECT_EQ(refused(asked), 403) << host;
+  }
+}
+
+// What a browser says of a page of another site, with a token and without.
+TEST(HttpRequest, RefusesOtherSites) {
+  for (const char* token : {"", "0123456789abcdef"}) {
+    const HttpAccess access{token};
+    for (const char* path : {"/v1/status", "/v1/estimates", "/"}) {
+      HttpRequest asked = request("GET", path);
+      asked.authorization = std::string("Bearer ") + token;
+      EXPECT_EQ(refused(asked, access), 0) << path;
+      asked.fetch_site = "cross-site";
+      EXPECT_EQ(refused(asked, access), 403) << path;
+      asked.fetch_mode = "navigate";
+      EXPECT_EQ(refused(asked, access), std::string(path) == "/" ? 0 : 403) << path;
+      asked.fetch_site = "same-origin";
+      EXPECT_EQ(refused(asked, access), 0) << path;
+      asked.origin = "http://localhost:8750";
+      EXPECT_EQ(refused(asked, access), 0) << path;
+      for (const char* origin : {"null", "http://evil.example", "http://localhost:9000"}) {
+        asked.origin = origin;
+        EXPECT_EQ(refused(asked, access), 403) << path << origin;
+      }
+    }
+  }
+  HttpRequest twice = request("GET", "/v1/status");
+  twice.hosts = 2;
+  EXPECT_EQ(refused(twice), 400);
+}
+
 TEST(HttpRequest, TakesOnlyTheBodyItAskedFor) {
   for (const char* body : {"", "[]", "1", "{", R"({"subject":1})", R"({"name":"x"})",
                            R"({"subject":"a","b":"c"})", "{\"subject\":\"\xff\"}"}) {

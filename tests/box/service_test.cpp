@@ -10,9 +10,11 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "box/http_client.h"
 #include "box/running_box.h"
 #include "replay/command.h"
 #include "support/paths.h"
+#include "support/sanitizer.h"
 
 namespace condyle::box {
 namespace {
@@ -50,13 +52,17 @@ class NoticeSocket {
 class Program {
  public:
   Program(const std::string& configuration, const std::string& errors,
-          const std::string& notify_socket) {
+          const std::string& notify_socket, const std::string& hung_disk = "") {
     const std::string program = testing_support::program_path("condyle-box");
     process_ = fork();
     if (process_ == 0) {
       (void)std::freopen(errors.c_str(), "w", stderr);
       setenv("NOTIFY_SOCKET", notify_socket.c_str(), 1);
       setenv("WATCHDOG_USEC", "1000000", 1);
+      if (!hung_disk.empty()) {
+        setenv("CONDYLE_HUNG_DISK", hung_disk.c_str(), 1);
+        setenv("LD_PRELOAD", testing_support::program_path("hung_disk.so").c_str(), 1);
+      }
       execl(program.c_str(), program.c_str(), "--config", configuration.c_str(), nullptr);
       _exit(127);
     }
@@ -173,6 +179,69 @@ TEST(Service, ChecksItsConfigurationAndMeasuresItsLatency) {
       "node.toml", testing_support::read_file(good) + "[estimator]\nnode = \"unix:nobody\"\n");
   ASSERT_EQ(run("--latency-test 0.2 --config " + node), 0);
   EXPECT_THAT(testing_support::read_file(out), HasSubstr("[estimator] node is left out"));
+}
+
+// Whoever asks, listens or ends the box waits for no disk.
+TEST(Service, GoesOnWhereTheDiskHangs) {
+  if (CONDYLE_UNDER_SANITIZER) GTEST_SKIP() << "a sanitizer is to be loaded first";
+  const testing_support::TemporaryFolder folder, elsewhere;
+  const std::string configuration = folder.write(
+      "box.toml", "[facebow]\nsource = \"synth:" +
+                      testing_support::source_path("/hal/profiles/condyle_facebow.toml") +
+                      "\"\n[recording]\nfolder = \".\"\n"
+                      "reserve_MB = 1\n[http]\nport = 0\n");
+  const std::string flag = elsewhere / "hangs";
+  Program program(configuration, elsewhere / "errors", elsewhere / "notify", flag);
+  const std::uint16_t port = told_port(elsewhere / "errors");
+  ASSERT_NE(port, 0);
+  const auto status = [port] {
+    return Json::parse(testing_support::get(port, "/v1/status").body, nullptr, false);
+  };
+  ASSERT_TRUE(testing_support::wait_for(
+      [&] { return testing_support::post(port, "/v1/session/start", "{}").status == 200; }));
+  ASSERT_TRUE(
+      testing_support::wait_for([&] { return status()["session"]["reports_written"] > 0; }));
+  elsewhere.write("hangs", "");
+  testing_support::EventStream stream(port);
+  testing_support::EventStream::Event event;
+  ASSERT_TRUE(testing_support::wait_for([&] {
+    return stream.next(event) &&
+           status()["session"]["problem"].get<std::string>().find("the disk has not answered") == 0;
+  }));
+  for (int i = 0; i < 500; ++i) ASSERT_TRUE(stream.next(event));
+  const auto stopped = testing_support::post(port, "/v1/session/stop", "{}");
+  EXPECT_EQ(stopped.status, 503);
+  EXPECT_THAT(stopped.body, HasSubstr("the disk does not answer"));
+  EXPECT_EQ(testing_support::get(port, "/v1/status").status, 200);
+  stream.end();
+  EXPECT_EQ(program.end(SIGTERM), 1);
+  EXPECT_THAT(testing_support::read_file(elsewhere / "errors"),
+              HasSubstr("the disk does not answer: what waits for it is lost"));
+}
+
+// The command that waited is carried out once the disk is back.
+TEST(Service, EndsTheSessionOnceTheDiskIsBack) {
+  if (CONDYLE_UNDER_SANITIZER) GTEST_SKIP() << "a sanitizer is to be loaded first";
+  const testing_support::TemporaryFolder folder, elsewhere;
+  const std::string configuration = folder.write(
+      "box.toml", "[facebow]\nsource = \"synth:" +
+                      testing_support::source_path("/hal/profiles/condyle_facebow.toml") +
+                      "\"\n[recording]\nfolder = \".\"\n"
+                      "reserve_MB = 1\n[http]\nport = 0\n");
+  Program program(configuration, elsewhere / "errors", elsewhere / "notify", elsewhere / "hangs");
+  const std::uint16_t port = told_port(elsewhere / "errors");
+  ASSERT_NE(port, 0);
+  ASSERT_TRUE(testing_support::wait_for(
+      [&] { return testing_support::post(port, "/v1/session/start", "{}").status == 200; }));
+  elsewhere.write("hangs", "");
+  EXPECT_EQ(testing_support::post(port, "/v1/session/stop", "{}").status, 503);
+  std::filesystem::remove(elsewhere / "hangs");
+  ASSERT_TRUE(testing_support::wait_for([&] {
+    const Json now = Json::parse(testing_support::get(port, "/v1/status").body, nullptr, false);
+    return now["session"]["phase"] == "idle";
+  }));
+  EXPECT_EQ(program.end(SIGTERM), 0);
+  EXPECT_THAT(testing_support::read_file(elsewhere / "errors"), HasSubstr(" reports, 0 lost"));
 }
 
 }  // namespace
