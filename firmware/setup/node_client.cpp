@@ -11,6 +11,7 @@ namespace {
 
 constexpr TimeNs kRepeat_ns = 300'000'000;
 constexpr TimeNs kPatience_ns = 2'000'000'000;
+constexpr TimeNs kEndPatience_ns = 10'000'000'000;  // with a target that sends, but nothing new
 constexpr int kAttempts = 10, kProbes = 3;
 
 const char* reset_words(hal::ResetCause cause) {
@@ -71,7 +72,8 @@ void NodeClient::connect(const std::function<bool()>& stop) {
     tell(hal::HelloMessage{});
     const TimeNs deadline_ns = clock_.now_ns() + kRepeat_ns;
     hal::Status status = hal::Status::ok;
-    while (status == hal::Status::ok) {
+    // A line that never falls silent is left at the deadline, too.
+    while (status == hal::Status::ok && clock_.now_ns() < deadline_ns && !stop()) {
       status = end_.receive(deadline_ns);
       if (status == hal::Status::disconnected) fail("was closed", "is the target still there?");
       if (status != hal::Status::ok || end_.type() != hal::MessageType::greeting) continue;
@@ -101,8 +103,10 @@ void NodeClient::expect_accepted(hal::MessageType message) {
   const TimeNs deadline_ns = clock_.now_ns() + kPatience_ns;
   while (accepted_ != message) {
     const hal::Status status = end_.receive(deadline_ns);
-    if (status != hal::Status::ok) fail("does not answer", "check the wires and the baud rate");
-    (void)take_frame();
+    if (status == hal::Status::disconnected || clock_.now_ns() >= deadline_ns) {
+      fail("does not answer", "check the wires and the baud rate");
+    }
+    if (status == hal::Status::ok) (void)take_frame();
   }
 }
 
@@ -133,7 +137,7 @@ void NodeClient::send(const hal::RawReport& report) {
 // comes after it are the estimates that waited.
 void NodeClient::finish() {
   has_finished_ = true;
-  last_answer_ns_ = clock_.now_ns();
+  last_answer_ns_ = progress_ns_ = clock_.now_ns();
   probe();
   tell(hal::FinishMessage{});
 }
@@ -142,19 +146,23 @@ void NodeClient::forget_oldest() {
   if (is_answered_ || waiting_.empty()) return;
   waiting_bytes_ -= waiting_.front().size;
   answered_host_time_ns_ = waiting_.front().host_time_ns;
+  progress_ns_ = clock_.now_ns();
   waiting_.pop_front();
   for (std::size_t& before : probes_) before -= before > 0 ? 1 : 0;
 }
 
 NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
   for (;;) {
+    if (has_finished_ && clock_.now_ns() - progress_ns_ > kEndPatience_ns) {
+      fail("sends without end", "is an image of condyle on it?");
+    }
     const hal::Status status = end_.receive(deadline_ns);
     if (status == hal::Status::disconnected) fail("was closed", "is the target still there?");
     if (status == hal::Status::ok) {
       last_answer_ns_ = heard_ns_ = clock_.now_ns();
       silent_probes_ = 0;
       const NodeAnswer answer = take_frame();
-      if (answer != NodeAnswer::none) return answer;
+      if (answer != NodeAnswer::none || clock_.now_ns() >= deadline_ns) return answer;
       continue;
     }
     const bool waits = !waiting_.empty() || has_finished_ || !probes_.empty();

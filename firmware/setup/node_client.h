@@ -117,6 +117,7 @@ class NodeClient {
   };
   std::deque<Waiting> waiting_;  // reports that have no answer yet
   std::size_t waiting_bytes_ = 0;
+  TimeNs progress_ns_ = 0;     // when the last report that waited got its answer, or the end began
   TimeNs last_answer_ns_ = 0;  // or question, where there was none
   TimeNs heard_ns_ = 0, probed_ns_ = 0, answered_host_time_ns_ = 0;
   std::uint64_t reports_sent_ = 0, reports_lost_ = 0;

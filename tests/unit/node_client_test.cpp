@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <thread>
+#include <vector>
 
 #include "condyle/firmware/estimator_node.h"
 #include "input_error.h"
@@ -269,6 +270,67 @@ TEST_F(NodeClientTest, KnowsNoHealthAtOnceWhereTheLineWasCut) {
   const TimeNs begin_ns = clock_.now_ns();
   EXPECT_FALSE(client_.ask_health());
   EXPECT_EQ(clock_.now_ns(), begin_ns);
+}
+
+// A peer that never falls silent: the clock goes on by a microsecond for each byte that is read.
+class FloodLine final : public hal::ByteStream {
+ public:
+  FloodLine(hal::ManualClock& clock, std::vector<std::uint8_t> bytes)
+      : clock_(clock), bytes_(std::move(bytes)) {}
+  hal::Status read(TimeNs, std::span<std::uint8_t> bytes, std::size_t& count) override {
+    for (std::uint8_t& byte : bytes) byte = bytes_[next_++ % bytes_.size()];
+    count = bytes.size();
+    clock_.sleep_until(clock_.now_ns() + static_cast<TimeNs>(count) * 1000);
+    return hal::Status::ok;
+  }
+  hal::Status write(std::span<const std::uint8_t>) override { return hal::Status::ok; }
+
+ private:
+  hal::ManualClock& clock_;
+  std::vector<std::uint8_t> bytes_;
+  std::size_t next_ = 0;
+};
+
+template <class Message>
+std::vector<std::uint8_t> frame_of(const Message& message) {
+  std::array<std::uint8_t, hal::kMaxPayload> payload;
+  std::array<std::uint8_t, hal::kMaxFrameSize> frame;
+  const auto size = hal::put(message, payload);
+  hal::FrameEncoder encoder;
+  const std::size_t length = encoder.encode(static_cast<std::uint8_t>(Message::kType),
+                                            std::span(payload).first(*size), frame);
+  return {frame.begin(), frame.begin() + static_cast<std::ptrdiff_t>(length)};
+}
+
+TEST(FloodedNodeClient, EndsWhateverComes) {
+  const std::vector<std::vector<std::uint8_t>> floods = {
+      {0x55, 0xaa, 0x12},
+      {0},
+      {1, 2, 3, 0},
+      frame_of(hal::HealthMessage{}),
+      frame_of(hal::AcceptedMessage{hal::MessageType::layout})};
+  for (std::size_t i = 0; i < floods.size(); ++i) {
+    hal::ManualClock clock;
+    FloodLine line(clock, floods[i]);
+    NodeClient client(line, clock, "flood");
+    EXPECT_THROW(client.connect([] { return false; }), InputError) << i;
+    EXPECT_LT(clock.now_ns(), 10 * kNanosecondsPerSecond) << i;
+    // And once it is asked to stop.
+    int asked = 0;
+    const TimeNs begin_ns = clock.now_ns();
+    EXPECT_THROW(client.connect([&asked] { return ++asked > 1; }), InputError) << i;
+    EXPECT_LT(clock.now_ns() - begin_ns, kNanosecondsPerSecond) << i;
+    const TimeNs deadline_ns = clock.now_ns() + kNanosecondsPerSecond;
+    EXPECT_EQ(client.receive(deadline_ns), NodeAnswer::none) << i;
+    EXPECT_LT(clock.now_ns(), deadline_ns + kNanosecondsPerSecond) << i;
+    client.finish();
+    EXPECT_THROW(
+        while (clock.now_ns() < 100 * kNanosecondsPerSecond) {
+          (void)client.receive(clock.now_ns() + kNanosecondsPerSecond);
+        },
+        InputError)
+        << i;
+  }
 }
 
 }  // namespace

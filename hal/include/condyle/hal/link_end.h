@@ -29,16 +29,19 @@ class LinkEnd {
   }
 
   /// Waits for the next good frame until `deadline_ns` of the line's clock. ok, timeout or
-  /// disconnected.
+  /// disconnected. Timeout too where 64 KiB came that are no frame: a line that never falls silent
+  /// does not hold the caller.
   Status receive(TimeNs deadline_ns) {
-    for (;;) {
+    for (std::size_t noise = 0; noise < kMostNoise;) {
       while (next_ < count_) {
         if (decoder_.take(bytes_[next_++])) return Status::ok;
       }
+      noise += count_;
       next_ = count_ = 0;
       const Status status = line_.read(deadline_ns, bytes_, count_);
       if (status != Status::ok) return status;
     }
+    return Status::timeout;
   }
 
   /// The frame received last, until the next call of receive.
@@ -50,6 +53,8 @@ class LinkEnd {
   std::size_t sent_size() const { return sent_size_; }
 
  private:
+  static constexpr std::size_t kMostNoise = std::size_t{1} << 16;
+
   Status send_frame(MessageType type, std::span<const std::uint8_t> payload) {
     sent_size_ = encoder_.encode(static_cast<std::uint8_t>(type), payload, frame_);
     return line_.write(std::span(frame_).first(sent_size_));
