@@ -1,8 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
 #include <httplib.h>
 
+#include <chrono>
+#include <condition_variable>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <thread>
+#include <utility>
+
+#include "clean_text.h"
 
 #include "command_line.h"
 #include "commands.h"
@@ -18,48 +26,122 @@ struct SessionOptions {
   std::string subject, text;
 };
 
-httplib::Client client_of(const SessionOptions& options) {
+constexpr std::size_t kLongestAnswer = std::size_t{1} << 20;
+constexpr std::chrono::seconds kPatience{30};
+
+// Ends what the client waits for once the time is over, however slowly an answer comes.
+class Deadline {
+ public:
+  explicit Deadline(httplib::Client& client)
+      : thread_([this, &client] {
+          std::unique_lock lock(mutex_);
+          has_passed_ = !ended_.wait_for(lock, kPatience, [this] { return is_over_; });
+          if (has_passed_) client.stop();
+        }) {}
+  ~Deadline() { (void)has_passed(); }
+  Deadline(const Deadline&) = delete;
+  Deadline& operator=(const Deadline&) = delete;
+
+  // Ends the wait.
+  bool has_passed() {
+    {
+      const std::lock_guard lock(mutex_);
+      is_over_ = true;
+    }
+    ended_.notify_one();
+    if (thread_.joinable()) thread_.join();
+    return has_passed_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  bool is_over_ = false, has_passed_ = false;
+  std::thread thread_;
+};
+
+[[noreturn]] void refuse_stranger(const SessionOptions& options, const std::string& why) {
+  throw InputError(options.box, "what answers there is no condyle-box: " + why,
+                   "say with --box where the box is");
+}
+
+// What the box answered, as JSON, and its HTTP status.
+struct BoxAnswer {
+  int status = 0;
+  std::string text;
+  nlohmann::json json;
+};
+
+BoxAnswer ask(const SessionOptions& options, httplib::Request request) {
   httplib::Client client(options.box);
   if (!client.is_valid()) {
     throw InputError("--box", "\"" + options.box + "\" is no address of a box",
                      "write it like http://127.0.0.1:8750");
   }
   client.set_connection_timeout(5);
-  client.set_read_timeout(30);
+  client.set_read_timeout(kPatience);
   if (!options.token_file.empty()) {
     client.set_bearer_token_auth(read_text_line(options.token_file));
   }
-  return client;
-}
-
-int tell(const SessionOptions& options, const httplib::Result& result) {
-  if (!result) {
-    throw InputError(options.box, "no box answers: " + httplib::to_string(result.error()),
+  BoxAnswer answer;
+  bool is_too_long = false;
+  request.content_receiver = [&](const char* bytes, std::size_t size, std::uint64_t,
+                                 std::uint64_t) {
+    is_too_long = answer.text.size() + size > kLongestAnswer;
+    if (!is_too_long) answer.text.append(bytes, size);
+    return !is_too_long;
+  };
+  httplib::Response response;
+  httplib::Error error = httplib::Error::Success;
+  Deadline deadline(client);
+  const bool has_answer = client.send(request, response, error);
+  const bool is_late = deadline.has_passed();
+  if (is_too_long) refuse_stranger(options, "its answer is longer than 1 MiB");
+  if (is_late) refuse_stranger(options, "its answer does not come to an end");
+  if (!has_answer) {
+    const std::string why =
+        error == httplib::Error::Connection ? "nothing listens there" : httplib::to_string(error);
+    throw InputError(options.box, "no box answers: " + why,
                      "start condyle-box, or say with --box where it is");
   }
-  const nlohmann::json answer = nlohmann::json::parse(result->body, nullptr, false);
-  const bool is_done = result->status == 200;
-  const char* const key = is_done ? "done" : "problem";
-  const std::string words = answer.is_object() && answer.contains(key) && answer[key].is_string()
-                                ? answer[key].get<std::string>()
-                                : "HTTP status " + std::to_string(result->status);
-  if (!is_done) throw InputError(options.box, words, "");
-  print_output(words + "\n");
-  return kExitOk;
+  answer.status = response.status;
+  answer.json = nlohmann::json::parse(answer.text, nullptr, false);
+  if (!answer.json.is_object()) {
+    refuse_stranger(options, fmt::format("HTTP status {} without JSON", answer.status));
+  }
+  return answer;
+}
+
+// The text of a key that an answer has to have.
+std::string text_of(const SessionOptions& options, const BoxAnswer& answer, const char* key) {
+  if (!answer.json.contains(key) || !answer.json[key].is_string()) {
+    refuse_stranger(options, fmt::format("HTTP status {} without \"{}\"", answer.status, key));
+  }
+  return answer.json[key].get<std::string>();
 }
 
 int post(const SessionOptions& options, const char* path, const nlohmann::json& body) {
-  httplib::Client client = client_of(options);
-  return tell(options,
-              client.Post(path, body.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
-                          "application/json"));
+  httplib::Request request;
+  request.method = "POST";
+  request.path = path;
+  request.body = body.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  request.set_header("Content-Type", "application/json");
+  const BoxAnswer answer = ask(options, std::move(request));
+  if (answer.status != 200) throw InputError(options.box, text_of(options, answer, "problem"), "");
+  print_output(clean_line(text_of(options, answer, "done")) + "\n");
+  return kExitOk;
 }
 
 int print_status(const SessionOptions& options) {
-  httplib::Client client = client_of(options);
-  const httplib::Result result = client.Get("/v1/status");
-  if (!result || result->status != 200) return tell(options, result);
-  print_output(result->body);
+  httplib::Request request;
+  request.method = "GET";
+  request.path = "/v1/status";
+  const BoxAnswer answer = ask(options, std::move(request));
+  if (answer.status != 200) throw InputError(options.box, text_of(options, answer, "problem"), "");
+  if (text_of(options, answer, "format") != "condyle-box-status-1") {
+    refuse_stranger(options, "its status has another format");
+  }
+  print_output(answer.text);
   return kExitOk;
 }
 
