@@ -132,11 +132,13 @@ std::vector<std::string> write_device_values(const std::string& recording,
   } else if (looks_like_session_log(start)) {
     write_logged_values(path, profile_path, folder, files, notes);
   }
-  if (files.empty()) {
+  const bool may_hold_values = looks_like_capture(start) || looks_like_session_log(start);
+  if (!may_hold_values) {
     throw InputError(
         path, "holds no value but position",
         "leave --values out; a drive or auxiliary fields are in the profile of a device");
   }
+  if (files.empty()) notes.emplace_back("it holds no value but position: --values wrote no file");
   return notes;
 }
 

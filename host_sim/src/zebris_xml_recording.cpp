@@ -6,9 +6,10 @@
 // element is read: exports carry the patient's identity. The unit is not stated, so it is asked
 // for.
 #include <fmt/format.h>
-
 #include <strings.h>
+
 #include <algorithm>
+#include <fstream>
 #include <pugixml.hpp>
 
 #include "input_error.h"
@@ -17,7 +18,10 @@
 namespace condyle::host {
 namespace {
 
-constexpr std::size_t kLargestFile = std::size_t{256} << 20;  // the whole document is held
+// The whole document is held: its text, and what the parser makes of each of its parts.
+constexpr std::size_t kLargestFile = std::size_t{128} << 20, kMostParsed = std::size_t{320} << 20;
+constexpr std::size_t kElement = 64, kAttribute = 48;
+constexpr std::size_t kLineBlock = 65536;
 
 bool is_named(const char* name, const char* wanted) {
   const char* const colon = std::find(name, name + std::strlen(name), ':');
@@ -93,22 +97,33 @@ class ZebrisXmlRecording final : public Recording {
 
  private:
   void load(ByteReader& reader) {
-    std::string text;
     while (true) {
       const std::string_view part = reader.peek(65536);
       if (part.empty()) break;
-      text += part;
+      text_ += part;
       reader.skip(part.size());
-      if (text.size() > kLargestFile) {
+      if (text_.size() > kLargestFile) {
         throw InputError(path_, fmt::format("is larger than {} MiB", kLargestFile >> 20),
                          "export fewer movements, or as text");
       }
     }
-    size_ = text.size();
-    for (std::size_t i = 0; i < text.size(); ++i) {
-      if (text[i] == '\n') line_ends_.push_back(static_cast<std::ptrdiff_t>(i));
+    size_ = text_.size();
+    std::size_t parsed = 0;
+    std::uint64_t line = 1;
+    for (std::size_t i = 0; i < text_.size(); ++i) {
+      if (i % kLineBlock == 0) block_lines_.push_back(line);
+      if (text_[i] == '\n') ++line;
+      if (text_[i] == '<') parsed += kElement;
+      if (text_[i] == '=') parsed += kAttribute;
     }
-    const pugi::xml_parse_result result = document_.load_buffer(text.data(), text.size());
+    if (parsed > kMostParsed) {
+      throw InputError(path_,
+                       fmt::format("has some {} million elements, more than fit in memory",
+                                   parsed / kElement / 1'000'000),
+                       "export fewer movements, or as text");
+    }
+    // In place: the text is not held twice.
+    const pugi::xml_parse_result result = document_.load_buffer_inplace(text_.data(), text_.size());
     if (!result) {
       throw InputError(fmt::format("{}:{}", path_, line_at(result.offset)),
                        fmt::format("is not well-formed XML: {}", result.description()),
@@ -177,11 +192,17 @@ class ZebrisXmlRecording final : public Recording {
     return text;
   }
 
+  // The parser has changed the text: the file tells how many lines end within the block.
   std::uint64_t line_at(std::ptrdiff_t offset) const {
-    return static_cast<std::uint64_t>(
-               std::lower_bound(line_ends_.begin(), line_ends_.end(), offset) -
-               line_ends_.begin()) +
-           1;
+    const std::size_t block = static_cast<std::size_t>(offset) / kLineBlock;
+    if (block >= block_lines_.size()) return block_lines_.empty() ? 1 : block_lines_.back();
+    std::uint64_t line = block_lines_[block];
+    std::ifstream file(path_, std::ios::binary);
+    file.seekg(static_cast<std::streamoff>(block * kLineBlock));
+    for (auto left = static_cast<std::size_t>(offset) % kLineBlock; left > 0 && file; --left) {
+      if (file.get() == '\n') ++line;
+    }
+    return line;
   }
   std::string place_of(pugi::xml_node node) const {
     return node ? fmt::format("{}:{}", path_, line_at(node.offset_debug())) : path_;
@@ -191,7 +212,8 @@ class ZebrisXmlRecording final : public Recording {
   FaultRule rule_;
   RecordingInfo info_;
   pugi::xml_document document_;
-  std::vector<std::ptrdiff_t> line_ends_;
+  std::string text_;                        // that the document is parsed in
+  std::vector<std::uint64_t> block_lines_;  // the line with which each block of it begins
   std::size_t size_ = 0;
   pugi::xml_node quants_[3], last_quant_;
   std::size_t tracks_ = 0;

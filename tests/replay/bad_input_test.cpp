@@ -157,6 +157,14 @@ TEST_F(BadInput, StandardOutputThatTakesNothing) {
   EXPECT_EQ(run_condyle({"replay", "/nowhere"}, {.errors_to = "/dev/full"}).exit_code, 2);
 }
 
+// Each element costs the parser many times its bytes.
+TEST_F(BadInput, XmlOfMoreElementsThanFitInMemory) {
+  std::string xml = "<d>";
+  for (int i = 0; i < 6'000'000; ++i) xml += "<a/>";
+  expect_refused(folder_.write("bad.xml", xml + "</d>"), {"bad.xml", "more than fit in memory"},
+                 {"--unit", "mm"});
+}
+
 TEST_F(BadInput, OutputOverItsOwnInput) {
   const std::string path = good();
   const std::string before = testing_support::read_file(path);
