@@ -36,11 +36,11 @@ class Mutant:
         return max(holding, key=lambda r: r.first)
 
     def place(self):
-        """What identifies the mutant; edits elsewhere in the file leave it as it is."""
+        """What identifies the mutant; edits elsewhere in the file, or its move, leave it as it is."""
         text = self.source.line_text(self.start)
         column = self.start - (self.source.text.rfind("\n", 0, self.start) + 1)
         before = text[:column].strip()
-        return "|".join((self.path, self.kind, text.strip(), before, self.original, self.replacement))
+        return "|".join((pathlib.Path(self.path).name, self.kind, text.strip(), before, self.original, self.replacement))
 
     def text_of_region(self):
         """The region's text with the mutant in it."""
