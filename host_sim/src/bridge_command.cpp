@@ -351,7 +351,13 @@ Command add_bridge(CommandLine app) {
   const CommandLine command = app.add_command(
       "bridge",
       "Feed an estimator on a microcontroller with reports over a serial line, and take its "
-      "estimates; Ctrl-C ends a live run");
+      "estimates; Ctrl-C ends a live run",
+      "Measure with a device");
+  command.add_example("condyle bridge jaw.csv --port /dev/ttyUSB0 --check --out estimates.csv",
+                      "Replay a recording through a microcontroller, and compare each answer with "
+                      "this computer's.");
+  command.add_example("condyle bridge hid:bow.toml --port /dev/ttyUSB0 --out estimates.csv",
+                      "Feed it with the reports of a device.");
   command
       .add_option("INPUT", options->input,
                   "hid:PROFILE or usb:PROFILE, a device; or a recording, as for replay")
@@ -376,10 +382,10 @@ Command add_bridge(CommandLine app) {
       .show_default();
   command.add_option("--unit", options->unit, "Unit of coordinates where the format states none")
       .one_of({"mm", "m"});
-  command.add_option("--profile", options->reading.profile,
+  command.add_option("--profile=FILE", options->reading.profile,
                      "TOML file that describes the device of a recording");
   command.add_option("--serial", options->serial, "Serial number, where several are plugged in");
-  command.add_option("--out", options->out, "CSV file for the estimates");
+  command.group("Output").add_option("-o,--out=FILE", options->out, "CSV file for the estimates");
   return [options, axis, faults] {
     options->followed.axis = static_cast<Axis>((*axis)[0] - 'x');
     options->reading.faults = *faults == "event" ? FaultPolicy::event : FaultPolicy::refuse;

@@ -209,7 +209,16 @@ int changes(const ChangesOptions& options) {
 Command add_changes(CommandLine app) {
   auto options = std::make_shared<ChangesOptions>();
   const CommandLine command = app.add_command(
-      "changes", "Detect changes in effective damping, where the drive is measured in full");
+      "changes", "Detect changes in effective damping, where the drive is measured in full",
+      "Analyse recordings");
+  command.add_example(
+      "condyle changes chewing.csv --drive chewing.drive.csv --drive-missing 0 "
+      "--false-alarm-interval-h 8",
+      "Watch the damping of each chewing cycle.");
+  command.add_example(
+      "condyle changes chewing.csv --drive chewing.drive.csv --drive-missing 0 "
+      "--false-alarm-interval-h 8 --out cycles.csv",
+      "Also write a row for each cycle.");
   command.add_option("RECORDING", options->recording, "As for replay").required();
   command
       .add_option("--false-alarm-interval-h", options->false_alarm_interval_h,
@@ -220,14 +229,16 @@ Command add_changes(CommandLine app) {
       .add_option("--smallest-change-Ns-m", options->smallest_change_Ns_m,
                   "Smallest lasting change that matters to you (0.05)")
       .number_in({1e-9, 1e6});
-  command.add_option("--drive", options->drive,
+  command.add_option("--drive=FILE", options->drive,
                      "Total force along the followed axis, recorded apart: CSV with time_s and "
                      "drive_N, or a session log");
   options->drive_stated.add_to(command);
-  command.add_option("--parameters", options->parameters, "TOML file, as for replay");
+  command.add_option("--parameters=FILE", options->parameters, "TOML file, as for replay");
   options->add_to(command);
-  command.add_option("--out", options->out, "CSV file with a row per cycle");
-  command.add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
+  command.group("Output").add_option("-o,--out=FILE", options->out,
+                                     "CSV file with a row per cycle");
+  command.group("Output").add_option("--figures=FOLDER", options->figures,
+                                     "Folder for figures (SVG and PNG)");
   return [options] { return changes(*options); };
 }
 

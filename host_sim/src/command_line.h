@@ -7,7 +7,9 @@
 #include <initializer_list>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "command_text.h"
 #include "condyle/estimator/parameters.h"
 
 namespace CLI {
@@ -54,7 +56,14 @@ class CommandLine {
  public:
   explicit CommandLine(CLI::App& app) : app_(&app) {}
 
-  CommandLine add_command(const std::string& name, const std::string& meaning) const;
+  /// `group`: its heading in the map of commands.
+  CommandLine add_command(const std::string& name, const std::string& meaning,
+                          const std::string& group = "Commands") const;
+  /// A command line that works, for the help.
+  void add_example(const std::string& line, const std::string& meaning) const;
+  /// The same command; the options that it is given stand under `heading` in its help.
+  CommandLine group(const std::string& heading) const;
+  /// `name`: "--out", "-o,--out" or "RECORDING"; a word for the value may follow, "--out=FILE".
   /// Parsing fills `value`, which must live until then: text, a number, or several of them.
   template <class Value>
   Option add_option(const std::string& name, Value& value, const std::string& meaning) const;
@@ -74,27 +83,36 @@ class CommandLine {
   bool is_given(const std::string& name) const;
 
  private:
+  template <class Make>
+  Option add(const std::string& name, const char* value, const Make& make) const;
+
   CLI::App* app_;
+  std::string group_;
 };
 
-/// A program and what it was started with.
+/// A program and what it was started with. Without arguments, or asked for help, it prints the map
+/// of its commands.
 class Program {
  public:
-  explicit Program(const std::string& meaning);
+  /// --version prints name and version.
+  Program(const std::string& name, const std::string& version, const std::string& meaning);
   ~Program();
 
-  /// --version prints `version`.
-  void set_version(const std::string& version);
   CommandLine line() const { return CommandLine(*app_); }
 
   enum class Parsed {
     run,       ///< the arguments are good
-    answered,  ///< they asked for help or the version, which was printed
-    wrong,     ///< what is wrong was printed
+    answered,  ///< they asked for help or the version, which is in `text`
+    wrong,     ///< what is wrong with them, and the remedy, is in `text`
   };
-  Parsed parse(int argc, char** argv);
+  Parsed parse(int argc, const char* const* argv, std::string& text);
+  /// Commands and options, as they are.
+  CommandText describe() const;
 
  private:
+  Parsed answer(const std::vector<std::string>& words, std::string& text) const;
+
+  std::string version_;
   std::unique_ptr<CLI::App> app_;
 };
 

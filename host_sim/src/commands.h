@@ -54,7 +54,8 @@ Command add_doctor(CommandLine app);
 /// `condyle fake`
 Command add_fake(CommandLine app);
 
-/// Writes `text` to the standard output; an InputError where that is closed or full.
+/// Writes `text` to the standard output, or to the error output where a file was named "-"; an
+/// InputError where that is closed or full.
 void print_output(const std::string& text);
 /// Writes "condyle: `text`" to the error output, if anybody listens.
 void print_error(const std::string& text);

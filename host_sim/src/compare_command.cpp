@@ -203,7 +203,13 @@ Command add_compare(CommandLine app) {
   const CommandLine command = app.add_command(
       "compare",
       "Compare estimators on the same recordings, or sessions of one subject, with the smallest "
-      "change that can be told from repeat recordings");
+      "change that can be told from repeat recordings",
+      "Analyse recordings");
+  command.add_example("condyle compare jaw.csv --with recommended --with published",
+                      "Judge two estimators by the next sample, which neither has seen.");
+  command.add_example(
+      "condyle compare --session before=a.csv,b.csv,c.csv --session after=d.csv,e.csv,f.csv",
+      "Compare two sessions, with the smallest detectable change.");
   command.add_option("RECORDING", options->recordings, "Recordings, each as for replay");
   command
       .add_option("--with", options->estimators,
@@ -221,10 +227,12 @@ Command add_compare(CommandLine app) {
       .show_default();
   options->plan.choice.add_to(command);
   options->plan.drive.add_to(command);
-  command.add_option("--out", options->out,
-                     "CSV file: a row per recording and estimator; for sessions per quantity and "
-                     "pair of sessions");
-  command.add_option("--figures", options->figures, "Folder for the figure (SVG and PNG)");
+  command.group("Output").add_option(
+      "-o,--out=FILE", options->out,
+      "CSV file: a row per recording and estimator; for sessions per quantity and "
+      "pair of sessions");
+  command.group("Output").add_option("--figures=FOLDER", options->figures,
+                                     "Folder for the figure (SVG and PNG)");
   return [options] { return compare(*options); };
 }
 

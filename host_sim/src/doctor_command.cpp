@@ -42,11 +42,16 @@ int examine_and_tell(const DoctorOptions& options) {
 Command add_doctor(CommandLine app) {
   auto options = std::make_shared<DoctorOptions>();
   const CommandLine command = app.add_command(
-      "doctor", "Say what this computer lacks to read a facebow, and the commands that mend it");
+      "doctor",
+      "Check whether this computer can read a facebow, and print how to fix what is missing",
+      "Measure with a device");
+  command.add_example("condyle doctor", "Check this computer.");
+  command.add_example("condyle doctor --device 1209:0001",
+                      "Check whether you may read a device, and print how to fix it.");
   const Option device =
       command.add_option("--device", options->device,
                          "Device to look at: 1209:0001, /dev/hidraw0, or its USB port, 1-1.4");
-  command.add_option("--profile", options->profile, "TOML file of the device to look at")
+  command.add_option("--profile=FILE", options->profile, "TOML file of the device to look at")
       .excludes(device);
   return [options] { return examine_and_tell(*options); };
 }

@@ -8,7 +8,8 @@
 
 namespace condyle::host {
 
-void DriveOptions::add_to(CommandLine command) {
+void DriveOptions::add_to(CommandLine line) {
+  const CommandLine command = line.group("Measured drive");
   command
       .add_option(
           "--drive-missing", missing_share,

@@ -69,10 +69,10 @@ Command add_emg(CommandLine app) {
       "emg",
       "Friction from EMG and a muscle model, with the mass assumed; or that it is not known");
   command.add_option("RECORDING", options->source.recording, "As for replay").required();
-  command.add_option("--emg", options->source.emg, "CSV: time_s and a column per muscle")
+  command.add_option("--emg=FILE", options->source.emg, "CSV: time_s and a column per muscle")
       .required();
   command
-      .add_option("--muscles", options->muscles,
+      .add_option("--muscles=FILE", options->muscles,
                   "TOML file: jaw, muscles, their columns; host_sim/muscles has some")
       .required();
   command.add_flag("--raw", options->source.emg_reading.is_raw,
@@ -108,8 +108,8 @@ Command add_emg(CommandLine app) {
   command.add_option("--faults", options->faults, "Rows that cannot be used")
       .one_of({"refuse", "event"})
       .show_default();
-  command.add_option("--out", options->out,
-                     "NAME.json for the values, NAME.csv for a row per position");
+  command.group("Output").add_option("-o,--out=FILE", options->out,
+                                     "NAME.json for the values, NAME.csv for a row per position");
   return [options] { return run(*options); };
 }
 

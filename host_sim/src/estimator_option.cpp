@@ -8,21 +8,23 @@
 
 namespace condyle::host {
 
-void EstimatorOption::add_to(CommandLine command) {
+void EstimatorOption::add_to(CommandLine line) {
+  const CommandLine command = line.group("Estimator");
   command.add_option("--estimator", name, "Which estimator runs")
       .one_of({"recommended", "published"})
       .show_default();
   command
-      .add_option("--lag", lag,
-                  "Samples that an estimate waits for, which makes it better (recommended)")
+      .add_option(
+          "--lag", lag,
+          "Fixed lag in samples: a larger lag gives more accurate, later estimates (recommended)")
       .within(0, 16)
       .show_default();
-  command.add_option("--parameters", parameters, "TOML file with its parameters");
+  command.add_option("--parameters=FILE", parameters, "TOML file with its parameters");
 }
 
 void EstimatorOption::refuse_if_published(const char* option, bool given) const {
   if (!is_published() || !given) return;
-  throw InputError(option, "the published cascade has no such thing",
+  throw InputError(option, "is not supported by --estimator published",
                    "leave it out, or give --estimator recommended");
 }
 

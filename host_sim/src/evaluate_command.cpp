@@ -109,7 +109,13 @@ int evaluate(const EvaluateOptions& options) {
 Command add_evaluate(CommandLine app) {
   auto options = std::make_shared<EvaluateOptions>();
   const CommandLine command = app.add_command(
-      "evaluate", "Compare an estimator with the truth of simulated subjects, over many seeds");
+      "evaluate", "Compare an estimator with the truth of simulated subjects, over many seeds",
+      "Simulate");
+  command.add_example("condyle evaluate chewing.toml --runs 10",
+                      "Hold the recommended estimator against the truth, ten times.");
+  command.add_example(
+      "condyle evaluate point_mass.toml --runs 10 --estimator published --friction-factors 1,22",
+      "Show that the published friction does not follow the true one.");
   command.add_option("SCENARIO", options->scenario, "TOML file; host_sim/scenarios has some")
       .required();
   options->estimator.add_to(command);
@@ -128,8 +134,9 @@ Command add_evaluate(CommandLine app) {
                   "The subject's mass and inertia are multiplied by these in turn")
       .separated_by(',')
       .number_in({1e-3, 1e3});
-  command.add_option("--out", options->out, "CSV file for the table");
-  command.add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
+  command.group("Output").add_option("-o,--out=FILE", options->out, "CSV file for the table");
+  command.group("Output").add_option("--figures=FOLDER", options->figures,
+                                     "Folder for figures (SVG and PNG)");
   return [options] { return evaluate(*options); };
 }
 

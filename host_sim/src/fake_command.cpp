@@ -57,8 +57,13 @@ int run_fake(const Options& options) {
 
 Command add_fake(CommandLine app) {
   auto options = std::make_shared<Options>();
-  const CommandLine command = app.add_command(
-      "fake", "Be a fake USB facebow of this computer's kernel (needs root), with faults");
+  const CommandLine command =
+      app.add_command("fake", "Emulate a USB facebow on this computer, with faults (needs root)",
+                      "Measure with a device");
+  command.add_example("condyle fake --rate-Hz 200",
+                      "Plug in a facebow that moves like a simulated subject (as root).");
+  command.add_example("condyle fake --transport vhci --fault unplug@1000=0.2",
+                      "Unplug it for 0.2 s after 1,000 reports.");
   command
       .add_option("--transport", options->transport, "uhid: a HID device; vhci: a whole USB device")
       .one_of({"uhid", "vhci"})

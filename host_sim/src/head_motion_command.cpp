@@ -145,7 +145,7 @@ Command add_head_motion(CommandLine protocol) {
   HeadMotionSource& source = options->source;
   command.add_option("RECORDING", source.recording, "As for replay; relative to the head")
       .required();
-  command.add_option("--acceleration", source.acceleration,
+  command.add_option("--acceleration=FILE", source.acceleration,
                      "Head acceleration along the followed axis, gravity included, positive as the "
                      "position: CSV with time_s and acceleration_m_s2; else a column of RECORDING");
   command
@@ -182,8 +182,9 @@ Command add_head_motion(CommandLine protocol) {
                   "half of it")
       .number_in({1e-9, 1e9})
       .show_default();
-  command.add_option("--out", options->out, "JSON file for the values");
-  command.add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
+  command.group("Output").add_option("-o,--out=FILE", options->out, "JSON file for the values");
+  command.group("Output").add_option("--figures=FOLDER", options->figures,
+                                     "Folder for figures (SVG and PNG)");
   return [options] { return run(*options); };
 }
 

@@ -188,16 +188,20 @@ Command add_inspect(CommandLine app) {
   const CommandLine command = app.add_command(
       "inspect",
       "List the HID devices that are plugged in; show what one of them sends; say what a report "
-      "descriptor describes");
+      "descriptor describes",
+      "Measure with a device");
+  command.add_example("condyle inspect", "List the HID devices of this computer.");
+  command.add_example("condyle inspect --device 1209:0001 --duration-s 10",
+                      "Show what a device sends.");
   command.add_option(
       "--device", options->device,
       "Device to read: its ids as in 1209:0001, /dev/hidraw0, or its USB port, 1-1.4");
   command.add_option(
-      "--profile", options->profile,
+      "--profile=FILE", options->profile,
       "TOML file that describes a device: read it, and show what the profile makes of "
       "its reports");
   command.add_option(
-      "--descriptor", options->descriptor,
+      "--descriptor=FILE", options->descriptor,
       "File with a report descriptor, binary or hexadecimal text, instead of a device");
   command.add_option("--serial", options->serial, "Serial number, where several are plugged in");
   command.add_option("--backend", options->backend, "hidapi: the kernel's driver; libusb: directly")

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The condyle command; exit codes are in commands.h.
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -11,6 +13,8 @@
 #include "commands.h"
 #include "deferred_problem.h"
 #include "input_error.h"
+#include "manual.h"
+#include "output_file.h"
 
 namespace condyle::host {
 namespace {
@@ -25,43 +29,66 @@ void stop_on(int signal) {
   sigaction(signal, &action, nullptr);
 }
 
+using Commands = std::vector<std::pair<const char*, Command>>;
+
+Commands add_commands(CommandLine line) {
+  Commands commands;
+  commands.emplace_back("replay", add_replay(line));
+  commands.emplace_back("compare", add_compare(line));
+  commands.emplace_back("tune", add_tune(line));
+  commands.emplace_back("changes", add_changes(line));
+  commands.emplace_back("protocol", add_protocol(line));
+  commands.emplace_back("simulate", add_simulate(line));
+  commands.emplace_back("evaluate", add_evaluate(line));
+  commands.emplace_back("friction", add_friction(line));
+  commands.emplace_back("observability", add_observability(line));
+  commands.emplace_back("inspect", add_inspect(line));
+  commands.emplace_back("doctor", add_doctor(line));
+  commands.emplace_back("record", add_record(line));
+  commands.emplace_back("session", add_session(line));
+  commands.emplace_back("bridge", add_bridge(line));
+  commands.emplace_back("fake", add_fake(line));
+  return commands;
+}
+
+int run_command(int argc, char** argv) {
+  Program program("condyle", CONDYLE_VERSION,
+                  "Virtual sensor for jaw motion. Research use only; it diagnoses nothing.");
+  const CommandLine line = program.line();
+  line.require_command();
+  const Commands commands = add_commands(line);
+  const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  if (words.size() == 3 && words[0] == "help" && words[1] == "--manual") {  // for packages
+    write_manual(program.describe(), "condyle " CONDYLE_VERSION, words[2]);
+    return kExitOk;
+  }
+  std::string text;
+  switch (program.parse(argc, argv, text)) {
+    case Program::Parsed::answered:
+      print_output(text);
+      return kExitOk;
+    case Program::Parsed::wrong:
+      print_error(text);
+      return kExitBadInput;
+    case Program::Parsed::run:
+      break;
+  }
+  for (const auto& [name, command] : commands) {
+    if (!line.is_given(name)) continue;
+    const int exit_code = command();
+    for (const std::string& problem : deferred_problems()) print_error(problem);
+    return exit_code == kExitOk && !deferred_problems().empty() ? kExitBadInput : exit_code;
+  }
+  return kExitBadInput;
+}
+
 int run(int argc, char** argv) {
   stop_on(SIGINT);
   stop_on(SIGTERM);
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a write error, reported as one
   std::signal(SIGXFSZ, SIG_IGN);  // and so is a file that may not grow
-
-  Program program("Virtual sensor for jaw motion. Research use only; it diagnoses nothing.");
-  program.set_version("condyle " CONDYLE_VERSION);
-  const CommandLine line = program.line();
-  line.require_command();
-  std::vector<std::pair<const char*, Command>> commands;
-  commands.emplace_back("replay", add_replay(line));
-  commands.emplace_back("simulate", add_simulate(line));
-  commands.emplace_back("evaluate", add_evaluate(line));
-  commands.emplace_back("friction", add_friction(line));
-  commands.emplace_back("observability", add_observability(line));
-  commands.emplace_back("protocol", add_protocol(line));
-  commands.emplace_back("changes", add_changes(line));
-  commands.emplace_back("tune", add_tune(line));
-  commands.emplace_back("compare", add_compare(line));
-  commands.emplace_back("record", add_record(line));
-  commands.emplace_back("bridge", add_bridge(line));
-  commands.emplace_back("session", add_session(line));
-  commands.emplace_back("inspect", add_inspect(line));
-  commands.emplace_back("doctor", add_doctor(line));
-  commands.emplace_back("fake", add_fake(line));
-  const Program::Parsed parsed = program.parse(argc, argv);
-  if (parsed != Program::Parsed::run) {
-    return parsed == Program::Parsed::answered ? kExitOk : kExitBadInput;
-  }
   try {
-    for (const auto& [name, command] : commands) {
-      if (!line.is_given(name)) continue;
-      const int exit_code = command();
-      for (const std::string& problem : deferred_problems()) print_error(problem);
-      return exit_code == kExitOk && !deferred_problems().empty() ? kExitBadInput : exit_code;
-    }
+    return run_command(argc, argv);
   } catch (const InputError& error) {
     if (stop_requested()) {  // what looks like an error is the interrupted wait
       return report_stop();
@@ -79,8 +106,11 @@ bool stop_requested() {
 
 void print_output(const std::string& raw) {
   const std::string text = clean_lines(raw);
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
-    throw InputError("standard output", "cannot be written", "give it a place that takes the text");
+  const bool is_taken = OutputFile::has_standard_output();
+  std::FILE* const to = is_taken ? stderr : stdout;
+  if (std::fwrite(text.data(), 1, text.size(), to) != text.size() || std::fflush(to) != 0) {
+    throw InputError(is_taken ? "standard error" : "standard output", "cannot be written",
+                     "give it a place that takes the text");
   }
 }
 

@@ -62,7 +62,11 @@ int print_table(const Point& point) {
 Command add_observability(CommandLine app) {
   auto point = std::make_shared<Point>();
   const CommandLine command = app.add_command(
-      "observability", "Print the observability of the paper's systems, as printed and corrected");
+      "observability", "Print the observability of the paper's systems, as printed and corrected",
+      "Simulate");
+  command.add_example("condyle observability", "Print the table at the default state.");
+  command.add_example("condyle observability --velocity-m-s 0 --force-N 1",
+                      "Print it at rest: friction is then unobservable.");
   const auto add = [command](const char* name, double& value, const char* meaning, Range range) {
     command.add_option(name, value, meaning).number_in(range).show_default();
   };

@@ -17,6 +17,13 @@
 namespace condyle::host {
 
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
+  if (path_ == "-") {
+    temporary_path_ = path_;
+    has_standard_output_ = true;
+    file_ = fdopen(dup(STDOUT_FILENO), "wb");
+    if (file_ == nullptr) fail("standard output cannot be written");
+    return;
+  }
   std::error_code no_link;
   const auto target = std::filesystem::canonical(path_, no_link);
   if (!no_link && std::filesystem::is_symlink(path_) && std::filesystem::is_regular_file(target)) {

@@ -12,13 +12,16 @@ namespace condyle::host {
 
 /// A file that appears under its name only when it is complete: written beside it, `close`d, then
 /// renamed by `commit`; without that, nothing is left. A pipe or device that exists is written
-/// directly. Problems are InputErrors.
+/// directly, and so is the standard output, which is named "-". Problems are InputErrors.
 class OutputFile {
  public:
   explicit OutputFile(std::string path);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
+
+  /// True once a file was named "-".
+  static bool has_standard_output() { return has_standard_output_; }
 
   void write(std::string_view text);
   /// Writes out what is buffered. Whatever the disk has against it is said here.
@@ -32,6 +35,8 @@ class OutputFile {
 
  private:
   [[noreturn]] void fail(const char* what) const;
+
+  static inline bool has_standard_output_ = false;
 
   std::string path_;
   std::string temporary_path_;

@@ -45,8 +45,9 @@ struct FitOptions {
             "The support was gone this long after the begin, for certain; without it a slow "
             "hand and an overdamped jaw cannot be told apart")
         .number_in({0, 1000});
-    command.add_option("--out", out, "JSON file for the values");
-    command.add_option("--figures", figures, "Folder for figures (SVG and PNG)");
+    command.group("Output").add_option("-o,--out=FILE", out, "JSON file for the values");
+    command.group("Output").add_option("--figures=FOLDER", figures,
+                                       "Folder for figures (SVG and PNG)");
   }
   ReleaseSource source_of(const std::string& recording, std::optional<double> begin_s,
                           std::optional<double> end_s) const {
@@ -226,7 +227,12 @@ Command add_protocol(CommandLine app) {
   const CommandLine command =
       app.add_command("protocol",
                       "Protocols without a force sensor: passive releases, the head's motion as "
-                      "a drive, EMG");
+                      "a drive, EMG",
+                      "Analyse recordings");
+  command.add_example("condyle protocol plan-release --opening-mm 10",
+                      "Plan a passive release: what precision to expect.");
+  command.add_example("condyle protocol release release.csv --noise-mm 0.05",
+                      "Fit a passive release.");
   command.require_command();
   std::vector<std::pair<const char*, Command>> parts;
   parts.emplace_back("plan-release", add_plan(command));

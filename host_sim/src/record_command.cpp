@@ -223,6 +223,10 @@ std::pair<std::string, std::string> split_serial(const std::string& text) {
 }
 
 int record(const RecordOptions& options) {
+  if (options.out == "-") {
+    throw InputError("--out", "a session log cannot be written to standard output",
+                     "name a file; --estimates - writes the estimates there");
+  }
   if (!hal::is_subject_code(options.subject)) {
     throw InputError("--subject", "is no pseudonym that may stand in a log",
                      "use at most 32 letters, digits, - and _, and no name");
@@ -291,11 +295,18 @@ int record(const RecordOptions& options) {
 Command add_record(CommandLine app) {
   auto options = std::make_shared<RecordOptions>();
   const CommandLine command = app.add_command(
-      "record",
-      "Record the raw reports of a facebow, and estimate while they come; Ctrl-C ends it");
-  command.add_option("--profile", options->profile, "TOML file that describes the device")
+      "record", "Record the raw reports of a facebow, and estimate while they come; Ctrl-C ends it",
+      "Measure with a device");
+  command.add_example("condyle record --profile bow.toml --out session.mcap",
+                      "Record until Ctrl-C.");
+  command.add_example(
+      "condyle record --profile bow.toml --out session.mcap --estimates live.csv --companion "
+      "force.toml",
+      "Also write live estimates, and record a force sensor beside the facebow.");
+  command.add_option("--profile=FILE", options->profile, "TOML file that describes the device")
       .required();
-  command.add_option("--out", options->out, "Session log to write (MCAP); must not exist")
+  command.group("Output")
+      .add_option("-o,--out=FILE", options->out, "Session log to write (MCAP); must not exist")
       .required();
   command.add_option("--backend", options->backend, "hidapi: the kernel's driver; libusb: directly")
       .one_of({"hidapi", "libusb"})
@@ -307,8 +318,8 @@ Command add_record(CommandLine app) {
                   "FILE@SERIAL where several are plugged in; may be given several times")
       .one_value_each();
   command.add_option("--subject", options->subject, "Pseudonymous code of the subject");
-  command.add_option("--estimates", options->estimates, "CSV file for the estimates");
-  command.add_option("--parameters", options->parameters,
+  command.add_option("--estimates=FILE", options->estimates, "CSV file for the estimates");
+  command.add_option("--parameters=FILE", options->parameters,
                      "TOML file with parameters of the recommended estimator");
   command.add_option("--point", options->point, "Point to follow").within(1, 3).show_default();
   auto axis = std::make_shared<std::string>("z");

@@ -12,7 +12,8 @@
 
 namespace condyle::host {
 
-void RecordingChoice::add_to(CommandLine command) {
+void RecordingChoice::add_to(CommandLine line) {
+  const CommandLine command = line.group("What is read and followed");
   command.add_option("--point", followed.point, "Point to follow").within(1, 3).show_default();
   const auto take_axis = [this](const std::string& axis) {
     followed.axis = static_cast<Axis>(axis[0] - 'x');
@@ -32,7 +33,7 @@ void RecordingChoice::add_to(CommandLine command) {
       .add_option("--ignore-column", reading.ignored_columns,
                   "CSV column to leave unread; may be given several times")
       .one_value_each();
-  command.add_option("--profile", reading.profile,
+  command.add_option("--profile=FILE", reading.profile,
                      "TOML file that describes the device of a capture");
   const auto take_unit = [this](const std::string& unit) {
     reading.units_per_metre = unit == "mm" ? 1000 : 1;

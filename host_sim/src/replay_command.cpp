@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "clean_text.h"
@@ -35,6 +36,7 @@ struct ReplayOptions : RecordingChoice {
   std::string out;
   std::string figures;
   std::string values;
+  bool as_json = false;
   std::vector<double> jaw_point_mm;  // empty: a point of the instrument
   double speed = 0;
   std::string drive;  // a recording of its own
@@ -52,6 +54,26 @@ std::string recording_text(const ReplayOptions& options, const RecordingInfo& in
           ? "one axis"
           : fmt::format("{}, axis {}", point, "xyz"[static_cast<int>(options.followed.axis)]);
   return fmt::format("{}, {}, {}", options.recording, info.format, followed);
+}
+
+std::string summary_json(const ReplayOptions& options, const RecordingInfo& info,
+                         const std::vector<std::string>& drive_notes,
+                         const ReplaySummary& summary) {
+  nlohmann::ordered_json json = {
+      {"format", "condyle-replay-1"},
+      {"condyle", CONDYLE_VERSION},
+      {"recording", clean_line(options.recording)},
+      {"recording_format", clean_line(info.format)},
+      {"followed", info.kind == SampleKind::one_axis
+                       ? "one axis"
+                       : std::string(1, "xyz"[static_cast<int>(options.followed.axis)])},
+      {"estimator", options.estimator.name}};
+  json.update(summary.json());
+  nlohmann::ordered_json& notes = json["notes"] = nlohmann::ordered_json::array();
+  for (const std::string& note : info.notes) notes.push_back(clean_line(note));
+  for (const std::string& note : drive_notes) notes.push_back(clean_line(note));
+  json["warnings"] = summary.warnings();
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 // Runs `sensor` over the open `facebow` and writes what was asked for. `row_of_step(sample,
@@ -114,6 +136,10 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   for (const auto& figure : figures) figure->commit();
   for (const auto& file : values) file->commit();
 
+  if (options.as_json) {
+    print_output(summary_json(options, facebow.info(), drive_notes, summary));
+    return kExitOk;
+  }
   std::string text =
       fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
   const auto line = [&text](const char* label, const std::string& words) {
@@ -209,7 +235,7 @@ int replay(const ReplayOptions& options) {
   settings.followed = options.followed;
   settings.expects_drive = info.has_drive;
   options.estimator.refuse_if_published("--lag", options.estimator.lag > 0);
-  options.estimator.refuse_if_published("--jaw-point-mm", !options.jaw_point_mm.empty());
+  options.estimator.refuse_if_published("--jaw-point-mm=X Y Z", !options.jaw_point_mm.empty());
   options.estimator.refuse_if_published("--drive",
                                         !options.drive.empty() || options.drive_stated.is_given());
   if (!options.drive.empty() && info.has_drive) {
@@ -233,7 +259,12 @@ int replay(const ReplayOptions& options) {
 Command add_replay(CommandLine app) {
   auto options = std::make_shared<ReplayOptions>();
   const CommandLine command = app.add_command(
-      "replay", "Run a recording through an estimator and write estimates and figures");
+      "replay", "Estimate motion, force and, with a drive, friction and mass from a recording",
+      "Analyse recordings");
+  command.add_example("condyle replay jaw.csv --out estimates.csv --figures figures",
+                      "Write a row of estimates for each sample, and draw them.");
+  command.add_example("condyle replay jaw.csv --drive jaw.drive.csv --drive-missing 0",
+                      "Measure friction and mass with a complete force sensor.");
   command
       .add_option("RECORDING", options->recording,
                   "CSV, Zebris text or XML, JAWS3D text, SSFF, session log (MCAP) or capture of "
@@ -251,16 +282,19 @@ Command add_replay(CommandLine app) {
   command.add_option("--speed", options->speed, "0 as fast as possible, 1 real time")
       .number_in({0, 1e6})
       .show_default();
-  command.add_option("--drive", options->drive,
+  command.add_option("--drive=FILE", options->drive,
                      "Total force along the followed axis, recorded apart: CSV with time_s and "
                      "drive_N, or a session log");
   options->drive_stated.add_to(command);
-  command.add_option("--out", options->out, "CSV file for the estimates");
-  command.add_option(
-      "--values", options->values,
+  command.group("Output").add_flag("--json", options->as_json,
+                                   "Print the summary as JSON, for programs");
+  command.group("Output").add_option("-o,--out=FILE", options->out, "CSV file for the estimates");
+  command.group("Output").add_option(
+      "--values=FOLDER", options->values,
       "Folder for what the devices of a session log or capture measured beside position: force, "
       "EMG (CSV)");
-  command.add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
+  command.group("Output").add_option("--figures=FOLDER", options->figures,
+                                     "Folder for figures (SVG and PNG)");
   return [options] { return replay(*options); };
 }
 

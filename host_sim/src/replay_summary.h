@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +27,8 @@ class ReplaySummary {
   virtual void add(const EstimateRow& row);
   /// The summary in words, with units, uncertainties and provenance.
   virtual std::string text() const = 0;
+  /// The same as data.
+  virtual nlohmann::ordered_json json() const;
   /// What the drive tells at the end, asked for when the text is made.
   void set_conclusion(std::function<JointEstimate<double>()> conclusion) {
     conclusion_ = std::move(conclusion);
@@ -102,6 +105,7 @@ class PublishedSummary final : public ReplaySummary {
       : ReplaySummary(followed), parameters_(parameters) {}
   void add(const EstimateRow& row) override;
   std::string text() const override;
+  nlohmann::ordered_json json() const override;
   /// Also steps that differ from the sample time, which the published cascade takes all as equal.
   std::vector<std::string> warnings() const override;
 
@@ -131,6 +135,7 @@ class RecommendedSummary final : public ReplaySummary {
       : ReplaySummary(followed), parameters_(parameters), lag_(lag), fits_(fits) {}
   void add(const EstimateRow& row) override;
   std::string text() const override;
+  nlohmann::ordered_json json() const override;
   /// Also positions that were smoothed before they came, or may have been.
   std::vector<std::string> warnings() const override;
 

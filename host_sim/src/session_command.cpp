@@ -149,10 +149,14 @@ int print_status(const SessionOptions& options) {
 
 Command add_session(CommandLine app) {
   auto options = std::make_shared<SessionOptions>();
-  const CommandLine command =
-      app.add_command("session", "Start, mark and stop recordings of a measurement box");
+  const CommandLine command = app.add_command(
+      "session", "Start, mark and stop recordings of a measurement box", "Measure with a device");
+  command.add_example("condyle session start --subject P07",
+                      "Start a recording on the box of this computer.");
+  command.add_example("condyle session status --box http://192.0.2.7:8750 --token-file token",
+                      "Show the state of another box.");
   command.add_option("--box", options->box, "Where the box listens").show_default();
-  command.add_option("--token-file", options->token_file, "File with the box's token");
+  command.add_option("--token-file=FILE", options->token_file, "File with the box's token");
   const CommandLine start = command.add_command("start", "Begin to record");
   start.add_option("--subject", options->subject, "Pseudonymous code of the subject");
   const CommandLine mark = command.add_command("mark", "Note something that happens now");

@@ -35,6 +35,9 @@ int simulate(const SimulateOptions& options) {
   const Scenario scenario = load_scenario(options.scenario);
   const std::uint64_t seed = options.seed.value_or(scenario.seed);
   hal::SteadyClock clock;
+  if (options.out == "-" && (scenario.drive.rate_Hz > 0 || scenario.emg.rate_Hz > 0)) {
+    throw InputError("--out", "the scenario writes more than one file", "name a file");
+  }
   const std::string drive_path =
       scenario.drive.rate_Hz > 0 ? beside(options.out, "drive") : std::string();
   const std::string emg_path =
@@ -94,11 +97,17 @@ int simulate(const SimulateOptions& options) {
 Command add_simulate(CommandLine app) {
   auto options = std::make_shared<SimulateOptions>();
   const CommandLine command =
-      app.add_command("simulate", "Simulate a subject and the instruments that see it");
+      app.add_command("simulate", "Simulate a subject and the instruments that see it", "Simulate");
+  command.add_example("condyle simulate chewing.toml --out jaw.csv --truth truth.csv",
+                      "Write a recording of a simulated subject, and the truth.");
+  command.add_example("condyle simulate chewing.toml --out jaw.csv --seed 7", "Draw other noise.");
   command.add_option("SCENARIO", options->scenario, "TOML file; host_sim/scenarios has some")
       .required();
-  command.add_option("--out", options->out, "CSV file for the recording").required();
-  command.add_option("--truth", options->truth, "CSV file for the true states");
+  command.group("Output")
+      .add_option("-o,--out=FILE", options->out, "CSV file for the recording")
+      .required();
+  command.group("Output").add_option("--truth=FILE", options->truth,
+                                     "CSV file for the true states");
   command.add_option("--seed", options->seed, "Seed of all random numbers, not the scenario's");
   return [options] { return simulate(*options); };
 }

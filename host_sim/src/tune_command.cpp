@@ -233,8 +233,12 @@ int tune(const TuneOptions& options) {
 
 Command add_tune(CommandLine app) {
   auto options = std::make_shared<TuneOptions>();
-  const CommandLine command =
-      app.add_command("tune", "Find an estimator's noise parameters from recordings");
+  const CommandLine command = app.add_command(
+      "tune", "Find an estimator's noise parameters from recordings", "Analyse recordings");
+  command.add_example("condyle tune jaw.csv --out tuned.toml",
+                      "Fit noise and liveliness to a recording.");
+  command.add_example("condyle tune a.csv b.csv --out tuned.toml --figures figures",
+                      "Fit them to several recordings, and draw the likelihood.");
   command.add_option("RECORDING", options->recordings, "As for replay; one or more").required();
   command
       .add_option("--criterion", options->criterion,
@@ -243,8 +247,10 @@ Command add_tune(CommandLine app) {
                   "tunes, with all that this leaves open")
       .one_of({"likelihood", "published"})
       .show_default();
-  command.add_option("--out", options->out, "TOML file for the parameters").required();
-  command.add_option("--parameters", options->parameters,
+  command.group("Output")
+      .add_option("-o,--out=FILE", options->out, "TOML file for the parameters")
+      .required();
+  command.add_option("--parameters=FILE", options->parameters,
                      "TOML file to start from; it also gives what is not tuned");
   command
       .add_option("--starts", options->starts,
@@ -267,9 +273,11 @@ Command add_tune(CommandLine app) {
                   "spread; published 20000, the first)")
       .within(2'000, 100'000'000);
   options->choice.add_to(command);
-  command.add_option("--tunings", options->tunings,
-                     "CSV file for all tunings that satisfy the criterion (published)");
-  command.add_option("--figures", options->figures, "Folder for figures (SVG and PNG)");
+  command.group("Output").add_option(
+      "--tunings=FILE", options->tunings,
+      "CSV file for all tunings that satisfy the criterion (published)");
+  command.group("Output").add_option("--figures=FOLDER", options->figures,
+                                     "Folder for figures (SVG and PNG)");
   return [options] { return tune(*options); };
 }
 

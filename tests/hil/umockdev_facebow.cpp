@@ -69,7 +69,8 @@ class Child {
 };
 
 int run(int argc, char** argv) {
-  host::Program self("Runs a program with a fake facebow under it, for tests");
+  host::Program self("umockdev_facebow", CONDYLE_VERSION,
+                     "Runs a program with a fake facebow under it, for tests");
   const host::CommandLine line = self.line();
   std::string personality, interloper;
   std::vector<std::string> program;
@@ -90,9 +91,12 @@ int run(int argc, char** argv) {
       "--interrupt", interrupts,
       "Interrupt the program once the device is gone for good and the program let go of it");
   host::fake::add_arguments(line, options);
-  const host::Program::Parsed parsed = self.parse(argc, argv);
+  std::string text;
+  const host::Program::Parsed parsed = self.parse(argc, argv, text);
   if (parsed != host::Program::Parsed::run) {
-    return parsed == host::Program::Parsed::answered ? 0 : kExitUsage;
+    const bool is_answer = parsed == host::Program::Parsed::answered;
+    std::fputs((text + "\n").c_str(), is_answer ? stdout : stderr);
+    return is_answer ? 0 : kExitUsage;
   }
 
   host::fake::FakeSetup setup = host::fake::set_up(options);

@@ -18,3 +18,8 @@ set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 set(ENV{PKG_CONFIG_SYSROOT_DIR} ${CMAKE_SYSROOT})
 set(ENV{PKG_CONFIG_LIBDIR}
   ${CMAKE_SYSROOT}/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/pkgconfig:${CMAKE_SYSROOT}/usr/share/pkgconfig)
+# The command writes its own manual pages while it is built.
+find_program(CONDYLE_EMULATOR qemu-${CONDYLE_EMULATED}-static)
+if(CONDYLE_EMULATOR)
+  set(CMAKE_CROSSCOMPILING_EMULATOR ${CONDYLE_EMULATOR} -L ${CONDYLE_SYSROOT})
+endif()
