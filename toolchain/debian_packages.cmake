@@ -89,6 +89,7 @@ sends estimates of the jaw's motion as they come, over UDP and HTTP, and
 records sessions, unattended. Research use only; it diagnoses nothing.")
 set(CPACK_DEBIAN_BOX_PACKAGE_DEPENDS "${same_version}, systemd | systemd-standalone-sysusers")
 set(CPACK_DEBIAN_BOX_PACKAGE_RECOMMENDS condyle)
+set(CPACK_DEBIAN_COMMON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/toolchain/debian/common/postinst)
 set(control ${PROJECT_SOURCE_DIR}/toolchain/debian/box)
 set(CPACK_DEBIAN_BOX_PACKAGE_CONTROL_EXTRA
   "${control}/conffiles;${control}/postinst;${control}/prerm;${control}/postrm")

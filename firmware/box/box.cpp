@@ -31,7 +31,7 @@ Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
       facebow_(configuration_.facebow, clock),
       device_name_(facebow_.profile().name),
       nominal_rate_Hz_(facebow_.profile().rate_Hz),
-      keeper_(configuration_, facebow_, clock, log),
+      keeper_(configuration_, facebow_, clock, log, wall_ns_),
       history_(kHistoryLines),
       publisher_(history_, configuration_.udp_address, configuration_.udp_port, clock),
       http_(configuration_, history_, service(), log) {

@@ -17,9 +17,9 @@
 #include <utility>
 #include <vector>
 
-#include "box/connection_table.h"
 #include "box/http_answer.h"
 #include "box/http_request.h"
+#include "box/http_state.h"
 #include "box/listening_socket.h"
 #include "input_error.h"
 
@@ -27,105 +27,12 @@ namespace condyle::box {
 namespace {
 
 constexpr unsigned kMostConnections = 1200, kMostServed = 200;
-constexpr unsigned kTimeout_s = 10;
 constexpr int kBacklog = 128;
-constexpr std::size_t kMostOfAnAddress = 32;
-constexpr TimeNs kDeadline_ns = kTimeout_s * kNanosecondsPerSecond;
 constexpr TimeNs kPatience_ns = 5 * kNanosecondsPerSecond;  // with a disk that does not answer
-constexpr std::size_t kBlock = 16 * 1024, kConnectionMemory = 32 * 1024;
-constexpr TimeNs kSilence_ns = 5 * kNanosecondsPerSecond;  // before it is said that we are here
-constexpr const char* kDisclaimer = "research use only; this is no diagnosis";
-
-// Between the calls for one request.
-struct Pending {
-  std::string body;
-  bool is_too_long = false;
-  std::uint64_t number = 0;  // of a command that waits for its answer; 0: none
-  std::optional<HttpServer::Answer> answer;
-};
+constexpr TimeNs kSilence_ns = 5 * kNanosecondsPerSecond;   // before it is said that we are here
+constexpr std::size_t kConnectionMemory = 32 * 1024;
 
 }  // namespace
-
-struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
-  // A command whose connection is suspended.
-  struct Waiting {
-    std::uint64_t number = 0;
-    MHD_Connection* connection = nullptr;
-    Pending* pending = nullptr;
-    TimeNs since_ns = 0;
-  };
-  // Someone who is sent estimates.
-  struct Listener {
-    State* state = nullptr;
-    MHD_Connection* connection = nullptr;
-    std::uint64_t place = 0;  // of the last line taken from the history
-    std::string text;         // of it, and how much of it was sent
-    std::size_t sent = 0;
-    // Guarded by the mutex:
-    bool is_suspended = false, is_to_keep_alive = false;
-    TimeNs silent_since_ns = 0;
-  };
-
-  State(const Configuration& configuration, const EstimateHistory& estimates, Service given,
-        BoxLog& given_log)
-      : history(estimates),
-        service(std::move(given)),
-        log(given_log),
-        access{configuration.token},
-        most_listeners(configuration.most_listeners) {}
-
-  static MHD_Result on_request(void* self, MHD_Connection* connection, const char* url,
-                               const char* method, const char* version, const char* upload,
-                               std::size_t* upload_size, void** place);
-  static void on_completed(void* self, MHD_Connection* connection, void** place,
-                           MHD_RequestTerminationCode);
-  static void on_connection(void* self, MHD_Connection* connection, void** place,
-                            MHD_ConnectionNotificationCode code);
-  static ssize_t on_read(void* listener, std::uint64_t, char* buffer, std::size_t size) {
-    auto& one = *static_cast<Listener*>(listener);
-    return one.state->give(one, buffer, size);
-  }
-  static void on_free(void* listener) {
-    auto& one = *static_cast<Listener*>(listener);
-    State& state = *one.state;
-    const std::lock_guard lock(state.mutex);
-    state.listeners.remove_if([&one](const auto& other) { return other.get() == &one; });
-  }
-  [[gnu::format(printf, 2, 0)]] static void on_message(void* self, const char* format,
-                                                       va_list arguments) {
-    char text[256];
-    std::vsnprintf(text, sizeof text, format, arguments);
-    static_cast<State*>(self)->log.say(BoxLog::Level::info, "http", text);
-  }
-
-  MHD_Result answer(MHD_Connection* connection, const HttpRequest& request, Pending& pending);
-  MHD_Result command(MHD_Connection* connection, Pending& pending,
-                     const std::function<void(Then)>& run);
-  void go_on(std::uint64_t number, const Answer& answer);
-  void set_idle(MHD_Connection* connection, bool is_idle);
-  MHD_Result listen(MHD_Connection* connection, std::optional<std::uint64_t> after);
-  ssize_t give(Listener& listener, char* buffer, std::size_t size);
-  bool next_text(Listener& listener);
-
-  hal::SteadyClock clock;
-  const EstimateHistory& history;
-  Service service;
-  BoxLog& log;
-  HttpAccess access;
-  std::size_t connected() {
-    const std::lock_guard lock(mutex);
-    return connections.size();
-  }
-  std::uint16_t most_listeners, port = 0;
-  MHD_Daemon* daemon = nullptr;
-  std::mutex mutex;
-  bool is_stopping = false;  // guarded by the mutex, as are the listeners
-  std::list<std::unique_ptr<Listener>> listeners;
-  std::list<Waiting> waiting;
-  std::uint64_t commands = 0;
-  ConnectionTable connections{kMostOfAnAddress, kDeadline_ns};
-  std::atomic<std::uint64_t> requests = 0, refused = 0, missed = 0;
-};
 
 MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection, const char* url,
                                          const char* method, const char*, const char* upload,
@@ -138,6 +45,15 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
       ++state.refused;
       return send_json(connection, MHD_HTTP_SERVICE_UNAVAILABLE,
                        answer_json({MHD_HTTP_SERVICE_UNAVAILABLE, "too many connections"}));
+    }
+    // Two lengths: a proxy may have taken the other one.
+    const int lengths = count_headers(connection, MHD_HTTP_HEADER_CONTENT_LENGTH) +
+                        count_headers(connection, MHD_HTTP_HEADER_TRANSFER_ENCODING);
+    if (lengths > 1) {
+      ++state.requests;
+      ++state.refused;
+      return send_json(connection, MHD_HTTP_BAD_REQUEST,
+                       answer_json({MHD_HTTP_BAD_REQUEST, "a request has one length"}));
     }
     // Refused before it is sent, where it says so.
     const std::string length = header(connection, MHD_HTTP_HEADER_CONTENT_LENGTH);
@@ -187,43 +103,6 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
     return send_json(connection, MHD_HTTP_INTERNAL_SERVER_ERROR,
                      answer_json({MHD_HTTP_INTERNAL_SERVER_ERROR, error.what()}));
   }
-}
-
-void HttpServer::State::on_completed(void* self, MHD_Connection* connection, void** place,
-                                     MHD_RequestTerminationCode) {
-  auto& state = *static_cast<State*>(self);
-  const std::unique_ptr<Pending> pending(static_cast<Pending*>(*place));
-  *place = nullptr;
-  state.set_idle(connection, true);
-  if (!pending || pending->number == 0) return;
-  const std::lock_guard lock(state.mutex);
-  state.waiting.remove_if([&](const Waiting& one) { return one.number == pending->number; });
-}
-
-void HttpServer::State::on_connection(void* self, MHD_Connection* connection, void** place,
-                                      MHD_ConnectionNotificationCode code) {
-  auto& state = *static_cast<State*>(self);
-  const std::lock_guard lock(state.mutex);
-  if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
-    return state.connections.closed(static_cast<ConnectionTable::Connection*>(*place));
-  }
-  const auto* const address =
-      MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
-  const auto* const socket = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-  std::vector<int> ending;
-  *place = state.connections.opened(text_of(address->client_addr), socket->connect_fd,
-                                    state.clock.now_ns(), ending);
-  for (const int descriptor : ending) shutdown(descriptor, SHUT_RDWR);
-}
-
-void HttpServer::State::set_idle(MHD_Connection* connection, bool is_idle) {
-  const auto* const context =
-      MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
-  if (context == nullptr || context->socket_context == nullptr) return;
-  auto& one = *static_cast<ConnectionTable::Connection*>(context->socket_context);
-  const std::lock_guard lock(mutex);
-  one.is_idle = is_idle;
-  one.since_ns = clock.now_ns();
 }
 
 // Suspends the connection until the answer is there: this thread waits for no disk.
@@ -280,78 +159,6 @@ MHD_Result HttpServer::State::answer(MHD_Connection* connection, const HttpReque
   return send_json(connection, routing.status, answer_json({routing.status, routing.words}));
 }
 
-MHD_Result HttpServer::State::listen(MHD_Connection* connection,
-                                     std::optional<std::uint64_t> after) {
-  auto listener = std::make_unique<Listener>();
-  Listener* const one = listener.get();
-  one->state = this;
-  one->connection = connection;
-  // A number from before a restart of the box is none of these lines: all that are kept are new.
-  const std::uint64_t newest = history.newest();
-  one->place = !after ? newest : *after > newest ? 0 : *after;
-  one->text = fmt::format(": condyle {}: {}\n\n", CONDYLE_VERSION, kDisclaimer);
-  {
-    const std::lock_guard lock(mutex);
-    if (listeners.size() >= most_listeners) {
-      ++refused;
-      return send_json(connection, MHD_HTTP_SERVICE_UNAVAILABLE,
-                       answer_json({MHD_HTTP_SERVICE_UNAVAILABLE, "too many listeners"}));
-    }
-    listeners.push_back(std::move(listener));
-  }
-  MHD_Response* const response =
-      MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, kBlock, on_read, one, on_free);
-  if (response == nullptr) {
-    on_free(one);
-    return MHD_NO;
-  }
-  MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE, "text/event-stream");
-  MHD_add_response_header(response, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
-  const MHD_Result result = MHD_queue_response(connection, MHD_HTTP_OK, response);
-  MHD_destroy_response(response);
-  return result;
-}
-
-// The next event for a listener; false where there is none yet.
-bool HttpServer::State::next_text(Listener& listener) {
-  const EstimateHistory::Line line = history.after(listener.place);
-  if (line.number == 0) return false;
-  listener.text.clear();
-  listener.sent = 0;
-  if (line.missed > 0) {
-    missed += line.missed;
-    listener.text = fmt::format("event: missed\ndata: {{\"missed\":{}}}\n\n", line.missed);
-  }
-  listener.text += fmt::format("id: {}\ndata: {}\n\n", line.number, *line.text);
-  listener.place = line.number;
-  return true;
-}
-
-ssize_t HttpServer::State::give(Listener& listener, char* buffer, std::size_t size) {
-  std::size_t given = 0;
-  while (given < size) {
-    if (listener.sent == listener.text.size() && !next_text(listener)) break;
-    const std::size_t part = std::min(size - given, listener.text.size() - listener.sent);
-    std::memcpy(buffer + given, listener.text.data() + listener.sent, part);
-    listener.sent += part;
-    given += part;
-  }
-  const std::lock_guard lock(mutex);
-  if (is_stopping) return MHD_CONTENT_READER_END_OF_STREAM;
-  if (given > 0) return static_cast<ssize_t>(given);
-  if (listener.is_to_keep_alive) {
-    listener.is_to_keep_alive = false;
-    listener.text = ": still here\n\n";
-    listener.sent = listener.text.size();
-    std::memcpy(buffer, listener.text.data(), listener.text.size());
-    return static_cast<ssize_t>(listener.text.size());
-  }
-  listener.is_suspended = true;
-  listener.silent_since_ns = clock.now_ns();
-  MHD_suspend_connection(listener.connection);
-  return 0;
-}
-
 HttpServer::HttpServer(const Configuration& configuration, const EstimateHistory& history,
                        Service service, BoxLog& log)
     : state_(std::make_shared<State>(configuration, history, std::move(service), log)) {
@@ -371,9 +178,9 @@ HttpServer::HttpServer(const Configuration& configuration, const EstimateHistory
       nullptr, &State::on_request, state_.get(), MHD_OPTION_EXTERNAL_LOGGER, &State::on_message,
       state_.get(), MHD_OPTION_LISTEN_SOCKET, listening, MHD_OPTION_CONNECTION_LIMIT,
       kMostConnections, MHD_OPTION_CONNECTION_TIMEOUT, kTimeout_s,
-      MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionMemory, MHD_OPTION_NOTIFY_COMPLETED,
-      &State::on_completed, state_.get(), MHD_OPTION_NOTIFY_CONNECTION, &State::on_connection,
-      state_.get(), MHD_OPTION_END);
+      MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionMemory, MHD_OPTION_URI_LOG_CALLBACK,
+      &State::on_uri, state_.get(), MHD_OPTION_NOTIFY_COMPLETED, &State::on_completed, state_.get(),
+      MHD_OPTION_NOTIFY_CONNECTION, &State::on_connection, state_.get(), MHD_OPTION_END);
   if (state_->daemon == nullptr) fail(errno);
   state_->port = bound_port(listening);
 }

@@ -13,6 +13,7 @@
 #include "box/box.h"
 #include "box/latency_test.h"
 #include "input_error.h"
+#include "last_words.h"
 
 namespace {
 
@@ -120,6 +121,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  host::end_with_last_words("condyle-box", kExitFailure);
   Arguments arguments;
   int exit_code = kExitOk;
   if (!parse(argc, argv, arguments, exit_code)) return exit_code;
@@ -129,7 +131,6 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "condyle-box: %s\n", error.what());
     return kExitBadInput;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "condyle-box: %s\n", error.what());
-    return kExitFailure;
+    return host::say_last_words("condyle-box", error, kExitFailure);
   }
 }

@@ -15,10 +15,10 @@ constexpr TimeNs kHung_ns = 2 * kNanosecondsPerSecond;
 }  // namespace
 
 SessionKeeper::SessionKeeper(const Configuration& configuration, const FacebowReports& facebow,
-                             hal::Clock& clock, BoxLog& log)
+                             hal::Clock& clock, BoxLog& log, std::function<TimeNs()> wall_ns)
     : clock_(clock),
       box_log_(log),
-      recorder_(configuration, facebow, clock, log),
+      recorder_(configuration, facebow, clock, log, std::move(wall_ns)),
       state_(recorder_.state()),
       thread_([this] { loop(); }) {}
 

@@ -25,7 +25,7 @@ class SessionKeeper {
 
   /// As SessionRecorder's.
   SessionKeeper(const Configuration& configuration, const FacebowReports& facebow,
-                hal::Clock& clock, BoxLog& log);
+                hal::Clock& clock, BoxLog& log, std::function<TimeNs()> wall_ns);
   /// Waits for the disk, however long it takes; `finish` first where that may be long.
   ~SessionKeeper();
   SessionKeeper(const SessionKeeper&) = delete;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <sys/statvfs.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <ctime>
@@ -12,7 +13,6 @@
 
 #include "clean_text.h"
 #include "input_error.h"
-#include "wall_clock.h"
 
 namespace condyle::box {
 namespace {
@@ -20,6 +20,8 @@ namespace {
 constexpr TimeNs kPause_ns = 5 * kNanosecondsPerSecond;
 // A companion takes so long to be opened.
 constexpr TimeNs kOpening_ns = kNanosecondsPerSecond;
+constexpr TimeNs kPerStart_ns = 10 * kNanosecondsPerSecond;
+constexpr TimeNs kMostStarts = 30;  // at once
 constexpr TimeNs kLongestPart_ns = 6 * 3600 * kNanosecondsPerSecond;
 
 int http_status(hal::SessionLogFailure failure) {
@@ -47,8 +49,12 @@ struct SessionRecorder::Part {
 };
 
 SessionRecorder::SessionRecorder(const Configuration& configuration, const FacebowReports& facebow,
-                                 hal::Clock& clock, BoxLog& log)
-    : configuration_(configuration), facebow_(facebow), clock_(clock), box_log_(log) {
+                                 hal::Clock& clock, BoxLog& log, std::function<TimeNs()> wall_ns)
+    : configuration_(configuration),
+      facebow_(facebow),
+      clock_(clock),
+      box_log_(log),
+      wall_ns_(std::move(wall_ns)) {
   for (const SourceSettings& settings : configuration.companions) {
     companions_.push_back(
         host::name_device(settings.file, settings.serial,
@@ -80,8 +86,12 @@ SessionRecorder::Answer SessionRecorder::start(const std::string& subject) {
   if (state_.phase != SessionState::Phase::idle)
     return {409, "a session is being recorded; stop it first"};
   if (engine_ == nullptr) return {503, "the facebow has not been found yet"};
-  if (host::wall_ns() < 0) {
+  if (wall_ns_() < 0) {
     return {503, "the clock of this machine stands before 1970; set it, then start again"};
+  }
+  const TimeNs starts_ns = std::max(starts_free_ns_, clock_.now_ns()) + kPerStart_ns;
+  if (starts_ns > clock_.now_ns() + kMostStarts * kPerStart_ns) {
+    return {429, "sessions begin too often; wait ten seconds, then start again"};
   }
   state_ = {};
   state_.subject = subject;
@@ -92,6 +102,7 @@ SessionRecorder::Answer SessionRecorder::start(const std::string& subject) {
     state_.problem = answer.words;
     return answer;
   }
+  starts_free_ns_ = starts_ns;
   box_log_.say(BoxLog::Level::notice, "session", "recording " + state_.file);
   return answer;
 }
@@ -102,7 +113,7 @@ hal::SessionHeader SessionRecorder::header() const {
   header.subject_code = state_.subject;
   header.parameters_toml = configuration_.parameters_toml;
   header.start_monotonic_ns = clock_.now_ns();
-  header.start_wall_ns = host::wall_ns();
+  header.start_wall_ns = wall_ns_();
   const hal::DeviceProfile& profile = facebow_.profile();
   header.sources.push_back({"facebow", profile.vendor_id, profile.product_id,
                             facebow_.profile_text(), facebow_.descriptor()});

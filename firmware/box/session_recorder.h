@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -41,7 +42,9 @@ struct SessionState {
 /// Sessions as the user starts and ends them. Each is a run of the engine, so that a replay of its
 /// log gives the same estimates. Where the disk is full the recording pauses; nothing is deleted;
 /// once there is room it goes on in another file. Every six hours another file begins, so that what
-/// is kept in memory of one stays small. One thread at a time, which may have to wait for the disk.
+/// is kept in memory of one stays small. Thirty sessions may begin at once, and one every ten
+/// seconds after that, so that a client gone wrong fills no folder. One thread at a time, which may
+/// have to wait for the disk.
 class SessionRecorder {
  public:
   /// What a command led to: an HTTP status, and a sentence for the user.
@@ -52,7 +55,7 @@ class SessionRecorder {
 
   /// An InputError where a companion's profile cannot be used, or it may be the facebow itself.
   SessionRecorder(const Configuration& configuration, const FacebowReports& facebow,
-                  hal::Clock& clock, BoxLog& log);
+                  hal::Clock& clock, BoxLog& log, std::function<TimeNs()> wall_ns);
   ~SessionRecorder();
 
   /// Once the facebow was found; the engine must outlive the recorder's use.
@@ -84,12 +87,14 @@ class SessionRecorder {
   const FacebowReports& facebow_;
   hal::Clock& clock_;
   BoxLog& box_log_;
+  std::function<TimeNs()> wall_ns_;
   Engine* engine_ = nullptr;
   std::vector<host::SessionDevice> companions_;
   std::unique_ptr<Part> part_;
   SessionState state_;
   std::string stem_;  // of the session's files
   TimeNs next_attempt_ns_ = 0, paused_since_ns_ = 0;
+  TimeNs starts_free_ns_ = 0;  // when as many sessions may begin at once as ever
 };
 
 }  // namespace condyle::box

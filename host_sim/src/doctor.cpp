@@ -19,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kRulesFile = "/etc/udev/rules.d/70-condyle-facebow.rules";
-constexpr const char* kReload = "sudo udevadm control --reload && sudo udevadm trigger";
+constexpr const char* kReload =
+    "sudo udevadm control --reload && sudo udevadm trigger --action=change";
 
 bool is_there(const Machine& machine, const char* path) {
   std::error_code error;
@@ -41,19 +41,30 @@ struct Rule {
   std::string group;  // empty: it names none
 };
 
+// Whether a line of a rules file lets the device be read.
+bool is_for(const std::string& line, const hal::HidDevice& device, DeviceBackEnd back_end) {
+  const auto has = [&line](const std::string& text) {
+    return line.find(text) != std::string::npos;
+  };
+  if (line.empty() || line.front() == '#') return false;
+  if (back_end == DeviceBackEnd::hidapi ? !has("hidraw") : !has("\"usb\"")) return false;
+  return (has(fmt::format("idVendor}}==\"{:04x}\"", device.vendor_id)) &&
+          has(fmt::format("idProduct}}==\"{:04x}\"", device.product_id))) ||
+         has(fmt::format("\"usb:v{:04X}p{:04X}*in{:02X}\"", device.vendor_id, device.product_id,
+                         device.interface_number)) ||
+         has(fmt::format(":{:04X}:{:04X}.*\"", device.vendor_id, device.product_id));
+}
+
 // The udev rule for a device, where one is installed.
-std::optional<Rule> find_rule(const Machine& machine, const hal::HidDevice& device) {
-  const std::string vendor = fmt::format("\"{:04x}\"", device.vendor_id);
-  const std::string product = fmt::format("\"{:04x}\"", device.product_id);
+std::optional<Rule> find_rule(const Machine& machine, const hal::HidDevice& device,
+                              DeviceBackEnd back_end) {
   for (const char* folder : {"etc/udev/rules.d", "run/udev/rules.d", "usr/lib/udev/rules.d",
                              "lib/udev/rules.d", "usr/local/lib/udev/rules.d"}) {
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(machine.root / folder, error)) {
       std::ifstream file(entry.path());
       for (std::string line; std::getline(file, line);) {
-        const bool is_meant = line.find("idVendor}==" + vendor) != std::string::npos &&
-                              line.find("idProduct}==" + product) != std::string::npos;
-        if (!is_meant || line.front() == '#' || line.find("hidraw") == std::string::npos) continue;
+        if (!is_for(line, device, back_end)) continue;
         Rule rule{entry.path().lexically_relative(machine.root), {}};
         const std::size_t group = line.find("GROUP=\"");
         if (group != std::string::npos) {
@@ -67,36 +78,14 @@ std::optional<Rule> find_rule(const Machine& machine, const hal::HidDevice& devi
   return std::nullopt;
 }
 
-// As in hal/udev/70-condyle-facebow.rules.
-std::string rule_line(const char* match, const char* attribute, const hal::HidDevice& device) {
-  return fmt::format(R"({0}, {1}{{idVendor}}=="{2:04x}", {1}{{idProduct}}=="{3:04x}", )"
-                     R"(MODE="0660", GROUP="plugdev", TAG+="uaccess")",
-                     match, attribute, device.vendor_id, device.product_id);
-}
-
-std::string new_rule(const hal::HidDevice& device) {
-  return fmt::format("printf '%s\\n' '{}' \\\n  '{}' |\n  sudo tee -a {}\n{}",
-                     rule_line(R"(SUBSYSTEM=="hidraw")", "ATTRS", device),
-                     rule_line(R"(SUBSYSTEM=="usb", ENV{DEVTYPE}=="usb_device")", "ATTR", device),
-                     kRulesFile, kReload);
-}
-
-// On other buses the ids stand in the name of the kernel's device; linux/input.h numbers the buses.
-std::string rule_elsewhere(const hal::HidDevice& device) {
-  const int bus = device.bus == hal::DeviceBus::bluetooth ? 0x0005
-                  : device.bus == hal::DeviceBus::i2c     ? 0x0018
-                                                          : 0x001C;
-  return fmt::format(
-      "printf '%s\\n' 'SUBSYSTEM==\"hidraw\", KERNELS==\"{:04X}:{:04X}:{:04X}.*\", "
-      "MODE=\"0660\", GROUP=\"plugdev\", TAG+=\"uaccess\"' |\n  sudo tee -a {}\n{}\nthen "
-      "connect the device again",
-      bus, device.vendor_id, device.product_id, kRulesFile, kReload);
-}
-
-std::string permission_mend(const Machine& machine, const hal::HidDevice& device) {
-  if (device.bus != hal::DeviceBus::usb) return rule_elsewhere(device);
-  const auto rule = find_rule(machine, device);
-  if (!rule) return new_rule(device) + "\nthen plug the device in again";
+std::string permission_mend(const Machine& machine, const hal::HidDevice& device,
+                            DeviceBackEnd back_end) {
+  const auto rule = find_rule(machine, device, back_end);
+  if (!rule) {
+    return fmt::format("printf '%s\\n' '{}' |\n  sudo tee -a {}\n{}",
+                       udev_rule(device, back_end, machine.devices), udev_rule_file(device),
+                       kReload);
+  }
   if (!rule->group.empty() && machine.groups.count(rule->group) == 0) {
     return fmt::format("sudo adduser {} {}\nthen log out and in again; /{} lets that group read it",
                        machine.user, rule->group, rule->file.string());
@@ -105,8 +94,44 @@ std::string permission_mend(const Machine& machine, const hal::HidDevice& device
                      rule->file.string());
 }
 
+// The file that libusb opens.
+void examine_usb(const Machine& machine, const hal::HidDevice& device, DeviceBackEnd back_end,
+                 std::vector<Finding>& findings) {
+  const bool is_needed = back_end == DeviceBackEnd::libusb;
+  const Severity severity = is_needed ? Severity::missing : Severity::optional;
+  const std::string name = name_words(device);
+  if (device.usb_path.empty()) {
+    if (is_needed) {
+      findings.push_back({Severity::missing, name + " is not on USB, which --backend libusb needs",
+                          "leave out --backend libusb"});
+    }
+    return;
+  }
+  switch (device.usb_access) {
+    case hal::DeviceAccess::permitted:
+      if (!is_needed) return;
+      findings.push_back(
+          {Severity::fine, fmt::format("{} may be taken: {}", name, device.usb_path), ""});
+      return;
+    case hal::DeviceAccess::not_there:
+      findings.push_back(
+          {severity, fmt::format("{}: no {}, which --backend libusb needs", name, device.usb_path),
+           "in a container, pass /dev/bus/usb through"});
+      return;
+    case hal::DeviceAccess::not_permitted:
+      findings.push_back(
+          {severity,
+           fmt::format("{}: {} may not be read by {}, which --backend libusb needs", name,
+                       device.usb_path, machine.user),
+           is_needed ? permission_mend(machine, device, back_end)
+                     : fmt::format("if it is to be read so: condyle doctor --device {} --backend "
+                                   "libusb",
+                                   id_words(device.vendor_id, device.product_id))});
+  }
+}
+
 void examine_device(const Machine& machine, const hal::HidDevice& device, bool is_wanted,
-                    std::vector<Finding>& findings) {
+                    DeviceBackEnd back_end, std::vector<Finding>& findings) {
   const std::string name = name_words(device);
   if (!is_wanted && device.access != hal::DeviceAccess::permitted) {
     findings.push_back({Severity::optional,
@@ -116,6 +141,7 @@ void examine_device(const Machine& machine, const hal::HidDevice& device, bool i
                                     id_words(device.vendor_id, device.product_id))});
     return;
   }
+  if (back_end == DeviceBackEnd::libusb) return examine_usb(machine, device, back_end, findings);
   switch (device.access) {
     case hal::DeviceAccess::permitted:
       findings.push_back(
@@ -125,28 +151,19 @@ void examine_device(const Machine& machine, const hal::HidDevice& device, bool i
       findings.push_back(
           {Severity::missing,
            fmt::format("{} may not be read by {}: {}", name, machine.user, device.path),
-           permission_mend(machine, device)});
+           permission_mend(machine, device, back_end)});
       break;
     case hal::DeviceAccess::not_there:
       findings.push_back({Severity::missing, fmt::format("{} has no file {}", name, device.path),
                           "in a container, pass it through; else start udev"});
   }
-  if (device.usb_path.empty() || device.usb_access == hal::DeviceAccess::permitted) return;
-  if (device.usb_access == hal::DeviceAccess::not_there) {
-    findings.push_back(
-        {Severity::optional,
-         fmt::format("{}: no {}, which --backend libusb needs", name, device.usb_path),
-         "in a container, pass /dev/bus/usb through"});
-  } else if (device.access == hal::DeviceAccess::permitted) {
-    findings.push_back({Severity::optional,
-                        fmt::format("{}: {} may not be read by {}, which --backend libusb needs",
-                                    name, device.usb_path, machine.user),
-                        "a rule for SUBSYSTEM==\"usb\", as in hal/udev/70-condyle-facebow.rules"});
+  if (device.access != hal::DeviceAccess::not_permitted) {
+    examine_usb(machine, device, back_end, findings);
   }
 }
 
 void examine_devices(const Machine& machine, const std::optional<hal::DeviceAddress>& wanted,
-                     std::vector<Finding>& findings) {
+                     DeviceBackEnd back_end, std::vector<Finding>& findings) {
   std::size_t looked_at = 0, everyday = 0;
   for (const hal::HidDevice& device : machine.devices) {
     if (wanted ? !hal::fits(*wanted, device) : is_everyday(device)) {
@@ -154,7 +171,7 @@ void examine_devices(const Machine& machine, const std::optional<hal::DeviceAddr
       continue;
     }
     ++looked_at;
-    examine_device(machine, device, wanted.has_value(), findings);
+    examine_device(machine, device, wanted.has_value(), back_end, findings);
   }
   if (everyday > 0) {
     findings.push_back({Severity::fine,
@@ -229,10 +246,11 @@ Machine this_machine() {
 }
 
 std::vector<Finding> examine(const Machine& machine,
-                             const std::optional<hal::DeviceAddress>& wanted) {
+                             const std::optional<hal::DeviceAddress>& wanted,
+                             DeviceBackEnd back_end) {
   std::vector<Finding> findings;
   examine_kernel(machine, findings);
-  examine_devices(machine, wanted, findings);
+  examine_devices(machine, wanted, back_end, findings);
   examine_fake(machine, findings);
   if (!has_program("gnuplot")) {
     findings.push_back({Severity::optional, "condyle replay --figures needs gnuplot",
@@ -255,6 +273,17 @@ std::string findings_words(const std::vector<Finding>& findings) {
     }
   }
   return text;
+}
+
+hal::HidDevice device_for_rule(const Machine& machine, const hal::DeviceAddress& wanted) {
+  for (const hal::HidDevice& device : machine.devices) {
+    if (hal::fits(wanted, device)) return device;
+  }
+  hal::HidDevice device;
+  device.vendor_id = wanted.vendor_id;
+  device.product_id = wanted.product_id;
+  device.bus = hal::DeviceBus::usb;
+  return device;
 }
 
 }  // namespace condyle::host

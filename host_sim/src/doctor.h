@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "condyle/hal/device_list.h"
+#include "udev_rule.h"
 
 namespace condyle::host {
 
@@ -37,9 +38,13 @@ struct Machine {
 Machine this_machine();
 
 /// `wanted`: the device that is to be read; without one all but keyboards, mice and consumer
-/// controls are looked at.
+/// controls are looked at. `back_end`: what is to read it.
 std::vector<Finding> examine(const Machine& machine,
-                             const std::optional<hal::DeviceAddress>& wanted);
+                             const std::optional<hal::DeviceAddress>& wanted,
+                             DeviceBackEnd back_end = DeviceBackEnd::hidapi);
+
+/// The device that a rule is made for: as it is plugged in, else any of that model on USB.
+hal::HidDevice device_for_rule(const Machine& machine, const hal::DeviceAddress& wanted);
 
 /// The findings as text, the mends indented under them.
 std::string findings_words(const std::vector<Finding>& findings);

@@ -14,7 +14,8 @@ namespace condyle::host {
 namespace {
 
 struct DoctorOptions {
-  std::string device, profile;
+  std::string device, profile, backend = "hidapi";
+  bool rule = false;
 };
 
 int examine_and_tell(const DoctorOptions& options) {
@@ -29,7 +30,18 @@ int examine_and_tell(const DoctorOptions& options) {
               .serial = {},
               .path = {}};
   }
-  const std::vector<Finding> findings = examine(this_machine(), wanted);
+  const DeviceBackEnd back_end =
+      options.backend == "libusb" ? DeviceBackEnd::libusb : DeviceBackEnd::hidapi;
+  const Machine machine = this_machine();
+  if (options.rule) {
+    if (!wanted) {
+      throw InputError("--rule", "the device is not named",
+                       "add --device 1209:0001 with the ids of condyle inspect, or --profile FILE");
+    }
+    print_output(udev_rule(device_for_rule(machine, *wanted), back_end, machine.devices) + "\n");
+    return kExitOk;
+  }
+  const std::vector<Finding> findings = examine(machine, wanted, back_end);
   print_output(findings_words(findings));
   const bool is_fit = std::none_of(findings.begin(), findings.end(), [](const Finding& finding) {
     return finding.severity == Severity::missing;
@@ -53,6 +65,15 @@ Command add_doctor(CommandLine app) {
                          "Device to look at: 1209:0001, /dev/hidraw0, or its USB port, 1-1.4");
   command.add_option("--profile=FILE", options->profile, "TOML file of the device to look at")
       .excludes(device);
+  command
+      .add_option("--backend", options->backend,
+                  "What is to read it: hidapi, the kernel's driver; libusb, which takes the whole "
+                  "device")
+      .one_of({"hidapi", "libusb"})
+      .show_default();
+  command.add_flag("--rule", options->rule,
+                   "Print only the udev rule that lets the device be read, for a file in "
+                   "/etc/udev/rules.d");
   return [options] { return examine_and_tell(*options); };
 }
 

@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "deferred_problem.h"
 #include "input_error.h"
+#include "last_words.h"
 #include "manual.h"
 #include "output_file.h"
 
@@ -127,11 +128,10 @@ int report_stop() {
 }  // namespace condyle::host
 
 int main(int argc, char** argv) {
+  condyle::host::end_with_last_words("condyle", condyle::host::kExitInternal);
   try {
     return condyle::host::run(argc, argv);
   } catch (const std::exception& error) {
-    condyle::host::print_error(std::string("internal error: ") + error.what() +
-                               "; please report it");
-    return condyle::host::kExitInternal;
+    return condyle::host::say_last_words("condyle", error, condyle::host::kExitInternal);
   }
 }

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
 #include <httplib.h>
 
 #include <chrono>
@@ -10,8 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "clean_text.h"
-
+#include "box_answer.h"
 #include "command_line.h"
 #include "commands.h"
 #include "input_error.h"
@@ -26,7 +24,6 @@ struct SessionOptions {
   std::string subject, text;
 };
 
-constexpr std::size_t kLongestAnswer = std::size_t{1} << 20;
 constexpr std::chrono::seconds kPatience{30};
 
 // Ends what the client waits for once the time is over, however slowly an answer comes.
@@ -60,16 +57,10 @@ class Deadline {
   std::thread thread_;
 };
 
-[[noreturn]] void refuse_stranger(const SessionOptions& options, const std::string& why) {
-  throw InputError(options.box, "what answers there is no condyle-box: " + why,
-                   "say with --box where the box is");
-}
-
-// What the box answered, as JSON, and its HTTP status.
+// What came, and its HTTP status.
 struct BoxAnswer {
   int status = 0;
   std::string text;
-  nlohmann::json json;
 };
 
 BoxAnswer ask(const SessionOptions& options, httplib::Request request) {
@@ -87,7 +78,7 @@ BoxAnswer ask(const SessionOptions& options, httplib::Request request) {
   bool is_too_long = false;
   request.content_receiver = [&](const char* bytes, std::size_t size, std::uint64_t,
                                  std::uint64_t) {
-    is_too_long = answer.text.size() + size > kLongestAnswer;
+    is_too_long = answer.text.size() + size > kLongestBoxAnswer;
     if (!is_too_long) answer.text.append(bytes, size);
     return !is_too_long;
   };
@@ -96,8 +87,8 @@ BoxAnswer ask(const SessionOptions& options, httplib::Request request) {
   Deadline deadline(client);
   const bool has_answer = client.send(request, response, error);
   const bool is_late = deadline.has_passed();
-  if (is_too_long) refuse_stranger(options, "its answer is longer than 1 MiB");
-  if (is_late) refuse_stranger(options, "its answer does not come to an end");
+  if (is_too_long) refuse_stranger(options.box, "its answer is longer than 1 MiB");
+  if (is_late) refuse_stranger(options.box, "its answer does not come to an end");
   if (!has_answer) {
     const std::string why =
         error == httplib::Error::Connection ? "nothing listens there" : httplib::to_string(error);
@@ -105,19 +96,7 @@ BoxAnswer ask(const SessionOptions& options, httplib::Request request) {
                      "start condyle-box, or say with --box where it is");
   }
   answer.status = response.status;
-  answer.json = nlohmann::json::parse(answer.text, nullptr, false);
-  if (!answer.json.is_object()) {
-    refuse_stranger(options, fmt::format("HTTP status {} without JSON", answer.status));
-  }
   return answer;
-}
-
-// The text of a key that an answer has to have.
-std::string text_of(const SessionOptions& options, const BoxAnswer& answer, const char* key) {
-  if (!answer.json.contains(key) || !answer.json[key].is_string()) {
-    refuse_stranger(options, fmt::format("HTTP status {} without \"{}\"", answer.status, key));
-  }
-  return answer.json[key].get<std::string>();
 }
 
 int post(const SessionOptions& options, const char* path, const nlohmann::json& body) {
@@ -127,8 +106,7 @@ int post(const SessionOptions& options, const char* path, const nlohmann::json& 
   request.body = body.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   request.set_header("Content-Type", "application/json");
   const BoxAnswer answer = ask(options, std::move(request));
-  if (answer.status != 200) throw InputError(options.box, text_of(options, answer, "problem"), "");
-  print_output(clean_line(text_of(options, answer, "done")) + "\n");
+  print_output(read_command_answer(options.box, answer.status, answer.text) + "\n");
   return kExitOk;
 }
 
@@ -137,11 +115,7 @@ int print_status(const SessionOptions& options) {
   request.method = "GET";
   request.path = "/v1/status";
   const BoxAnswer answer = ask(options, std::move(request));
-  if (answer.status != 200) throw InputError(options.box, text_of(options, answer, "problem"), "");
-  if (text_of(options, answer, "format") != "condyle-box-status-1") {
-    refuse_stranger(options, "its status has another format");
-  }
-  print_output(answer.text);
+  print_output(read_status_answer(options.box, answer.status, answer.text));
   return kExitOk;
 }
 

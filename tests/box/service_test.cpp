@@ -181,6 +181,34 @@ TEST(Service, ChecksItsConfigurationAndMeasuresItsLatency) {
   EXPECT_THAT(testing_support::read_file(out), HasSubstr("[estimator] node is left out"));
 }
 
+// However little memory there is, it says so and ends, or it works. A core would hold what was
+// measured.
+TEST(Service, SaysThatMemoryIsShort) {
+  if (CONDYLE_UNDER_SANITIZER) GTEST_SKIP() << "a sanitizer takes terabytes";
+  const testing_support::TemporaryFolder folder;
+  const std::string configuration = folder.write(
+      "box.toml", "[facebow]\nsource = \"synth:" +
+                      testing_support::source_path("/hal/profiles/condyle_facebow.toml") +
+                      "\"\n[http]\nport = 0\n");
+  int said = 0;
+  for (int limit_kB = 8'000; limit_kB <= 120'000; limit_kB += 8'000) {
+    const std::string out = folder / std::to_string(limit_kB);
+    const int status =
+        std::system(("ulimit -v " + std::to_string(limit_kB) + "; " +
+                     testing_support::program_path("condyle-box") +
+                     " --latency-test 0.1 --config " + configuration + " >" + out + " 2>&1")
+                        .c_str());
+    ASSERT_TRUE(WIFEXITED(status));
+    const std::string words = testing_support::read_file(out);
+    if (words.rfind("condyle-box: ", 0) != 0) continue;  // the loader's, or it works
+    ++said;
+    EXPECT_EQ(WEXITSTATUS(status), 2) << limit_kB << words;
+    EXPECT_EQ(std::count(words.begin(), words.end(), '\n'), 1) << words;
+    EXPECT_THAT(words, HasSubstr("MemoryMax"));
+  }
+  EXPECT_GT(said, 0);
+}
+
 // Whoever asks, listens or ends the box waits for no disk.
 TEST(Service, GoesOnWhereTheDiskHangs) {
   if (CONDYLE_UNDER_SANITIZER) GTEST_SKIP() << "a sanitizer is to be loaded first";

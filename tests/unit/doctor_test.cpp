@@ -15,6 +15,7 @@ namespace condyle::host {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 hal::HidDevice facebow() {
   hal::HidDevice device;
@@ -50,9 +51,10 @@ class Doctor : public testing::Test {
     std::ofstream(machine_.root / "etc/udev/rules.d/70-bow.rules") << text;
   }
   // The one that is missing.
-  Finding missing(const std::optional<hal::DeviceAddress>& wanted = kBow) const {
+  Finding missing(const std::optional<hal::DeviceAddress>& wanted = kBow,
+                  DeviceBackEnd back_end = DeviceBackEnd::hidapi) const {
     std::vector<Finding> found;
-    for (const Finding& finding : examine(machine_, wanted)) {
+    for (const Finding& finding : examine(machine_, wanted, back_end)) {
       if (finding.severity == Severity::missing) found.push_back(finding);
     }
     EXPECT_EQ(found.size(), 1U);
@@ -82,8 +84,9 @@ TEST_F(Doctor, GivesTheRuleWhereThereIsNone) {
   EXPECT_THAT(finding.mend, HasSubstr(R"(SUBSYSTEM=="hidraw", ATTRS{idVendor}=="1209", )"
                                       R"(ATTRS{idProduct}=="000a", MODE="0660", )"
                                       R"(GROUP="plugdev", TAG+="uaccess")"));
-  EXPECT_THAT(finding.mend, HasSubstr("/etc/udev/rules.d/70-condyle-facebow.rules"));
+  EXPECT_THAT(finding.mend, HasSubstr("/etc/udev/rules.d/70-condyle-1209-000a.rules"));
   EXPECT_THAT(finding.mend, HasSubstr("sudo udevadm control --reload && sudo udevadm trigger"));
+  EXPECT_THAT(finding.mend, Not(HasSubstr(R"(SUBSYSTEM=="usb")")));
 }
 
 // The shell makes of it what the rules file says.
@@ -149,7 +152,7 @@ TEST_F(Doctor, GivesCommandsForTheDeviceThatIsMeantOnly) {
   machine_.devices = {other};
   for (const Finding& finding : examine(machine_, {})) {
     EXPECT_NE(finding.severity, Severity::missing);
-    EXPECT_THAT(finding.mend, testing::Not(HasSubstr("plugdev")));
+    EXPECT_THAT(finding.mend, Not(HasSubstr("plugdev")));
   }
 }
 
@@ -158,6 +161,39 @@ TEST_F(Doctor, GivesARuleThatFitsTheBus) {
   machine_.devices[0].access = hal::DeviceAccess::not_permitted;
   machine_.devices[0].bus = hal::DeviceBus::bluetooth;
   EXPECT_THAT(missing().mend, HasSubstr(R"(KERNELS=="0005:1209:000A.*")"));
+}
+
+// The other interface of a device may be a keyboard.
+TEST_F(Doctor, GivesARuleForTheOneInterface) {
+  machine_.devices = {facebow(), facebow()};
+  machine_.devices[0].access = hal::DeviceAccess::not_permitted;
+  machine_.devices[0].interface_number = 1;
+  hal::DeviceAddress second = kBow;
+  second.interface_number = 1;
+  const std::string mend = missing(second).mend;
+  EXPECT_THAT(mend, HasSubstr(R"(ATTRS{modalias}=="usb:v1209p000A*in01", MODE="0660")"));
+  const std::size_t begin = mend.find("SUBSYSTEM");
+  install_rule(mend.substr(begin, mend.find('\'', begin) - begin) + "\n");
+  EXPECT_THAT(missing(second).mend, HasSubstr("sudo adduser anna plugdev"));
+}
+
+TEST_F(Doctor, GivesTheRuleForLibusbOnlyWhereItIsAskedFor) {
+  machine_.devices = {facebow()};
+  machine_.devices[0].usb_access = hal::DeviceAccess::not_permitted;
+  const std::string text = findings_words(examine(machine_, kBow));
+  EXPECT_THAT(text, HasSubstr("condyle doctor --device 1209:000a --backend libusb"));
+  EXPECT_THAT(text, Not(HasSubstr("SUBSYSTEM")));
+  const std::string mend = missing(kBow, DeviceBackEnd::libusb).mend;
+  EXPECT_THAT(mend, HasSubstr(R"(SUBSYSTEM=="usb", ENV{DEVTYPE}=="usb_device", )"
+                              R"(ATTR{idVendor}=="1209", ATTR{idProduct}=="000a")"));
+  EXPECT_THAT(mend, Not(HasSubstr("hidraw")));
+}
+
+TEST_F(Doctor, MakesARuleForADeviceThatIsAway) {
+  const hal::HidDevice device = device_for_rule(machine_, kBow);
+  EXPECT_EQ(udev_rule(device, DeviceBackEnd::hidapi, {}),
+            R"(SUBSYSTEM=="hidraw", ATTRS{idVendor}=="1209", ATTRS{idProduct}=="000a", )"
+            R"(MODE="0660", GROUP="plugdev", TAG+="uaccess")");
 }
 
 TEST_F(Doctor, MissesTheKernelsModules) {
