@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "condyle/estimator/driven_sensor.h"
+#include "condyle/estimator/sensors/driven_sensor.h"
 #include "condyle/firmware/ring.h"
 
 namespace condyle::box {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "condyle/estimator/recommended_parameters.h"
+#include "condyle/estimator/motion/recommended_parameters.h"
 #include "condyle/estimator/sample.h"
 
 namespace condyle::box {

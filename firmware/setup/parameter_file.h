@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "condyle/estimator/parameters.h"
-#include "condyle/estimator/recommended_parameters.h"
+#include "condyle/estimator/motion/recommended_parameters.h"
+#include "condyle/estimator/published/parameters.h"
 
 namespace condyle::host {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "condyle/estimator/parameters.h"
+#include "condyle/estimator/published/parameters.h"
 
 namespace condyle::host {
 

@@ -2,9 +2,9 @@
 // A target's estimates as those of this computer, whose numbers are double.
 #pragma once
 
-#include "condyle/estimator/joint_estimate.h"
-#include "condyle/estimator/published_cascade.h"
-#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/impedance/joint_estimate.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
+#include "condyle/estimator/published/published_cascade.h"
 
 namespace condyle::host {
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "condyle/estimator/change_detector.h"
-#include "condyle/estimator/cycle_timeline.h"
+#include "condyle/estimator/changes/change_detector.h"
+#include "condyle/estimator/changes/cycle_timeline.h"
 
 namespace condyle::host {
 

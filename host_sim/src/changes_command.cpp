@@ -9,7 +9,7 @@
 #include "change_report.h"
 #include "command_line.h"
 #include "commands.h"
-#include "condyle/estimator/cycle_sensor.h"
+#include "condyle/estimator/sensors/cycle_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/clock.h"
 #include "drive_options.h"

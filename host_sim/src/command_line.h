@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "command_text.h"
-#include "condyle/estimator/parameters.h"
+#include "condyle/estimator/published/parameters.h"
 
 namespace CLI {
 class App;

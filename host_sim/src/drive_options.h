@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "command_line.h"
-#include "condyle/estimator/joint_parameters.h"
+#include "condyle/estimator/impedance/joint_parameters.h"
 
 namespace condyle::host {
 

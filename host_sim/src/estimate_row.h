@@ -6,10 +6,10 @@
 #include <limits>
 #include <optional>
 
-#include "condyle/estimator/driven_sensor.h"
-#include "condyle/estimator/published_cascade.h"
-#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
+#include "condyle/estimator/published/published_cascade.h"
 #include "condyle/estimator/sample.h"
+#include "condyle/estimator/sensors/driven_sensor.h"
 
 namespace condyle::host {
 

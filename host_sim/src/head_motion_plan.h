@@ -17,7 +17,7 @@
 #include <optional>
 #include <string>
 
-#include "condyle/estimator/head_motion.h"
+#include "condyle/estimator/impedance/head_motion.h"
 
 namespace condyle::host {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/head_motion.h"
+#include "condyle/estimator/impedance/head_motion.h"
 #include "recording.h"
 
 namespace condyle::host {

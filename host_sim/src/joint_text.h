@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "condyle/estimator/joint_estimate.h"
-#include "condyle/estimator/joint_parameters.h"
+#include "condyle/estimator/impedance/joint_estimate.h"
+#include "condyle/estimator/impedance/joint_parameters.h"
 
 namespace condyle::host {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/emg_envelope.h"
-#include "condyle/estimator/emg_timeline.h"
+#include "condyle/estimator/emg/emg_envelope.h"
+#include "condyle/estimator/emg/emg_timeline.h"
 
 namespace condyle::host {
 

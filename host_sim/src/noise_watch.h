@@ -12,8 +12,8 @@
 
 #include <cmath>
 
-#include "condyle/estimator/innovation_monitor.h"
-#include "condyle/estimator/rounding_step.h"
+#include "condyle/estimator/math/innovation_monitor.h"
+#include "condyle/estimator/motion/rounding_step.h"
 
 namespace condyle::host {
 

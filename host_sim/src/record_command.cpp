@@ -10,7 +10,7 @@
 #include "clean_text.h"
 #include "command_line.h"
 #include "commands.h"
-#include "condyle/estimator/driven_sensor.h"
+#include "condyle/estimator/sensors/driven_sensor.h"
 #include "condyle/firmware/latency_histogram.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/device_facebow.h"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "condyle/estimator/release_motion.h"
+#include "condyle/estimator/release/release_motion.h"
 
 namespace condyle::host {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/release_pair.h"
+#include "condyle/estimator/release/release_pair.h"
 #include "output_file.h"
 #include "release_recording.h"
 

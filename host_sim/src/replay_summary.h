@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "axis_ranges.h"
-#include "condyle/estimator/point_follower.h"
+#include "condyle/estimator/pose/point_follower.h"
 #include "estimate_row.h"
 #include "noise_watch.h"
 #include "step_watch.h"

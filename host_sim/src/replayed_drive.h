@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "condyle/estimator/point_regression.h"
+#include "condyle/estimator/impedance/point_regression.h"
 #include "condyle/estimator/sample.h"
 #include "drive_channel.h"
 

@@ -18,7 +18,7 @@
 #include <cstdint>
 #include <string>
 
-#include "condyle/estimator/rounding_step.h"
+#include "condyle/estimator/motion/rounding_step.h"
 #include "condyle/estimator/sample.h"
 
 namespace condyle::host {

@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <numbers>
 
-#include "condyle/estimator/cascade_core.h"
-#include "condyle/estimator/elementary.h"
-#include "condyle/estimator/point_identification.h"
-#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/impedance/point_identification.h"
+#include "condyle/estimator/math/elementary.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
+#include "condyle/estimator/published/cascade_core.h"
 #include "unit/dense_cascade.h"
 
 // Compiled as a function of its own, with all it calls in it, whoever calls it.

@@ -12,7 +12,7 @@
 #include <numbers>
 #include <vector>
 
-#include "condyle/estimator/recommended_sensor.h"
+#include "condyle/estimator/sensors/recommended_sensor.h"
 #include "consistency/random.h"
 
 namespace condyle::testing_support {

@@ -9,9 +9,9 @@
 #include <iostream>
 #include <vector>
 
-#include "condyle/estimator/change_detector.h"
-#include "condyle/estimator/cycle_damping.h"
-#include "condyle/estimator/point_identification.h"
+#include "condyle/estimator/changes/change_detector.h"
+#include "condyle/estimator/changes/cycle_damping.h"
+#include "condyle/estimator/impedance/point_identification.h"
 #include "consistency/acceptance.h"
 #include "consistency/driven_chewing.h"
 #include "consistency/random.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Friction from EMG of a simulated subject with muscles, the EMG's force as wrong as it is found to
 // be: where a value is shown, its interval holds the truth.
-#include "condyle/estimator/emg_timeline.h"
+#include "condyle/estimator/emg/emg_timeline.h"
 
 #include <gtest/gtest.h>
 

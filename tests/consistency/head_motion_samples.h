@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "condyle/estimator/driven_point.h"
+#include "condyle/estimator/impedance/driven_point.h"
 
 namespace condyle::testing_support {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What head motion tells of a jaw is known as well as is said, nearly as well as can be, and
 // withheld or covered where a muscle helps.
-#include "condyle/estimator/head_motion.h"
+#include "condyle/estimator/impedance/head_motion.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
 
 namespace condyle::testing_support {
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/recommended_sensor.h"
+#include "condyle/estimator/sensors/recommended_sensor.h"
 #include "consistency/random.h"
 #include "estimate_row.h"
 

@@ -7,14 +7,14 @@
 // its limits once in 100 (0.922 .. 0.978). With other seeds one of the three dozen checks would
 // fail in every fifth run. Of 80 runs the coverage of one value finds intervals that are 25 % too
 // narrow in 7 of 10 times.
-#include "condyle/estimator/passive_release.h"
+#include "condyle/estimator/release/passive_release.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <iostream>
 
-#include "condyle/estimator/release_pair.h"
+#include "condyle/estimator/release/release_pair.h"
 #include "consistency/acceptance.h"
 #include "support/tier.h"
 #include "unit/release_samples.h"

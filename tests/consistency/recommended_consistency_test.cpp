@@ -10,7 +10,7 @@
 #include <array>
 #include <iostream>
 
-#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
 #include "consistency/linear_gaussian_toy.h"
 #include "consistency/random.h"
 #include "evaluation/monte_carlo.h"

@@ -9,7 +9,7 @@
 #include <Eigen/Cholesky>
 #include <iostream>
 
-#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
 #include "consistency/random.h"
 #include "support/sanitizer.h"
 #include "support/tier.h"

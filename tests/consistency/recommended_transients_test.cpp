@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "condyle/estimator/recommended_sensor.h"
+#include "condyle/estimator/sensors/recommended_sensor.h"
 #include "consistency/random.h"
 
 namespace condyle::testing_support {

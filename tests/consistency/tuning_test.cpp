@@ -8,8 +8,8 @@
 #include <cmath>
 #include <iostream>
 
-#include "condyle/estimator/recommended_estimator.h"
-#include "condyle/estimator/white_jerk.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
+#include "condyle/estimator/motion/white_jerk.h"
 #include "consistency/acceptance.h"
 #include "evaluation/chi_square.h"
 #include "simulation/random.h"

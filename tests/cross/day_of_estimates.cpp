@@ -5,9 +5,9 @@
 //   HASHES lines, one after each SAMPLES more samples; 24 720000: a day, hourly.
 #include <cstdint>
 
-#include "condyle/estimator/elementary.h"
-#include "condyle/estimator/published_sensor.h"
-#include "condyle/estimator/recommended_sensor.h"
+#include "condyle/estimator/math/elementary.h"
+#include "condyle/estimator/sensors/published_sensor.h"
+#include "condyle/estimator/sensors/recommended_sensor.h"
 #include "estimate_writer.h"
 #include "test_host.h"
 

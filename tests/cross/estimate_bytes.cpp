@@ -6,8 +6,8 @@
 #include <cstring>
 #include <new>
 
-#include "condyle/estimator/published_sensor.h"
-#include "condyle/estimator/recommended_sensor.h"
+#include "condyle/estimator/sensors/published_sensor.h"
+#include "condyle/estimator/sensors/recommended_sensor.h"
 #include "estimate_input.h"
 #include "estimate_writer.h"
 #include "test_host.h"

@@ -7,7 +7,7 @@
 #pragma once
 
 #include "byte_stream.h"
-#include "condyle/estimator/parameters.h"
+#include "condyle/estimator/published/parameters.h"
 #include "condyle/estimator/sample.h"
 
 namespace condyle::cross {

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "byte_stream.h"
-#include "condyle/estimator/published_cascade.h"
-#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
+#include "condyle/estimator/published/published_cascade.h"
 
 namespace condyle::cross {
 

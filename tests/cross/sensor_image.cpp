@@ -3,8 +3,8 @@
 // flash, RAM and stack. Runs it on samples with every kind of trouble; prints how deep the stack
 // was.
 #include "condyle/cortex_m/board.h"
-#include "condyle/estimator/published_sensor.h"
-#include "condyle/estimator/recommended_sensor.h"
+#include "condyle/estimator/sensors/published_sensor.h"
+#include "condyle/estimator/sensors/recommended_sensor.h"
 #include "test_host.h"
 
 namespace condyle::cross {

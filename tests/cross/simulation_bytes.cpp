@@ -3,8 +3,8 @@
 // machine. Built for this machine and for others, and compared.
 #include <cstdio>
 
-#include "condyle/estimator/published_cascade.h"
-#include "condyle/estimator/recommended_sensor.h"
+#include "condyle/estimator/published/published_cascade.h"
+#include "condyle/estimator/sensors/recommended_sensor.h"
 #include "number_text.h"
 #include "simulation/recording_writer.h"
 

@@ -2,8 +2,8 @@
 // Any bytes as a recording: read through both estimators or refused with a message, nothing else.
 #include <cmath>
 
-#include "condyle/estimator/published_sensor.h"
-#include "condyle/estimator/recommended_sensor.h"
+#include "condyle/estimator/sensors/published_sensor.h"
+#include "condyle/estimator/sensors/recommended_sensor.h"
 #include "fuzz/memory_file.h"
 #include "input_error.h"
 #include "recording.h"

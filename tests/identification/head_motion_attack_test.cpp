@@ -8,7 +8,7 @@
 #include <iostream>
 #include <memory>
 
-#include "condyle/estimator/head_motion.h"
+#include "condyle/estimator/impedance/head_motion.h"
 #include "consistency/acceptance.h"
 #include "identification/verdict.h"
 #include "support/tier.h"

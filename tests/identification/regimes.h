@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "condyle/estimator/joint_parameters.h"
+#include "condyle/estimator/impedance/joint_parameters.h"
 #include "identification/adversary.h"
 
 namespace condyle::adversary {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <iostream>
 
-#include "condyle/estimator/passive_release.h"
+#include "condyle/estimator/release/passive_release.h"
 #include "consistency/acceptance.h"
 #include "identification/verdict.h"
 #include "support/tier.h"

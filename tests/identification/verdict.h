@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "condyle/estimator/point_identification.h"
+#include "condyle/estimator/impedance/point_identification.h"
 #include "identification/regimes.h"
 
 namespace condyle::adversary {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a user's own project looks like.
-#include <condyle/estimator/published_cascade.h>
+#include <condyle/estimator/published/published_cascade.h>
 #include <condyle/hal/clock.h>
 
 #include <cstdio>

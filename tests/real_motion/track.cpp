@@ -5,8 +5,8 @@
 #include <limits>
 #include <memory>
 
-#include "condyle/estimator/published_sensor.h"
-#include "condyle/estimator/recommended_sensor.h"
+#include "condyle/estimator/sensors/published_sensor.h"
+#include "condyle/estimator/sensors/recommended_sensor.h"
 
 namespace condyle::testing_support {
 namespace {

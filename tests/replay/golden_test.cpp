@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "condyle/estimator/published_cascade.h"
+#include "condyle/estimator/published/published_cascade.h"
 #include "parameter_file.h"
 #include "replay/command.h"
 #include "replay/table.h"

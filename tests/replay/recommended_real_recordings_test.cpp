@@ -5,7 +5,7 @@
 
 #include <iostream>
 
-#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
 #include "recording.h"
 #include "replay/table.h"
 

@@ -4,15 +4,15 @@
 
 #include <memory>
 
-#include "condyle/estimator/change_detector.h"
-#include "condyle/estimator/cycle_sensor.h"
-#include "condyle/estimator/emg_envelope.h"
-#include "condyle/estimator/emg_timeline.h"
-#include "condyle/estimator/frozen_detector.h"
+#include "condyle/estimator/changes/change_detector.h"
+#include "condyle/estimator/emg/emg_envelope.h"
+#include "condyle/estimator/emg/emg_timeline.h"
+#include "condyle/estimator/motion/frozen_detector.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
 #include "condyle/estimator/observability.h"
-#include "condyle/estimator/point_follower.h"
-#include "condyle/estimator/published_sensor.h"
-#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/pose/point_follower.h"
+#include "condyle/estimator/sensors/cycle_sensor.h"
+#include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/profile_check.h"
 #include "condyle/hal/report_tracker.h"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The shape that is learned from the first samples, and what it keeps a followed point from.
-#include "condyle/estimator/body_shape.h"
+#include "condyle/estimator/pose/body_shape.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "condyle/estimator/point_follower.h"
+#include "condyle/estimator/pose/point_follower.h"
 #include "consistency/random.h"
 
 namespace condyle {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The core against its dense twin, and its two forms against each other.
-#include "condyle/estimator/cascade_core.h"
+#include "condyle/estimator/published/cascade_core.h"
 
 #include <random>
 

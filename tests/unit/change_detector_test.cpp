@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/change_detector.h"
+#include "condyle/estimator/changes/change_detector.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cycles are counted right, and pauses are none.
-#include "condyle/estimator/cycle_cutter.h"
+#include "condyle/estimator/changes/cycle_cutter.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/cycle_damping.h"
+#include "condyle/estimator/changes/cycle_damping.h"
 
 #include <gtest/gtest.h>
 

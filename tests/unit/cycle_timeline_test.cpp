@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drive and positions at their own times reach the cycles in order, or are counted.
-#include "condyle/estimator/cycle_timeline.h"
+#include "condyle/estimator/changes/cycle_timeline.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "condyle/estimator/change_detector.h"
+#include "condyle/estimator/changes/change_detector.h"
 #include "consistency/driven_chewing.h"
 
 namespace condyle {

@@ -11,7 +11,7 @@
 #include <Eigen/LU>
 #include <limits>
 
-#include "condyle/estimator/parameters.h"
+#include "condyle/estimator/published/parameters.h"
 
 namespace condyle::testing_support {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the noise of the drive adds to the score, against a filter that is run at either side.
-#include "condyle/estimator/drive_noise_bias.h"
+#include "condyle/estimator/impedance/drive_noise_bias.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/driven_point.h"
+#include "condyle/estimator/impedance/driven_point.h"
 
 #include <Eigen/Dense>
 #include <array>

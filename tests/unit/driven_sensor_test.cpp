@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The driven sensor says what its identification knows, with each estimate.
-#include "condyle/estimator/driven_sensor.h"
+#include "condyle/estimator/sensors/driven_sensor.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The elementary functions against libm in long double (64 bits of mantissa or more), with the
 // bounds stated in their header.
-#include "condyle/estimator/elementary.h"
+#include "condyle/estimator/math/elementary.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The envelope of raw EMG: as large as the EMG is, whatever else comes with it.
-#include "condyle/estimator/emg_envelope.h"
+#include "condyle/estimator/emg/emg_envelope.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Friction from EMG, where everything is known: what is found, what is withheld, what goes wrong.
-#include "condyle/estimator/emg_identification.h"
+#include "condyle/estimator/emg/emg_identification.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "condyle/estimator/emg_timeline.h"
+#include "condyle/estimator/emg/emg_timeline.h"
 
 namespace condyle {
 namespace {

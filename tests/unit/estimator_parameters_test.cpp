@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "condyle/estimator/published_cascade.h"
+#include "condyle/estimator/published/published_cascade.h"
 
 namespace condyle {
 namespace {

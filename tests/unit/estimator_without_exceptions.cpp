@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compiled with -fno-exceptions -fno-rtti: everything a target without an operating system uses. In
 // float alone: what throws does not depend on the scalar.
-#include "condyle/estimator/change_detector.h"
-#include "condyle/estimator/cycle_damping.h"
-#include "condyle/estimator/driven_sensor.h"
-#include "condyle/estimator/emg_envelope.h"
-#include "condyle/estimator/emg_timeline.h"
-#include "condyle/estimator/frozen_detector.h"
-#include "condyle/estimator/head_motion.h"
+#include "condyle/estimator/changes/change_detector.h"
+#include "condyle/estimator/changes/cycle_damping.h"
+#include "condyle/estimator/emg/emg_envelope.h"
+#include "condyle/estimator/emg/emg_timeline.h"
+#include "condyle/estimator/impedance/head_motion.h"
+#include "condyle/estimator/motion/frozen_detector.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
 #include "condyle/estimator/observability.h"
-#include "condyle/estimator/point_follower.h"
-#include "condyle/estimator/published_sensor.h"
-#include "condyle/estimator/recommended_estimator.h"
-#include "condyle/estimator/release_pair.h"
+#include "condyle/estimator/pose/point_follower.h"
+#include "condyle/estimator/release/release_pair.h"
+#include "condyle/estimator/sensors/driven_sensor.h"
+#include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/firmware/run_loop.h"
 
 template class condyle::ChangeDetector<float>;

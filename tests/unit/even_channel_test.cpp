@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A channel learns its step, averages what comes too fast, and ends a segment at a gap.
-#include "condyle/estimator/even_channel.h"
+#include "condyle/estimator/impedance/even_channel.h"
 
 #include <gtest/gtest.h>
 

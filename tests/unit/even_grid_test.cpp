@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Samples at any times become even ones.
-#include "condyle/estimator/even_grid.h"
+#include "condyle/estimator/impedance/even_grid.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>

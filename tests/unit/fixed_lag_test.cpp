@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Estimates of some samples ago against the Rauch-Tung-Striebel smoother, and their order.
-#include "condyle/estimator/fixed_lag.h"
+#include "condyle/estimator/motion/fixed_lag.h"
 
-#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
 #include "unit/axis_samples.h"
 
 namespace condyle {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Seeds are fixed, so a test either always passes or always fails; a bound states how often a right
 // detector under a random seed would exceed it, or that it is a measurement.
-#include "condyle/estimator/frozen_detector.h"
+#include "condyle/estimator/motion/frozen_detector.h"
 
 #include <array>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Head motion is the identification of a known mass, and says what is not known.
-#include "condyle/estimator/head_motion.h"
+#include "condyle/estimator/impedance/head_motion.h"
 
 #include <gtest/gtest.h>
 

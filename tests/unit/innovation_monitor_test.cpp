@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/innovation_monitor.h"
+#include "condyle/estimator/math/innovation_monitor.h"
 
 #include <gtest/gtest.h>
 

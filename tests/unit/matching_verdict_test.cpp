@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/matching_verdict.h"
+#include "condyle/estimator/published/matching_verdict.h"
 
 #include <vector>
 

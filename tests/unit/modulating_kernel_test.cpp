@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The kernel gives value, slope and curvature of smooth signals, and its gains those of noise.
-#include "condyle/estimator/modulating_kernel.h"
+#include "condyle/estimator/math/modulating_kernel.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>

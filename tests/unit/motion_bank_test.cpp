@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bank against textbook filters, and its noise and weights against their definitions.
-#include "condyle/estimator/motion_expectation.h"
+#include "condyle/estimator/motion/motion_expectation.h"
 
 #include <array>
 

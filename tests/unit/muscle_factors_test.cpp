@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "condyle/estimator/muscle_force.h"
+#include "condyle/estimator/emg/muscle_force.h"
 #include "unit/rapidcheck_gtest.h"
 
 namespace condyle {

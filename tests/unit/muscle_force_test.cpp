@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The muscle model: the forces are those that move the simulated jaw.
-#include "condyle/estimator/muscle_force.h"
+#include "condyle/estimator/emg/muscle_force.h"
 
 #include <gtest/gtest.h>
 

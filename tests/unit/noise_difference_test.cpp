@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The noise of a smooth signal, and whether it is white, from the signal itself.
-#include "condyle/estimator/noise_difference.h"
+#include "condyle/estimator/impedance/noise_difference.h"
 
 #include <gtest/gtest.h>
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/published_sensor.h"
-#include "condyle/estimator/recommended_sensor.h"
+#include "condyle/estimator/sensors/published_sensor.h"
+#include "condyle/estimator/sensors/recommended_sensor.h"
 #include "cross/estimate_writer.h"
 #include "estimate_row.h"
 #include "figure_data.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/outlier_gate.h"
+#include "condyle/estimator/motion/outlier_gate.h"
 
 #include "unit/rapidcheck_gtest.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/passive_release.h"
+#include "condyle/estimator/release/passive_release.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The identification of a point: what it finds without noise, and what gaps, contacts and bad
 // samples do to it.
-#include "condyle/estimator/point_identification.h"
+#include "condyle/estimator/impedance/point_identification.h"
 
 #include <gtest/gtest.h>
 

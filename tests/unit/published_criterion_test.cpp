@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "condyle/estimator/published_cascade.h"
+#include "condyle/estimator/published/published_cascade.h"
 #include "input_error.h"
 #include "parameter_file.h"
 #include "replay/table.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the recommended estimator does with samples that are not as they should be.
-#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
 
 #include <cstring>
 

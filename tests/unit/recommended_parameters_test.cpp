@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/recommended_parameters.h"
+#include "condyle/estimator/motion/recommended_parameters.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
 
 namespace condyle {
 namespace {

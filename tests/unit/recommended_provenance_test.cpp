@@ -2,7 +2,7 @@
 // Where the recommended estimator says its values come from.
 #include <gtest/gtest.h>
 
-#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
 
 namespace condyle {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/release_motion.h"
+#include "condyle/estimator/release/release_motion.h"
 
 #include <Eigen/Dense>
 #include <vector>
 
-#include "condyle/estimator/driven_point.h"
+#include "condyle/estimator/impedance/driven_point.h"
 #include "unit/rapidcheck_gtest.h"
 
 namespace condyle {

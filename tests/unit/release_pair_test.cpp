@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/release_pair.h"
+#include "condyle/estimator/release/release_pair.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "condyle/estimator/passive_release.h"
+#include "condyle/estimator/release/passive_release.h"
 #include "consistency/random.h"
 
 namespace condyle::testing_support {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/rigid_body.h"
+#include "condyle/estimator/pose/rigid_body.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "condyle/estimator/point_follower.h"
+#include "condyle/estimator/pose/point_follower.h"
 #include "consistency/random.h"
 #include "unit/rapidcheck_gtest.h"
 #include "unit/zebris_points.h"

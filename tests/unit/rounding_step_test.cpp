@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/rounding_step.h"
+#include "condyle/estimator/motion/rounding_step.h"
 
 #include "consistency/random.h"
 #include "unit/rapidcheck_gtest.h"

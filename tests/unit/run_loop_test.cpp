@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "condyle/estimator/published_sensor.h"
+#include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/hal/clock.h"
 
 namespace condyle::firmware {

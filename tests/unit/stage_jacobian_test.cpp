@@ -2,9 +2,9 @@
 // Every stage's Jacobian against central differences of its transition.
 #include <gtest/gtest.h>
 
-#include "condyle/estimator/friction_stage.h"
-#include "condyle/estimator/mass_stage.h"
-#include "condyle/estimator/motion_stage.h"
+#include "condyle/estimator/published/friction_stage.h"
+#include "condyle/estimator/published/mass_stage.h"
+#include "condyle/estimator/published/motion_stage.h"
 #include "unit/rapidcheck_gtest.h"
 
 namespace condyle {

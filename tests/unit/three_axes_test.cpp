@@ -2,7 +2,7 @@
 // The recommended estimator along three axes.
 #include <gtest/gtest.h>
 
-#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
 #include "consistency/random.h"
 
 namespace condyle {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The packed filter against the textbook's matrices.
-#include "condyle/estimator/three_state_filter.h"
+#include "condyle/estimator/math/three_state_filter.h"
 
 #include <Eigen/Dense>
 

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "condyle/estimator/recommended_estimator.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
 #include "input_error.h"
 #include "simulation/random.h"
 #include "tuning/bounded_search.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/unseen_change.h"
+#include "condyle/estimator/motion/unseen_change.h"
 
 #include "unit/rapidcheck_gtest.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/white_jerk.h"
+#include "condyle/estimator/motion/white_jerk.h"
 
 #include "unit/dense_white_jerk.h"
 #include "unit/rapidcheck_gtest.h"

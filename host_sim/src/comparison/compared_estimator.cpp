@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "condyle/estimator/driven_sensor.h"
-#include "condyle/estimator/published_sensor.h"
+#include "condyle/estimator/sensors/driven_sensor.h"
+#include "condyle/estimator/sensors/published_sensor.h"
 
 namespace condyle::host {
 namespace {

@@ -17,7 +17,7 @@
 
 #include "comparison/block_means.h"
 #include "comparison/quantile_histogram.h"
-#include "condyle/estimator/innovation_monitor.h"
+#include "condyle/estimator/math/innovation_monitor.h"
 #include "estimate_row.h"
 #include "figure_data.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "condyle/estimator/published_cascade.h"
+#include "condyle/estimator/published/published_cascade.h"
 #include "evaluation/cramer_rao.h"
 #include "input_error.h"
 

@@ -5,9 +5,9 @@
 #include <deque>
 #include <utility>
 
-#include "condyle/estimator/driven_sensor.h"
-#include "condyle/estimator/innovation_monitor.h"
-#include "condyle/estimator/published_sensor.h"
+#include "condyle/estimator/math/innovation_monitor.h"
+#include "condyle/estimator/sensors/driven_sensor.h"
+#include "condyle/estimator/sensors/published_sensor.h"
 #include "estimate_row.h"
 
 namespace condyle::host {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "condyle/estimator/elementary.h"
+#include "condyle/estimator/math/elementary.h"
 
 namespace condyle::host {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "condyle/estimator/elementary.h"
+#include "condyle/estimator/math/elementary.h"
 
 namespace condyle::host {
 namespace {

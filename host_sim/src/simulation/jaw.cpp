@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "condyle/estimator/elementary.h"
+#include "condyle/estimator/math/elementary.h"
 
 namespace condyle::host {
 namespace {

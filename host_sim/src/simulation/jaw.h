@@ -12,14 +12,14 @@
 // J F. Effective mass at the followed point: inertia / J^2.
 //
 // Muscle n: force F_n = activation x F_max x force-length x force-velocity (eq 1's F_n), the
-// factors those of condyle/estimator/muscle_force.h; generalised force K_n r_n F_n with r_n its
+// factors those of condyle/estimator/emg/muscle_force.h; generalised force K_n r_n F_n with r_n its
 // moment arm (m; sign: positive drives q up) or cos(alpha_n).
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/muscle_force.h"
+#include "condyle/estimator/emg/muscle_force.h"
 
 namespace condyle::host {
 

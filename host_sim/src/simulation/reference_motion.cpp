@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "condyle/estimator/elementary.h"
+#include "condyle/estimator/math/elementary.h"
 
 namespace condyle::host {
 namespace {

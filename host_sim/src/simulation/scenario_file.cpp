@@ -7,7 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "condyle/estimator/elementary.h"
+#include "condyle/estimator/math/elementary.h"
 #include "input_error.h"
 #include "toml_reader.h"
 

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "condyle/estimator/innovation_monitor.h"
+#include "condyle/estimator/math/innovation_monitor.h"
 #include "evaluation/moments.h"
 
 namespace condyle::host {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuning/innovation_likelihood.h"
 
-#include "condyle/estimator/white_jerk.h"
+#include "condyle/estimator/motion/white_jerk.h"
 
 namespace condyle::host {
 namespace {

@@ -22,7 +22,7 @@
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/parameters.h"
+#include "condyle/estimator/published/parameters.h"
 #include "evaluation/monte_carlo.h"
 #include "tuning/published_judgement.h"
 

@@ -18,8 +18,8 @@
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/matching_verdict.h"
-#include "condyle/estimator/parameters.h"
+#include "condyle/estimator/published/matching_verdict.h"
+#include "condyle/estimator/published/parameters.h"
 
 namespace condyle::host {
 

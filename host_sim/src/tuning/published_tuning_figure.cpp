@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "condyle/estimator/published_cascade.h"
+#include "condyle/estimator/published/published_cascade.h"
 #include "gnuplot.h"
 #include "tuning/published_tuning_report.h"
 

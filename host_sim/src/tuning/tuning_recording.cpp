@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "condyle/estimator/innovation_monitor.h"
-#include "condyle/estimator/recommended_sensor.h"
+#include "condyle/estimator/math/innovation_monitor.h"
+#include "condyle/estimator/sensors/recommended_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/clock.h"
 #include "estimator_option.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/recommended_parameters.h"
+#include "condyle/estimator/motion/recommended_parameters.h"
 #include "condyle/estimator/sample.h"
 #include "recording_choice.h"
 

@@ -5,7 +5,7 @@
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 
-#include "condyle/estimator/white_jerk.h"
+#include "condyle/estimator/motion/white_jerk.h"
 
 namespace condyle::host {
 namespace {

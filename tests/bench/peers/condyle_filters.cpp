@@ -2,8 +2,8 @@
 // condyle itself. "reported" is the cascade as the command uses it: with standard deviations, NIS,
 // provenance and verdict.
 #include "bench/peers/peer.h"
-#include "condyle/estimator/cascade_core.h"
-#include "condyle/estimator/published_cascade.h"
+#include "condyle/estimator/published/cascade_core.h"
+#include "condyle/estimator/published/published_cascade.h"
 
 namespace condyle::peers {
 namespace {

@@ -11,8 +11,8 @@
 #include <memory>
 
 #include "bench/peers/peer.h"
-#include "condyle/estimator/friction_stage.h"
-#include "condyle/estimator/mass_stage.h"
+#include "condyle/estimator/published/friction_stage.h"
+#include "condyle/estimator/published/mass_stage.h"
 
 namespace condyle::peers {
 namespace {

@@ -24,7 +24,7 @@
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/parameters.h"
+#include "condyle/estimator/published/parameters.h"
 
 namespace condyle::peers {
 

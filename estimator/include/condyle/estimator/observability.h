@@ -23,9 +23,9 @@
 #include <limits>
 #include <utility>
 
-#include "condyle/estimator/arithmetic.h"
 #include "condyle/estimator/dual.h"
-#include "condyle/estimator/eigen_solvers.h"
+#include "condyle/estimator/math/arithmetic.h"
+#include "condyle/estimator/math/eigen_solvers.h"
 #include "condyle/estimator/tracked.h"
 
 namespace condyle {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "condyle/estimator/arithmetic.h"
+#include "condyle/estimator/math/arithmetic.h"
 
 namespace condyle {
 

@@ -5,7 +5,7 @@
 
 #include <type_traits>
 
-#include "condyle/estimator/arithmetic.h"
+#include "condyle/estimator/math/arithmetic.h"
 
 namespace condyle {
 

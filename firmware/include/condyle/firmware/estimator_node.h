@@ -10,9 +10,9 @@
 #include <optional>
 #include <type_traits>
 
-#include "condyle/estimator/driven_sensor.h"
-#include "condyle/estimator/published_sensor.h"
-#include "condyle/estimator/recommended_sensor.h"
+#include "condyle/estimator/sensors/driven_sensor.h"
+#include "condyle/estimator/sensors/published_sensor.h"
+#include "condyle/estimator/sensors/recommended_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/device_facebow.h"
 #include "condyle/hal/link_end.h"

@@ -18,11 +18,11 @@
 #include <optional>
 #include <span>
 
-#include "condyle/estimator/joint_estimate.h"
-#include "condyle/estimator/parameters.h"
-#include "condyle/estimator/published_cascade.h"
-#include "condyle/estimator/recommended_estimator.h"
-#include "condyle/estimator/recommended_parameters.h"
+#include "condyle/estimator/impedance/joint_estimate.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
+#include "condyle/estimator/motion/recommended_parameters.h"
+#include "condyle/estimator/published/parameters.h"
+#include "condyle/estimator/published/published_cascade.h"
 #include "condyle/estimator/sample.h"
 #include "condyle/hal/fixed_text.h"
 #include "condyle/hal/layout_check.h"

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drive and positions, each at its own times and rate, to the damping of chewing cycles.
+//
+//   1   point_identification.h identifies the point over `identification_s`, and for longer while
+//       a test of it speaks: the baseline, and the drive's delay if that is to be fitted
+//   2   cycle_damping.h steps from position to position, over the drive's samples between them; the
+//       drive is linear between its samples, and a position waits for the next one
+//
+//   n         steps per sample of the drive, counted during 1
+//   sigma^2   variance of a sample of the drive, as its own differences showed it during 1
+//
+// Drive noise: the drive at a position between two samples has the error of these, and no new one.
+// cycle_damping.h takes it for one of its own; with n sigma^2 for each the noise of the drive's
+// integral is again that of one sigma^2 per sample.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "condyle/estimator/changes/cycle_damping.h"
+#include "condyle/estimator/impedance/point_identification.h"
+
+namespace condyle {
+
+/// A cycle and when it ended.
+template <class Scalar>
+struct TimedCycle {
+  TimeNs end_ns = 0;
+  CycleReport<Scalar> report;
+};
+
+/// Finds the baseline, then gives cycle after cycle. Fixed size, no allocation; see above. Times,
+/// gaps and delays are as in PointRegression.
+template <class Scalar>
+class CycleTimeline {
+ public:
+  /// All must be valid.
+  CycleTimeline(const JointParameters& joint, const WatchParameters& watch)
+      : joint_(joint),
+        watch_(watch),
+        delay_ns_(nanoseconds(joint.drive.delay_s)),
+        longest_gap_ns_(nanoseconds(joint.drive.longest_gap_s)),
+        identification_(joint) {}
+
+  /// A measured drive (N), stamped `time_ns`. Each cycle that ends with it goes to `sink(cycle)`, a
+  /// TimedCycle.
+  template <class Sink>
+  void add_drive(TimeNs time_ns, Scalar drive_N, Sink&& sink) {
+    if (!damping_) identification_.add_drive(time_ns, drive_N);
+    TimeNs force_time_ns = 0, step_ns = 0;
+    const bool has_overflow = __builtin_sub_overflow(time_ns, delay_ns_, &force_time_ns) ||
+                              __builtin_sub_overflow(force_time_ns, end_ns_, &step_ns);
+    if (has_drive_ && (has_overflow || step_ns > longest_gap_ns_ || step_ns < -longest_gap_ns_)) {
+      if (damping_) ++counts_.drive_gaps;
+      interrupt();
+    } else if (has_drive_ && step_ns <= 0) {
+      if (damping_) ++counts_.drive_not_in_order;
+      return;
+    }
+    if (has_drive_) {
+      if (damping_ && at_ns_ < end_ns_) damping_->drive(advance_to(end_ns_), end_N_);
+      identified_ns_ += step_ns;
+    }
+    begin_ns_ = has_drive_ ? end_ns_ : force_time_ns;
+    begin_N_ = has_drive_ ? end_N_ : drive_N;
+    end_ns_ = force_time_ns;
+    end_N_ = drive_N;
+    if (!has_drive_) start_at(force_time_ns);
+    has_drive_ = true;
+    ++drives_;
+    take_waiting(sink);
+    if (!damping_) begin_watch();
+  }
+
+  /// A position (m) with noise of standard deviation `sd_m`; NaN: it was due and is missing. Where
+  /// teeth or food may touch (JointParameters), the cycle is dropped.
+  template <class Sink>
+  void add_position(TimeNs time_ns, Scalar position_m, Scalar sd_m, Sink&& sink) {
+    if (!damping_ && std::isfinite(position_m)) {
+      identification_.add_position(time_ns, position_m);
+    }
+    if (has_drive_ && time_ns < begin_ns_) {
+      if (damping_) ++counts_.positions_too_early;
+    } else if (waiting_count_ == kMostWaiting) {
+      if (damping_) ++counts_.positions_dropped;
+    } else {
+      waiting_[waiting_count_++] = {time_ns, position_m, sd_m};
+      if (has_drive_) take_waiting(sink);
+    }
+  }
+
+  /// True once the baseline is known and cycles are given.
+  bool is_watching() const { return damping_.has_value(); }
+  /// What the point was identified to be, so far or when the watch began.
+  JointEstimate<Scalar> identified() const { return identification_.estimate(); }
+  /// What was not as it should be, in the identification and after it.
+  DriveCounts counts() const {
+    DriveCounts sum = identification_.counts();
+    sum.drive_not_in_order += counts_.drive_not_in_order;
+    sum.drive_gaps += counts_.drive_gaps;
+    sum.positions_too_early += counts_.positions_too_early;
+    sum.positions_dropped += counts_.positions_dropped;
+    sum.positions_in_contact += counts_.positions_in_contact;
+    return sum;
+  }
+
+ private:
+  static constexpr std::size_t kMostWaiting =
+      64;  // for a drive of 25 Hz and positions of 500 Hz, and more
+  struct Waiting {
+    TimeNs time_ns;
+    Scalar position_m, sd_m;
+  };
+
+  static Scalar seconds_between(TimeNs begin_ns, TimeNs end_ns) {
+    return static_cast<Scalar>(seconds(end_ns - begin_ns));
+  }
+
+  void start_at(TimeNs time_ns) {
+    at_ns_ = time_ns;
+    is_at_start_ = true;
+  }
+
+  // The time step to there.
+  Scalar advance_to(TimeNs time_ns) {
+    const Scalar T = seconds_between(at_ns_, time_ns);
+    at_ns_ = time_ns;
+    return T;
+  }
+
+  Scalar drive_at(TimeNs time_ns) const {
+    if (begin_ns_ == end_ns_) return end_N_;
+    const Scalar share = seconds_between(begin_ns_, time_ns) / seconds_between(begin_ns_, end_ns_);
+    return begin_N_ + share * (end_N_ - begin_N_);
+  }
+
+  // Takes the positions within the present interval.
+  template <class Sink>
+  void take_waiting(Sink&& sink) {
+    std::size_t taken = 0;
+    for (; taken < waiting_count_ && waiting_[taken].time_ns <= end_ns_; ++taken) {
+      take(waiting_[taken], sink);
+    }
+    for (std::size_t i = taken; i < waiting_count_; ++i) waiting_[i - taken] = waiting_[i];
+    waiting_count_ -= taken;
+  }
+
+  template <class Sink>
+  void take(const Waiting& position, Sink&& sink) {
+    if (position.time_ns < begin_ns_) {
+      if (damping_) ++counts_.positions_too_early;
+      return;
+    }
+    if (!damping_) {
+      if (position.time_ns < end_ns_) ++between_;
+      return;
+    }
+    if (position.time_ns < at_ns_ || (position.time_ns == at_ns_ && !is_at_start_)) {
+      ++counts_.positions_too_early;
+      return;
+    }
+    is_at_start_ = false;
+    if (position.position_m > Scalar(joint_.contact_above_m) ||
+        position.position_m < Scalar(joint_.contact_below_m)) {
+      ++counts_.positions_in_contact;
+      damping_->interrupt();
+      at_ns_ = position.time_ns;
+      return;
+    }
+    const Scalar drive_N = drive_at(position.time_ns);
+    const CycleReport<Scalar> report =
+        damping_->step(advance_to(position.time_ns), drive_N, position.position_m, position.sd_m);
+    if (report.outcome != CycleOutcome::none) sink(TimedCycle<Scalar>{position.time_ns, report});
+  }
+
+  // Not before the identification has been judged: a model that does not hold is no baseline.
+  void begin_watch() {
+    using std::sqrt;
+    if (seconds(identified_ns_) < watch_.identification_s) return;
+    const JointEstimate<Scalar> estimate = identification_.estimate();
+    const JointLimit limit = estimate.mass_kg.limit;
+    if (is_failure(limit) || !is_valid(baseline_of(estimate))) return;
+    JointParameters joint = joint_;
+    joint.drive.noise_sd_N = static_cast<double>(estimate.drive_noise_sd_N) *
+                             sqrt(1 + static_cast<double>(between_) / static_cast<double>(drives_));
+    damping_.emplace(baseline_of(estimate), joint, watch_.cycles);
+    start_at(end_ns_);
+    if (joint_.delay == DelayModel::fitted) {  // from here on what was found is taken off as well
+      delay_ns_ = nanoseconds(static_cast<double>(estimate.plain.delay_s));
+      has_drive_ = false;
+    }
+  }
+
+  void interrupt() {
+    if (damping_) damping_->interrupt();
+    has_drive_ = false;
+  }
+
+  JointParameters joint_;
+  WatchParameters watch_;
+  TimeNs delay_ns_, longest_gap_ns_;
+  PointIdentification<Scalar> identification_;
+  std::optional<CycleDamping<Scalar>> damping_;  // of the baseline, once that is known
+  TimeNs identified_ns_ = 0;
+  std::uint64_t drives_ = 0, between_ = 0;  // samples of the drive, positions between them
+  bool has_drive_ = false;
+  TimeNs begin_ns_ = 0, end_ns_ = 0;  // of the drive's present interval
+  TimeNs at_ns_ = 0;                  // where damping_ is
+  bool is_at_start_ = false;          // no position was taken there
+  Scalar begin_N_ = 0, end_N_ = 0;
+  std::array<Waiting, kMostWaiting> waiting_{};
+  std::size_t waiting_count_ = 0;
+  DriveCounts counts_;
+};
+
+}  // namespace condyle

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parameters of the identification from EMG. `visit_emg_fields` is the one list of their names and
+// ranges.
+#pragma once
+
+#include "condyle/estimator/published/parameters.h"
+
+namespace condyle {
+
+/// A value before any measurement; its unit is the name's.
+struct EmgPrior {
+  double mean = 0;
+  double sd = 1;
+};
+
+/// The identification from EMG.
+struct EmgParameters {
+  EmgPrior mass_kg{0.2, 0.04};  ///< at the followed point; assumed, and never fitted
+  /// An sd beyond about the mass / the positions' sampling interval leaves nothing to be found.
+  EmgPrior friction_Ns_m{0.05, 20};
+  EmgPrior stiffness_N_m{0, 50};
+  EmgPrior offset_N{0, 5};
+  EmgPrior gain{1, 1};  ///< K_n, of each muscle
+  /// rms of what the muscles' force gets wrong, of that force; widens the intervals. EMG-driven
+  /// models of the jaw: 0.28 to 0.46.
+  double error_share = 0.46;
+  double error_time_s = 0.2;     ///< time over which that error stays alike (s)
+  double lag_s = 0;              ///< of the force behind its EMG, beyond the activation's own (s)
+  double lag_sd_s = 0.03;        ///< uncertainty of that (s)
+  double longest_gap_s = 0.05;   ///< of the EMG, beyond which it is not known between (s)
+  double velocity_sd_m_s = 0.1;  ///< of the velocity before the first sample (m/s)
+  double gate_sd = 6;            ///< deviation from which on a position is not taken (sd)
+  /// The smallest differences that matter to the user; a value is shown as derived where its
+  /// standard deviation is at most half of them.
+  double friction_resolution_Ns_m = 0.1;
+  double gain_resolution = 0.5;
+};
+
+/// Calls `visit(key, value, unit, range)` for each field of `parameters`; `Parameters` is
+/// EmgParameters, const or not.
+template <class Parameters, class Visitor>
+constexpr void visit_emg_fields(Parameters& parameters, Visitor&& visit) {
+  constexpr Range mean_range{-1e6, 1e6}, sd_range{1e-9, 1e6};
+  visit("mass_kg", parameters.mass_kg.mean, "kg", Range{1e-6, 100});
+  visit("mass_sd_kg", parameters.mass_kg.sd, "kg", Range{0, 100});
+  visit("friction_Ns_m", parameters.friction_Ns_m.mean, "Ns/m", mean_range);
+  visit("friction_sd_Ns_m", parameters.friction_Ns_m.sd, "Ns/m", sd_range);
+  visit("stiffness_N_m", parameters.stiffness_N_m.mean, "N/m", mean_range);
+  visit("stiffness_sd_N_m", parameters.stiffness_N_m.sd, "N/m", sd_range);
+  visit("offset_N", parameters.offset_N.mean, "N", mean_range);
+  visit("offset_sd_N", parameters.offset_N.sd, "N", sd_range);
+  visit("gain", parameters.gain.mean, "1", Range{1e-6, 1e6});
+  visit("gain_sd", parameters.gain.sd, "1", sd_range);
+  visit("error_share", parameters.error_share, "of the force", Range{1e-3, 10});
+  visit("error_time_s", parameters.error_time_s, "s", Range{1e-3, 10});
+  visit("lag_s", parameters.lag_s, "s", Range{-1, 1});
+  visit("lag_sd_s", parameters.lag_sd_s, "s", Range{0, 1});
+  visit("longest_gap_s", parameters.longest_gap_s, "s", Range{1e-4, 10});
+  visit("velocity_sd_m_s", parameters.velocity_sd_m_s, "m/s", Range{1e-6, 100});
+  visit("gate_sd", parameters.gate_sd, "standard deviations", Range{1, 1000});
+  visit("friction_resolution_Ns_m", parameters.friction_resolution_Ns_m, "Ns/m", Range{1e-9, 1e6});
+  visit("gain_resolution", parameters.gain_resolution, "1", Range{1e-6, 1e6});
+}
+
+/// True where every field of `parameters` lies in its range (see `visit_emg_fields`).
+constexpr bool is_valid(const EmgParameters& parameters) {
+  bool valid = true;
+  visit_emg_fields(parameters, [&valid](const char*, const double& value, const char*,
+                                        Range range) { valid = valid && range.contains(value); });
+  return valid;
+}
+
+}  // namespace condyle

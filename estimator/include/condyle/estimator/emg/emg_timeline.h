@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// EMG and positions, each at its own times and rate, in the order in which they happened.
+//
+//   excitation -> activation -> force along the followed axis (muscle_force.h) -> identification
+//
+// The activation follows the mean of two neighbouring excitations; the force is taken at the
+// identification's own position and velocity, as of the sample's instant. A position waits until
+// the EMG around it is known. Times are of one clock; those of the EMG are put on by the lag of the
+// force first. EMG whose time does not go on, or with a value that is not finite, is left out; a
+// gap in it, or a position that the jaw cannot reach, interrupts the identification.
+#pragma once
+
+#include "condyle/estimator/emg/emg_identification.h"
+#include "condyle/estimator/sample.h"
+
+namespace condyle {
+
+/// The muscles whose EMG is measured, and the jaw they drive.
+struct MuscleSet {
+  JawGeometry jaw;
+  std::array<MuscleParameters, kMostMuscles> muscle;
+  std::size_t count = 0;
+};
+
+/// What was not as it should be.
+struct EmgTimelineCounts {
+  std::uint64_t emg_not_in_order = 0;     ///< samples that were left out
+  std::uint64_t emg_not_finite = 0;       ///< likewise
+  std::uint64_t emg_gaps = 0;             ///< longer than the longest, either way
+  std::uint64_t positions_too_early = 0;  ///< before the first EMG, or within a gap
+  std::uint64_t positions_dropped = 0;    ///< too many waited for the EMG
+  std::uint64_t out_of_reach = 0;         ///< of the jaw
+};
+
+/// Feeds an EmgIdentification. Fixed size, no allocation.
+template <class Scalar>
+class EmgTimeline {
+ public:
+  using Excitations = std::array<Scalar, kMostMuscles>;
+
+  /// `parameters` must be valid; `lag_s` more of the force behind the EMG than they say, as of an
+  /// envelope that is late (negative).
+  EmgTimeline(const EmgParameters& parameters, const MuscleSet& muscles, double lag_s = 0)
+      : muscles_(muscles),
+        lag_ns_(nanoseconds(parameters.lag_s + lag_s)),
+        longest_gap_ns_(nanoseconds(parameters.longest_gap_s)),
+        stage_(parameters, muscles.count) {}
+
+  /// Excitations, share of the maximum, stamped `time_ns`; below 0 they count as 0.
+  void add_emg(TimeNs time_ns, const Excitations& measured) {
+    Excitations excitation{};
+    for (std::size_t n = 0; n < muscles_.count; ++n) {
+      if (!(measured[n] - measured[n] == Scalar(0))) {
+        ++counts_.emg_not_finite;
+        return;
+      }
+      excitation[n] = measured[n] > Scalar(0) ? measured[n] : Scalar(0);
+    }
+    TimeNs force_time_ns = 0, step_ns = 0;
+    const bool has_overflow = __builtin_add_overflow(time_ns, lag_ns_, &force_time_ns) ||
+                              __builtin_sub_overflow(force_time_ns, end_ns_, &step_ns);
+    if (has_emg_ && (has_overflow || step_ns > longest_gap_ns_ || step_ns < -longest_gap_ns_)) {
+      ++counts_.emg_gaps;
+      interrupt();
+    } else if (has_emg_ && step_ns <= 0) {
+      ++counts_.emg_not_in_order;
+      return;
+    }
+    if (!has_emg_) activation_ = excitation_ = excitation;
+    const Scalar T = has_emg_ ? seconds_between(end_ns_, force_time_ns) : Scalar(0);
+    for (std::size_t n = 0; n < muscles_.count; ++n) {
+      const Scalar mean = (excitation_[n] + excitation[n]) / Scalar(2);
+      activation_[n] = activation_after(activation_[n], mean, T);
+    }
+    excitation_ = excitation;
+    begin_ns_ = has_emg_ ? end_ns_ : force_time_ns;
+    end_ns_ = force_time_ns;
+    has_emg_ = true;
+    stage_.drive(T, forces(T));
+    take_waiting();
+  }
+
+  /// A measured position (m) with noise of standard deviation `sd_m`.
+  void add_position(TimeNs time_ns, Scalar position_m, Scalar sd_m) {
+    if (has_emg_ && time_ns < begin_ns_) {
+      ++counts_.positions_too_early;
+    } else if (waiting_count_ == kMostWaiting) {
+      ++counts_.positions_dropped;
+    } else if (!muscles_.jaw.reaches(position_m)) {
+      ++counts_.out_of_reach;
+    } else {
+      waiting_[waiting_count_++] = {time_ns, position_m, sd_m};
+      if (has_emg_) take_waiting();
+    }
+  }
+
+  /// When the force of EMG stamped `time_ns` acts; positions up to then are to come before it.
+  TimeNs force_time_ns(TimeNs time_ns) const { return time_ns + lag_ns_; }
+  /// What is known now.
+  EmgEstimate<Scalar> estimate() const { return stage_.estimate(); }
+  const EmgTimelineCounts& counts() const { return counts_; }
+  /// The muscles' latest forces (N) along the followed axis, of gain 1.
+  const typename EmgIdentification<Scalar>::Forces& forces_N() const { return forces_; }
+
+ private:
+  // For EMG of 25 Hz and positions of 500 Hz, and some more.
+  static constexpr std::size_t kMostWaiting = 64;
+  struct Waiting {
+    TimeNs time_ns;
+    Scalar position_m, sd_m;
+  };
+
+  static Scalar seconds_between(TimeNs begin_ns, TimeNs end_ns) {
+    return static_cast<Scalar>(seconds(end_ns - begin_ns));
+  }
+
+  // Now, `T` s after those before.
+  const typename EmgIdentification<Scalar>::Forces& forces(Scalar T) {
+    auto place = stage_.complete(T);
+    if (!place.is_known) {
+      place = {waiting_count_ > 0 ? waiting_[0].position_m : Scalar(0), Scalar(0), false};
+    }
+    if (!muscles_.jaw.reaches(place.position_m)) {
+      ++counts_.out_of_reach;
+      stage_.interrupt();
+      place = {};
+    }
+    const Scalar q = muscles_.jaw.coordinate_at(place.position_m);
+    const Scalar q_rate = place.velocity_m_s / muscles_.jaw.slope(q);
+    for (std::size_t n = 0; n < muscles_.count; ++n) {
+      forces_[n] = followed_force_N(muscles_.jaw, muscles_.muscle[n], activation_[n], q, q_rate);
+    }
+    return forces_;
+  }
+
+  // Takes the positions within the present interval.
+  void take_waiting() {
+    std::size_t taken = 0;
+    for (; taken < waiting_count_ && waiting_[taken].time_ns <= end_ns_; ++taken) {
+      const Waiting& position = waiting_[taken];
+      if (position.time_ns < begin_ns_) {
+        ++counts_.positions_too_early;
+        continue;
+      }
+      const Scalar share = begin_ns_ == end_ns_ ? Scalar(1)
+                                                : seconds_between(begin_ns_, position.time_ns) /
+                                                      seconds_between(begin_ns_, end_ns_);
+      (void)stage_.measure(share, position.position_m, position.sd_m);
+    }
+    for (std::size_t i = taken; i < waiting_count_; ++i) waiting_[i - taken] = waiting_[i];
+    waiting_count_ -= taken;
+  }
+
+  void interrupt() {
+    stage_.interrupt();
+    has_emg_ = false;
+  }
+
+  MuscleSet muscles_;
+  TimeNs lag_ns_, longest_gap_ns_;
+  EmgIdentification<Scalar> stage_;
+  bool has_emg_ = false;
+  TimeNs begin_ns_ = 0, end_ns_ = 0;  // of the EMG's present interval
+  Excitations excitation_{}, activation_{};
+  typename EmgIdentification<Scalar>::Forces forces_{};
+  std::array<Waiting, kMostWaiting> waiting_{};
+  std::size_t waiting_count_ = 0;
+  EmgTimelineCounts counts_;
+};
+
+}  // namespace condyle

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the sums of a recording to what may be said of the point: what all of it says
+// (point_judgement.h), or its end where that is better.
+//
+// Walk:     a value that may wander by q per root second is that of the end, where the mean of T
+//           seconds strays by q^2 T / 3: the last half or quarter is taken where that is better
+#pragma once
+
+#include "condyle/estimator/impedance/point_judgement.h"
+
+namespace condyle {
+
+/// Draws the conclusion of a regression. Fixed size, no allocation; some 10 kB of stack.
+template <class Scalar>
+class PointConclusion {
+ public:
+  /// Fewest blocks to judge by.
+  static constexpr std::size_t kFewestBlocks = 16;
+
+  /// `parameters` must be valid; both must live as long as this.
+  PointConclusion(const PointRegression<Scalar>& regression, const JointParameters& parameters)
+      : regression_(regression), parameters_(parameters), setup_(regression.setup()) {}
+
+  JointEstimate<Scalar> draw() const {
+    JointEstimate<Scalar> estimate = nothing_known();
+    const std::size_t size = regression_.has_begun() ? regression_.blocks().size() : 0;
+    if (size < kFewestBlocks) return estimate;
+    const internal::PointJudgement<Scalar> all(regression_.blocks(), setup_, parameters_, 0);
+    all.write(estimate);
+    if (!has_walk(parameters_)) return estimate;
+    for (const std::size_t first : {size / 2, size - size / 4}) {
+      if (size - first < kFewestBlocks) break;
+      JointEstimate<Scalar> recent = nothing_known();
+      const internal::PointJudgement<Scalar> later(regression_.blocks(), setup_, parameters_,
+                                                   first);
+      later.write(recent);
+      take_better(recent.friction_Ns_m, estimate.friction_Ns_m);
+      take_better(recent.mass_kg, estimate.mass_kg);
+      take_better(recent.stiffness_N_m, estimate.stiffness_N_m);
+      take_better(recent.offset_N, estimate.offset_N);
+      take_better(recent.coulomb_N, estimate.coulomb_N);
+    }
+    return estimate;
+  }
+
+ private:
+  JointEstimate<Scalar> nothing_known() const {
+    JointEstimate<Scalar> estimate;
+    const DriveParameters& drive = parameters_.drive;
+    const JointPrior delay{drive.delay_s, drive.delay_sd_s, 0};
+    const JointLimit limit = regression_.is_too_slow() ? JointLimit::too_slow
+                             : regression_.has_drive() ? JointLimit::too_early
+                                                       : JointLimit::no_drive;
+    const auto set = [limit](IdentifiedValue<Scalar>& value, const JointPrior& prior) {
+      value.quantity = {Scalar(prior.mean), Scalar(prior.sd), Provenance::assumed};
+      value.limit = limit;
+    };
+    set(estimate.friction_Ns_m, parameters_.friction_Ns_m);
+    set(estimate.mass_kg, parameters_.mass_kg);
+    set(estimate.stiffness_N_m, parameters_.stiffness_N_m);
+    set(estimate.offset_N, parameters_.offset_N);
+    set(estimate.coulomb_N, parameters_.coulomb_N);
+    set(estimate.delay_s, delay);
+    return estimate;
+  }
+
+  static void take_better(const IdentifiedValue<Scalar>& recent, IdentifiedValue<Scalar>& value) {
+    if (recent.fitted_sd < value.fitted_sd) value = recent;
+  }
+
+  const PointRegression<Scalar>& regression_;
+  const JointParameters& parameters_;
+  RegressionSetup setup_;
+};
+
+}  // namespace condyle

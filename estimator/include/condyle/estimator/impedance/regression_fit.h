@@ -1,0 +1,430 @@
+// SPDX-License-Identifier: Apache-2.0
+// Least squares of the drive on some columns, the columns' noise taken out, with intervals from the
+// scatter of blocks. In double.
+//
+//   y          the columns of the fit; -u' for the drive's delay tau
+//   M_b, r_b   sums of y y' and of y u over block b; M, r those over all
+//   N_b        what noise is expected to add to M_b; N likewise
+//   theta      the parameters: of a, v, x, 1, ... mass, friction, stiffness, offset, ...
+//   n, p       number of blocks, of parameters
+//   t          97.5 % quantile of Student's distribution, n - p degrees of freedom, times 1.15:
+//              who reads a conclusion every second looks many times
+//
+// Estimate:  theta = (M - N)^-1 r (W. A. Fuller, Measurement Error Models, 1987, section 1.2 and
+//            2.2). The noise of u is only in the residual: it biases nothing, whatever its size or
+//            colour. N_u'u' and the covariance of u with u'' have the drive's own noise.
+// Known mass: u - m_0 a takes the place of u
+// Even noise kept: with N of a, x and X^k left in M a direction of them that is nothing but noise
+// is
+//            harmlessly regularised. v is apart from them, as the kernel's derivatives of odd and
+//            of even order do not mix: friction is taken so.
+// Delay:     u(t + tau) = u + tau u' + tau^2 u''/2: r gains tau^2/2 sum y u'', three iterations.
+// Interval:  with I = (M - N)^-1, D = 1 / I_ii, g = D (row i of I), per block
+//              alpha_b = g'(r_b - (M_b - N_b) theta),  beta_b = g'(M_b - N_b) g,
+//            and with A, B, C the scatter of alpha^2, alpha beta, beta^2 about their means, times
+//            n / (n - p): all d with (D^2 - t^2 C) d^2 + 2 t^2 B d - t^2 A <= 0 (E. C. Fieller,
+//            J. R. Stat. Soc. B 16 (1954) 175). It has no end where D^2 <= t^2 C: the excitation,
+//            noise taken out, is then not above its own scatter.
+// Trend:     sum (b - b_0) alpha_b, of variance sum (b - b_0)^2 alpha_b^2, b_0 the mean place of
+//            beta: about 0 where the parameter does not change along the recording. A delay of the
+//            drive adds to it where the rhythm changes.
+// Residual:  R = mean e_f^2 over what the noise of u and of y makes of it: 1 where both are white
+#pragma once
+
+#include <utility>
+
+#include "condyle/estimator/impedance/point_regression.h"
+#include "condyle/estimator/provenance.h"
+
+namespace condyle {
+
+/// The most columns that a fit has.
+inline constexpr std::size_t kMostFitted = 10;
+
+/// The columns of a fit, and how it is made.
+struct FitColumns {
+  std::array<RegressionColumn, kMostFitted> columns{};
+  std::size_t count = 0;
+  bool keeps_even_noise = false;
+  double known_mass_kg = 0;  ///< m_0: not fitted, a has no column
+
+  void add(RegressionColumn column) { columns[count++] = column; }
+  /// Place of a column; `count` where it is not one of them.
+  std::size_t place_of(RegressionColumn column) const {
+    std::size_t place = 0;
+    while (place < count && columns[place] != column) ++place;
+    return place;
+  }
+};
+
+/// One parameter of a fit. NaN or infinite where it is not known.
+struct FittedValue {
+  static constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+  double value = std::numeric_limits<double>::quiet_NaN();
+  double sd = kUnbounded;        ///< half of the interval of 95 %, over 1.96
+  double per_delay = 0;          ///< what a second of the drive's delay adds to it
+  double per_delay2 = 0;         ///< likewise, per square second, times 2
+  double per_known_mass = 0;     ///< what a kilogram more of known mass adds to it
+  double correction = 0;         ///< what taking the noise out changed
+  double trend = 0, trend2 = 0;  ///< see above: the sum, and its variance
+  double trend_per_delay = 0;    ///< what a second of the drive's delay adds to the sum
+  bool is_known() const { return sd < kUnbounded; }
+};
+
+namespace internal {
+
+/// 97.5 % quantile of Student's distribution (Abramowitz and Stegun, 26.7.5).
+inline double student_quantile(double degrees) {
+  const double z = kNormalQuantile95, v = degrees < 1 ? 1 : degrees;
+  const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
+  return z + (z3 + z) / (4 * v) + (5 * z5 + 16 * z3 + 3 * z) / (96 * v * v) +
+         (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * v * v * v);
+}
+
+using FitMatrix = std::array<std::array<double, kMostFitted>, kMostFitted>;
+
+/// Inverse of the leading `size` rows of a symmetric matrix, by Gauss and Jordan with scaling and
+/// pivots. False where it is singular to rounding or a diagonal is not positive.
+inline bool invert_leading(FitMatrix A, std::size_t size, FitMatrix& inverse) {
+  using std::abs;
+  using std::sqrt;
+  constexpr double kSingular = 1e-13;
+  std::array<double, kMostFitted> scale{};
+  for (std::size_t i = 0; i < size; ++i) {
+    if (!(A[i][i] > 0)) return false;
+    scale[i] = 1 / sqrt(A[i][i]);
+  }
+  for (std::size_t i = 0; i < size; ++i) {
+    for (std::size_t j = 0; j < size; ++j) {
+      A[i][j] *= scale[i] * scale[j];
+      inverse[i][j] = i == j ? 1 : 0;
+    }
+  }
+  for (std::size_t k = 0; k < size; ++k) {
+    std::size_t pivot = k;
+    for (std::size_t i = k + 1; i < size; ++i) {
+      if (abs(A[i][k]) > abs(A[pivot][k])) pivot = i;
+    }
+    if (!(abs(A[pivot][k]) > kSingular)) return false;
+    std::swap(A[k], A[pivot]);
+    std::swap(inverse[k], inverse[pivot]);
+    const double share = 1 / A[k][k];
+    for (std::size_t j = 0; j < size; ++j) {
+      A[k][j] *= share;
+      inverse[k][j] *= share;
+    }
+    for (std::size_t i = 0; i < size; ++i) {
+      const double factor = A[i][k];
+      if (i == k || factor == 0) continue;
+      for (std::size_t j = 0; j < size; ++j) {
+        A[i][j] -= factor * A[k][j];
+        inverse[i][j] -= factor * inverse[k][j];
+      }
+    }
+  }
+  for (std::size_t i = 0; i < size; ++i) {
+    for (std::size_t j = 0; j < size; ++j) inverse[i][j] *= scale[i] * scale[j];
+    if (!(inverse[i][i] > 0)) return false;
+  }
+  return true;
+}
+
+}  // namespace internal
+
+/// What fits of the same recording share: its blocks from `first` on, their sum, their noise.
+template <class Scalar>
+class RegressionData {
+ public:
+  RegressionData(const RegressionBlocks<Scalar>& blocks, const RegressionSetup& setup,
+                 std::size_t first)
+      : blocks_(blocks), setup_(setup), first_(first) {
+    for (std::size_t b = first; b < blocks.size(); ++b) sum_.add(blocks[b]);
+    position_share_ = sum_.instants / sum_.position_noise.count;
+    drive_share_ = sum_.instants / sum_.drive_noise.count;
+  }
+
+  std::size_t size() const { return blocks_.size() - first_; }
+  const RegressionSums<Scalar>& block(std::size_t b) const { return blocks_[first_ + b]; }
+  const RegressionSums<double>& sum() const { return sum_; }
+  const RegressionSetup& setup() const { return setup_; }
+  double duration_s() const { return sum_.instants * setup_.instant_s; }
+  /// Variances of a sample's noise (m^2, N^2).
+  double position_variance_m2() const {
+    return sum_.position_noise.variance / sum_.position_noise.count;
+  }
+  double drive_variance_N2() const { return sum_.drive_noise.variance / sum_.drive_noise.count; }
+
+  /// True where the positions' noise is not white: at some lag the blocks' sums are farther from 0
+  /// than their scatter allows, by chance once in 70 recordings of 8 s, 200 of 20 s, 1000 of a
+  /// minute. A block that is much louder than the others counts as one of thrice
+  /// their variance. The drive's noise needs no such test: it is in the residual.
+  bool has_coloured_positions() const {
+    constexpr double kBeyond = 4, kLoud = 3;
+    const auto n = static_cast<double>(size());
+    double inverses = 0;
+    for (std::size_t b = 0; b < size(); ++b) {
+      const auto variance = static_cast<double>(block(b).position_noise.variance);
+      if (variance > 0) inverses += 1 / variance;
+    }
+    for (std::size_t lag = 0; lag < kNoiseLags; ++lag) {
+      double sum = 0, squares = 0;
+      for (std::size_t b = 0; b < size(); ++b) {
+        const RegressionSums<Scalar>& of = block(b);
+        const double loudness = static_cast<double>(of.position_noise.variance) * inverses / n;
+        const double share = static_cast<double>(of.position_colour[lag]) *
+                             (loudness > kLoud ? kLoud / loudness : 1);
+        sum += share;
+        squares += share * share;
+      }
+      if (sum * sum > kBeyond * kBeyond * (squares - sum * sum / n) * n / (n - 1)) return true;
+    }
+    return false;
+  }
+
+  /// What noise is expected to add to the product of columns i and j of `sums`. The variance is
+  /// that within the block, so that its own uncertainty is part of the scatter.
+  template <class Sum>
+  double noise(const RegressionSums<Sum>& sums, RegressionColumn i, RegressionColumn j) const {
+    if (i > j) std::swap(i, j);
+    const double z = static_cast<double>(sums.position_noise.variance) * position_share_,
+                 u = static_cast<double>(sums.drive_noise.variance) * drive_share_;
+    const KernelGains& of_z = setup_.position;
+    const KernelGains& of_u = setup_.drive;
+    if (i == kDriveSlopeColumn && j == kDriveSlopeColumn) return u * of_u.G2;
+    if (i == kDriveColumn && j == kDriveColumn) return u * of_u.G0;
+    if (i == kDriveCurvatureColumn && j == kDriveCurvatureColumn) return u * of_u.G4;
+    if (i == kDriveCurvatureColumn && j == kDriveColumn) return -u * of_u.G2;
+    if (i == kVelocityColumn && j == kVelocityColumn) return z * of_z.G2;
+    if (i == kAccelerationColumn && j == kAccelerationColumn) return z * of_z.G4;
+    if (i == kAccelerationColumn && j == kPositionColumn) return -z * of_z.G2;
+    if (i == kPositionColumn && j == kPositionColumn) return z * of_z.G0;
+    return of_powers(sums, i, j);
+  }
+
+ private:
+  // X^k has the noise k X^(k-1) of X.
+  static int power_of(RegressionColumn column) {
+    return column == kSquareColumn   ? 2
+           : column == kCubeColumn   ? 3
+           : column == kFourthColumn ? 4
+                                     : 0;
+  }
+  template <class Sum>
+  double of_powers(const RegressionSums<Sum>& sums, RegressionColumn i, RegressionColumn j) const {
+    const int k = power_of(j), l = power_of(i);
+    if (k == 0) return 0;
+    const auto power_sum = [&sums](int power) {
+      return static_cast<double>(sums.powers[static_cast<std::size_t>(power - 1)]);
+    };
+    const double z = position_variance_m2() / kShapeUnit_m, slope = k * power_sum(k - 1) * z;
+    if (i == kAccelerationColumn) return -slope * setup_.position.G2;
+    if (i == kPositionColumn) return slope * setup_.position.G0;
+    if (l == 0) return 0;
+    return k * l * power_sum(k + l - 2) * z / kShapeUnit_m * setup_.position.G0;
+  }
+
+  const RegressionBlocks<Scalar>& blocks_;
+  const RegressionSetup& setup_;
+  std::size_t first_;
+  RegressionSums<double> sum_;
+  double position_share_, drive_share_;
+};
+
+/// One fit. Fixed size, no allocation.
+template <class Scalar>
+class RegressionFit {
+ public:
+  /// `data` must live as long as this.
+  RegressionFit(const RegressionData<Scalar>& data, const FitColumns& fit)
+      : data_(data), fit_(fit), size_(fit.count) {
+    for (std::size_t i = 0; i < size_; ++i) {
+      for (std::size_t j = 0; j < size_; ++j) {
+        N_[i][j] = sign(i) * sign(j) * data.noise(data.sum(), column(i), column(j));
+        M_[i][j] = less_noise(data.sum(), i, j);
+      }
+    }
+    is_solved_ = data.size() > size_ && internal::invert_leading(M_, size_, I_);
+    if (!is_solved_) return;
+    solve();
+    const std::size_t delay = fit.place_of(kDriveSlopeColumn);
+    for (int k = 0; k < 3 && delay < size_; ++k) {
+      tau_ = theta_[delay];
+      solve();
+    }
+    make_residual();
+  }
+
+  /// False where the matrix has no inverse, or there are no more blocks than parameters.
+  bool is_solved() const { return is_solved_; }
+  /// R; see above.
+  double residual() const { return residual_; }
+  /// The value alone.
+  double value(RegressionColumn of) const { return theta_[fit_.place_of(of)]; }
+
+  /// A parameter with all that is known of it. Not known where it is not solved.
+  FittedValue fitted(RegressionColumn of) const {
+    FittedValue fitted;
+    const std::size_t i = fit_.place_of(of);
+    if (!is_solved_ || i == size_) return fitted;
+    fitted.value = theta_[i];
+    for (std::size_t j = 0; j < size_; ++j) {
+      fitted.per_delay += I_[i][j] * less_noise_with(data_.sum(), j, kDriveSlopeColumn);
+      fitted.per_delay2 += I_[i][j] * less_noise_with(data_.sum(), j, kDriveCurvatureColumn);
+      fitted.per_known_mass -= I_[i][j] * of_known_mass(data_.sum(), j);
+      double Ntheta = fit_.known_mass_kg * noise_with_mass(j);
+      for (std::size_t k = 0; k < size_; ++k) Ntheta += N_[j][k] * theta_[k];
+      fitted.correction += I_[i][j] * Ntheta;
+    }
+    make_interval(i, fitted);
+    return fitted;
+  }
+
+ private:
+  RegressionColumn column(std::size_t i) const { return fit_.columns[i]; }
+  double sign(std::size_t i) const { return column(i) == kDriveSlopeColumn ? -1 : 1; }
+  static bool is_even(RegressionColumn column) {
+    return column == kAccelerationColumn || column == kPositionColumn || column == kSquareColumn ||
+           column == kCubeColumn || column == kFourthColumn;
+  }
+
+  template <class Sum>
+  double less_noise(const RegressionSums<Sum>& sums, std::size_t i, std::size_t j) const {
+    const bool is_kept = fit_.keeps_even_noise && is_even(column(i)) && is_even(column(j));
+    const double product = static_cast<double>(sums.product(column(i), column(j)));
+    return sign(i) * sign(j) *
+           (is_kept ? product : product - data_.noise(sums, column(i), column(j)));
+  }
+  template <class Sum>
+  double less_noise_with(const RegressionSums<Sum>& sums, std::size_t i, RegressionColumn j) const {
+    return sign(i) *
+           (static_cast<double>(sums.product(column(i), j)) - data_.noise(sums, column(i), j));
+  }
+  // Column i times a, as the known mass has it.
+  template <class Sum>
+  double of_known_mass(const RegressionSums<Sum>& sums, std::size_t i) const {
+    if (fit_.known_mass_kg == 0) return 0;
+    if (!fit_.keeps_even_noise) return less_noise_with(sums, i, kAccelerationColumn);
+    return sign(i) * static_cast<double>(sums.product(column(i), kAccelerationColumn));
+  }
+  double noise_with_mass(std::size_t i) const {
+    return sign(i) * data_.noise(data_.sum(), column(i), kAccelerationColumn);
+  }
+  // r, the drive taken back by tau to second order.
+  template <class Sum>
+  double right_side(const RegressionSums<Sum>& sums, std::size_t i) const {
+    const double r =
+        less_noise_with(sums, i, kDriveColumn) - fit_.known_mass_kg * of_known_mass(sums, i);
+    return tau_ == 0 ? r : r + tau_ * tau_ / 2 * less_noise_with(sums, i, kDriveCurvatureColumn);
+  }
+
+  void solve() {
+    std::array<double, kMostFitted> r{};
+    for (std::size_t i = 0; i < size_; ++i) r[i] = right_side(data_.sum(), i);
+    for (std::size_t i = 0; i < size_; ++i) {
+      theta_[i] = 0;
+      for (std::size_t j = 0; j < size_; ++j) theta_[i] += I_[i][j] * r[j];
+    }
+  }
+
+  void make_residual() {
+    const RegressionSums<double>& sum = data_.sum();
+    // The drive, taken back by tau to second order, is u + bend u''.
+    const double bend = tau_ * tau_ / 2;
+    const auto of_drive = [bend](const auto& product) {
+      return product(kDriveColumn, kDriveColumn) +
+             2 * bend * product(kDriveColumn, kDriveCurvatureColumn) +
+             bend * bend * product(kDriveCurvatureColumn, kDriveCurvatureColumn);
+    };
+    double square = of_drive([&sum](auto i, auto j) { return sum.product(i, j); });
+    double expected = of_drive([&](auto i, auto j) { return data_.noise(sum, i, j); });
+    const double m0 = fit_.known_mass_kg;
+    square += m0 * (m0 * sum.product(kAccelerationColumn, kAccelerationColumn) -
+                    2 * sum.product(kAccelerationColumn, kDriveColumn) -
+                    2 * bend * sum.product(kAccelerationColumn, kDriveCurvatureColumn));
+    expected += m0 * m0 * data_.noise(sum, kAccelerationColumn, kAccelerationColumn);
+    for (std::size_t i = 0; i < size_; ++i) {
+      square += 2 * m0 * theta_[i] * sign(i) * sum.product(column(i), kAccelerationColumn);
+      expected += 2 * m0 * theta_[i] * noise_with_mass(i);
+      square -= 2 * theta_[i] * sign(i) *
+                (sum.product(column(i), kDriveColumn) +
+                 bend * sum.product(column(i), kDriveCurvatureColumn));
+      for (std::size_t j = 0; j < size_; ++j) {
+        const double product = theta_[i] * theta_[j];
+        square += product * sign(i) * sign(j) * sum.product(column(i), column(j));
+        expected += product * N_[i][j];
+      }
+    }
+    residual_ = square / expected;
+  }
+
+  void make_interval(std::size_t i, FittedValue& fitted) const {
+    using std::sqrt;
+    const double D = 1 / I_[i][i];
+    std::array<double, kMostFitted> g{};
+    for (std::size_t j = 0; j < size_; ++j) g[j] = D * I_[i][j];
+    const std::size_t n = data_.size();
+    std::array<double, kMostFitted> delayed{};  // what a second of delay adds to theta
+    for (std::size_t j = 0; j < size_; ++j) {
+      for (std::size_t k = 0; k < size_; ++k) {
+        delayed[j] += I_[j][k] * less_noise_with(data_.sum(), k, kDriveSlopeColumn);
+      }
+    }
+    std::array<double, RegressionBlocks<Scalar>::kBlocks> alphas{}, delay_scores{};
+    double A = 0, B = 0, C = 0, alpha_sum = 0, beta_sum = 0, place_sum = 0;
+    for (std::size_t b = 0; b < n; ++b) {
+      const RegressionSums<Scalar>& sums = data_.block(b);
+      double alpha = 0, beta = 0;
+      for (std::size_t j = 0; j < size_; ++j) {
+        double score = right_side(sums, j), Mg = 0;
+        double delay_score = less_noise_with(sums, j, kDriveSlopeColumn);
+        for (std::size_t k = 0; k < size_; ++k) {
+          const double m = less_noise(sums, j, k);
+          score -= m * theta_[k];
+          delay_score -= m * delayed[k];
+          Mg += m * g[k];
+        }
+        alpha += g[j] * score;
+        delay_scores[b] += g[j] * delay_score;
+        beta += g[j] * Mg;
+      }
+      alphas[b] = alpha;
+      A += alpha * alpha;
+      B += alpha * beta;
+      C += beta * beta;
+      alpha_sum += alpha;
+      beta_sum += beta;
+      place_sum += static_cast<double>(b) * beta;
+    }
+    const double count = static_cast<double>(n), f = count / (count - static_cast<double>(size_));
+    A = f * (A - alpha_sum * alpha_sum / count);
+    B = f * (B - alpha_sum * beta_sum / count);
+    C = f * (C - beta_sum * beta_sum / count);
+    const double t = kLooks * internal::student_quantile(count - static_cast<double>(size_)),
+                 t2 = t * t;
+    const double quadratic = D * D - t2 * C, linear = t2 * B;
+    if (quadratic > 0) {
+      const double root = sqrt(linear * linear + quadratic * t2 * A),
+                   half_low = (root + linear) / quadratic, half_high = (root - linear) / quadratic;
+      fitted.sd = (half_low > half_high ? half_low : half_high) / kNormalQuantile95;
+    }
+    const double place = place_sum / beta_sum;
+    for (std::size_t b = 0; b < n; ++b) {
+      const double distance = static_cast<double>(b) - place, term = distance * alphas[b];
+      fitted.trend += term;
+      fitted.trend2 += term * term;
+      fitted.trend_per_delay += distance * delay_scores[b];
+    }
+  }
+
+  static constexpr double kLooks = 1.15;
+
+  const RegressionData<Scalar>& data_;
+  FitColumns fit_;
+  std::size_t size_;
+  internal::FitMatrix M_{}, N_{}, I_{};
+  std::array<double, kMostFitted> theta_{};
+  double tau_ = 0, residual_ = 0;
+  bool is_solved_ = false;
+};
+
+}  // namespace condyle

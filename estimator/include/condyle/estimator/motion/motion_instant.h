@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// The last samples and what was made of them: what estimates of some samples ago need.
+//
+// Each instant has a track for each of the two banks (motion_hypotheses.h). Once one of them is
+// given up, the other's track is the instant's.
+#pragma once
+
+#include "condyle/estimator/motion/fixed_lag.h"
+#include "condyle/estimator/motion/motion_hypotheses.h"
+#include "condyle/estimator/sample.h"
+
+namespace condyle {
+
+/// One sample as one bank saw it.
+template <class Step, int kMembers>
+struct BankTrack {
+  bool is_taken = false;
+  bool is_restart = false;  ///< nothing connects it with what was before
+  Array<Step, kMembers> members;
+};
+
+/// One sample and what was made of it. `kKept`: false where no estimate waits for later samples.
+template <class Scalar, int kAxes, bool kKept>
+struct MotionInstant {
+  using Bank = MotionBank<Scalar, kAxes>;
+  using Track = BankTrack<typename Bank::Step, kKept ? Bank::kMostMembers : 1>;
+
+  TimeNs time_ns = 0;
+  bool time_valid = true;
+  bool is_measured = false;  ///< a position came in
+  bool has_state = false;
+  bool is_first = false;  ///< nothing was expected of it
+  bool is_open = false;   ///< both tracks hold; otherwise that of `track`
+  int track = 0;
+  EventSet events;
+  Array<Scalar, kAxes> position_m = {};
+  Array<Scalar, kAxes> innovation_m = {};
+  Array<Scalar, kAxes> innovation_variance_m2 = {};
+  Array<Scalar, kAxes> rounding_variance_m2 = {};  ///< that no later sample takes from the position
+  TransitionJacobian<Scalar> F;                    ///< from the sample before
+  Track tracks[2];
+
+  /// As the bank `index` saw it, where both are still possible.
+  const Track& seen_by(int index) const { return tracks[is_open ? index : track]; }
+  Track& seen_by(int index) { return tracks[is_open ? index : track]; }
+};
+
+/// The last `kInstants` of them.
+template <class Scalar, int kAxes, int kInstants>
+class MotionInstants {
+ public:
+  using Instant = MotionInstant<Scalar, kAxes, (kInstants > 1)>;
+  using Bank = typename Instant::Bank;
+  using Smoothed = Array<Array<MotionMoments<Scalar>, kAxes>, Bank::kMostMembers>;
+
+  /// The instant `back` samples before the newest.
+  Instant& at(int back) { return instants_[(newest_ + kInstants - back) % kInstants]; }
+
+  /// Makes room for a new one.
+  Instant& advance() {
+    newest_ = (newest_ + 1) % kInstants;
+    Instant& instant = at(0);
+    instant.time_valid = true;
+    instant.is_measured = instant.has_state = instant.is_first = instant.is_open = false;
+    for (auto& track : instant.tracks) track.is_taken = track.is_restart = false;
+    instant.F = white_jerk_jacobian(Scalar(0));
+    return instant;
+  }
+
+  /// The bank `kept` was right about all instants that were open. A sample that it did not take,
+  /// though the other did, was an outlier.
+  void settle(int kept) {
+    for (int back = 0; back < kInstants; ++back) {
+      Instant& instant = at(back);
+      if (!instant.is_open) continue;
+      instant.is_open = false;
+      instant.track = kept;
+      instant.events.add(Event::outlier_rejected,
+                         !instant.tracks[kept].is_taken && instant.tracks[1 - kept].is_taken);
+    }
+  }
+
+  /// Members of `bank`, the one of index `index`, `back` samples ago, by all samples since.
+  void smooth(const Bank& bank, int index, int back, Smoothed& smoothed) {
+    for (int i = 0; i < bank.member_count(); ++i) {
+      if (!bank.is_plausible(i)) continue;
+      LaterEvidence<Scalar, kAxes> evidence;
+      for (int j = 0; j < back; ++j) {
+        const Instant& later = at(j);
+        const auto& track = later.seen_by(index);
+        if (track.is_restart) {
+          evidence.forget();
+        } else {
+          if (track.is_taken) evidence.go_back_over_measurement(track.members[i]);
+          evidence.go_back_over_step(later.F);
+        }
+      }
+      const auto& step = at(back).seen_by(index).members[i];
+      for (int axis = 0; axis < kAxes; ++axis) smoothed[i][axis] = evidence.smoothed(step, axis);
+    }
+  }
+
+ private:
+  int newest_ = 0;
+  Array<Instant, kInstants> instants_;
+};
+
+}  // namespace condyle

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// Follows one point through a run: a point of the instrument, or any point fixed to the jaw
+// (incisor, condyle) through the jaw's pose. Model and frames: rigid_body.h.
+//
+//   kind           point of the instrument      point fixed to the jaw
+//   one_axis       unavailable                  unavailable
+//   one_point      point 1                      unavailable
+//   three_points   points 1 to 3, as they are   fit of the body, b in the jaw frame
+//   pose           point 1: its position        b in the pose's own frame
+//
+// The body's shape is given, or learned from the first samples that agree on it (body_shape.h),
+// which are held back until then: unsettled. From then on it stands: samples that do not fit it are
+// not_rigid, for the rest of the run if need be.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "condyle/estimator/pose/body_shape.h"
+#include "condyle/estimator/pose/rigid_body.h"
+#include "condyle/estimator/sample.h"
+
+namespace condyle {
+
+/// How the fits of three points to a body went so far.
+struct BodyFits {
+  std::uint64_t fitted = 0;
+  std::uint64_t unsettled = 0;        ///< samples held back while the shape was learned
+  std::uint64_t degenerate = 0;       ///< samples whose points coincide or lie on a line
+  std::uint64_t not_rigid = 0;        ///< samples with a larger residual than the tolerance
+  double residual_square_sum_m2 = 0;  ///< of those fitted
+  double tolerance_m = 0;             ///< 0 until the shape is settled
+};
+
+/// The point to follow.
+struct FollowedPoint {
+  int point = 1;  ///< of the instrument, 1 to 3; not used where `body_point_m` is set
+  /// Fixed to the jaw: in the jaw frame, or in the pose's own frame for SampleKind::pose (m).
+  std::optional<Eigen::Vector3d> body_point_m = {};
+  /// Kept up to date with each sample of three_points; may be null. Outlives the follower.
+  BodyFits* fits = nullptr;
+};
+
+/// True where samples of `kind` can have the followed point.
+constexpr bool is_available(SampleKind kind, const FollowedPoint& followed) {
+  if (kind == SampleKind::one_axis) return false;
+  if (followed.body_point_m) return kind != SampleKind::one_point;
+  return is_available(kind, FollowedCoordinate{followed.point, Axis::x});
+}
+
+/// Points 1, 2, 3 of a sample of kind three_points, one a column (m).
+template <class Scalar>
+Matrix3<Scalar> points_of(const Sample& sample) {
+  return Eigen::Map<const Eigen::Matrix3d>(sample.coordinates).template cast<Scalar>();
+}
+
+/// Where the followed point is.
+struct FollowedPosition {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< instrument's frame; where status is ok
+  /// From the point that the instrument measures best, the middle of its three or the pose's
+  /// origin, to the followed one (m); 0 for a point of the instrument.
+  Eigen::Vector3d lever_m = Eigen::Vector3d::Zero();
+  double residual_rms_m = 0;  ///< of the body's fit; 0 without one
+  PoseStatus status = PoseStatus::ok;
+};
+
+/// Takes samples, gives the followed point's position. It remembers the body's shape, nothing else.
+template <class Scalar>
+class PointFollower {
+ public:
+  /// Learns the body's shape. `largest_tolerance_m`: residual beyond which a sample is not_rigid,
+  /// however noisy the points are.
+  explicit PointFollower(const FollowedPoint& followed,
+                         Scalar largest_tolerance_m = Scalar(kRigidTolerance_m))
+      : followed_(followed), shape_(largest_tolerance_m) {}
+
+  /// Follows a point of the known `body`. `tolerance_m`: residual beyond which a sample is
+  /// not_rigid.
+  PointFollower(const FollowedPoint& followed, const RigidBody<Scalar>& body,
+                Scalar tolerance_m = Scalar(kRigidTolerance_m))
+      : followed_(followed), shape_(tolerance_m), tolerance_m_(tolerance_m), body_(body) {}
+
+  /// The followed point in `sample`, or why it is not there; see PoseStatus.
+  FollowedPosition follow(const Sample& sample) {
+    if (!is_available(sample.kind, followed_)) return {.status = PoseStatus::unavailable};
+    if (!sample.position_valid) return {.status = PoseStatus::missing};
+    if (!followed_.body_point_m) return instrument_point(sample);
+    const PoseFit<Scalar> fit = pose_of(sample);
+    if (fit.status != PoseStatus::ok) {
+      return {.residual_rms_m = fit.residual_rms_m, .status = fit.status};
+    }
+    const Vector3<Scalar> position_m =
+        point_of(fit.pose, followed_.body_point_m->template cast<Scalar>());
+    const Vector3<Scalar> best_m =
+        sample.kind == SampleKind::pose
+            ? fit.pose.translation
+            : Vector3<Scalar>(points_of<Scalar>(sample).rowwise().mean());
+    return {position_m.template cast<double>(), (position_m - best_m).template cast<double>(),
+            fit.residual_rms_m, PoseStatus::ok};
+  }
+
+  /// The body whose points the samples hold; none until its shape is settled.
+  const std::optional<RigidBody<Scalar>>& body() const { return body_; }
+
+ private:
+  FollowedPosition instrument_point(const Sample& sample) const {
+    FollowedPosition result;
+    for (int i = 0; i < 3; ++i) {
+      result.position_m[i] = followed_position_m(sample, {followed_.point, static_cast<Axis>(i)});
+    }
+    if (!result.position_m.allFinite()) result.status = PoseStatus::missing;
+    return result;
+  }
+
+  PoseFit<Scalar> pose_of(const Sample& sample) {
+    if (sample.kind == SampleKind::pose) {
+      const Eigen::Map<const Eigen::Matrix<double, 7, 1>> values(sample.coordinates);
+      return pose_from_quaternion<Scalar>(values.template head<3>().template cast<Scalar>(),
+                                          values.template tail<4>().template cast<Scalar>());
+    }
+    const PoseFit<Scalar> fit = pose_of_points(points_of<Scalar>(sample));
+    if (followed_.fits != nullptr) count(fit, *followed_.fits);
+    return fit;
+  }
+
+  PoseFit<Scalar> pose_of_points(const Matrix3<Scalar>& points_m) {
+    if (body_) return body_->fit(points_m, tolerance_m_);
+    const PoseStatus status = RigidBody<Scalar>(points_m).status();
+    if (status != PoseStatus::ok) return {.status = status};
+    shape_.add(points_m);
+    if (!shape_.has_seen_enough()) return {.status = PoseStatus::unsettled};
+    if (!shape_.is_settled()) return {.status = PoseStatus::not_rigid};
+    body_ = shape_.body();
+    tolerance_m_ = shape_.tolerance_m();
+    return body_->fit(points_m, tolerance_m_);
+  }
+
+  void count(const PoseFit<Scalar>& fit, BodyFits& fits) const {
+    fits.fitted += fit.status == PoseStatus::ok ? 1U : 0U;
+    fits.unsettled += fit.status == PoseStatus::unsettled ? 1U : 0U;
+    fits.degenerate += fit.status == PoseStatus::degenerate ? 1U : 0U;
+    fits.not_rigid += fit.status == PoseStatus::not_rigid ? 1U : 0U;
+    if (fit.status != PoseStatus::ok) return;
+    const double residual_rms_m = fit.residual_rms_m;
+    fits.residual_square_sum_m2 += residual_rms_m * residual_rms_m;
+    fits.tolerance_m = tolerance_m_;
+  }
+
+  FollowedPoint followed_;
+  BodyShape<Scalar> shape_;
+  Scalar tolerance_m_ = 0;
+  std::optional<RigidBody<Scalar>> body_;
+};
+
+}  // namespace condyle

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// The recommended estimator as a virtual sensor that also identifies friction and mass, where the
+// drive is measured.
+#pragma once
+
+#include "condyle/estimator/impedance/point_identification.h"
+#include "condyle/estimator/sensors/recommended_sensor.h"
+
+namespace condyle {
+
+/// A RecommendedEstimate, and what is known of the followed point when it is given.
+template <class Scalar>
+struct DrivenEstimate : RecommendedEstimate<Scalar> {
+  JointEstimate<Scalar> joint;
+};
+
+/// As RecommendedSensor; the identification follows one of its axes. It takes the positions that
+/// the recommended estimator took.
+template <class Scalar, int kAxes, int kMostLag = 16>
+class DrivenSensor {
+ public:
+  using Estimate = DrivenEstimate<Scalar>;
+
+  /// As RecommendedSensor; `axis` 0 to kAxes - 1 is the drive's.
+  DrivenSensor(const RecommendedParameters& parameters, int lag, const FollowedPoint& followed,
+               int axis);
+
+  /// A drive (N) that was measured apart from the samples, stamped on their clock. To be given no
+  /// later than the first sample after it.
+  void add_drive(TimeNs time_ns, double drive_N);
+
+  /// As RecommendedSensor; a drive that `sample` holds is taken.
+  Estimate process(const Sample& sample, EventSet sample_events);
+
+  /// As RecommendedSensor.
+  [[nodiscard]] bool drain(Estimate& estimate);
+
+  /// Draws the conclusion of all that was given so far, as at the end of a recording.
+  const JointEstimate<Scalar>& conclude() {
+    identification_.conclude();
+    return identification_.estimate();
+  }
+
+  /// The last conclusion, and how many were drawn.
+  const JointEstimate<Scalar>& conclusion() const { return identification_.estimate(); }
+  std::uint64_t conclusions() const { return identification_.conclusions(); }
+  DriveCounts counts() const { return identification_.counts(); }
+
+ private:
+  Estimate complete(Estimate estimate);
+
+  int axis_;
+  RecommendedSensor<Scalar, kAxes, kMostLag> motion_;
+  PointIdentification<Scalar> identification_;
+};
+
+template <class Scalar, int kAxes, int kMostLag>
+DrivenSensor<Scalar, kAxes, kMostLag>::DrivenSensor(const RecommendedParameters& parameters,
+                                                    int lag, const FollowedPoint& followed,
+                                                    int axis)
+    : axis_(axis), motion_(parameters, lag, followed), identification_(parameters.joint) {}
+
+template <class Scalar, int kAxes, int kMostLag>
+void DrivenSensor<Scalar, kAxes, kMostLag>::add_drive(TimeNs time_ns, double drive_N) {
+  identification_.add_drive(time_ns, static_cast<Scalar>(drive_N));
+}
+
+template <class Scalar, int kAxes, int kMostLag>
+auto DrivenSensor<Scalar, kAxes, kMostLag>::process(const Sample& sample, EventSet sample_events)
+    -> Estimate {
+  if (sample.time_valid && sample.drive_valid) add_drive(sample.time_ns, sample.drive_N);
+  return complete({motion_.process(sample, sample_events), {}});
+}
+
+template <class Scalar, int kAxes, int kMostLag>
+bool DrivenSensor<Scalar, kAxes, kMostLag>::drain(Estimate& estimate) {
+  if (!motion_.drain(estimate)) return false;
+  estimate = complete(estimate);
+  return true;
+}
+
+template <class Scalar, int kAxes, int kMostLag>
+auto DrivenSensor<Scalar, kAxes, kMostLag>::complete(Estimate estimate) -> Estimate {
+  const AxisEstimate<Scalar>& axis = estimate.axes[axis_];
+  const bool is_taken = estimate.is_ready && estimate.time_valid &&
+                        std::isfinite(axis.innovation_m) &&
+                        !estimate.events.has(Event::outlier_rejected);
+  if (is_taken) identification_.add_position(estimate.time_ns, axis.measured_position_m);
+  estimate.joint = identification_.estimate();
+  return estimate;
+}
+
+#ifdef CONDYLE_SENSORS_COMPILED  // once, in a library
+extern template class DrivenSensor<double, 1>;
+extern template class DrivenSensor<double, 3>;
+#endif
+
+}  // namespace condyle

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "condyle/estimator/sensors/cycle_sensor.h"
+#include "condyle/estimator/sensors/driven_sensor.h"
+
+namespace condyle {
+
+template class DrivenSensor<double, 1>;
+template class DrivenSensor<double, 3>;
+template class CycleSensor<double, 1>;
+template class CycleSensor<double, 3>;
+
+}  // namespace condyle
