@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "condyle/hal/serial_port.h"
-#include "condyle/hal/session_log.h"
+#include "condyle/hal/link/serial_port.h"
+#include "condyle/hal/log/session_log.h"
 #include "input_error.h"
 #include "parameter_file.h"
 #include "text_file.h"

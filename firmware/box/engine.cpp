@@ -6,8 +6,8 @@
 #include <type_traits>
 
 #include "box/real_time.h"
-#include "condyle/hal/profile_check.h"
-#include "condyle/hal/recorded_source.h"
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/log/recorded_source.h"
 
 namespace condyle::box {
 namespace {

@@ -21,10 +21,10 @@
 #include "box/watched_source.h"
 #include "condyle/firmware/nonblocking.h"
 #include "condyle/firmware/run_loop.h"
-#include "condyle/hal/device_facebow.h"
-#include "condyle/hal/device_profile.h"
-#include "condyle/hal/report_tracker.h"
-#include "condyle/hal/session_log.h"
+#include "condyle/hal/hid/device_profile.h"
+#include "condyle/hal/log/session_log.h"
+#include "condyle/hal/report/device_facebow.h"
+#include "condyle/hal/report/report_tracker.h"
 
 namespace condyle::box {
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "condyle/hal/profile_check.h"
-#include "condyle/hal/serial_port.h"
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/link/serial_port.h"
 #include "input_error.h"
 #include "widened_estimate.h"
 

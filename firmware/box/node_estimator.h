@@ -15,7 +15,7 @@
 #include "box/estimate_outlet.h"
 #include "box/node_feed.h"
 #include "condyle/hal/clock.h"
-#include "condyle/hal/device_profile.h"
+#include "condyle/hal/hid/device_profile.h"
 #include "node_client.h"
 
 namespace condyle::box {

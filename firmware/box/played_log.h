@@ -4,7 +4,7 @@
 #include <string>
 
 #include "condyle/hal/clock.h"
-#include "condyle/hal/session_log_source.h"
+#include "condyle/hal/log/session_log_source.h"
 
 namespace condyle::box {
 

@@ -11,7 +11,7 @@
 #include "box/configuration.h"
 #include "box/engine.h"
 #include "box/facebow_reports.h"
-#include "condyle/hal/session_log.h"
+#include "condyle/hal/log/session_log.h"
 #include "session_device.h"
 
 namespace condyle::box {

@@ -5,7 +5,7 @@
 
 #include "condyle/firmware/latency_histogram.h"
 #include "condyle/hal/clock.h"
-#include "condyle/hal/raw_report.h"
+#include "condyle/hal/report/raw_report.h"
 
 namespace condyle::box {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "condyle/hal/clock.h"
-#include "condyle/hal/raw_report.h"
+#include "condyle/hal/report/raw_report.h"
 
 namespace condyle::box {
 

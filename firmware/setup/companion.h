@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "condyle/hal/clock.h"
-#include "condyle/hal/device_facebow.h"
-#include "condyle/hal/profile_check.h"
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/report/device_facebow.h"
 
 namespace condyle::host {
 

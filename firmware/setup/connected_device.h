@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "condyle/hal/clock.h"
-#include "condyle/hal/hidapi_source.h"
-#include "condyle/hal/libusb_source.h"
+#include "condyle/hal/usb/hidapi_source.h"
+#include "condyle/hal/usb/libusb_source.h"
 
 namespace condyle::host {
 

@@ -7,8 +7,8 @@
 
 #include <limits>
 
-#include "condyle/hal/profile_check.h"
-#include "condyle/hal/raw_report.h"
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/report/raw_report.h"
 #include "number_text.h"
 #include "profile_coordinates.h"
 #include "profile_field_reader.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "condyle/hal/device_profile.h"
+#include "condyle/hal/hid/device_profile.h"
 
 namespace condyle::host {
 

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "condyle/hal/descriptor_profile.h"
+#include "condyle/hal/hid/descriptor_profile.h"
 #include "input_error.h"
 
 namespace condyle::host {

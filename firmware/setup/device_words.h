@@ -6,10 +6,10 @@
 #include <span>
 #include <string>
 
-#include "condyle/hal/clock_fit.h"
-#include "condyle/hal/device_profile.h"
-#include "condyle/hal/raw_report.h"
-#include "condyle/hal/report_tracker.h"
+#include "condyle/hal/hid/device_profile.h"
+#include "condyle/hal/report/clock_fit.h"
+#include "condyle/hal/report/raw_report.h"
+#include "condyle/hal/report/report_tracker.h"
 
 namespace condyle::host {
 

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "condyle/hal/refusal_words.h"
+#include "condyle/hal/link/refusal_words.h"
 #include "input_error.h"
 
 namespace condyle::host {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The PC's side of the line to a target that runs the estimator (hal/link_messages.h).
+// The PC's side of the line to a target that runs the estimator (hal/link/link_messages.h).
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "condyle/hal/clock.h"
-#include "condyle/hal/link_end.h"
-#include "condyle/hal/raw_report.h"
+#include "condyle/hal/link/link_end.h"
+#include "condyle/hal/report/raw_report.h"
 
 namespace condyle::host {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "condyle/hal/device_profile.h"
+#include "condyle/hal/hid/device_profile.h"
 #include "profile_field_reader.h"
 #include "toml_reader.h"
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "condyle/hal/raw_report.h"
+#include "condyle/hal/report/raw_report.h"
 
 namespace condyle::host {
 namespace {

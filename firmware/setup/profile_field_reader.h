@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "condyle/hal/device_profile.h"
+#include "condyle/hal/hid/device_profile.h"
 #include "input_error.h"
 #include "toml_reader.h"
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "condyle/hal/device_list.h"
+#include "condyle/hal/usb/device_list.h"
 #include "device_profile_file.h"
 #include "device_words.h"
 #include "input_error.h"

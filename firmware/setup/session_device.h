@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "companion.h"
-#include "condyle/hal/recorded_source.h"
+#include "condyle/hal/log/recorded_source.h"
 #include "connected_device.h"
 
 namespace condyle::host {

@@ -11,7 +11,7 @@
 #include "clean_text.h"
 #include "command_line.h"
 #include "commands.h"
-#include "condyle/hal/serial_port.h"
+#include "condyle/hal/link/serial_port.h"
 #include "drive_options.h"
 #include "estimates_file.h"
 #include "estimator_option.h"

@@ -8,8 +8,8 @@
 #include <fstream>
 #include <limits>
 
-#include "condyle/hal/profile_check.h"
-#include "condyle/hal/session_log_source.h"
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/log/session_log_source.h"
 #include "device_profile_file.h"
 #include "device_recording.h"
 #include "device_words.h"

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "condyle/hal/clock.h"
-#include "condyle/hal/raw_report.h"
-#include "condyle/hal/report_layout.h"
+#include "condyle/hal/report/raw_report.h"
+#include "condyle/hal/report/report_layout.h"
 #include "recording.h"
 
 namespace condyle::host {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "condyle/hal/report_descriptor.h"
+#include "condyle/hal/hid/report_descriptor.h"
 
 namespace condyle::host {
 

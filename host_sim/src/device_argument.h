@@ -10,7 +10,7 @@
 #include <string>
 
 #include "condyle/hal/clock.h"
-#include "condyle/hal/device_list.h"
+#include "condyle/hal/usb/device_list.h"
 
 namespace condyle::host {
 

@@ -5,11 +5,11 @@
 
 #include <filesystem>
 
-#include "condyle/hal/descriptor_profile.h"
-#include "condyle/hal/device_facebow.h"
-#include "condyle/hal/profile_check.h"
-#include "condyle/hal/session_log_source.h"
-#include "condyle/hal/usbmon_capture.h"
+#include "condyle/hal/hid/descriptor_profile.h"
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/log/session_log_source.h"
+#include "condyle/hal/log/usbmon_capture.h"
+#include "condyle/hal/report/device_facebow.h"
 #include "device_profile_file.h"
 #include "device_words.h"
 #include "input_error.h"

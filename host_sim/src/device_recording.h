@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "condyle/hal/device_profile.h"
-#include "condyle/hal/usbmon_capture.h"
+#include "condyle/hal/hid/device_profile.h"
+#include "condyle/hal/log/usbmon_capture.h"
 #include "recording.h"
 
 namespace condyle::host {

@@ -7,9 +7,9 @@
 #include <memory>
 
 #include "byte_reader.h"
-#include "condyle/hal/device_facebow.h"
-#include "condyle/hal/profile_check.h"
-#include "condyle/hal/session_log_source.h"
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/log/session_log_source.h"
+#include "condyle/hal/report/device_facebow.h"
 #include "device_profile_file.h"
 #include "device_recording.h"
 #include "device_words.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "condyle/hal/device_list.h"
+#include "condyle/hal/usb/device_list.h"
 #include "udev_rule.h"
 
 namespace condyle::host {

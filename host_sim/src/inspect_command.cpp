@@ -10,8 +10,8 @@
 
 #include "command_line.h"
 #include "commands.h"
-#include "condyle/hal/profile_check.h"
-#include "condyle/hal/report_descriptor.h"
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/hid/report_descriptor.h"
 #include "connected_device.h"
 #include "descriptor_file.h"
 #include "descriptor_text.h"

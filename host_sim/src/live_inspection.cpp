@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "condyle/hal/profile_check.h"
-#include "condyle/hal/report_field.h"
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/report/report_field.h"
 #include "descriptor_text.h"
 #include "device_words.h"
 

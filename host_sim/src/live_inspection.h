@@ -8,9 +8,9 @@
 #include <optional>
 #include <string>
 
-#include "condyle/hal/device_facebow.h"
-#include "condyle/hal/device_profile.h"
-#include "condyle/hal/report_descriptor.h"
+#include "condyle/hal/hid/device_profile.h"
+#include "condyle/hal/hid/report_descriptor.h"
+#include "condyle/hal/report/device_facebow.h"
 #include "report_watch.h"
 
 namespace condyle::host {

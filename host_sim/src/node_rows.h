@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "condyle/hal/link_messages.h"
+#include "condyle/hal/link/link_messages.h"
 #include "estimate_row.h"
 
 namespace condyle::host {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "condyle/firmware/latency_histogram.h"
-#include "condyle/hal/raw_report.h"
+#include "condyle/hal/report/raw_report.h"
 
 namespace condyle::host {
 

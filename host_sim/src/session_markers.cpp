@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "clean_text.h"
-#include "condyle/hal/session_log_reader.h"
+#include "condyle/hal/log/session_log_reader.h"
 #include "number_text.h"
 
 namespace condyle::host {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "condyle/hal/device_list.h"
+#include "condyle/hal/usb/device_list.h"
 
 namespace condyle::host {
 

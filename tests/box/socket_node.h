@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "condyle/firmware/estimator_node.h"
-#include "condyle/hal/serial_port.h"
+#include "condyle/hal/link/serial_port.h"
 
 namespace condyle::testing_support {
 

@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "condyle/hal/link_end.h"
-#include "condyle/hal/serial_port.h"
+#include "condyle/hal/link/link_end.h"
+#include "condyle/hal/link/serial_port.h"
 
 namespace {
 

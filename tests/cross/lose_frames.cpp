@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
-#include "condyle/hal/link_messages.h"
-#include "condyle/hal/serial_port.h"
+#include "condyle/hal/link/link_messages.h"
+#include "condyle/hal/link/serial_port.h"
 
 namespace {
 

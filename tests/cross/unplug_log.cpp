@@ -7,8 +7,8 @@
 #include <string>
 #include <thread>
 
-#include "condyle/hal/session_log.h"
-#include "condyle/hal/session_log_source.h"
+#include "condyle/hal/log/session_log.h"
+#include "condyle/hal/log/session_log_source.h"
 
 namespace {
 

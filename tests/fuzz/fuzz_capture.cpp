@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes as a capture of USB traffic: replayed or refused with a reason, nothing else.
 #include "condyle/hal/facebow.h"
-#include "condyle/hal/usbmon_capture.h"
+#include "condyle/hal/log/usbmon_capture.h"
 #include "fuzz/memory_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "condyle/hal/report_descriptor.h"
+#include "condyle/hal/hid/report_descriptor.h"
 #include "descriptor_text.h"
 
 namespace {

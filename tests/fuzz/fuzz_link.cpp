@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "condyle/hal/link_messages.h"
+#include "condyle/hal/link/link_messages.h"
 
 namespace {
 

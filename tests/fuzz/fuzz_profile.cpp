@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "condyle/hal/profile_check.h"
-#include "condyle/hal/report_decoder.h"
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/report/report_decoder.h"
 #include "device_profile_file.h"
 #include "input_error.h"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "condyle/hal/profile_check.h"
-#include "condyle/hal/report_tracker.h"
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/report/report_tracker.h"
 #include "device_profile_file.h"
 
 namespace {

@@ -2,7 +2,7 @@
 // Any bytes as a session log, or as the inside of a chunk with the right checksum: read to an end,
 // refused or cut short with a reason, nothing else.
 #include "condyle/hal/facebow.h"
-#include "condyle/hal/session_log_source.h"
+#include "condyle/hal/log/session_log_source.h"
 #include "fuzz/log_in_memory.h"
 
 namespace {

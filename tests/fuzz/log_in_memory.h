@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <string>
 
-#include "condyle/hal/session_log.h"
+#include "condyle/hal/log/session_log.h"
 #include "fuzz/memory_file.h"
 #include "session_log/session.h"
 

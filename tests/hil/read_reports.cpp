@@ -9,9 +9,9 @@
 #include <cstring>
 
 #include "condyle/hal/clock.h"
-#include "condyle/hal/device_list.h"
-#include "condyle/hal/hidapi_source.h"
-#include "condyle/hal/libusb_source.h"
+#include "condyle/hal/usb/device_list.h"
+#include "condyle/hal/usb/hidapi_source.h"
+#include "condyle/hal/usb/libusb_source.h"
 #include "hil/received_reports.h"
 
 using namespace condyle;

@@ -11,7 +11,7 @@
 #include <iostream>
 #include <regex>
 
-#include "condyle/hal/session_log_reader.h"
+#include "condyle/hal/log/session_log_reader.h"
 #include "hil/play.h"
 #include "replay/command.h"
 #include "support/paths.h"

@@ -20,8 +20,8 @@ PROGRAMS = {
             "libusb_tests", "session_log_tests"],
 }
 # What reads devices has its tests in the test bed of tests/hil, optimised as there.
-BED_FILES = ["hal/src/device_list.cpp", "hal/src/hidapi_source.cpp", "hal/src/libusb_source.cpp",
-             "hal/src/usb_device.cpp", "hal/src/usb_device.h"]
+BED_FILES = ["hal/src/usb/device_list.cpp", "hal/src/usb/hidapi_source.cpp", "hal/src/usb/libusb_source.cpp",
+             "hal/src/usb/usb_device.cpp", "hal/src/usb/usb_device.h"]
 BASE_FLAGS = ("-w -Wpedantic -DGTEST_HAS_PTHREAD=1 -DEIGEN_DONT_PARALLELIZE -DEIGEN_DONT_VECTORIZE "
               "-DEIGEN_MAX_STATIC_ALIGN_BYTES=0 -fno-tree-slp-vectorize -ffp-contract=off "
               "-fno-math-errno -std=c++20")

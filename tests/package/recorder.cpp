@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A user's own recorder: the devices there are, a log and what is in it again.
-#include <condyle/hal/device_list.h>
-#include <condyle/hal/session_log_reader.h>
-#include <condyle/hal/usbmon_capture.h>
+#include <condyle/hal/log/session_log_reader.h>
+#include <condyle/hal/log/usbmon_capture.h>
+#include <condyle/hal/usb/device_list.h>
 
 #include <cstdio>
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "condyle/hal/facebow.h"
-#include "condyle/hal/session_log_source.h"
+#include "condyle/hal/log/session_log_source.h"
 #include "session_log/session.h"
 #include "unit/allocation_counter.h"
 #include "unit/temporary_folder.h"

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "condyle/hal/session_log_reader.h"
+#include "condyle/hal/log/session_log_reader.h"
 #include "session_log/session.h"
 #include "support/sanitizer.h"
 #include "unit/temporary_folder.h"

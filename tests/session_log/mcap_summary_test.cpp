@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-#include "condyle/hal/mcap_writer.h"
+#include "condyle/hal/log/mcap_writer.h"
 
 namespace condyle {
 namespace {

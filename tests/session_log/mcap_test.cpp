@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <string>
 
-#include "condyle/hal/mcap_reader.h"
-#include "condyle/hal/mcap_writer.h"
+#include "condyle/hal/log/mcap_reader.h"
+#include "condyle/hal/log/mcap_writer.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "condyle/hal/session_log_reader.h"
+#include "condyle/hal/log/session_log_reader.h"
 
 namespace condyle::testing_support {
 

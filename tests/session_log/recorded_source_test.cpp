@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A session replayed is the session recorded: the same outcomes, reports and counts, in order.
-#include "condyle/hal/recorded_source.h"
+#include "condyle/hal/log/recorded_source.h"
 
 #include <vector>
 
 #include "condyle/hal/facebow.h"
-#include "condyle/hal/session_log_source.h"
+#include "condyle/hal/log/session_log_source.h"
 #include "session_log/session.h"
 #include "unit/rapidcheck_gtest.h"
 #include "unit/temporary_folder.h"

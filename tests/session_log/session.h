@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "condyle/hal/session_log.h"
+#include "condyle/hal/log/session_log.h"
 
 namespace condyle::testing_support {
 

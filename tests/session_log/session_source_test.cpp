@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "condyle/hal/facebow.h"
-#include "condyle/hal/session_log_source.h"
+#include "condyle/hal/log/session_log_source.h"
 #include "session_log/read_log.h"
 #include "session_log/session.h"
 #include "unit/temporary_folder.h"

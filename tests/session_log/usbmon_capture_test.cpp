@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "condyle/hal/facebow.h"
-#include "condyle/hal/usbmon_capture.h"
+#include "condyle/hal/log/usbmon_capture.h"
 #include "session_log/capture_file.h"
 #include "session_log/session.h"
 #include "unit/temporary_folder.h"

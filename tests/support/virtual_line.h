@@ -10,8 +10,8 @@
 #include <optional>
 #include <span>
 
-#include "condyle/hal/byte_stream.h"
 #include "condyle/hal/clock.h"
+#include "condyle/hal/link/byte_stream.h"
 
 namespace condyle::testing_support {
 

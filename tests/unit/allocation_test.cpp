@@ -14,8 +14,8 @@
 #include "condyle/estimator/sensors/cycle_sensor.h"
 #include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/firmware/run_loop.h"
-#include "condyle/hal/profile_check.h"
-#include "condyle/hal/report_tracker.h"
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/report/report_tracker.h"
 #include "consistency/driven_chewing.h"
 #include "unit/allocation_counter.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/hal/checksum.h"
+#include "condyle/hal/report/checksum.h"
 
 #include <boost/crc.hpp>
 #include <string_view>

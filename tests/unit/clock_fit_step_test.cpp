@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the clock fit says of itself, and clocks that step.
-#include "condyle/hal/clock_fit.h"
+#include "condyle/hal/report/clock_fit.h"
 
 #include <cmath>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/hal/clock_fit.h"
+#include "condyle/hal/report/clock_fit.h"
 
 #include <cmath>
 #include <functional>

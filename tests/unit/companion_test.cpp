@@ -10,7 +10,7 @@
 #include <sstream>
 #include <thread>
 
-#include "condyle/hal/recorded_source.h"
+#include "condyle/hal/log/recorded_source.h"
 #include "device_profile_file.h"
 #include "device_values.h"
 #include "input_error.h"

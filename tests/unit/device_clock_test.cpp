@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <random>
 
-#include "condyle/hal/report_tracker.h"
+#include "condyle/hal/report/report_tracker.h"
 #include "unit/rapidcheck_gtest.h"
 
 namespace condyle::hal {

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "condyle/hal/profile_check.h"
-#include "condyle/hal/report_decoder.h"
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/report/report_decoder.h"
 #include "input_error.h"
 #include "support/paths.h"
 #include "unit/temporary_folder.h"

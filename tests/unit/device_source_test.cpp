@@ -8,9 +8,9 @@
 #include <thread>
 
 #include "condyle/hal/clock.h"
-#include "condyle/hal/device_list.h"
-#include "condyle/hal/hidapi_source.h"
-#include "condyle/hal/libusb_source.h"
+#include "condyle/hal/usb/device_list.h"
+#include "condyle/hal/usb/hidapi_source.h"
+#include "condyle/hal/usb/libusb_source.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::hal {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "condyle/hal/report_descriptor.h"
+#include "condyle/hal/hid/report_descriptor.h"
 #include "fake/facebow_device.h"
 #include "fake/facebow_usb.h"
 #include "hil/received_reports.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the test bed cannot show of the libusb back end: several devices and interfaces, endpoints
 // of other sizes, failures to the count.
-#include "condyle/hal/libusb_source.h"
+#include "condyle/hal/usb/libusb_source.h"
 
 #include <gmock/gmock.h>
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "condyle/hal/link_frame.h"
+#include "condyle/hal/link/link_frame.h"
 
 namespace condyle::testing_support {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/hal/link_frame.h"
+#include "condyle/hal/link/link_frame.h"
 
 #include <random>
 #include <string_view>
 #include <vector>
 
-#include "condyle/hal/checksum.h"
+#include "condyle/hal/report/checksum.h"
 #include "unit/link_bytes.h"
 #include "unit/rapidcheck_gtest.h"
 

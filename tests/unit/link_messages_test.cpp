@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/hal/link_messages.h"
+#include "condyle/hal/link/link_messages.h"
 
 #include "unit/link_round_trip.h"
 #include "unit/rapidcheck_gtest.h"

@@ -7,7 +7,7 @@
 #include <limits>
 #include <span>
 
-#include "condyle/hal/link_messages.h"
+#include "condyle/hal/link/link_messages.h"
 #include "unit/link_bytes.h"
 
 namespace condyle::testing_support {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/hal/profile_check.h"
+#include "condyle/hal/hid/profile_check.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <functional>
 
-#include "condyle/hal/report_decoder.h"
+#include "condyle/hal/report/report_decoder.h"
 #include "device_profile_file.h"
 #include "support/paths.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/hal/refusal_words.h"
+#include "condyle/hal/link/refusal_words.h"
 
 #include <gmock/gmock.h>
 

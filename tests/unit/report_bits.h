@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "condyle/hal/device_profile.h"
+#include "condyle/hal/hid/device_profile.h"
 
 namespace condyle::testing_support {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/hal/report_decoder.h"
+#include "condyle/hal/report/report_decoder.h"
 
 #include <algorithm>
 #include <boost/crc.hpp>
@@ -8,7 +8,7 @@
 #include <numeric>
 #include <random>
 
-#include "condyle/hal/profile_check.h"
+#include "condyle/hal/hid/profile_check.h"
 #include "device_profile_file.h"
 #include "support/paths.h"
 #include "unit/rapidcheck_gtest.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/hal/report_descriptor.h"
+#include "condyle/hal/hid/report_descriptor.h"
 
 #include <gmock/gmock.h>
 

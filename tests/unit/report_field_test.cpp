@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/hal/report_field.h"
+#include "condyle/hal/report/report_field.h"
 
 #include <cmath>
 #include <limits>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Serial ports: pseudo-terminals and sockets in the place of a line.
-#include "condyle/hal/serial_port.h"
+#include "condyle/hal/link/serial_port.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "condyle/hal/report_descriptor.h"
+#include "condyle/hal/hid/report_descriptor.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The target's side of the line (hal/link_messages.h): takes a layout, a start and reports, and
-// answers each report with the estimate it led to, or says that it led to none. Decoder, run loop
-// and filters are those of every other target. No heap, no exceptions.
+// The target's side of the line (hal/link/link_messages.h): takes a layout, a start and reports,
+// and answers each report with the estimate it led to, or says that it led to none. Decoder, run
+// loop and filters are those of every other target. No heap, no exceptions.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,8 @@
 #include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/estimator/sensors/recommended_sensor.h"
 #include "condyle/firmware/run_loop.h"
-#include "condyle/hal/device_facebow.h"
-#include "condyle/hal/link_end.h"
+#include "condyle/hal/link/link_end.h"
+#include "condyle/hal/report/device_facebow.h"
 
 namespace condyle::firmware {
 

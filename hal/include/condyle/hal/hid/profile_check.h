@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// What makes a device profile usable.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "condyle/hal/hid/device_profile.h"
+#include "condyle/hal/report/layout_check.h"
+
+namespace condyle::hal {
+
+/// Why a profile cannot be used.
+struct ProfileProblem {
+  ProfilePart part = ProfilePart::coordinates;
+  std::size_t index = 0;
+  std::string reason;  ///< "reaches beyond the report's 29 bytes"
+  std::string mend;    ///< "raise minimum_size_bytes, or move the field"
+};
+
+/// The first problem of `profile`: one of its layout (find_layout_problem), or auxiliary fields
+/// that cannot be told apart. With `descriptor_axes` set, what the descriptor is to supply is not
+/// asked for: the coordinates, and the minimum size where it is 0.
+std::optional<ProfileProblem> find_problem(const DeviceProfile& profile);
+
+/// What a decoder needs of `profile`. Of one that cannot be used, or not before the descriptor has
+/// supplied its coordinates: a layout that cannot be used either.
+ReportLayout layout_of(const DeviceProfile& profile);
+
+/// Name of coordinate `index` of a sample of `kind`: "x", "y2", "qw".
+const char* coordinate_name(SampleKind kind, std::size_t index);
+
+}  // namespace condyle::hal

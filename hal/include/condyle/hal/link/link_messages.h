@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a PC and a target that runs the estimator tell each other, each message in a frame
+// (link_frame.h). Numbers little endian, floating-point numbers as their bits. No heap, no
+// exceptions.
+//
+//   PC: hello         target: greeting, and fault where one is on record
+//   PC: layout        target: accepted or refused
+//   PC: start         target: accepted or refused
+//   PC: report, ...   target: estimates; before one with which a conclusion was drawn, that
+//   PC: finish        target: the estimates that waited, the last conclusion, then accepted
+//   PC: reconnected   target: no answer; among reports
+//   PC: ask_health    target: health; at any time
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "condyle/estimator/impedance/joint_estimate.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
+#include "condyle/estimator/motion/recommended_parameters.h"
+#include "condyle/estimator/published/parameters.h"
+#include "condyle/estimator/published/published_cascade.h"
+#include "condyle/estimator/sample.h"
+#include "condyle/hal/fixed_text.h"
+#include "condyle/hal/link/link_frame.h"
+#include "condyle/hal/report/layout_check.h"
+#include "condyle/hal/report/raw_report.h"
+#include "condyle/hal/report/report_tracker.h"
+
+namespace condyle::hal {
+
+/// Version of all that is said here. Both sides must have the same.
+inline constexpr std::uint16_t kLinkVersion = 4;
+
+/// LinkFrame::type.
+enum class MessageType : std::uint8_t {
+  // To the target
+  hello = 1,
+  layout,
+  start,
+  report,
+  finish,
+  ask_health,
+  reconnected,
+  // To the PC
+  greeting = 65,
+  accepted,
+  refused,
+  published_estimate,
+  recommended_estimate,
+  health,
+  fault,
+  conclusion,
+};
+
+/// True of the types above.
+constexpr bool is_message_type(std::uint8_t type) {
+  const auto is_between = [type](MessageType first, MessageType last) {
+    return type >= static_cast<std::uint8_t>(first) && type <= static_cast<std::uint8_t>(last);
+  };
+  return is_between(MessageType::hello, MessageType::reconnected) ||
+         is_between(MessageType::greeting, MessageType::conclusion);
+}
+
+/// Why a message is not taken.
+enum class RefusalReason : std::uint8_t {
+  none,           ///< it is
+  wrong_size,     ///< it ends too early, or does not end
+  unknown_value,  ///< of an enumeration, a flag, a text or an event
+  out_of_range,
+  not_finite,
+  parameters_do_not_fit,    ///< each is in its range, together they are not (is_valid)
+  wrong_version,            ///< not kLinkVersion
+  unknown_type,             ///< of message
+  not_expected,             ///< not now: a report before start, ...
+  unusable_layout,          ///< find_layout_problem
+  coordinate_not_followed,  ///< the layout has no such point
+  lag_too_long,    ///< for the target's memory; `index` is the longest that it keeps (samples)
+  cannot_identify  ///< friction and mass: the target has no memory for it, or there is no drive
+};
+
+/// Why and where a message is not taken.
+struct [[nodiscard]] Refusal {
+  RefusalReason reason = RefusalReason::none;
+  std::uint16_t index = 0;  ///< of the value, in the order of the message
+};
+
+/// First message, which asks for a greeting.
+struct HelloMessage {
+  static constexpr MessageType kType = MessageType::hello;
+  std::uint16_t version = kLinkVersion;
+};
+
+/// The device's reports.
+struct LayoutMessage {
+  static constexpr MessageType kType = MessageType::layout;
+  ReportLayout layout;
+};
+
+/// Which estimator runs.
+enum class EstimatorChoice : std::uint8_t { published, recommended };
+
+/// Largest lag of the recommended estimator (samples). A target of little memory keeps less.
+inline constexpr int kMaxLinkLag = 16;
+/// Longest nominal step (ns).
+inline constexpr TimeNs kMaxNominalStepNs = 3600 * kNanosecondsPerSecond;
+
+/// A run begins. The number of axes is that of the layout's kind.
+struct StartMessage {
+  static constexpr MessageType kType = MessageType::start;
+  EstimatorChoice estimator = EstimatorChoice::recommended;
+  std::uint8_t lag = 0;  ///< of the recommended estimator (samples)
+  FollowedCoordinate followed;
+  TimeNs nominal_step_ns = 0;  ///< for finding gaps; 0 finds none
+  bool expects_drive = false;  ///< a sample without drive force is an event
+  bool identifies = false;     ///< friction and mass, from the drive along the followed axis
+  // Those of the chosen estimator are sent; the other's stay as they are.
+  PublishedParameters published;
+  RecommendedParameters recommended;
+};
+
+/// A report as it arrived at the PC.
+struct ReportMessage {
+  static constexpr MessageType kType = MessageType::report;
+  TimeNs host_time_ns = 0;              ///< on the PC's monotonic clock
+  std::span<const std::uint8_t> bytes;  ///< at most kMaxReportSize; read: in the payload itself
+};
+
+/// No report follows: give the estimates that wait, and stop.
+struct FinishMessage {
+  static constexpr MessageType kType = MessageType::finish;
+};
+
+/// Asks for a HealthMessage.
+struct AskHealthMessage {
+  static constexpr MessageType kType = MessageType::ask_health;
+};
+
+/// The device was away and is back: its counter and clock may start anew.
+struct ReconnectedMessage {
+  static constexpr MessageType kType = MessageType::reconnected;
+};
+
+/// Why the target started.
+enum class ResetCause : std::uint8_t {
+  unknown,
+  power_on,
+  brown_out,
+  reset_pin,
+  software,
+  watchdog,
+  fault
+};
+
+/// Answer to hello, and what the target says when it has started.
+struct GreetingMessage {
+  static constexpr MessageType kType = MessageType::greeting;
+  std::uint16_t version = kLinkVersion;
+  FixedText software_version{};
+  FixedText core_name{};         ///< "Cortex-M7"
+  std::uint8_t scalar_size = 8;  ///< of the estimates' numbers (bytes): 4 or 8
+  bool identifies = false;       ///< it has the memory to identify friction and mass
+  std::uint32_t boot_count = 0;  ///< since power was last switched on
+  ResetCause reset_cause = ResetCause::unknown;
+  bool has_fault = false;  ///< a FaultMessage follows
+};
+
+/// A message was taken and done.
+struct AcceptedMessage {
+  static constexpr MessageType kType = MessageType::accepted;
+  MessageType message = MessageType::hello;
+};
+
+/// A message was not taken.
+struct RefusedMessage {
+  static constexpr MessageType kType = MessageType::refused;
+  std::uint8_t message = 0;  ///< its type, known or not
+  Refusal refusal;
+  std::optional<LayoutProblem> layout_problem;  ///< with unusable_layout
+};
+
+/// The sample after which an estimate was made.
+struct SampleStamp {
+  std::uint64_t sequence = 0;
+  TimeNs time_ns = 0;  ///< on the PC's clock
+  bool time_valid = true;
+};
+
+/// An estimate of the published cascade, bit by bit. `Scalar`: float or double, by the greeting.
+template <class Scalar>
+struct PublishedEstimateMessage {
+  static constexpr MessageType kType = MessageType::published_estimate;
+  SampleStamp sample;
+  PublishedEstimate<Scalar> estimate;
+};
+
+/// An estimate of the recommended estimator, likewise.
+template <class Scalar>
+struct RecommendedEstimateMessage {
+  static constexpr MessageType kType = MessageType::recommended_estimate;
+  SampleStamp sample;
+  RecommendedEstimate<Scalar> estimate;
+};
+
+/// What the drive tells of friction and mass, once a second and at the end. `Scalar` likewise.
+template <class Scalar>
+struct ConclusionMessage {
+  static constexpr MessageType kType = MessageType::conclusion;
+  JointEstimate<Scalar> conclusion;
+};
+
+/// What the target has counted since it started; reports and run: since `start`.
+struct HealthMessage {
+  static constexpr MessageType kType = MessageType::health;
+  FrameCounts frames;  ///< from the PC
+  ReportCounts reports;
+  TransportCounts transport;
+  // The run loop's counts
+  std::uint64_t samples = 0, timeouts = 0, bad_reports = 0, disconnections = 0;
+  std::array<std::uint64_t, kEventCount> events{};
+  std::uint64_t uart_overruns = 0;  ///< bytes that the receiver lost
+  std::uint64_t dropped_bytes = 0;  ///< for want of room, in either direction
+  std::uint32_t stack_used_bytes = 0;
+  std::uint32_t stack_size_bytes = 0;
+  TimeNs uptime_ns = 0;
+};
+
+/// What stopped the target before it last started.
+enum class FaultKind : std::uint8_t {
+  hard,
+  memory_management,
+  bus,
+  usage,
+  non_maskable,
+  stack_overflow,
+  watchdog,
+  assertion
+};
+
+/// The processor as it was then (Armv7-M Architecture Reference Manual, B3.2).
+struct FaultMessage {
+  static constexpr MessageType kType = MessageType::fault;
+  FaultKind kind = FaultKind::hard;
+  std::uint32_t pc = 0, lr = 0;      ///< where it was, and where that would have returned to
+  std::uint32_t cfsr = 0, hfsr = 0;  ///< fault status, configurable and hard
+  std::uint32_t bfar = 0;            ///< address of a bus fault
+};
+
+/// Writes `message`, one of the above, to `payload`, which kMaxPayload bytes are enough for.
+/// Returns its size; none where it does not fit, or has a value that the message cannot hold.
+template <class Message>
+std::optional<std::size_t> put(const Message& message, std::span<std::uint8_t> payload);
+
+/// Reads `message`, one of the above, from the whole of `payload`, whatever its bytes are. Where it
+/// is refused, `message` is not to be used. What is read is in range by itself: layouts are to be
+/// checked by find_layout_problem, versions by the reader.
+template <class Message>
+Refusal get(std::span<const std::uint8_t> payload, Message& message);
+
+/// Where value `index` (Refusal::index) of `message` is: inside it; null where it has none.
+const void* value_at(const LayoutMessage& message, std::uint16_t index);
+const void* value_at(const StartMessage& message, std::uint16_t index);
+
+}  // namespace condyle::hal

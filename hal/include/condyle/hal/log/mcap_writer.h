@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "condyle/hal/log/mcap_format.h"
+
+struct ZSTD_CCtx_s;
+
+namespace condyle::hal {
+
+/// Encodes an MCAP file piece by piece: messages in zstd chunks with message indices, summary with
+/// statistics, all checksums. It does no input or output: whoever uses it writes `pending()` to the
+/// file and calls `discard_pending()`.
+class McapWriter {
+ public:
+  explicit McapWriter(const McapHeader& header);
+  ~McapWriter();
+  McapWriter(const McapWriter&) = delete;
+  McapWriter& operator=(const McapWriter&) = delete;
+
+  /// Attachments and metadata go between chunks: call finish_chunk before them.
+  void add_attachment(const McapAttachment& attachment);
+  void add_metadata(const McapMetadata& metadata);
+  /// The schema's id; `schema.id` is not used.
+  std::uint16_t add_schema(const McapSchema& schema);
+  /// The channel's id; `channel.id` is not used.
+  std::uint16_t add_channel(const McapChannel& channel);
+  /// Puts a message into the open chunk; its sequence counts the channel's messages from 0.
+  void add_message(std::uint16_t channel_id, std::uint64_t log_time_ns,
+                   std::span<const std::uint8_t> data);
+
+  /// Uncompressed bytes in the open chunk.
+  std::size_t chunk_size() const { return chunk_.size(); }
+  /// Closes the open chunk, where there is one. False: compression failed, the chunk is dropped.
+  bool finish_chunk();
+  /// Closes the last chunk and appends end of data, summary and footer; nothing may be added then.
+  bool finish();
+
+  /// Encoded bytes not yet discarded.
+  std::span<const std::uint8_t> pending() const { return out_; }
+  void discard_pending();
+
+ private:
+  using Bytes = std::vector<std::uint8_t>;
+  struct ChannelState {
+    std::uint64_t message_count = 0;
+    Bytes index;  // of the open chunk: log time and offset of each message
+  };
+  struct Times {
+    std::uint64_t first = 0, last = 0;
+    bool is_empty = true;
+    void include(std::uint64_t time_ns);
+  };
+
+  std::uint64_t position() const { return discarded_ + out_.size(); }
+  void end_record(std::size_t begin);
+  void append_summary_group(McapOpcode opcode, const Bytes& records, Bytes& offsets);
+  Bytes statistics() const;
+
+  std::unique_ptr<ZSTD_CCtx_s, std::size_t (*)(ZSTD_CCtx_s*)> zstd_;
+  Bytes out_;
+  std::uint64_t discarded_ = 0;
+  std::uint32_t data_crc_ = 0;
+  Bytes chunk_;
+  Times chunk_times_, times_;
+  std::map<std::uint16_t, ChannelState> channels_;
+  // Records that the summary repeats or collects.
+  Bytes schemas_, channel_records_, chunk_indices_, attachment_indices_, metadata_indices_;
+  std::uint16_t schema_count_ = 0;
+  std::uint32_t attachment_count_ = 0, metadata_count_ = 0, chunk_count_ = 0;
+  std::uint64_t message_count_ = 0;
+};
+
+}  // namespace condyle::hal

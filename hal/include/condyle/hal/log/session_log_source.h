@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "condyle/hal/clock.h"
+#include "condyle/hal/log/session_log_reader.h"
+
+namespace condyle::hal {
+
+/// Replays one source of a session log: the same reports in the same order, and disconnected where
+/// the device went away. Each recorded disconnection ends what open() began; opening again goes on
+/// behind it, and never back to the start.
+class SessionLogSource final : public ReportSource {
+ public:
+  /// Without a `clock` reports come as fast as they are read. With one, which counts as the
+  /// recording's did, they come when their time has come.
+  explicit SessionLogSource(std::string path, std::size_t source_index = 0, Clock* clock = nullptr);
+
+  /// bad_report also where the log has no such source; problem() says what is wrong.
+  Status open() override;
+  /// Also bad_report, once, where the file is damaged; then end. A log that was cut off ends with
+  /// `end`, and condition() says what is lost.
+  Status read(TimeNs deadline_ns, RawReport& report) override;
+  void close() override { is_open_ = false; }
+  /// As the recorded events tell.
+  TransportCounts counts() const override { return counts_; }
+
+  /// What was recorded with the reports; after open gave ok.
+  const SessionHeader& header() const { return reader_.header(); }
+  /// Whether the log is whole; final once read gave end or bad_report.
+  const SessionLogCondition& condition() const { return reader_.condition(); }
+  /// Reports and events of this source that the recorder had no room for, so far.
+  std::uint64_t not_recorded() const { return not_recorded_; }
+  /// What is wrong with the file, with the byte where; empty where nothing is.
+  std::string problem() const;
+
+ private:
+  bool take_event(const SessionEventRecord& event);
+
+  std::string path_;
+  std::size_t source_index_;
+  Clock* clock_;
+  SessionLogReader reader_;
+  bool has_begun_ = false, is_open_ = false, has_failed_ = false, has_entry_ = false;
+  bool has_source_ = true;
+  SessionEntry entry_;
+  TransportCounts counts_;
+  std::uint64_t not_recorded_ = 0;
+};
+
+}  // namespace condyle::hal

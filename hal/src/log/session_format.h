@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a session log uses MCAP: names of its parts, and its messages in CDR (OMG "DDS-RTPS" 2.2,
+// 10.2: plain CDR, little endian; numbers aligned to their size, counted after the 4-byte head).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "condyle/hal/log/mcap_format.h"
+#include "condyle/hal/log/session_log.h"
+#include "log/little_endian.h"
+
+namespace condyle::hal {
+
+inline constexpr std::string_view kSessionMetadata = "condyle_session";
+inline constexpr std::string_view kSessionFormat = "1";
+/// Uncompressed size of a chunk at which it is closed, and largest that is read.
+inline constexpr std::size_t kFullChunkBytes = std::size_t{512} << 10;
+inline constexpr std::size_t kMaxChunkBytes = std::size_t{1} << 20;
+/// Longest profile or parameters text.
+inline constexpr std::size_t kMaxTextBytes = std::size_t{1} << 20;
+inline constexpr std::string_view kParametersName = "parameters.toml";
+inline constexpr std::string_view kReportSchemaName = "condyle_msgs/msg/RawReport";
+inline constexpr std::string_view kReportSchema =
+    "# One input report, as the device sent it.\n"
+    "int64 host_time_ns  # arrival, on the host's monotonic clock\n"
+    "uint8[] data        # report id included, where reports are numbered\n";
+inline constexpr std::string_view kEventSchemaName = "condyle_msgs/msg/SourceEvent";
+inline constexpr std::string_view kEventSchema =
+    "# What happened to a device, or to its recording.\n"
+    "uint8 CONNECTED=1\n"
+    "uint8 DISCONNECTED=2\n"
+    "uint8 STALL=3\n"
+    "uint8 TRANSFER_ERROR=4\n"
+    "uint8 OVERSIZED=5\n"
+    "uint8 NOT_RECORDED=6\n"
+    "uint8 NOTE=7\n"
+    "int64 host_time_ns    # on the host's monotonic clock\n"
+    "uint8 kind\n"
+    "uint64 count          # how often; of NOT_RECORDED: reports and events missing here\n"
+    "string text\n";
+
+/// An event as it was recorded.
+struct SessionEventRecord;
+
+std::string report_topic(std::size_t source_index);
+std::string event_topic(std::size_t source_index);
+std::string profile_name(std::size_t source_index);
+std::string descriptor_name(std::size_t source_index);
+
+/// Channel ids of a log: two for each source.
+constexpr std::uint16_t report_channel(std::size_t source_index) {
+  return static_cast<std::uint16_t>(2 * source_index + 1);
+}
+constexpr std::uint16_t event_channel(std::size_t source_index) {
+  return static_cast<std::uint16_t>(2 * source_index + 2);
+}
+
+/// The header's short facts, with a checksum over them (MCAP has none for metadata).
+McapPairs session_pairs(const SessionHeader& header);
+/// Reads them back: all but the attachments' texts. Empty, or what is wrong.
+std::string parse_session_pairs(const McapPairs& pairs, SessionHeader& header);
+
+/// Replaces `out` by the message.
+void encode_report(const RawReport& report, Bytes& out);
+void encode_event(TimeNs time_ns, SessionEvent kind, std::uint64_t count, std::string_view text,
+                  Bytes& out);
+/// False: the bytes are no such message.
+bool decode_report(ByteSpan bytes, RawReport& report);
+bool decode_event(ByteSpan bytes, SessionEventRecord& event);
+
+}  // namespace condyle::hal
