@@ -11,10 +11,10 @@
 
 #include "condyle/hal/link/serial_port.h"
 #include "condyle/hal/log/session_log.h"
-#include "input_error.h"
-#include "parameter_file.h"
-#include "text_file.h"
-#include "toml_reader.h"
+#include "hosted/config/parameter_file.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/text_file.h"
+#include "hosted/files/toml_reader.h"
 
 namespace condyle::box {
 namespace {

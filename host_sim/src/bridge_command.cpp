@@ -8,19 +8,19 @@
 #include <vector>
 
 #include "bridge_input.h"
-#include "clean_text.h"
 #include "command_line.h"
 #include "commands.h"
 #include "condyle/hal/link/serial_port.h"
 #include "drive_options.h"
 #include "estimates_file.h"
 #include "estimator_option.h"
-#include "input_error.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/number_text.h"
+#include "hosted/node/node_client.h"
 #include "joint_text.h"
 #include "local_node.h"
-#include "node_client.h"
 #include "node_rows.h"
-#include "number_text.h"
 #include "progress.h"
 
 namespace condyle::host {

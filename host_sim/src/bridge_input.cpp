@@ -10,12 +10,12 @@
 
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/log/session_log_source.h"
-#include "device_profile_file.h"
 #include "device_recording.h"
-#include "device_words.h"
-#include "input_error.h"
+#include "hosted/config/device_profile_file.h"
+#include "hosted/devices/device_words.h"
+#include "hosted/devices/session_device.h"
+#include "hosted/files/input_error.h"
 #include "replay_facebow.h"
-#include "session_device.h"
 
 namespace condyle::host {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "gnuplot.h"
-#include "number_text.h"
+#include "hosted/files/number_text.h"
 
 namespace condyle::host {
 namespace {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "clean_text.h"
-#include "number_text.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/number_text.h"
 
 namespace condyle::host {
 namespace {

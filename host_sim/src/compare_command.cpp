@@ -12,7 +12,7 @@
 #include "comparison/comparison_text.h"
 #include "comparison/session_text.h"
 #include "condyle/hal/clock.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "progress.h"
 
 namespace condyle::host {

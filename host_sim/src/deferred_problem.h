@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <charconv>
 
-#include "byte_reader.h"
-#include "input_error.h"
+#include "hosted/files/byte_reader.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 namespace {

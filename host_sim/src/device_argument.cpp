@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "connected_device.h"
 #include "descriptor_text.h"
-#include "input_error.h"
+#include "hosted/devices/connected_device.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 namespace {

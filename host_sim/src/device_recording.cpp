@@ -10,9 +10,9 @@
 #include "condyle/hal/log/session_log_source.h"
 #include "condyle/hal/log/usbmon_capture.h"
 #include "condyle/hal/report/device_facebow.h"
-#include "device_profile_file.h"
-#include "device_words.h"
-#include "input_error.h"
+#include "hosted/config/device_profile_file.h"
+#include "hosted/devices/device_words.h"
+#include "hosted/files/input_error.h"
 #include "session_markers.h"
 
 namespace condyle::host {

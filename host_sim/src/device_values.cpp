@@ -6,15 +6,15 @@
 #include <filesystem>
 #include <memory>
 
-#include "byte_reader.h"
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/log/session_log_source.h"
 #include "condyle/hal/report/device_facebow.h"
-#include "device_profile_file.h"
 #include "device_recording.h"
-#include "device_words.h"
-#include "input_error.h"
-#include "number_text.h"
+#include "hosted/config/device_profile_file.h"
+#include "hosted/devices/device_words.h"
+#include "hosted/files/byte_reader.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/number_text.h"
 #include "session_markers.h"
 
 namespace condyle::host {

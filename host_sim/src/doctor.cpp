@@ -11,8 +11,8 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "connected_device.h"
 #include "device_argument.h"
+#include "hosted/devices/connected_device.h"
 
 namespace condyle::host {
 namespace {

@@ -6,9 +6,9 @@
 #include "command_line.h"
 #include "commands.h"
 #include "device_argument.h"
-#include "device_profile_file.h"
 #include "doctor.h"
-#include "input_error.h"
+#include "hosted/config/device_profile_file.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 namespace {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "byte_reader.h"
 #include "device_recording.h"
-#include "input_error.h"
+#include "hosted/files/byte_reader.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 

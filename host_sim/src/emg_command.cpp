@@ -6,10 +6,10 @@
 
 #include <memory>
 
-#include "clean_text.h"
 #include "command_line.h"
 #include "emg_report.h"
-#include "input_error.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
 #include "output_file.h"
 
 namespace condyle::host {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "byte_reader.h"
-#include "input_error.h"
-#include "number_text.h"
+#include "hosted/files/byte_reader.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/number_text.h"
 #include "recording_formats.h"
 
 namespace condyle::host {

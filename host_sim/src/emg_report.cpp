@@ -6,9 +6,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "clean_text.h"
-#include "input_error.h"
-#include "number_text.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/number_text.h"
 
 namespace condyle::host {
 namespace {

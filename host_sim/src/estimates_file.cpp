@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "number_text.h"
+#include "hosted/files/number_text.h"
 
 namespace condyle::host {
 namespace {

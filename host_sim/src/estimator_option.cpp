@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "command_line.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 

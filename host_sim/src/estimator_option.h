@@ -6,7 +6,7 @@
 
 #include "command_line.h"
 #include "condyle/estimator/sample.h"
-#include "parameter_file.h"
+#include "hosted/config/parameter_file.h"
 #include "recording.h"
 
 namespace condyle::host {

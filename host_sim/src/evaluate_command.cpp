@@ -10,7 +10,7 @@
 #include "evaluation/estimator_evaluation.h"
 #include "evaluation/evaluation_figures.h"
 #include "evaluation/evaluation_text.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "output_file.h"
 #include "progress.h"
 #include "simulation/scenario_file.h"

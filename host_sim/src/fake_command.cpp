@@ -10,7 +10,7 @@
 #include "fake/fake_run.h"
 #include "fake/uhid_transport.h"
 #include "fake/vhci_transport.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "progress.h"
 
 namespace condyle::host {

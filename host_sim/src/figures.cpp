@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "gnuplot.h"
-#include "input_error.h"
-#include "number_text.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/number_text.h"
 #include "output_file.h"
 
 namespace condyle::host {

@@ -14,8 +14,8 @@
 #include <filesystem>
 #include <utility>
 
-#include "clean_text.h"
 #include "deferred_problem.h"
+#include "hosted/files/clean_text.h"
 
 namespace condyle::host {
 namespace {

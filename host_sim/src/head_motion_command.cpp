@@ -9,7 +9,7 @@
 #include "command_line.h"
 #include "head_motion_plan.h"
 #include "head_motion_report.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "output_file.h"
 
 namespace condyle::host {

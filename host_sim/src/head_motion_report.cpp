@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "clean_text.h"
 #include "gnuplot.h"
+#include "hosted/files/clean_text.h"
 
 namespace condyle::host {
 namespace {

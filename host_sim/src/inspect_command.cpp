@@ -12,13 +12,13 @@
 #include "commands.h"
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/hid/report_descriptor.h"
-#include "connected_device.h"
 #include "descriptor_file.h"
 #include "descriptor_text.h"
 #include "device_argument.h"
-#include "device_profile_file.h"
-#include "device_words.h"
-#include "input_error.h"
+#include "hosted/config/device_profile_file.h"
+#include "hosted/devices/connected_device.h"
+#include "hosted/devices/device_words.h"
+#include "hosted/files/input_error.h"
 #include "live_inspection.h"
 
 namespace condyle::host {

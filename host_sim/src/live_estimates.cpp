@@ -5,7 +5,7 @@
 
 #include <chrono>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 

@@ -10,7 +10,7 @@
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/report/report_field.h"
 #include "descriptor_text.h"
-#include "device_words.h"
+#include "hosted/devices/device_words.h"
 
 namespace condyle::host {
 namespace {

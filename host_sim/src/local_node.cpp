@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 

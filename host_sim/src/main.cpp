@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "clean_text.h"
 #include "commands.h"
 #include "deferred_problem.h"
-#include "input_error.h"
-#include "last_words.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/last_words.h"
 #include "manual.h"
 #include "output_file.h"
 

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "input_error.h"
-#include "toml_reader.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/toml_reader.h"
 
 namespace condyle::host {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node_rows.h"
 
-#include "widened_estimate.h"
+#include "hosted/node/widened_estimate.h"
 
 namespace condyle::host {
 

@@ -6,7 +6,7 @@
 #include "command_line.h"
 #include "commands.h"
 #include "condyle/estimator/observability.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 namespace {

@@ -11,8 +11,8 @@
 #include <cstring>
 #include <system_error>
 
-#include "clean_text.h"
-#include "input_error.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 

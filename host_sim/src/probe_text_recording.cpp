@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "recording_formats.h"
 
 namespace condyle::host {

@@ -9,7 +9,7 @@
 #include "commands.h"
 #include "emg_command.h"
 #include "head_motion_command.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "output_file.h"
 #include "release_plan.h"
 #include "release_report.h"

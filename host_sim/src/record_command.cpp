@@ -7,7 +7,6 @@
 #include <memory>
 #include <utility>
 
-#include "clean_text.h"
 #include "command_line.h"
 #include "commands.h"
 #include "condyle/estimator/sensors/driven_sensor.h"
@@ -15,13 +14,14 @@
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/report/device_facebow.h"
-#include "device_words.h"
-#include "input_error.h"
+#include "hosted/config/parameter_file.h"
+#include "hosted/devices/device_words.h"
+#include "hosted/devices/session_device.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/text_file.h"
+#include "hosted/files/wall_clock.h"
 #include "live_estimates.h"
-#include "parameter_file.h"
-#include "session_device.h"
-#include "text_file.h"
-#include "wall_clock.h"
 
 namespace condyle::host {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "device_recording.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "recording_formats.h"
 #include "simulation/simulated_recording.h"
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string_view>
 
-#include "byte_reader.h"
-#include "number_text.h"
+#include "hosted/files/byte_reader.h"
+#include "hosted/files/number_text.h"
 #include "recording.h"
 
 namespace condyle::host {

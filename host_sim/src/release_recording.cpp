@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "sixth_differences.h"
 
 namespace condyle::host {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "clean_text.h"
-#include "input_error.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 namespace {

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "clean_text.h"
 #include "command_line.h"
 #include "commands.h"
 #include "condyle/estimator/sensors/driven_sensor.h"
@@ -19,8 +18,9 @@
 #include "estimates_file.h"
 #include "estimator_option.h"
 #include "figures.h"
-#include "input_error.h"
-#include "parameter_file.h"
+#include "hosted/config/parameter_file.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
 #include "progress.h"
 #include "recording_choice.h"
 #include "replay_facebow.h"

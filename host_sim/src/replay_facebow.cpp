@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 

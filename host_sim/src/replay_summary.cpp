@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "event_text.h"
-#include "number_text.h"
+#include "hosted/files/number_text.h"
+#include "output/event_text.h"
 
 namespace condyle::host {
 namespace {

@@ -12,8 +12,8 @@
 #include "box_answer.h"
 #include "command_line.h"
 #include "commands.h"
-#include "input_error.h"
-#include "text_file.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/text_file.h"
 
 namespace condyle::host {
 namespace {

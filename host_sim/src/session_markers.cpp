@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "clean_text.h"
 #include "condyle/hal/log/session_log_reader.h"
-#include "number_text.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/number_text.h"
 
 namespace condyle::host {
 

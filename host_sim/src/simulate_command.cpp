@@ -5,11 +5,11 @@
 #include <memory>
 #include <optional>
 
-#include "clean_text.h"
 #include "command_line.h"
 #include "commands.h"
-#include "input_error.h"
-#include "number_text.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/number_text.h"
 #include "output_file.h"
 #include "progress.h"
 #include "simulation/recording_writer.h"

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "recording_formats.h"
 
 namespace condyle::host {

@@ -12,7 +12,7 @@
 #include <fstream>
 #include <pugixml.hpp>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "recording_formats.h"
 
 namespace condyle::host {

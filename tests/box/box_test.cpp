@@ -14,7 +14,7 @@
 
 #include "box/running_box.h"
 #include "box/stream_reader.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "replay/command.h"
 #include "replay/table.h"
 #include "session_log/read_log.h"

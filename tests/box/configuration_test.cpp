@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "support/paths.h"
 #include "unit/temporary_folder.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "box/connection_table.h"
+#include "box/outlets/connection_table.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "box/http_request.h"
+#include "box/outlets/http_request.h"
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,8 @@
 
 #include "box/running_box.h"
 #include "box/socket_node.h"
+#include "box/sources/synthetic_source.h"
 #include "box/stream_reader.h"
-#include "box/synthetic_source.h"
 #include "replay/command.h"
 #include "replay/table.h"
 #include "session_log/session.h"

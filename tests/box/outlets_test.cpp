@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "box/box_log.h"
-#include "box/estimate_history.h"
-#include "box/estimate_text.h"
-#include "box/publisher.h"
+#include "box/outlets/estimate_history.h"
+#include "box/outlets/estimate_text.h"
+#include "box/outlets/publisher.h"
 #include "support/wait_for.h"
 
 namespace condyle::box {

@@ -14,9 +14,9 @@
 #include <memory>
 #include <mutex>
 
-#include "box/engine.h"
-#include "box/synthetic_source.h"
-#include "device_profile_file.h"
+#include "box/realtime/engine.h"
+#include "box/sources/synthetic_source.h"
+#include "hosted/config/device_profile_file.h"
 #include "session_log/session.h"
 #include "support/paths.h"
 #include "unit/allocation_counter.h"

@@ -13,8 +13,8 @@
 #include <string>
 #include <thread>
 
-#include "box/box.h"
 #include "box/http_client.h"
+#include "box/service/box.h"
 #include "support/paced_clock.h"
 #include "support/paths.h"
 #include "support/wait_for.h"

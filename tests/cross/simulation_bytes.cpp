@@ -5,7 +5,7 @@
 
 #include "condyle/estimator/published/published_cascade.h"
 #include "condyle/estimator/sensors/recommended_sensor.h"
-#include "number_text.h"
+#include "hosted/files/number_text.h"
 #include "simulation/recording_writer.h"
 
 namespace condyle::host {

@@ -9,7 +9,7 @@
 
 #include "bench/filter_cases.h"
 #include "estimate_input.h"
-#include "parameter_file.h"
+#include "hosted/config/parameter_file.h"
 #include "recording.h"
 
 int main(int argc, char** argv) {

@@ -8,7 +8,7 @@
 #include "fuzz/lines.h"
 #include "fuzz/memory_file.h"
 #include "head_motion_recording.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace {
 

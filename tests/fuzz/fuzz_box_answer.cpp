@@ -2,7 +2,7 @@
 // Any bytes as what a box answers to `condyle session`: a box's words, or refused with a message.
 #include "box_answer.h"
 #include "fuzz/lines.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace condyle;

@@ -3,7 +3,7 @@
 // cannot have given.
 #include <cctype>
 
-#include "box/http_request.h"
+#include "box/outlets/http_request.h"
 #include "fuzz/lines.h"
 
 namespace {

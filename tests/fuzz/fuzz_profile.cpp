@@ -6,8 +6,8 @@
 
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/report/report_decoder.h"
-#include "device_profile_file.h"
-#include "input_error.h"
+#include "hosted/config/device_profile_file.h"
+#include "hosted/files/input_error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace condyle;

@@ -5,7 +5,7 @@
 #include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/estimator/sensors/recommended_sensor.h"
 #include "fuzz/memory_file.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "recording.h"
 
 namespace {

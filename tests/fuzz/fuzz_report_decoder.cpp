@@ -8,7 +8,7 @@
 
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/report/report_tracker.h"
-#include "device_profile_file.h"
+#include "hosted/config/device_profile_file.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 
 #include "fuzz/lines.h"
 #include "fuzz/memory_file.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "simulation/scenario_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "clean_text.h"
+#include "hosted/files/clean_text.h"
 
 namespace condyle::fuzz {
 

@@ -9,7 +9,7 @@
 #include <filesystem>
 
 #include "fake/file_handle.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::hil {
 

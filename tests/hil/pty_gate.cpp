@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::hil {
 

@@ -14,7 +14,7 @@
 #include "fake/fake_arguments.h"
 #include "fake/fake_run.h"
 #include "hil/umockdev_transport.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace {
 

@@ -7,7 +7,7 @@
 
 #include "hil/mock_hidraw.h"
 #include "hil/mock_usbfs.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::hil {
 

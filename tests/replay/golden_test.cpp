@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "condyle/estimator/published/published_cascade.h"
-#include "parameter_file.h"
+#include "hosted/config/parameter_file.h"
 #include "replay/command.h"
 #include "replay/table.h"
 #include "support/paths.h"

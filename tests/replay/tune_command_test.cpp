@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <iostream>
 
-#include "parameter_file.h"
+#include "hosted/config/parameter_file.h"
 #include "replay/command.h"
 #include "replay/table.h"
 #include "simulation/random.h"

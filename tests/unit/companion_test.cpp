@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A companion read beside the facebow, on its own thread, into the same log.
-#include "companion.h"
+#include "hosted/devices/companion.h"
 
 #include <gmock/gmock.h>
 
@@ -11,9 +11,9 @@
 #include <thread>
 
 #include "condyle/hal/log/recorded_source.h"
-#include "device_profile_file.h"
 #include "device_values.h"
-#include "input_error.h"
+#include "hosted/config/device_profile_file.h"
+#include "hosted/files/input_error.h"
 #include "session_log/session.h"
 #include "support/paths.h"
 #include "support/shared_clock.h"

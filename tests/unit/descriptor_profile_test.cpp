@@ -7,7 +7,7 @@
 
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/report/report_decoder.h"
-#include "device_profile_file.h"
+#include "hosted/config/device_profile_file.h"
 #include "support/paths.h"
 #include "unit/report_bits.h"
 

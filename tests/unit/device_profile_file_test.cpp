@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "device_profile_file.h"
+#include "hosted/config/device_profile_file.h"
 
 #include <gmock/gmock.h>
 
@@ -7,7 +7,7 @@
 
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/report/report_decoder.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "support/paths.h"
 #include "unit/temporary_folder.h"
 

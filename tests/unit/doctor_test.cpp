@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "device_argument.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "support/paths.h"
 #include "unit/temporary_folder.h"
 

@@ -11,7 +11,7 @@
 #include "fake/facebow_device.h"
 #include "fake/facebow_usb.h"
 #include "hil/received_reports.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::host::fake {

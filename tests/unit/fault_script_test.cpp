@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::host::fake {

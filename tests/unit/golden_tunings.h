@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "parameter_file.h"
+#include "hosted/config/parameter_file.h"
 #include "replay/table.h"
 #include "support/paths.h"
 #include "tuning/published_criterion.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "simulation/scenario_file.h"
 #include "simulation/simulation.h"
 #include "support/paths.h"

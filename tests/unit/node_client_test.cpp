@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The PC's side of the line, where frames get lost: every report has its answer or is counted.
-#include "node_client.h"
+#include "hosted/node/node_client.h"
 
 #include <gmock/gmock.h>
 
@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "condyle/firmware/estimator_node.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "support/virtual_line.h"
 
 namespace condyle::host {

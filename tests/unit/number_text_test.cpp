@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "number_text.h"
+#include "hosted/files/number_text.h"
 
 #include <cmath>
 #include <cstring>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "parameter_file.h"
+#include "hosted/config/parameter_file.h"
 
 #include <gmock/gmock.h>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "support/paths.h"
 #include "unit/temporary_folder.h"
 

@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "condyle/hal/report/report_decoder.h"
-#include "device_profile_file.h"
+#include "hosted/config/device_profile_file.h"
 #include "support/paths.h"
 
 namespace condyle::hal {

@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "condyle/estimator/published/published_cascade.h"
-#include "input_error.h"
-#include "parameter_file.h"
+#include "hosted/config/parameter_file.h"
+#include "hosted/files/input_error.h"
 #include "replay/table.h"
 #include "support/paths.h"
 #include "tuning/published_tuning_report.h"

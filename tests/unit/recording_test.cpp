@@ -8,7 +8,7 @@
 #include <cstring>
 #include <vector>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "unit/rapidcheck_gtest.h"
 #include "unit/temporary_folder.h"
 

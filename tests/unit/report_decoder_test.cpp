@@ -9,7 +9,7 @@
 #include <random>
 
 #include "condyle/hal/hid/profile_check.h"
-#include "device_profile_file.h"
+#include "hosted/config/device_profile_file.h"
 #include "support/paths.h"
 #include "unit/rapidcheck_gtest.h"
 #include "unit/report_bits.h"

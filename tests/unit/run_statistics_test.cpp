@@ -11,7 +11,7 @@
 #include "comparison/comparison_text.h"
 #include "comparison/figure_label.h"
 #include "consistency/random.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "unit/temporary_folder.h"
 
 namespace condyle::host {

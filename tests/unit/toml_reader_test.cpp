@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // TOML from outside: keys nested so deeply that the parser would exhaust the stack are refused,
 // wherever they stand, and dots that are no keys are left alone.
-#include "toml_reader.h"
+#include "hosted/files/toml_reader.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "condyle/estimator/motion/recommended_estimator.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "simulation/random.h"
 #include "tuning/bounded_search.h"
 #include "tuning/innovation_likelihood.h"

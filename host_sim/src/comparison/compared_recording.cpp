@@ -9,7 +9,7 @@
 
 #include "condyle/firmware/run_loop.h"
 #include "evaluation/monte_carlo.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 namespace {

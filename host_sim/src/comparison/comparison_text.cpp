@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "clean_text.h"
 #include "comparison/figure_label.h"
-#include "number_text.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/number_text.h"
 
 namespace condyle::host {
 namespace {

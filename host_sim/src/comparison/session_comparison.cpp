@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "comparison/repeat_order.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 namespace {

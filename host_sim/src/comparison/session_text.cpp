@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 
-#include "clean_text.h"
 #include "comparison/comparison_text.h"
-#include "number_text.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/number_text.h"
 
 namespace condyle::host {
 namespace {

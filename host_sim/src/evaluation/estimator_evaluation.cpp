@@ -8,7 +8,7 @@
 
 #include "condyle/estimator/published/published_cascade.h"
 #include "evaluation/cramer_rao.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "event_text.h"
+#include "output/event_text.h"
 
 namespace condyle::host {
 namespace {

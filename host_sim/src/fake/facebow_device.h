@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "condyle/estimator/sample.h"
-#include "fake/facebow_report.h"
 #include "fake/motion.h"
+#include "hosted/devices/facebow_report.h"
 
 namespace condyle::host::fake {
 

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "fake/fault_script.h"
-#include "input_error.h"
-#include "number_text.h"
-#include "toml_reader.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/number_text.h"
+#include "hosted/files/toml_reader.h"
 
 namespace condyle::host::fake {
 namespace {

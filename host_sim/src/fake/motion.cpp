@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host::fake {
 namespace {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "fake/facebow_report.h"
+#include "hosted/devices/facebow_report.h"
 #include "recording.h"
 
 namespace condyle::host::fake {

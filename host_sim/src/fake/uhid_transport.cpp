@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "fake/facebow_usb.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host::fake {
 namespace {

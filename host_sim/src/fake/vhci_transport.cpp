@@ -12,7 +12,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 
 namespace condyle::host::fake {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/recording_writer.h"
 
-#include "number_text.h"
+#include "hosted/files/number_text.h"
 
 namespace condyle::host {
 namespace {

@@ -8,8 +8,8 @@
 #include <filesystem>
 
 #include "condyle/estimator/math/elementary.h"
-#include "input_error.h"
-#include "toml_reader.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/toml_reader.h"
 
 namespace condyle::host {
 namespace {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "tuning/starting_values.h"
 
 namespace condyle::host {

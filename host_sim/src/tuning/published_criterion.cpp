@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "simulation/random.h"
 #include "tuning/bounded_search.h"
 

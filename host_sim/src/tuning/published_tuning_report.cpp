@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "number_text.h"
+#include "hosted/files/number_text.h"
 
 namespace condyle::host {
 namespace {

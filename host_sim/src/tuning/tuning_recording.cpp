@@ -11,7 +11,7 @@
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/clock.h"
 #include "estimator_option.h"
-#include "input_error.h"
+#include "hosted/files/input_error.h"
 #include "replay_facebow.h"
 #include "tuning/innovation_likelihood.h"
 

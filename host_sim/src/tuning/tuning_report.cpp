@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuning/tuning_report.h"
-#include "clean_text.h"
+#include "hosted/files/clean_text.h"
 
 #include <fmt/format.h>
 

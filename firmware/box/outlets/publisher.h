@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "box/outlets/estimate_history.h"
+#include "box/realtime/box_estimate.h"
+#include "condyle/hal/clock.h"
+
+namespace condyle::box {
+
+/// What became of the estimates that were to be sent.
+struct PublisherCounts {
+  std::uint64_t published = 0, datagrams = 0;
+  std::uint64_t datagrams_failed = 0;  ///< the network took no more, or nobody listens
+};
+
+/// Takes estimates from the ring on a thread of its own, sends each as a UDP datagram with one line
+/// of JSON, and keeps the latest. Nothing here holds up the real-time thread.
+class Publisher {
+ public:
+  /// `port` 0 sends nothing. An InputError where `address` cannot be sent to.
+  Publisher(EstimateHistory& history, const std::string& address, std::uint16_t port,
+            hal::Clock& clock);
+  ~Publisher();
+  Publisher(const Publisher&) = delete;
+  Publisher& operator=(const Publisher&) = delete;
+
+  /// `tick` is called after the estimates that came were added to the history: every 5 ms, and more
+  /// often where many came.
+  void start(EstimateRing& ring, std::function<void()> tick);
+  /// Publishes what is left.
+  void stop();
+
+  PublisherCounts counts() const;
+
+ private:
+  bool take_some();  // true where none are left
+
+  EstimateHistory& history_;
+  hal::Clock& clock_;
+  int socket_ = -1;
+  EstimateRing* ring_ = nullptr;
+  std::function<void()> tick_;
+  std::atomic<bool> stops_ = false;
+  std::atomic<std::uint64_t> published_ = 0, datagrams_ = 0, datagrams_failed_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace condyle::box

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// The real-time thread: from the facebow's reports to estimates in a ring, or to a
+// microcontroller's feed.
+//
+// From a report in hand to its estimate in the ring the thread takes no lock, no memory and no
+// other input or output; raw reports go into the session log's own ring on the way. All that others
+// want to know is in counters that they read without asking. Only between runs, and while the
+// facebow is away, does the thread do anything else.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "box/configuration.h"
+#include "box/realtime/estimate_outlet.h"
+#include "box/realtime/node_feed.h"
+#include "box/sources/watched_source.h"
+#include "condyle/firmware/nonblocking.h"
+#include "condyle/firmware/run_loop.h"
+#include "condyle/hal/hid/device_profile.h"
+#include "condyle/hal/log/session_log.h"
+#include "condyle/hal/report/device_facebow.h"
+#include "condyle/hal/report/report_tracker.h"
+
+namespace condyle::box {
+
+/// What became of the reports of all runs.
+struct EngineCounts {
+  std::uint64_t samples = 0, estimates = 0;
+  std::uint64_t received = 0, lost = 0, duplicated = 0, unknown_losses = 0, bad = 0;
+  std::uint64_t sequence_restarts = 0;
+  std::uint64_t disconnections = 0, stalls = 0, transfer_errors = 0, oversized = 0;
+};
+
+/// Reads the facebow and estimates, run after run.
+class Engine {
+ public:
+  /// `source`, on `clock`, gives the reports that `profile` describes; nobody else reads it. With a
+  /// `feed`, reports go there, and the outlet's estimates come from another thread.
+  Engine(WatchedSource& source, const hal::DeviceProfile& profile,
+         const Configuration& configuration, hal::Clock& clock, NodeFeed* feed = nullptr);
+  ~Engine() { stop(); }
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  void start();
+  /// Ends the run and the thread. May be called twice.
+  void stop();
+
+  /// Ends the run and begins another with a fresh estimator, whose reports go to `log` as its
+  /// source 0, or nowhere. Returns the number of the new run once the thread has let go of the old
+  /// one's log. One thread at a time.
+  std::uint64_t begin_run(hal::SessionLogWriter* log);
+
+  EstimateOutlet& outlet() { return outlet_; }
+  const EstimateOutlet& outlet() const { return outlet_; }
+
+  // For any thread:
+  EngineCounts counts() const;
+  /// Goes up at least every 50 ms while the thread is well.
+  std::uint64_t heartbeat() const { return heartbeat_.load(std::memory_order_relaxed); }
+  /// "SCHED_FIFO 50", or why not; empty until the thread runs.
+  std::string scheduling() const;
+  /// The source is a recording that has come to its end.
+  bool has_ended() const { return has_ended_.load(std::memory_order_relaxed); }
+  std::uint64_t run() const { return run_.load(std::memory_order_acquire); }
+
+ private:
+  static constexpr std::size_t kCounts = sizeof(EngineCounts) / sizeof(std::uint64_t);
+
+  void loop();
+  void do_run(hal::SessionLogWriter* log);
+  template <class Sensor>
+  void estimate_run(hal::DeviceFacebow& facebow, Sensor& sensor);
+  bool has_to_leave();
+  void track(const hal::DeviceFacebow& facebow) CONDYLE_NONBLOCKING;
+  void note_counts(const hal::DeviceFacebow& facebow, std::uint64_t samples);
+  void keep_totals();
+
+  WatchedSource& source_;
+  hal::DeviceProfile profile_;
+  RecommendedParameters parameters_;
+  FollowedCoordinate followed_;
+  int lag_, priority_;
+  hal::Clock& clock_;
+
+  NodeFeed* feed_;
+  EstimateOutlet outlet_;
+
+  // Asked of the thread.
+  std::atomic<bool> stops_ = false;
+  std::atomic<std::uint64_t> wanted_run_ = 1;
+  std::atomic<hal::SessionLogWriter*> wanted_log_ = nullptr;
+  // Said by the thread.
+  std::atomic<std::uint64_t> run_ = 0, heartbeat_ = 0;
+  std::atomic<bool> has_ended_ = false, is_scheduled_ = false;
+  std::array<std::atomic<std::uint64_t>, kCounts> counts_{};
+  std::string scheduling_;  // written before is_scheduled_
+
+  // The thread's own. What is lost between two runs is lost too: one tracker goes through all.
+  hal::ReportTracker all_runs_;
+  std::uint64_t connections_ = 0;
+  EngineCounts totals_, present_;
+  std::thread thread_;
+};
+
+}  // namespace condyle::box

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "box/box_log.h"
+#include "box/configuration.h"
+#include "box/realtime/engine.h"
+#include "box/sources/facebow_reports.h"
+#include "condyle/hal/log/session_log.h"
+#include "hosted/devices/session_device.h"
+
+namespace condyle::box {
+
+/// How the session goes.
+struct SessionState {
+  enum class Phase : std::uint8_t { idle, recording, paused };
+  Phase phase = Phase::idle;
+  std::string subject;
+  std::string file;     ///< being written, or written last
+  int part = 0;         ///< of the session; a pause begins another
+  std::string problem;  ///< why it is paused, or what was wrong with the last file
+  std::uint64_t markers = 0;
+  std::uint64_t pauses = 0;
+  TimeNs paused_ns = 0;       ///< of pauses that have ended: what came then is in no file
+  hal::SessionLogStatus log;  ///< of that file
+  // Of all of the session's files:
+  std::uint64_t reports_written = 0, reports_lost = 0, events_written = 0, events_lost = 0;
+  std::uint64_t free_bytes = 0;  ///< of the disk
+  /// An instrument beside the facebow, while a file is being written.
+  struct Beside {
+    std::string name;
+    bool is_connected = false;
+  };
+  std::vector<Beside> companions;
+};
+
+/// Sessions as the user starts and ends them. Each is a run of the engine, so that a replay of its
+/// log gives the same estimates. Where the disk is full the recording pauses; nothing is deleted;
+/// once there is room it goes on in another file. Every six hours another file begins, so that what
+/// is kept in memory of one stays small. Thirty sessions may begin at once, and one every ten
+/// seconds after that, so that a client gone wrong fills no folder. One thread at a time, which may
+/// have to wait for the disk.
+class SessionRecorder {
+ public:
+  /// What a command led to: an HTTP status, and a sentence for the user.
+  struct Answer {
+    int status = 200;
+    std::string words;
+  };
+
+  /// An InputError where a companion's profile cannot be used, or it may be the facebow itself.
+  SessionRecorder(const Configuration& configuration, const FacebowReports& facebow,
+                  hal::Clock& clock, BoxLog& log, std::function<TimeNs()> wall_ns);
+  ~SessionRecorder();
+
+  /// Once the facebow was found; the engine must outlive the recorder's use.
+  void attach(Engine& engine);
+
+  Answer start(const std::string& subject);
+  Answer stop();
+  Answer mark(const std::string& text);
+  /// To be called every now and then: pauses, and ends pauses.
+  void check();
+
+  SessionState state() const;
+
+ private:
+  struct Part;
+
+  Answer begin_part();
+  Answer describe_companions();
+  Answer find_free_name() const;
+  Answer find_room() const;
+  hal::SessionLogFailure end_part();
+  hal::SessionLogFailure close_part(Part& part);
+  void watch_companions();
+  void pause(const std::string& why);
+  std::uint64_t free_bytes() const;
+  hal::SessionHeader header() const;
+
+  const Configuration& configuration_;
+  const FacebowReports& facebow_;
+  hal::Clock& clock_;
+  BoxLog& box_log_;
+  std::function<TimeNs()> wall_ns_;
+  Engine* engine_ = nullptr;
+  std::vector<host::SessionDevice> companions_;
+  std::unique_ptr<Part> part_;
+  SessionState state_;
+  std::string stem_;  // of the session's files
+  TimeNs next_attempt_ns_ = 0, paused_since_ns_ = 0;
+  TimeNs starts_free_ns_ = 0;  // when as many sessions may begin at once as ever
+};
+
+}  // namespace condyle::box

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "box/service/box.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <utility>
+
+#include "box/realtime/real_time.h"
+#include "box/service/service_notice.h"
+#include "hosted/files/input_error.h"
+
+namespace condyle::box {
+namespace {
+
+constexpr std::size_t kHistoryLines = 15'000;  // 30 s at 500 Hz
+constexpr TimeNs kPeriod_ns = 50'000'000, kSearchPause_ns = kNanosecondsPerSecond;
+constexpr TimeNs kWallStep_ns = 200'000'000;
+constexpr std::chrono::seconds kDiskPatience{10};
+
+}  // namespace
+
+Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
+         std::function<TimeNs()> wall_ns)
+    : configuration_(configuration),
+      clock_(clock),
+      log_(log),
+      wall_ns_(std::move(wall_ns)),
+      begin_ns_(clock.now_ns()),
+      facebow_(configuration_.facebow, clock),
+      device_name_(facebow_.profile().name),
+      nominal_rate_Hz_(facebow_.profile().rate_Hz),
+      keeper_(configuration_, facebow_, clock, log, wall_ns_),
+      history_(kHistoryLines),
+      publisher_(history_, configuration_.udp_address, configuration_.udp_port, clock),
+      http_(configuration_, history_, service(), log) {
+  if (!is_available(facebow_.profile().kind, configuration_.followed)) {
+    throw host::InputError("[facebow] point", "the facebow has one point", "leave it out");
+  }
+  wall_offset_ns_ = wall_ns_() - clock_.now_ns();
+}
+
+Box::~Box() {
+  http_.stop();
+  (void)keeper_.finish(kDiskPatience);
+  if (engine_) engine_->stop();
+  if (node_) node_->stop();
+  publisher_.stop();
+}
+
+HttpServer::Service Box::service() {
+  return {[this] { return status_json(status()); },
+          [this](const std::string& subject, SessionKeeper::Then then) {
+            keeper_.start(subject, std::move(then));
+          },
+          [this](SessionKeeper::Then then) { keeper_.stop(std::move(then)); },
+          [this](const std::string& text, SessionKeeper::Then then) {
+            keeper_.mark(text, std::move(then));
+          }};
+}
+
+void Box::run(const std::function<bool()>& should_stop) {
+  notify_service_manager("READY=1");
+  if (find_facebow(should_stop)) {
+    source_ = std::make_unique<WatchedSource>(facebow_.source(), clock_);
+    if (!configuration_.node.empty()) feed_ = std::make_unique<NodeFeed>();
+    engine_ =
+        std::make_unique<Engine>(*source_, facebow_.profile(), configuration_, clock_, feed_.get());
+    if (feed_) {
+      node_ = std::make_unique<NodeEstimator>(configuration_, facebow_.profile(), *feed_,
+                                              engine_->outlet(), clock_, log_);
+      node_->start();
+    }
+    // On the publisher's thread, because this one may have to wait for a slow disk.
+    publisher_.start(engine_->outlet().ring(), [this] {
+      http_.tick();
+      feed_watchdog(clock_.now_ns());
+    });
+    engine_->start();
+    while (engine_->scheduling().empty()) clock_.sleep_until(clock_.now_ns() + 1'000'000);
+    const std::string memory = lock_memory();
+    {
+      const std::lock_guard lock(mutex_);
+      memory_ = memory;
+      problem_.clear();
+    }
+    log_.say(BoxLog::Level::info, "real-time", engine_->scheduling() + ", memory " + memory);
+    keeper_.attach(*engine_);
+    is_found_.store(true, std::memory_order_release);
+    while (!should_stop()) {
+      look_after(clock_.now_ns());
+      clock_.sleep_until(clock_.now_ns() + kPeriod_ns);
+    }
+  }
+  notify_service_manager("STOPPING=1");
+  http_.stop();  // first: it could begin a session
+  if (!keeper_.finish(kDiskPatience)) {
+    is_held_by_disk_ = true;
+    log_.say(
+        BoxLog::Level::error, "session",
+        "the disk does not answer: what waits for it is lost; what reached it before is whole");
+  }
+  if (engine_) engine_->stop();
+  if (node_) node_->stop();
+  publisher_.stop();
+}
+
+// A box is often switched on before the facebow is plugged in.
+bool Box::find_facebow(const std::function<bool()>& should_stop) {
+  while (!should_stop()) {
+    try {
+      facebow_.find(should_stop);
+      return true;
+    } catch (const host::InputError& error) {
+      const std::lock_guard lock(mutex_);
+      if (problem_ != error.what()) log_.say(BoxLog::Level::warning, "device", error.what());
+      problem_ = error.what();
+    }
+    const TimeNs next_ns = clock_.now_ns() + kSearchPause_ns;
+    while (!should_stop() && clock_.now_ns() < next_ns) {
+      http_.tick();
+      feed_watchdog(clock_.now_ns());
+      clock_.sleep_until(clock_.now_ns() + kPeriod_ns);
+    }
+  }
+  return false;
+}
+
+void Box::look_after(TimeNs now_ns) {
+  keeper_.check();
+  watch_device();
+  watch_wall_clock();
+  measure_rate(now_ns);
+}
+
+void Box::watch_device() {
+  const bool is_open = source_->is_open();
+  if (is_open == was_open_ || engine_->has_ended()) return;
+  was_open_ = is_open;
+  log_.say(is_open ? BoxLog::Level::notice : BoxLog::Level::warning, "device",
+           is_open ? "the facebow is back" : "the facebow went away; looking for it");
+}
+
+void Box::watch_wall_clock() {
+  const TimeNs offset_ns = wall_ns_() - clock_.now_ns();
+  const TimeNs step_ns = offset_ns - wall_offset_ns_;
+  if (std::abs(step_ns) < kWallStep_ns) return;
+  wall_offset_ns_ = offset_ns;
+  last_clock_step_s_ = seconds(step_ns);
+  ++clock_steps_;
+  log_.say(BoxLog::Level::notice, "clock",
+           fmt::format("the wall clock was set by {:+.3f} s; estimates go by another and go on",
+                       seconds(step_ns)));
+}
+
+void Box::measure_rate(TimeNs now_ns) {
+  if (now_ns - rate_begin_ns_ < kNanosecondsPerSecond) return;
+  const std::uint64_t samples = engine_->counts().samples;
+  if (rate_begin_ns_ != 0) {
+    rate_Hz_ = static_cast<double>(samples - rate_samples_) / seconds(now_ns - rate_begin_ns_);
+  }
+  rate_begin_ns_ = now_ns;
+  rate_samples_ = samples;
+}
+
+// Only while the real-time thread is well.
+void Box::feed_watchdog(TimeNs now_ns) {
+  const TimeNs period_ns = watchdog_period_ns();
+  if (period_ns == 0 || now_ns < next_watchdog_ns_) return;
+  const std::uint64_t heartbeat = engine_ ? engine_->heartbeat() : 0;
+  if (engine_ && heartbeat == last_heartbeat_) return;
+  last_heartbeat_ = heartbeat;
+  next_watchdog_ns_ = now_ns + period_ns / 4;
+  notify_service_manager("WATCHDOG=1");
+}
+
+BoxStatus Box::status() const {
+  constexpr const char* kinds[] = {"hid", "usb", "file", "synth"};
+  BoxStatus status;
+  status.running_ns = clock_.now_ns() - begin_ns_;
+  status.source = kinds[static_cast<int>(configuration_.facebow.kind)];
+  status.device = device_name_;
+  status.nominal_rate_Hz = nominal_rate_Hz_;
+  status.records = !configuration_.folder.empty();
+  status.session = keeper_.state();
+  status.publisher = publisher_.counts();
+  status.http = http_.counts();
+  status.node = configuration_.node;
+  status.clock_steps = clock_steps_;
+  status.last_clock_step_s = last_clock_step_s_;
+  {
+    const std::lock_guard lock(mutex_);
+    status.problem = problem_;
+    status.memory = memory_;
+  }
+  status.is_found = is_found_.load(std::memory_order_acquire);
+  if (!status.is_found) return status;
+  status.is_open = source_->is_open();
+  status.last_status = source_->last_status();
+  status.connections = source_->connections();
+  status.has_ended = engine_->has_ended();
+  status.rate_Hz = rate_Hz_;
+  status.counts = engine_->counts();
+  status.health = engine_->outlet().health();
+  if (node_) status.node_state = node_->state();
+  status.run = engine_->run();
+  status.estimates_dropped = engine_->outlet().ring().dropped();
+  status.latency = &engine_->outlet().latency();
+  status.scheduling = engine_->scheduling();
+  return status;
+}
+
+}  // namespace condyle::box

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "box/box_log.h"
+#include "box/configuration.h"
+#include "box/outlets/estimate_history.h"
+#include "box/outlets/http_server.h"
+#include "box/outlets/publisher.h"
+#include "box/realtime/engine.h"
+#include "box/realtime/node_estimator.h"
+#include "box/realtime/node_feed.h"
+#include "box/recording/session_keeper.h"
+#include "box/service/box_status.h"
+#include "box/sources/facebow_reports.h"
+#include "condyle/hal/clock.h"
+#include "hosted/files/wall_clock.h"
+
+namespace condyle::box {
+
+/// The service: one facebow, its estimates, its outlets, its recordings.
+class Box {
+ public:
+  /// Opens what the configuration names and listens; an InputError where that cannot be. The
+  /// facebow need not be there. `wall_ns` tells the time of day, to notice when that is set.
+  Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
+      std::function<TimeNs()> wall_ns = host::wall_ns);
+  ~Box();
+  Box(const Box&) = delete;
+  Box& operator=(const Box&) = delete;
+
+  /// Works until `should_stop`, on this thread and others; then ends a session that is being
+  /// recorded, and all else. Call it once.
+  void run(const std::function<bool()>& should_stop);
+
+  /// After `run`: a disk that does not answer holds the last of the session, and would hold the
+  /// destructor. Who sees this ends the program at once.
+  bool is_held_by_disk() const { return is_held_by_disk_; }
+
+  std::uint16_t http_port() const { return http_.port(); }
+  BoxStatus status() const;
+
+ private:
+  bool find_facebow(const std::function<bool()>& should_stop);
+  void look_after(TimeNs now_ns);
+  void watch_device();
+  void watch_wall_clock();
+  void feed_watchdog(TimeNs now_ns);
+  void measure_rate(TimeNs now_ns);
+  HttpServer::Service service();
+
+  Configuration configuration_;
+  hal::Clock& clock_;
+  BoxLog& log_;
+  const std::function<TimeNs()> wall_ns_;
+  TimeNs begin_ns_;
+  FacebowReports facebow_;
+  const std::string device_name_;  // copies, for other threads: finding it changes the profile
+  const double nominal_rate_Hz_;
+  SessionKeeper keeper_;
+  EstimateHistory history_;
+  Publisher publisher_;
+  // There once the facebow was found.
+  std::unique_ptr<WatchedSource> source_;
+  std::unique_ptr<NodeFeed> feed_;  // these two where a microcontroller estimates
+  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<NodeEstimator> node_;
+  std::atomic<bool> is_found_ = false;
+  bool is_held_by_disk_ = false;
+
+  mutable std::mutex mutex_;
+  std::string problem_, memory_;  // guarded by the mutex
+  std::atomic<double> rate_Hz_ = 0, last_clock_step_s_ = 0;
+  std::atomic<std::uint64_t> clock_steps_ = 0;
+
+  // Of the thread in run().
+  bool was_open_ = true;
+  TimeNs rate_begin_ns_ = 0, next_watchdog_ns_ = 0, wall_offset_ns_ = 0;
+  std::uint64_t rate_samples_ = 0, last_heartbeat_ = 0;
+
+  HttpServer http_;  // last: its thread asks all the others
+};
+
+}  // namespace condyle::box

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "box/outlets/http_server.h"
+#include "box/outlets/publisher.h"
+#include "box/realtime/engine.h"
+#include "box/realtime/node_estimator.h"
+#include "box/recording/session_recorder.h"
+
+namespace condyle::box {
+
+/// Everything that the status tells, as it was when it was asked for.
+struct BoxStatus {
+  TimeNs running_ns = 0;
+  std::string source, device;  ///< kind of the facebow's source, and the profile's name
+  bool is_found = false, is_open = false, has_ended = false;
+  hal::Status last_status = hal::Status::not_open;
+  std::string problem;  ///< why the facebow was not found yet
+  std::uint64_t connections = 0;
+  double rate_Hz = 0;          ///< of the samples of the last second
+  double nominal_rate_Hz = 0;  ///< as the profile says; 0: it does not
+  EngineCounts counts;
+  EstimatorHealth health;
+  std::uint64_t run = 0, estimates_dropped = 0;
+  const firmware::LatencyHistogram* latency = nullptr;  ///< null: there is none yet
+  std::string scheduling, memory;
+  SessionState session;
+  bool records = false;
+  PublisherCounts publisher;
+  HttpCounts http;
+  std::string node;  ///< line to the microcontroller that estimates; empty: there is none
+  NodeState node_state;
+  std::uint64_t clock_steps = 0;
+  double last_clock_step_s = 0;  ///< of the wall clock
+};
+
+/// The status as JSON of the format condyle-box-status-1. A later format may have more fields; one
+/// that changes the meaning of any has another number.
+std::string status_json(const BoxStatus& status);
+
+}  // namespace condyle::box

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "box/sources/played_log.h"
+
+namespace condyle::box {
+
+hal::Status PlayedLog::read(TimeNs deadline_ns, hal::RawReport& report) {
+  if (!has_begun_) recorded_.ahead_ns = log_.header().start_monotonic_ns - clock_.now_ns();
+  has_begun_ = true;
+  const hal::Status status = log_.read(deadline_ns + recorded_.ahead_ns, report);
+  if (status == hal::Status::ok) report.host_time_ns -= recorded_.ahead_ns;
+  return status;
+}
+
+}  // namespace condyle::box

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hosted/devices/session_device.h"
+
+#include <algorithm>
+
+#include "condyle/hal/usb/device_list.h"
+#include "hosted/config/device_profile_file.h"
+#include "hosted/devices/device_words.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/text_file.h"
+
+namespace condyle::host {
+
+SessionDevice name_device(const std::string& profile_path, const std::string& serial,
+                          const std::string& backend, hal::Clock& clock) {
+  SessionDevice named;
+  named.name = profile_path;
+  named.profile_text = read_text_file(profile_path);
+  named.profile = parse_device_profile(profile_path, named.profile_text);
+  named.address = {.vendor_id = named.profile.vendor_id,
+                   .product_id = named.profile.product_id,
+                   .interface_number = named.profile.interface_number,
+                   .serial = serial,
+                   .path = {}};
+  named.device = std::make_unique<ConnectedDevice>(DeviceChoice{named.address, backend}, clock);
+  return named;
+}
+
+void refuse_twins(const SessionDevice& first, const SessionDevice& second) {
+  const hal::DeviceAddress &a = first.address, &b = second.address;
+  const bool are_apart = a.vendor_id != b.vendor_id || a.product_id != b.product_id ||
+                         (a.interface_number >= 0 && b.interface_number >= 0 &&
+                          a.interface_number != b.interface_number) ||
+                         (!a.serial.empty() && !b.serial.empty() && a.serial != b.serial);
+  if (are_apart) return;
+  throw InputError(second.name, "may mean the same device as " + first.name,
+                   "give both a serial number");
+}
+
+void refuse_twins(const std::vector<SessionDevice>& devices) {
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) refuse_twins(devices[k], devices[i]);
+  }
+}
+
+namespace {
+
+// The serial number of the device that fits; "" where there is none, or it is not one that both
+// back ends read alike. An InputError where several fit.
+std::string only_serial(const SessionDevice& device) {
+  std::string places, serial;
+  std::string first_port;
+  bool are_several = false;
+  for (const hal::HidDevice& found :
+       hal::list_hid_devices(device.address.vendor_id, device.address.product_id)) {
+    if (!hal::fits(device.address, found)) continue;
+    const std::string port = found.usb_port.empty() ? found.path : found.usb_port;
+    are_several = are_several || (!first_port.empty() && port != first_port);
+    if (first_port.empty()) first_port = port;
+    serial = found.serial;
+    places += (places.empty() ? "" : ", ") + port +
+              (found.serial.empty() ? "" : " (serial number " + found.serial + ")");
+  }
+  const bool is_ascii =
+      std::all_of(serial.begin(), serial.end(), [](char c) { return c > ' ' && c < '\x7F'; });
+  if (!are_several) return is_ascii ? serial : "";
+  throw InputError(
+      device.name, "several such devices are plugged in: " + places,
+      "give a serial number (--serial NUMBER, --companion FILE@NUMBER), or unplug one");
+}
+
+}  // namespace
+
+void describe(SessionDevice& device, const std::function<bool()>& stop) {
+  device.device->open(stop);
+  device.descriptor = device.device->report_descriptor();
+  complete_profile(device.profile, device.descriptor, device.name + ": the device");
+  // While the log is made, which takes longer than the kernel keeps reports.
+  device.device->source().close();
+  // Closed, because what libusb has open is in no list.
+  if (const std::string serial = only_serial(device); !serial.empty()) {
+    device.address.serial = serial;
+    device.device->keep_to(serial);
+  }
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// The devices of a session that is being recorded: the facebow, and instruments beside it.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "condyle/hal/log/recorded_source.h"
+#include "hosted/devices/companion.h"
+#include "hosted/devices/connected_device.h"
+
+namespace condyle::host {
+
+/// A device of the session, and what its reports mean.
+struct SessionDevice {
+  std::string name;  ///< in messages: the profile's file
+  std::string profile_text;
+  hal::DeviceProfile profile;
+  hal::DeviceAddress address;
+  std::unique_ptr<ConnectedDevice> device;
+  std::vector<std::uint8_t> descriptor;  ///< once it was described
+};
+
+/// The device that the profile in a file describes, not opened; `serial`: see DeviceAddress.
+SessionDevice name_device(const std::string& profile_path, const std::string& serial,
+                          const std::string& backend, hal::Clock& clock);
+
+/// An InputError where both may be the same one, as far as ids, interfaces and serial numbers tell.
+void refuse_twins(const SessionDevice& first, const SessionDevice& second);
+/// The same for any two of `devices`.
+void refuse_twins(const std::vector<SessionDevice>& devices);
+
+/// Asks the device for its descriptor and completes the profile from it; closes it again. From here
+/// on its serial number, where it has one, belongs to the address: another device plugged in later
+/// is not taken for it. See ConnectedDevice::open; an InputError also where several fit.
+void describe(SessionDevice& device, const std::function<bool()>& stop);
+
+/// A companion whose reports go into a log.
+struct RecordedCompanion {
+  /// `source_index`: of `device` in the log's header.
+  RecordedCompanion(const SessionDevice& device, hal::SessionLogWriter& log,
+                    std::size_t source_index, hal::Clock& clock)
+      : profile(device.profile),
+        source(device.device->source(), log, source_index, clock),
+        companion(source, profile, clock) {}
+
+  hal::DeviceProfile profile;
+  hal::RecordedSource source;
+  Companion companion;
+};
+
+}  // namespace condyle::host

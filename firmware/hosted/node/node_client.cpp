@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hosted/node/node_client.h"
+
+#include <fmt/format.h>
+
+#include "condyle/hal/link/refusal_words.h"
+#include "hosted/files/input_error.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr TimeNs kRepeat_ns = 300'000'000;
+constexpr TimeNs kPatience_ns = 2'000'000'000;
+constexpr TimeNs kEndPatience_ns = 10'000'000'000;  // with a target that sends, but nothing new
+constexpr int kAttempts = 10, kProbes = 3;
+
+const char* reset_words(hal::ResetCause cause) {
+  constexpr const char* words[] = {"of unknown cause", "power on", "brown-out", "reset pin",
+                                   "software",         "watchdog", "fault"};
+  return words[static_cast<int>(cause)];
+}
+
+}  // namespace
+
+std::string fault_words(const hal::FaultMessage& fault) {
+  constexpr const char* kinds[] = {"hard fault",
+                                   "memory management fault",
+                                   "bus fault",
+                                   "usage fault",
+                                   "non-maskable interrupt",
+                                   "stack overflow",
+                                   "watchdog",
+                                   "assertion"};
+  return fmt::format(
+      "{} at 0x{:08x} (link register 0x{:08x}, CFSR 0x{:08x}, HFSR 0x{:08x}, BFAR "
+      "0x{:08x})",
+      kinds[static_cast<int>(fault.kind)], fault.pc, fault.lr, fault.cfsr, fault.hfsr, fault.bfar);
+}
+
+std::string greeting_words(const hal::GreetingMessage& greeting) {
+  return fmt::format("{}, condyle {}, numbers of {} bytes, start {} ({})",
+                     hal::text_of(greeting.core_name), hal::text_of(greeting.software_version),
+                     greeting.scalar_size, greeting.boot_count, reset_words(greeting.reset_cause));
+}
+
+void NodeClient::fail(const std::string& what, const std::string& mend) const {
+  throw InputError(name_, what, mend);
+}
+
+template <class Message>
+void NodeClient::tell(const Message& message) {
+  const hal::Status status = end_.send(message);
+  if (status == hal::Status::bad_report) fail("a value fits no message", "check the parameters");
+  if (status != hal::Status::ok) fail("takes nothing any more", "is it still connected?");
+}
+
+template <class Message>
+Message NodeClient::read() const {
+  Message message;
+  const hal::Refusal refusal = hal::get(end_.frame().payload, message);
+  if (refusal.reason != hal::RefusalReason::none) {
+    fail(fmt::format("sends a message of type {} that cannot be read, at value {}",
+                     end_.frame().type, refusal.index),
+         "load an image of this version of condyle");
+  }
+  return message;
+}
+
+void NodeClient::connect(const std::function<bool()>& stop) {
+  const TimeNs give_up_ns = clock_.now_ns() + kAttempts * kRepeat_ns;
+  while (clock_.now_ns() < give_up_ns && !stop()) {
+    tell(hal::HelloMessage{});
+    const TimeNs deadline_ns = clock_.now_ns() + kRepeat_ns;
+    hal::Status status = hal::Status::ok;
+    // A line that never falls silent is left at the deadline, too.
+    while (status == hal::Status::ok && clock_.now_ns() < deadline_ns && !stop()) {
+      status = end_.receive(deadline_ns);
+      if (status == hal::Status::disconnected) fail("was closed", "is the target still there?");
+      if (status != hal::Status::ok || end_.type() != hal::MessageType::greeting) continue;
+      greeting_ = read<hal::GreetingMessage>();
+      if (greeting_.version != hal::kLinkVersion) {
+        fail(fmt::format("speaks version {} of the protocol, this is {}", greeting_.version,
+                         hal::kLinkVersion),
+             "load an image of this version of condyle");
+      }
+      if (greeting_.has_fault && end_.receive(deadline_ns) == hal::Status::ok &&
+          end_.type() == hal::MessageType::fault) {
+        fault_ = read<hal::FaultMessage>();
+      }
+      // A target that started just now has greeted by itself as well.
+      while (!stop() && clock_.now_ns() < give_up_ns &&
+             end_.receive(clock_.now_ns() + kRepeat_ns / 3) == hal::Status::ok) {
+      }
+      last_answer_ns_ = clock_.now_ns();
+      return;
+    }
+  }
+  fail("no estimator answers", "check the image, the wires and the baud rate");
+}
+
+void NodeClient::expect_accepted(hal::MessageType message) {
+  accepted_.reset();
+  const TimeNs deadline_ns = clock_.now_ns() + kPatience_ns;
+  while (accepted_ != message) {
+    const hal::Status status = end_.receive(deadline_ns);
+    if (status == hal::Status::disconnected || clock_.now_ns() >= deadline_ns) {
+      fail("does not answer", "check the wires and the baud rate");
+    }
+    if (status == hal::Status::ok) (void)take_frame();
+  }
+}
+
+void NodeClient::begin(const hal::ReportLayout& layout, const hal::StartMessage& start) {
+  layout_.layout = layout;
+  start_ = start;
+  tell(layout_);
+  expect_accepted(hal::MessageType::layout);
+  tell(start_);
+  expect_accepted(hal::MessageType::start);
+  before_ = end_.counts();
+  health_before_ = health_of_now().value_or(hal::HealthMessage{});
+}
+
+void NodeClient::reconnect() {
+  tell(hal::ReconnectedMessage{});
+}
+
+void NodeClient::send(const hal::RawReport& report) {
+  if (!silent_since_ns()) last_answer_ns_ = heard_ns_ = clock_.now_ns();
+  ++reports_sent_;  // also where the line does not take it: it will have no estimate
+  tell(hal::ReportMessage{report.host_time_ns, report.data()});
+  waiting_.push_back({end_.sent_size(), report.host_time_ns});
+  waiting_bytes_ += end_.sent_size();
+}
+
+// Health comes after the answer to every report, so what has none by then will have none; what
+// comes after it are the estimates that waited.
+void NodeClient::finish() {
+  has_finished_ = true;
+  last_answer_ns_ = progress_ns_ = clock_.now_ns();
+  probe();
+  tell(hal::FinishMessage{});
+}
+
+void NodeClient::forget_oldest() {
+  if (is_answered_ || waiting_.empty()) return;
+  waiting_bytes_ -= waiting_.front().size;
+  answered_host_time_ns_ = waiting_.front().host_time_ns;
+  progress_ns_ = clock_.now_ns();
+  waiting_.pop_front();
+  for (std::size_t& before : probes_) before -= before > 0 ? 1 : 0;
+}
+
+NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
+  for (;;) {
+    if (has_finished_ && clock_.now_ns() - progress_ns_ > kEndPatience_ns) {
+      fail("sends without end", "is an image of condyle on it?");
+    }
+    const hal::Status status = end_.receive(deadline_ns);
+    if (status == hal::Status::disconnected) fail("was closed", "is the target still there?");
+    if (status == hal::Status::ok) {
+      last_answer_ns_ = heard_ns_ = clock_.now_ns();
+      silent_probes_ = 0;
+      const NodeAnswer answer = take_frame();
+      if (answer != NodeAnswer::none || clock_.now_ns() >= deadline_ns) return answer;
+      continue;
+    }
+    const bool waits = !waiting_.empty() || has_finished_ || !probes_.empty();
+    if (!waits || clock_.now_ns() - last_answer_ns_ < kPatience_ns) return NodeAnswer::none;
+    if (++silent_probes_ > kProbes) fail("does not answer any more", "is the target still there?");
+    last_answer_ns_ = clock_.now_ns();
+    // The answer to the one before is late or lost: that matters to reports only.
+    if (waiting_.empty()) probes_.clear();
+    probe();
+    if (has_finished_) tell(hal::FinishMessage{});
+    return NodeAnswer::none;
+  }
+}
+
+// Asks whether the target is there. It answers in order: what it has not answered by then did not
+// reach it, or its answer did not reach us.
+void NodeClient::probe() {
+  probes_.push_back(waiting_.size());
+  probed_ns_ = clock_.now_ns();
+  tell(hal::AskHealthMessage{});
+}
+
+void NodeClient::request_health() {
+  const TimeNs now_ns = clock_.now_ns();
+  if (has_finished_) return;
+  if (!probes_.empty() && now_ns - probed_ns_ < 2 * kPatience_ns) return;
+  if (!silent_since_ns()) last_answer_ns_ = heard_ns_ = now_ns;
+  probes_.clear();  // the answer to one before was lost
+  probe();
+}
+
+void NodeClient::end_probe() {
+  const std::size_t lost = probes_.front();
+  probes_.pop_front();
+  for (std::size_t i = 0; i < lost; ++i) forget_oldest();
+  reports_lost_ += lost;
+  if (has_finished_ && probes_.empty()) is_answered_ = true;
+}
+
+NodeAnswer NodeClient::take_frame() {
+  switch (end_.type()) {
+    case hal::MessageType::published_estimate:
+    case hal::MessageType::recommended_estimate:
+      forget_oldest();
+      return NodeAnswer::estimate;
+    case hal::MessageType::conclusion:
+      return NodeAnswer::conclusion;
+    case hal::MessageType::accepted:
+      accepted_ = read<hal::AcceptedMessage>().message;
+      if (accepted_ == hal::MessageType::finish) return finished();
+      if (accepted_ != hal::MessageType::report) return NodeAnswer::none;
+      forget_oldest();
+      return NodeAnswer::no_estimate;
+    case hal::MessageType::refused: {
+      const auto refused = read<hal::RefusedMessage>();
+      // A second finish finds the run ended already.
+      if (has_finished_ && refused.message == static_cast<std::uint8_t>(hal::MessageType::finish)) {
+        return finished();
+      }
+      const hal::RefusalWords words = hal::words_of(refused, layout_, start_);
+      fail("refuses " + words.reason, words.mend);
+    }
+    case hal::MessageType::health:
+      health_ = read<hal::HealthMessage>();
+      if (!probes_.empty()) end_probe();
+      return NodeAnswer::none;
+    case hal::MessageType::greeting: {
+      greeting_ = read<hal::GreetingMessage>();
+      std::string what = "the target started again: " + greeting_words(greeting_);
+      if (greeting_.has_fault && end_.receive(clock_.now_ns() + kPatience_ns) == hal::Status::ok &&
+          end_.type() == hal::MessageType::fault) {
+        fault_ = read<hal::FaultMessage>();
+        what += ", after a " + fault_words(*fault_);
+      }
+      fail(what, fmt::format("{} reports have no estimate; begin anew", waiting_.size()));
+    }
+    default:
+      return NodeAnswer::none;
+  }
+}
+
+// Also where the answer to the last probe was lost.
+NodeAnswer NodeClient::finished() {
+  if (!is_answered_) reports_lost_ += waiting_.size();
+  is_answered_ = true;
+  waiting_.clear();
+  probes_.clear();
+  waiting_bytes_ = 0;
+  return NodeAnswer::finished;
+}
+
+std::optional<hal::HealthMessage> NodeClient::health_of_now() {
+  for (int attempt = 0; attempt < kProbes; ++attempt) {
+    health_.reset();
+    tell(hal::AskHealthMessage{});
+    const TimeNs deadline_ns = clock_.now_ns() + kPatience_ns / 2;
+    while (!health_ && clock_.now_ns() < deadline_ns) {
+      const hal::Status status = end_.receive(deadline_ns);
+      if (status == hal::Status::disconnected) fail("was closed", "is the target still there?");
+      if (status == hal::Status::ok) (void)take_frame();
+    }
+    if (health_) return health_;
+  }
+  return std::nullopt;
+}
+
+std::optional<hal::HealthMessage> NodeClient::ask_health() {
+  try {
+    (void)health_of_now();
+  } catch (const InputError&) {
+    health_.reset();  // the run is over all the same: only its last counts are not known
+  }
+  return health();
+}
+
+std::optional<hal::HealthMessage> NodeClient::health() const {
+  std::optional<hal::HealthMessage> health = health_;
+  if (!health) return std::nullopt;
+  const auto leave_out = [](std::uint64_t& count, std::uint64_t before) { count -= before; };
+  leave_out(health->frames.wrong_checksum, health_before_.frames.wrong_checksum);
+  leave_out(health->frames.bad_stuffing, health_before_.frames.bad_stuffing);
+  leave_out(health->frames.too_short, health_before_.frames.too_short);
+  leave_out(health->frames.too_long, health_before_.frames.too_long);
+  leave_out(health->frames.lost, health_before_.frames.lost);
+  leave_out(health->uart_overruns, health_before_.uart_overruns);
+  leave_out(health->dropped_bytes, health_before_.dropped_bytes);
+  return health;
+}
+
+}  // namespace condyle::host
