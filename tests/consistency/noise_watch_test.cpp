@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a 95 % interval is worth where the noise is not white, and whether that is said. Simulated
 // chewing of 30 s whose truth is known; the first 5 s are left out.
-#include "noise_watch.h"
+#include "quality/noise_watch.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 
 #include "condyle/estimator/sensors/recommended_sensor.h"
 #include "consistency/random.h"
-#include "estimate_row.h"
+#include "estimation/estimate_row.h"
 
 namespace condyle::host {
 namespace {

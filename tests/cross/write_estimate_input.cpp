@@ -10,7 +10,7 @@
 #include "bench/filter_cases.h"
 #include "estimate_input.h"
 #include "hosted/config/parameter_file.h"
-#include "recording.h"
+#include "recordings/recording.h"
 
 int main(int argc, char** argv) {
   using namespace condyle;

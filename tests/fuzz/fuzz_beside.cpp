@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "drive_channel.h"
 #include "fuzz/lines.h"
 #include "fuzz/memory_file.h"
-#include "head_motion_recording.h"
 #include "hosted/files/input_error.h"
+#include "protocols/head_motion/head_motion_recording.h"
+#include "recordings/drive_channel.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes as what a box answers to `condyle session`: a box's words, or refused with a message.
-#include "box_answer.h"
+#include "commands/box_answer.h"
 #include "fuzz/lines.h"
 #include "hosted/files/input_error.h"
 

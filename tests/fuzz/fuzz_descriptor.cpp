@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "condyle/hal/hid/report_descriptor.h"
-#include "descriptor_text.h"
+#include "inspect/descriptor_text.h"
 
 namespace {
 

@@ -2,10 +2,10 @@
 // Any bytes as EMG beside a recording, envelopes or raw: read or refused with a message.
 #include <cmath>
 
-#include "emg_recording.h"
 #include "fuzz/lines.h"
 #include "fuzz/memory_file.h"
 #include "hosted/files/input_error.h"
+#include "protocols/emg/emg_recording.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace condyle;

@@ -5,7 +5,7 @@
 
 #include "fuzz/lines.h"
 #include "fuzz/log_in_memory.h"
-#include "session_markers.h"
+#include "recordings/session_markers.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace condyle;

@@ -6,7 +6,7 @@
 #include "fuzz/lines.h"
 #include "fuzz/memory_file.h"
 #include "hosted/files/input_error.h"
-#include "muscle_file.h"
+#include "protocols/emg/muscle_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace condyle;

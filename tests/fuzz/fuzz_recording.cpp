@@ -6,7 +6,7 @@
 #include "condyle/estimator/sensors/recommended_sensor.h"
 #include "fuzz/memory_file.h"
 #include "hosted/files/input_error.h"
-#include "recording.h"
+#include "recordings/recording.h"
 
 namespace {
 

@@ -10,11 +10,11 @@
 #include <optional>
 #include <vector>
 
-#include "command_line.h"
 #include "fake/fake_arguments.h"
 #include "fake/fake_run.h"
 #include "hil/umockdev_transport.h"
 #include "hosted/files/input_error.h"
+#include "options/command_line.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <iostream>
 
 #include "condyle/estimator/motion/recommended_estimator.h"
-#include "recording.h"
+#include "recordings/recording.h"
 #include "replay/table.h"
 
 namespace condyle {

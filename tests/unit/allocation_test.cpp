@@ -9,7 +9,6 @@
 #include "condyle/estimator/emg/emg_timeline.h"
 #include "condyle/estimator/motion/frozen_detector.h"
 #include "condyle/estimator/motion/recommended_estimator.h"
-#include "condyle/estimator/observability.h"
 #include "condyle/estimator/pose/point_follower.h"
 #include "condyle/estimator/sensors/cycle_sensor.h"
 #include "condyle/estimator/sensors/published_sensor.h"
@@ -17,6 +16,7 @@
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/report/report_tracker.h"
 #include "consistency/driven_chewing.h"
+#include "observability/observability.h"
 #include "unit/allocation_counter.h"
 
 namespace condyle {

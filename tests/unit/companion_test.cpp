@@ -11,9 +11,9 @@
 #include <thread>
 
 #include "condyle/hal/log/recorded_source.h"
-#include "device_values.h"
 #include "hosted/config/device_profile_file.h"
 #include "hosted/files/input_error.h"
+#include "output/device_values.h"
 #include "session_log/session.h"
 #include "support/paths.h"
 #include "support/shared_clock.h"

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "doctor.h"
+#include "inspect/doctor.h"
 
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <fstream>
 
-#include "device_argument.h"
 #include "hosted/files/input_error.h"
+#include "inspect/device_argument.h"
 #include "support/paths.h"
 #include "unit/temporary_folder.h"
 

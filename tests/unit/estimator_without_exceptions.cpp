@@ -8,12 +8,12 @@
 #include "condyle/estimator/impedance/head_motion.h"
 #include "condyle/estimator/motion/frozen_detector.h"
 #include "condyle/estimator/motion/recommended_estimator.h"
-#include "condyle/estimator/observability.h"
 #include "condyle/estimator/pose/point_follower.h"
 #include "condyle/estimator/release/release_pair.h"
 #include "condyle/estimator/sensors/driven_sensor.h"
 #include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/firmware/run_loop.h"
+#include "observability/observability.h"
 
 template class condyle::ChangeDetector<float>;
 template class condyle::CycleDamping<float>;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "figure_data.h"
+#include "output/figure_data.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/observability.h"
+#include "observability/observability.h"
 
 #include <Eigen/LU>
 

@@ -13,9 +13,9 @@
 #include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/estimator/sensors/recommended_sensor.h"
 #include "cross/estimate_writer.h"
-#include "estimate_row.h"
-#include "figure_data.h"
-#include "recording.h"
+#include "estimation/estimate_row.h"
+#include "output/figure_data.h"
+#include "recordings/recording.h"
 #include "unit/rapidcheck_gtest.h"
 #include "unit/temporary_folder.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "output_file.h"
+#include "output/output_file.h"
 
 #include <gmock/gmock.h>
 

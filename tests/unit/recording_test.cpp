@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every format, read well; the messages for what cannot be read are in replay/bad_input_test.cpp.
-#include "recording.h"
+#include "recordings/recording.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "replay_facebow.h"
+#include "recordings/replay_facebow.h"
 
 #include <gmock/gmock.h>
 

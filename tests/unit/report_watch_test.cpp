@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report_watch.h"
+#include "inspect/report_watch.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "step_watch.h"
+#include "quality/step_watch.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "axis_ranges.h"
+#include "quality/axis_ranges.h"
 
 namespace condyle::host {
 namespace {

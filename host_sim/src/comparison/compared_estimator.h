@@ -5,11 +5,11 @@
 #include <optional>
 #include <string>
 
-#include "drive_options.h"
-#include "estimate_row.h"
-#include "estimator_option.h"
-#include "recording_choice.h"
-#include "replay_facebow.h"
+#include "estimation/estimate_row.h"
+#include "options/drive_options.h"
+#include "options/estimator_option.h"
+#include "options/recording_choice.h"
+#include "recordings/replay_facebow.h"
 
 namespace condyle::host {
 

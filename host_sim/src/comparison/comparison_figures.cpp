@@ -7,7 +7,7 @@
 
 #include "comparison/comparison_text.h"
 #include "comparison/figure_label.h"
-#include "gnuplot.h"
+#include "output/gnuplot.h"
 
 namespace condyle::host {
 namespace {

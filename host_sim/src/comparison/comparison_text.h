@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "comparison/compared_recording.h"
-#include "output_file.h"
+#include "output/output_file.h"
 
 namespace condyle::host {
 

@@ -18,8 +18,8 @@
 #include "comparison/block_means.h"
 #include "comparison/quantile_histogram.h"
 #include "condyle/estimator/math/innovation_monitor.h"
-#include "estimate_row.h"
-#include "figure_data.h"
+#include "estimation/estimate_row.h"
+#include "output/figure_data.h"
 
 namespace condyle::host {
 

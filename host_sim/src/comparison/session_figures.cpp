@@ -6,7 +6,7 @@
 
 #include "comparison/figure_label.h"
 #include "comparison/session_text.h"
-#include "gnuplot.h"
+#include "output/gnuplot.h"
 
 namespace condyle::host {
 namespace {

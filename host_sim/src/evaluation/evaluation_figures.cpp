@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gnuplot.h"
+#include "output/gnuplot.h"
 
 namespace condyle::host {
 namespace {

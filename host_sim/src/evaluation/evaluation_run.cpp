@@ -8,7 +8,7 @@
 #include "condyle/estimator/math/innovation_monitor.h"
 #include "condyle/estimator/sensors/driven_sensor.h"
 #include "condyle/estimator/sensors/published_sensor.h"
-#include "estimate_row.h"
+#include "estimation/estimate_row.h"
 
 namespace condyle::host {
 namespace {

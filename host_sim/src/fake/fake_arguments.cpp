@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fake/fake_arguments.h"
-#include "command_line.h"
+#include "options/command_line.h"
 
 namespace condyle::host::fake {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "command_line.h"
 #include "fake/fake_setup.h"
+#include "options/command_line.h"
 
 namespace condyle::host::fake {
 

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "recording.h"
-#include "simulation/simulated_recording.h"
+#include "recordings/recording.h"
+#include "recordings/simulated_recording.h"
 
 namespace condyle::host::fake {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "hosted/devices/facebow_report.h"
-#include "recording.h"
+#include "recordings/recording.h"
 
 namespace condyle::host::fake {
 

@@ -8,7 +8,7 @@
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/clock.h"
 #include "hosted/files/input_error.h"
-#include "replay_facebow.h"
+#include "recordings/replay_facebow.h"
 
 namespace condyle::host {
 namespace {

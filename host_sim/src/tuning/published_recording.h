@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "recording_choice.h"
+#include "options/recording_choice.h"
 #include "tuning/published_judgement.h"
 
 namespace condyle::host {

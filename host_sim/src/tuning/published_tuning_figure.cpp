@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "condyle/estimator/published/published_cascade.h"
-#include "gnuplot.h"
+#include "output/gnuplot.h"
 #include "tuning/published_tuning_report.h"
 
 namespace condyle::host {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "output_file.h"
+#include "output/output_file.h"
 #include "tuning/published_criterion.h"
 
 namespace condyle::host {

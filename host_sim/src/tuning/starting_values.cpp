@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "evaluation/moments.h"
-#include "sixth_differences.h"
+#include "quality/sixth_differences.h"
 
 namespace condyle::host {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "gnuplot.h"
+#include "output/gnuplot.h"
 #include "tuning/tuning_report.h"
 
 namespace condyle::host {

@@ -10,9 +10,9 @@
 #include "condyle/estimator/sensors/recommended_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/clock.h"
-#include "estimator_option.h"
 #include "hosted/files/input_error.h"
-#include "replay_facebow.h"
+#include "options/estimator_option.h"
+#include "recordings/replay_facebow.h"
 #include "tuning/innovation_likelihood.h"
 
 namespace condyle::host {

@@ -10,7 +10,7 @@
 
 #include "condyle/estimator/motion/recommended_parameters.h"
 #include "condyle/estimator/sample.h"
-#include "recording_choice.h"
+#include "options/recording_choice.h"
 
 namespace condyle::host {
 

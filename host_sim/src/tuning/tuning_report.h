@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "output_file.h"
+#include "output/output_file.h"
 #include "tuning/likelihood_tuning.h"
 
 namespace condyle::host {

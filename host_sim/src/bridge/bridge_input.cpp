@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridge/bridge_input.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+#include <fstream>
+#include <limits>
+
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/log/session_log_source.h"
+#include "hosted/config/device_profile_file.h"
+#include "hosted/devices/device_words.h"
+#include "hosted/devices/session_device.h"
+#include "hosted/files/input_error.h"
+#include "recordings/device_recording.h"
+#include "recordings/replay_facebow.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr std::uint32_t kNumberBits = 64;
+
+void put_number(double value, std::size_t place, hal::RawReport& report) {
+  const auto bits = std::bit_cast<std::uint64_t>(value);
+  for (std::size_t byte = 0; byte < sizeof bits; ++byte) {
+    report.bytes[sizeof bits * place + byte] = static_cast<std::uint8_t>(bits >> (8 * byte));
+  }
+}
+
+// The samples of a recording as reports: their numbers one after the other, NaN where there is
+// none, at the time of the sample.
+class SampleReports final : public hal::ReportSource {
+ public:
+  SampleReports(const std::string& path, const RecordingOptions& options, hal::Clock& clock)
+      : facebow_(path, options, 0, clock) {}
+
+  hal::Status open() override { return facebow_.open(); }
+  hal::Status read(TimeNs deadline_ns, hal::RawReport& report) override {
+    Sample sample;
+    const hal::Status status = facebow_.read(deadline_ns, sample);
+    if (status != hal::Status::ok) return status;
+    if (!sample.time_valid) return hal::Status::bad_report;
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    const std::size_t count = coordinate_count(sample.kind);
+    report.host_time_ns = sample.time_ns;
+    // Out of range goes along as it is, for the decoder to say so.
+    const bool has_numbers =
+        sample.position_valid || is_out_of_range(sample.kind, sample.coordinates);
+    for (std::size_t i = 0; i < count; ++i) {
+      put_number(has_numbers ? sample.coordinates[i] : kNone, i, report);
+    }
+    put_number(sample.drive_valid ? sample.drive_N : kNone, count, report);
+    report.size = static_cast<std::uint16_t>(sizeof(double) * (count + 1));
+    return hal::Status::ok;
+  }
+  void close() override { facebow_.close(); }
+  hal::TransportCounts counts() const override { return {}; }
+
+  const ReplayFacebow& facebow() const { return facebow_; }
+  hal::ReportLayout layout() const {
+    hal::ReportLayout layout;
+    layout.kind = facebow_.info().kind;
+    const auto number = [](std::size_t place) {
+      hal::ReportField field;
+      field.offset_bits = kNumberBits * static_cast<std::uint32_t>(place);
+      field.width_bits = kNumberBits;
+      field.type = hal::FieldType::floating_point;
+      return field;
+    };
+    const std::size_t count = coordinate_count(layout.kind);
+    for (std::size_t i = 0; i < count; ++i) (void)layout.coordinates.push_back({number(i), i});
+    if (facebow_.info().has_drive) layout.drive_N = number(count);
+    layout.minimum_size_bytes = sizeof(double) * (count + 1);
+    return layout;
+  }
+
+ private:
+  ReplayFacebow facebow_;
+};
+
+BridgeInput of_samples(const std::string& path, const RecordingOptions& options,
+                       hal::Clock& clock) {
+  const auto reports = std::make_shared<SampleReports>(path, options, clock);
+  const ReplayFacebow& facebow = reports->facebow();
+  if (reports->open() != hal::Status::ok) throw InputError(facebow.problem());
+  BridgeInput input;
+  input.words = facebow.info().format;
+  input.has_drive = facebow.info().has_drive;
+  input.layout = reports->layout();
+  input.median_step_ns = facebow.median_step_ns();
+  input.nominal_step_ns =
+      facebow.info().is_of_device ? facebow.info().nominal_step_ns : facebow.median_step_ns();
+  input.progress = [reports] { return reports->facebow().progress(); };
+  input.problem = [reports] { return reports->facebow().problem(); };
+  input.source = reports;
+  return input;
+}
+
+// What a device's profile says of its reports.
+void describe_by(const hal::DeviceProfile& profile, BridgeInput& input) {
+  input.layout = hal::layout_of(profile);
+  input.has_drive = profile.drive_N.has_value();
+  if (profile.rate_Hz > 0) input.nominal_step_ns = nanoseconds(1 / profile.rate_Hz);
+  input.median_step_ns = input.nominal_step_ns;
+  input.progress = [] { return 0.0; };
+}
+
+BridgeInput of_session_log(const std::string& path, const RecordingOptions& options) {
+  const auto log = std::make_shared<hal::SessionLogSource>(path);
+  const hal::Status status = log->open();
+  if (status != hal::Status::ok) {
+    throw InputError(path, log->problem().empty() ? hal::status_name(status) : log->problem(),
+                     "name a session log");
+  }
+  const hal::SessionSource& device = log->header().sources.front();
+  const std::string name = options.profile.empty() ? path + ": its profile" : options.profile;
+  hal::DeviceProfile profile = options.profile.empty()
+                                   ? parse_device_profile(name, device.profile_toml)
+                                   : load_device_profile(options.profile);
+  require_position(profile, name);
+  complete_profile(profile, device.report_descriptor, path);
+  BridgeInput input;
+  input.words = "session log of " + profile.name;
+  describe_by(profile, input);
+  input.problem = [log] { return log->problem(); };
+  input.source = log;
+  return input;
+}
+
+BridgeInput of_device(const std::string& profile, const std::string& serial,
+                      const std::string& backend, hal::Clock& clock,
+                      const std::function<bool()>& stop) {
+  const auto device = std::make_shared<SessionDevice>(name_device(profile, serial, backend, clock));
+  require_position(device->profile, profile);
+  describe(*device, stop);
+  BridgeInput input;
+  input.words = fmt::format("{}, through {}", device->profile.name, backend);
+  input.is_live = true;
+  describe_by(device->profile, input);
+  input.problem = [] { return std::string(); };
+  input.source = {device, &device->device->source()};
+  if (input.source->open() != hal::Status::ok) {
+    throw InputError(profile, "the device cannot be opened", "condyle doctor says why");
+  }
+  return input;
+}
+
+bool is_session_log(const std::string& path) {
+  std::array<char, 8> start{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(start.data(), start.size());
+  return looks_like_session_log(
+      std::string_view(start.data(), static_cast<std::size_t>(file.gcount())));
+}
+
+}  // namespace
+
+BridgeInput open_bridge_input(const std::string& name, const std::string& serial,
+                              const RecordingOptions& options, hal::Clock& clock,
+                              const std::function<bool()>& stop) {
+  if (name.starts_with("hid:")) return of_device(name.substr(4), serial, "hidapi", clock, stop);
+  if (name.starts_with("usb:")) return of_device(name.substr(4), serial, "libusb", clock, stop);
+  const std::string path = name.starts_with("file:") ? name.substr(5) : name;
+  return is_session_log(path) ? of_session_log(path, options) : of_samples(name, options, clock);
+}
+
+}  // namespace condyle::host

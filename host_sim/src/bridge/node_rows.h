@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rows of estimates from what a target sends.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "condyle/hal/link/link_messages.h"
+#include "estimation/estimate_row.h"
+
+namespace condyle::host {
+
+/// Reads the estimates of one run.
+class NodeRows {
+ public:
+  /// `axis_count`: 1 or 3, or 0 of the published cascade; `scalar_size`: of the target's numbers
+  /// (bytes), 4 or 8; `has_joint`: friction and mass are identified.
+  NodeRows(int axis_count, FollowedCoordinate followed, unsigned scalar_size, bool has_joint)
+      : axis_count_(axis_count),
+        followed_(followed),
+        scalar_size_(scalar_size),
+        has_joint_(has_joint) {}
+
+  /// The row of an estimate's frame, without the measured position where it is the published
+  /// cascade's; none while a lag fills, and where it cannot be read.
+  std::optional<EstimateRow> row_of(const hal::LinkFrame& frame);
+  /// Takes a conclusion, which the rows after it have.
+  void take_conclusion(const hal::LinkFrame& frame);
+  /// The last one.
+  const JointEstimate<double>& conclusion() const { return conclusion_; }
+  /// Frames that could not be read, or are not of this run.
+  std::uint64_t unreadable() const { return unreadable_; }
+
+ private:
+  template <class Scalar>
+  void take_in(const hal::LinkFrame& frame);
+  template <class Scalar>
+  std::optional<EstimateRow> row_in(const hal::LinkFrame& frame);
+
+  int axis_count_;
+  FollowedCoordinate followed_;
+  unsigned scalar_size_;
+  bool has_joint_;
+  JointEstimate<double> conclusion_;
+  std::uint64_t unreadable_ = 0;
+};
+
+}  // namespace condyle::host

@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bridge/bridge_input.h"
+#include "bridge/local_node.h"
+#include "bridge/node_rows.h"
+#include "commands/commands.h"
+#include "condyle/hal/link/serial_port.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/number_text.h"
+#include "hosted/node/node_client.h"
+#include "options/command_line.h"
+#include "options/drive_options.h"
+#include "options/estimator_option.h"
+#include "output/estimates_file.h"
+#include "output/joint_text.h"
+#include "output/progress.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr TimeNs kPatience_ns = 20'000'000;
+constexpr TimeNs kTwinPatience_ns = 5'000'000'000;
+
+struct BridgeOptions {
+  std::string input, port, out, serial;
+  unsigned baud = 1'000'000;
+  bool checks = false;
+  EstimatorOption estimator;
+  DriveOptions drive_stated;
+  FollowedCoordinate followed;
+  RecordingOptions reading;
+  std::string unit;
+};
+
+hal::StartMessage start_of(const BridgeOptions& options, const BridgeInput& input) {
+  hal::StartMessage start;
+  start.followed = options.followed;
+  start.expects_drive = input.has_drive;
+  start.nominal_step_ns = input.nominal_step_ns.value_or(0);
+  if (options.estimator.is_published()) {
+    start.estimator = hal::EstimatorChoice::published;
+    start.published = load_published_for(options.estimator, input.median_step_ns, options.input);
+    start.nominal_step_ns = nanoseconds(start.published.sample_time_s);
+  } else {
+    start.lag = static_cast<std::uint8_t>(options.estimator.lag);
+    start.recommended = options.estimator.load_recommended();
+    options.drive_stated.apply(start.recommended.joint);
+    refuse_long_step(start.recommended, seconds(start.nominal_step_ns), options.input,
+                     "its median step", "check the unit of time_s");
+  }
+  return start;
+}
+
+// The same run on this computer, whose answers are to be the target's, byte for byte.
+class Twin {
+ public:
+  Twin(unsigned scalar_size, const hal::ReportLayout& layout, const hal::StartMessage& start,
+       hal::Clock& clock)
+      : clock_(clock),
+        node_(scalar_size, clock),
+        client_(node_.line(), clock, "the estimator on this computer") {
+    client_.connect(stop_requested);
+    client_.begin(layout, start);
+  }
+
+  void send(const hal::RawReport& report) {
+    while (!client_.has_room()) keep_answer(clock_.now_ns() + kPatience_ns);
+    client_.send(report);
+  }
+  void reconnect() { client_.reconnect(); }
+  void finish() { client_.finish(); }
+
+  // Compares an answer of the target's with the next one here. `name` names it for the user.
+  template <class Name>
+  void compare(NodeAnswer answer, const hal::LinkFrame& frame, Name name) {
+    const TimeNs deadline_ns = clock_.now_ns() + kTwinPatience_ns;
+    while (answers_.empty() && clock_.now_ns() < deadline_ns) {
+      keep_answer(clock_.now_ns() + kPatience_ns);
+    }
+    ++compared_;
+    const bool is_same = !answers_.empty() && answers_.front().is(answer, frame);
+    if (!is_same && differences_++ == 0) first_difference_ = name();
+    if (!answers_.empty()) answers_.pop_front();
+  }
+
+  std::string words() const {
+    if (differences_ == 0) {
+      return fmt::format("all {} answers are this computer's, byte for byte", compared_);
+    }
+    return fmt::format("{} of {} answers are not this computer's; the first is {}", differences_,
+                       compared_, first_difference_);
+  }
+  bool is_same() const { return differences_ == 0; }
+
+ private:
+  struct Answer {
+    NodeAnswer answer;
+    std::uint8_t type;
+    std::vector<std::uint8_t> payload;
+
+    bool is(NodeAnswer other, const hal::LinkFrame& frame) const {
+      return answer == other && type == frame.type &&
+             std::equal(payload.begin(), payload.end(), frame.payload.begin(), frame.payload.end());
+    }
+  };
+  void keep_answer(TimeNs deadline_ns) {
+    const NodeAnswer answer = client_.receive(deadline_ns);
+    if (answer == NodeAnswer::none) return;
+    const hal::LinkFrame& frame = client_.frame();
+    answers_.push_back({answer, frame.type, {frame.payload.begin(), frame.payload.end()}});
+  }
+
+  hal::Clock& clock_;
+  LocalNode node_;
+  NodeClient client_;
+  std::deque<Answer> answers_;
+  std::uint64_t compared_ = 0, differences_ = 0;
+  std::string first_difference_;
+};
+
+struct BridgeCounts {
+  std::uint64_t estimates = 0, without_estimate = 0, without_time = 0, disconnections = 0;
+  std::uint64_t rows = 0;  // of estimates; fewer than estimates while a lag fills
+};
+
+enum class Fed { report, nothing, reconnected, end };
+
+// Takes the next report, waiting no longer than `wait_ns`.
+Fed take_report(BridgeInput& input, TimeNs wait_ns, hal::Clock& clock, hal::RawReport& report,
+                BridgeCounts& counts) {
+  switch (input.source->read(clock.now_ns() + wait_ns, report)) {
+    case hal::Status::ok:
+      return Fed::report;
+    case hal::Status::timeout:
+      return Fed::nothing;
+    case hal::Status::bad_report:
+      ++counts.without_time;
+      return Fed::nothing;
+    case hal::Status::disconnected:
+      ++counts.disconnections;
+      while (input.source->open() != hal::Status::ok) {
+        if (stop_requested() || !input.is_live) return Fed::end;
+        clock.sleep_until(clock.now_ns() + kPatience_ns);
+      }
+      return Fed::reconnected;
+    default:
+      return Fed::end;
+  }
+}
+
+std::string health_words(const std::optional<hal::HealthMessage>& health) {
+  if (!health) return "not known: it did not answer any more";
+  return fmt::format(
+      "{} frames refused, {} lost; {} bytes overrun, {} without room; {} of {} bytes of stack used",
+      health->frames.refused(), health->frames.lost, health->uart_overruns, health->dropped_bytes,
+      health->stack_used_bytes, health->stack_size_bytes);
+}
+
+// Between a source of reports and a target.
+class Bridge {
+ public:
+  Bridge(BridgeInput& input, NodeClient& client, Twin* twin, NodeRows& rows,
+         EstimatesFile* estimates, hal::Clock& clock)
+      : input_(input),
+        client_(client),
+        twin_(twin),
+        rows_(rows),
+        estimates_(estimates),
+        clock_(clock) {}
+
+  // False where the user stopped a recording.
+  bool run() {
+    Progress progress("feeding", clock_);
+    for (NodeAnswer answer = NodeAnswer::none; answer != NodeAnswer::finished;) {
+      if (has_input_ && stop_requested()) {
+        if (!input_.is_live) return false;
+        finish();  // a live run ends when the user says so
+      }
+      if (has_input_ && client_.has_room()) feed();
+      // A recording has its next report at once; a device is looked after every millisecond.
+      const TimeNs wait_ns = !client_.has_room() ? kPatience_ns : input_.is_live ? 1'000'000 : 0;
+      answer = client_.receive(clock_.now_ns() + wait_ns);
+      if (answer != NodeAnswer::none) take(answer);
+      progress.show(input_.progress());
+    }
+    return true;
+  }
+  const BridgeCounts& counts() const { return counts_; }
+
+ private:
+  void feed() {
+    const bool is_idle = client_.reports_sent() == counts_.estimates + counts_.without_estimate;
+    switch (take_report(input_, is_idle ? kPatience_ns : 0, clock_, report_, counts_)) {
+      case Fed::report:
+        client_.send(report_);
+        if (twin_ != nullptr) twin_->send(report_);
+        break;
+      case Fed::reconnected:
+        client_.reconnect();
+        if (twin_ != nullptr) twin_->reconnect();
+        break;
+      case Fed::nothing:
+        break;
+      case Fed::end:
+        finish();
+    }
+  }
+  void finish() {
+    has_input_ = false;
+    client_.finish();
+    if (twin_ != nullptr) twin_->finish();
+  }
+  void take(NodeAnswer answer) {
+    std::optional<EstimateRow> row;
+    if (answer == NodeAnswer::no_estimate) ++counts_.without_estimate;
+    if (answer == NodeAnswer::conclusion) rows_.take_conclusion(client_.frame());
+    if (answer == NodeAnswer::estimate) {
+      ++counts_.estimates;
+      row = rows_.row_of(client_.frame());
+    }
+    if (row) ++counts_.rows;
+    if (twin_ != nullptr) {
+      twin_->compare(answer, client_.frame(), [&] { return name_of_answer(row); });
+    }
+    if (row && estimates_ != nullptr) estimates_->write_row(*row);
+  }
+  // "row 100 of the estimates (time_s 1.65)".
+  std::string name_of_answer(const std::optional<EstimateRow>& row) const {
+    if (!row) return fmt::format("one without a row, after row {} of the estimates", counts_.rows);
+    std::string text = fmt::format("row {} of the estimates", counts_.rows);
+    if (!row->time_ns) return text;
+    text += " (time_s ";
+    append_time_s(text, *row->time_ns);
+    return text + ")";
+  }
+
+  BridgeInput& input_;
+  NodeClient& client_;
+  Twin* twin_;
+  NodeRows& rows_;
+  EstimatesFile* estimates_;
+  hal::Clock& clock_;
+  hal::RawReport report_;
+  bool has_input_ = true;
+  BridgeCounts counts_;
+};
+
+int bridge(const BridgeOptions& options) {
+  refuse_same_files({options.input, options.estimator.parameters, options.reading.profile},
+                    {options.out});
+  options.estimator.refuse_if_published("--lag", options.estimator.lag > 0);
+  options.estimator.refuse_if_published("--drive-missing and the like",
+                                        options.drive_stated.is_given());
+  hal::SteadyClock clock;
+  BridgeInput input =
+      open_bridge_input(options.input, options.serial, options.reading, clock, stop_requested);
+  if (!is_available(input.layout.kind, options.followed)) {
+    throw InputError("--point", "there is one point", "leave it out");
+  }
+  hal::StartMessage start = start_of(options, input);
+
+  hal::SerialPort port(clock);
+  if (port.open(options.port, options.baud) != hal::Status::ok) {
+    throw InputError(options.port, port.problem(), "name a serial port, or unix:SOCKET");
+  }
+  NodeClient client(port, clock, options.port);
+  client.connect(stop_requested);
+  const unsigned scalar_size = client.greeting().scalar_size;
+  if (client.fault()) print_error("the target had stopped: " + fault_words(*client.fault()));
+  start.identifies =
+      input.has_drive && !options.estimator.is_published() && client.greeting().identifies;
+  client.begin(input.layout, start);
+  std::optional<Twin> twin;
+  if (options.checks) twin.emplace(scalar_size, input.layout, start, clock);
+
+  const bool is_published = options.estimator.is_published();
+  const int axis_count = is_published ? 0 : input.layout.kind == SampleKind::one_axis ? 1 : 3;
+  std::unique_ptr<EstimatesFile> estimates;
+  if (!options.out.empty()) {
+    estimates = std::make_unique<EstimatesFile>(options.out, axis_count, start.identifies);
+  }
+  NodeRows rows(axis_count, options.followed, scalar_size, start.identifies);
+  Bridge bridge(input, client, twin ? &*twin : nullptr, rows, estimates.get(), clock);
+  const auto keep_estimates = [&] {
+    if (!estimates) return;
+    estimates->close();
+    estimates->commit();
+  };
+  try {
+    if (!bridge.run()) {
+      return report_stop();
+    }
+  } catch (const InputError& error) {
+    // What was measured live cannot be measured again.
+    if (!input.is_live || !estimates) throw;
+    keep_estimates();
+    throw InputError(std::string(error.what()) + "; the estimates so far are in " + options.out);
+  }
+  const std::string problem = input.problem();
+  if (!problem.empty()) throw InputError(problem);
+  keep_estimates();
+  const std::optional<hal::HealthMessage> health = client.ask_health();
+  const BridgeCounts& counts = bridge.counts();
+
+  std::string text =
+      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
+  const auto line = [&text](const char* label, const std::string& words) {
+    text += fmt::format("{:<12}{}\n", label, clean_line(words));
+  };
+  line("input", options.input + ", " + input.words);
+  line("target", options.port + ": " + greeting_words(client.greeting()));
+  line("reports", fmt::format("{} sent, {} lost on the line; {} estimates, {} without one",
+                              client.reports_sent(), client.reports_lost(), counts.estimates,
+                              counts.without_estimate));
+  if (counts.disconnections > 0) {
+    line("device", fmt::format("went away {} times; the target knows of {}", counts.disconnections,
+                               health ? std::to_string(health->disconnections) : "no number"));
+  }
+  if (counts.without_time > 0) {
+    line("left out", fmt::format("{} samples without a time", counts.without_time));
+  }
+  if (start.identifies) {
+    text += joint_text(rows.conclusion(), start.recommended.joint);
+  } else if (input.has_drive && !is_published) {
+    line("drive", "not used: the target has no memory to identify friction and mass");
+  }
+  line("its side", health_words(health));
+  line("this side",
+       fmt::format("{} frames refused, {} lost", client.frames_refused(), client.frames_lost()));
+  if (twin) line("check", twin->words());
+  if (estimates) line("estimates", options.out);
+  print_output(text);
+  const bool is_whole =
+      client.reports_lost() == 0 && client.frames_lost() == 0 && rows.unreadable() == 0;
+  if (!is_whole) print_error("warning: not every report has its estimate");
+  return is_whole && (!twin || twin->is_same()) ? kExitOk : kExitRefused;
+}
+
+}  // namespace
+
+Command add_bridge(CommandLine app) {
+  auto options = std::make_shared<BridgeOptions>();
+  const CommandLine command = app.add_command(
+      "bridge",
+      "Feed an estimator on a microcontroller with reports over a serial line, and take its "
+      "estimates; Ctrl-C ends a live run",
+      "Measure with a device");
+  command.add_example("condyle bridge jaw.csv --port /dev/ttyUSB0 --check --out estimates.csv",
+                      "Replay a recording through a microcontroller, and compare each answer with "
+                      "this computer's.");
+  command.add_example("condyle bridge hid:bow.toml --port /dev/ttyUSB0 --out estimates.csv",
+                      "Feed it with the reports of a device.");
+  command
+      .add_option("INPUT", options->input,
+                  "hid:PROFILE or usb:PROFILE, a device; or a recording, as for replay")
+      .required();
+  command
+      .add_option("--port", options->port,
+                  "Serial port of the microcontroller, or unix:SOCKET of an emulator")
+      .required();
+  command.add_option("--baud", options->baud, "Symbols per second").show_default();
+  command.add_flag("--check", options->checks,
+                   "Run the same estimator here as well and compare every answer, byte for byte");
+  options->estimator.add_to(command);
+  options->drive_stated.add_to(command);
+  command.add_option("--point", options->followed.point, "Point to follow")
+      .within(1, 3)
+      .show_default();
+  auto axis = std::make_shared<std::string>("z");
+  command.add_option("--axis", *axis, "Axis to follow").one_of({"x", "y", "z"}).show_default();
+  auto faults = std::make_shared<std::string>("refuse");
+  command.add_option("--faults", *faults, "What to do with missing, non-finite and reversed rows")
+      .one_of({"refuse", "event"})
+      .show_default();
+  command.add_option("--unit", options->unit, "Unit of coordinates where the format states none")
+      .one_of({"mm", "m"});
+  command.add_option("--profile=FILE", options->reading.profile,
+                     "TOML file that describes the device of a recording");
+  command.add_option("--serial", options->serial, "Serial number, where several are plugged in");
+  command.group("Output").add_option("-o,--out=FILE", options->out, "CSV file for the estimates");
+  return [options, axis, faults] {
+    options->followed.axis = static_cast<Axis>((*axis)[0] - 'x');
+    options->reading.faults = *faults == "event" ? FaultPolicy::event : FaultPolicy::refuse;
+    if (!options->unit.empty()) {
+      options->reading.units_per_metre = options->unit == "mm" ? 1000 : 1;
+    }
+    return bridge(*options);
+  };
+}
+
+}  // namespace condyle::host

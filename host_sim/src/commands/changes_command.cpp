@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+// Looks for changes of effective damping in a recording with a measured drive.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "changes/change_report.h"
+#include "commands/commands.h"
+#include "condyle/estimator/sensors/cycle_sensor.h"
+#include "condyle/firmware/run_loop.h"
+#include "condyle/hal/clock.h"
+#include "estimation/replayed_drive.h"
+#include "hosted/config/parameter_file.h"
+#include "hosted/files/input_error.h"
+#include "options/command_line.h"
+#include "options/drive_options.h"
+#include "options/estimator_option.h"
+#include "options/recording_choice.h"
+#include "output/progress.h"
+#include "recordings/replay_facebow.h"
+
+namespace condyle::host {
+namespace {
+
+struct ChangesOptions : RecordingChoice {
+  std::string recording, drive, parameters, out, figures;
+  DriveOptions drive_stated;
+  double false_alarm_interval_h = 0;
+  std::optional<double> smallest_change_Ns_m;
+};
+
+// What came out of the recording.
+struct WatchedRecording {
+  std::vector<TimedCycle<double>> cycles;
+  JointEstimate<double> identified;
+  std::optional<TimeNs> watched_from_ns;
+  std::vector<std::string> notes;
+};
+
+RecommendedParameters choose_parameters(const ChangesOptions& options, const RecordingInfo& info) {
+  RecommendedParameters parameters;
+  if (!options.parameters.empty()) {
+    parameters = load_recommended_parameters(options.parameters);
+  } else if (!info.parameters_toml.empty()) {
+    parameters =
+        parse_recommended_parameters(options.recording + ": its parameters", info.parameters_toml);
+  }
+  options.drive_stated.apply(parameters.joint);
+  double& change_Ns_m = parameters.changes.detector.change_Ns_m;
+  change_Ns_m = options.smallest_change_Ns_m.value_or(change_Ns_m);
+  if (parameters.joint.coulomb_N.mean != 0 || parameters.joint.coulomb_N.sd != 0) {
+    throw InputError("--coulomb-sd-N",
+                     "all friction counts as effective damping here, Coulomb friction as well",
+                     "leave it out, as coulomb_N and coulomb_sd_N of a parameter file");
+  }
+  // Of 1, a change of damping is one of what the drive misses as well.
+  if (parameters.joint.drive.missing_share >= 1) {
+    throw InputError("--drive-missing",
+                     "nobody says how much of the force the drive misses, and where it is not "
+                     "known in full neither is a change of damping",
+                     "state the largest share that it may miss (0 to 1), and do so truly");
+  }
+  return parameters;
+}
+
+void check(const ChangesOptions& options, const RecordingInfo& info) {
+  options.RecordingChoice::check(options.recording, info);
+  if (!options.drive.empty() && info.has_drive) {
+    throw InputError(options.recording, "has a drive of its own",
+                     "leave out --drive, or its column with --ignore-column drive_N");
+  }
+  if (options.drive.empty() && !info.has_drive) {
+    throw InputError(options.recording,
+                     "has no drive, and without the force that moves the jaw nothing is known of "
+                     "its damping",
+                     "give one with --drive FILE");
+  }
+}
+
+template <int kAxes>
+WatchedRecording watch(const ChangesOptions& options, const RecommendedParameters& parameters,
+                       ReplayFacebow& facebow, hal::Clock& clock) {
+  const RecordingInfo& info = facebow.info();
+  firmware::RunSettings settings;
+  settings.followed = options.followed;
+  settings.expects_drive = info.has_drive;
+  settings.nominal_step_ns = facebow.expected_step_ns();
+  refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
+                   "its median step", "check the unit of time_s");
+  std::optional<DriveChannel> channel;
+  if (!options.drive.empty()) channel.emplace(options.drive, options.reading.faults);
+  ReplayedDriveSensor<CycleSensor<double, kAxes>> sensor(
+      channel ? &*channel : nullptr, parameters.joint.drive.delay_s, parameters,
+      FollowedPoint{.point = options.followed.point},
+      kAxes == 3 ? static_cast<int>(options.followed.axis) : 0);
+  WatchedRecording result;
+  firmware::RunCounts counts;
+  Progress progress("watching", clock);
+  (void)firmware::run(
+      facebow, clock, sensor, settings, counts,
+      [&](const Sample&, const CycleEstimate<double>& estimate) {
+        for (std::size_t i = 0; i < estimate.cycle_count; ++i)
+          result.cycles.push_back(estimate.cycles[i]);
+        if (!result.watched_from_ns && sensor.timeline().is_watching()) {
+          result.watched_from_ns = estimate.time_ns;
+        }
+        progress.show(facebow.progress());
+      },
+      [&] { return stop_requested() || !facebow.problem().empty(); });
+  if (!facebow.problem().empty()) throw InputError(facebow.problem());
+  result.identified = sensor.timeline().identified();
+  result.notes = info.notes;
+  for (const std::string& note : sensor.notes()) {
+    result.notes.push_back(note);
+  }
+  return result;
+}
+
+// Why no cycle was watched.
+[[noreturn]] void refuse_unwatched(const ChangesOptions& options,
+                                   const RecommendedParameters& parameters, JointLimit limit) {
+  if (is_failure(limit) && limit != JointLimit::no_drive && limit != JointLimit::too_early) {
+    throw InputError(
+        options.recording,
+        fmt::format("drive and model do not explain the motion, so that its damping is "
+                    "not known ({}; `condyle replay` says more)",
+                    limit_name(limit)),
+        "measure the total force, unfiltered, and leave out contacts");
+  }
+  throw InputError(options.recording,
+                   fmt::format("ends before the point was identified, which takes {:g} s of motion "
+                               "with its drive",
+                               parameters.changes.identification_s),
+                   "record longer");
+}
+
+// The interval in cycles is known only now.
+void check_interval(const ChangesOptions& options, const RecommendedParameters& parameters,
+                    const ChangeWatch& found) {
+  ChangeParameters detector = parameters.changes.detector;
+  detector.false_alarm_cycles = found.false_alarm_cycles;
+  if (found.counted == 0 || is_valid(detector)) return;
+  throw InputError("--false-alarm-interval-h",
+                   fmt::format("{:g} h are {:.3g} cycles of this recording",
+                               options.false_alarm_interval_h, found.false_alarm_cycles),
+                   "choose an interval of 100 to 1e9 cycles");
+}
+
+int changes(const ChangesOptions& options) {
+  refuse_same_files({options.recording, options.parameters, options.drive}, {options.out});
+  hal::SteadyClock clock;
+  ReplayFacebow facebow(options.recording, options.reading, 0, clock);
+  if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
+  check(options, facebow.info());
+  const RecommendedParameters parameters = choose_parameters(options, facebow.info());
+  // Opened first, so that an output that cannot be written is said before the work.
+  std::unique_ptr<OutputFolder> folder;
+  if (!options.figures.empty()) folder = std::make_unique<OutputFolder>(options.figures);
+  std::vector<std::unique_ptr<OutputFile>> files;
+  if (!options.out.empty()) files.push_back(std::make_unique<OutputFile>(options.out));
+
+  const WatchedRecording recording = facebow.info().kind == SampleKind::one_axis
+                                         ? watch<1>(options, parameters, facebow, clock)
+                                         : watch<3>(options, parameters, facebow, clock);
+  if (stop_requested()) {
+    return report_stop();
+  }
+  if (!recording.watched_from_ns) {
+    refuse_unwatched(options, parameters, recording.identified.mass_kg.limit);
+  }
+  const JointEstimate<double>& identified = recording.identified;
+  WatchSettings settings{parameters.changes.detector, options.false_alarm_interval_h,
+                         parameters.joint.drive, identified.mass_kg.fitted};
+  if (parameters.joint.delay == DelayModel::fitted) {
+    settings.drive.delay_sd_s = identified.delay_s.fitted_sd;
+  }
+  const ChangeWatch found = watch_cycles(recording.cycles, settings);
+  check_interval(options, parameters, found);
+  if (!options.out.empty()) {
+    files.back()->write(changes_csv(found));
+    files.back()->close();
+  }
+  if (folder) {
+    const auto name = std::filesystem::path(options.recording).filename().string();
+    for (auto& figure : draw_changes(options.figures, name, found)) {
+      files.push_back(std::move(figure));
+    }
+  }
+  std::string text = fmt::format(
+      "condyle {}: research use only; this is no diagnosis\n"
+      "{:<14}{}, {}\n",
+      CONDYLE_VERSION, "recording", options.recording, facebow.info().format);
+  for (const std::string& note : recording.notes) text += fmt::format("{:<14}{}\n", "note", note);
+  text += fmt::format(
+      "{:<14}until {:.1f} s: about {:.3g} Ns/m, {:.3g} kg, {:.3g} N/m; the cycles after it are "
+      "watched\n",
+      "identified", seconds(*recording.watched_from_ns), identified.friction_Ns_m.fitted,
+      identified.mass_kg.fitted, identified.stiffness_N_m.fitted);
+  text += changes_text(found, settings);
+  text += commit_all(files);
+  print_output(text);
+  return kExitOk;
+}
+
+}  // namespace
+
+Command add_changes(CommandLine app) {
+  auto options = std::make_shared<ChangesOptions>();
+  const CommandLine command = app.add_command(
+      "changes", "Detect changes in effective damping, where the drive is measured in full",
+      "Analyse recordings");
+  command.add_example(
+      "condyle changes chewing.csv --drive chewing.drive.csv --drive-missing 0 "
+      "--false-alarm-interval-h 8",
+      "Watch the damping of each chewing cycle.");
+  command.add_example(
+      "condyle changes chewing.csv --drive chewing.drive.csv --drive-missing 0 "
+      "--false-alarm-interval-h 8 --out cycles.csv",
+      "Also write a row for each cycle.");
+  command.add_option("RECORDING", options->recording, "As for replay").required();
+  command
+      .add_option("--false-alarm-interval-h", options->false_alarm_interval_h,
+                  "Hours of chewing between two false alarms, on average")
+      .required()
+      .number_in({1e-6, 1e9});
+  command
+      .add_option("--smallest-change-Ns-m", options->smallest_change_Ns_m,
+                  "Smallest lasting change that matters to you (0.05)")
+      .number_in({1e-9, 1e6});
+  command.add_option("--drive=FILE", options->drive,
+                     "Total force along the followed axis, recorded apart: CSV with time_s and "
+                     "drive_N, or a session log");
+  options->drive_stated.add_to(command);
+  command.add_option("--parameters=FILE", options->parameters, "TOML file, as for replay");
+  options->add_to(command);
+  command.group("Output").add_option("-o,--out=FILE", options->out,
+                                     "CSV file with a row per cycle");
+  command.group("Output").add_option("--figures=FOLDER", options->figures,
+                                     "Folder for figures (SVG and PNG)");
+  return [options] { return changes(*options); };
+}
+
+}  // namespace condyle::host

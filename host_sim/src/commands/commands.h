@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// The subcommands of condyle. Each adds itself to the command line; the returned function runs it
+// and gives the exit code.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "options/command_line.h"
+
+namespace condyle::host {
+
+/// Done.
+inline constexpr int kExitOk = 0;
+/// The command line or an input cannot be used.
+inline constexpr int kExitBadInput = 2;
+/// What was to be judged is not as it must be; the message says where and why.
+inline constexpr int kExitRefused = 3;
+/// Stopped by the user.
+inline constexpr int kExitInterrupted = 130;
+/// A defect of condyle's own.
+inline constexpr int kExitInternal = 70;
+
+using Command = std::function<int()>;
+
+/// `condyle replay`
+Command add_replay(CommandLine app);
+/// `condyle simulate`
+Command add_simulate(CommandLine app);
+/// `condyle evaluate`
+Command add_evaluate(CommandLine app);
+/// `condyle friction`
+Command add_friction(CommandLine app);
+/// `condyle observability`
+Command add_observability(CommandLine app);
+/// `condyle protocol`
+Command add_protocol(CommandLine app);
+/// `condyle changes`
+Command add_changes(CommandLine app);
+/// `condyle tune`
+Command add_tune(CommandLine app);
+/// `condyle compare`
+Command add_compare(CommandLine app);
+/// `condyle bridge`
+Command add_bridge(CommandLine app);
+/// `condyle record`
+Command add_record(CommandLine app);
+/// `condyle session`
+Command add_session(CommandLine app);
+/// `condyle inspect`
+Command add_inspect(CommandLine app);
+/// `condyle doctor`
+Command add_doctor(CommandLine app);
+/// `condyle fake`
+Command add_fake(CommandLine app);
+
+/// Writes `text` to the standard output, or to the error output where a file was named "-"; an
+/// InputError where that is closed or full.
+void print_output(const std::string& text);
+/// Writes "condyle: `text`" to the error output, if anybody listens.
+void print_error(const std::string& text);
+
+/// Says that the user stopped the command, which leaves no file; its exit code.
+int report_stop();
+
+/// True once the user asked the program to stop (SIGINT, SIGTERM).
+bool stop_requested();
+
+}  // namespace condyle::host

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+// Several estimators on the same recordings, or several sessions of one subject.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "commands/commands.h"
+#include "comparison/comparison_text.h"
+#include "comparison/session_text.h"
+#include "condyle/hal/clock.h"
+#include "hosted/files/input_error.h"
+#include "options/command_line.h"
+#include "output/progress.h"
+
+namespace condyle::host {
+namespace {
+
+struct CompareOptions {
+  std::vector<std::string> recordings, estimators, sessions;
+  int lag = 0;
+  std::string out, figures;
+  ComparisonPlan plan;
+};
+
+// A session as the command line names it.
+struct SessionFiles {
+  std::string name;
+  std::vector<std::string> recordings;
+};
+
+SessionFiles parse_session(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    throw InputError("--session " + text, "does not say its name and its recordings",
+                     "write --session before=A.csv,B.csv,C.csv");
+  }
+  SessionFiles session{text.substr(0, equals), {}};
+  for (std::size_t begin = equals + 1; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    if (end == begin) {
+      throw InputError("--session " + session.name,
+                       end == text.size() && begin == equals + 1 ? "has no recordings"
+                                                                 : "one of its names is empty",
+                       "write --session before=A.csv,B.csv,C.csv");
+    }
+    session.recordings.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  if (text.ends_with(',')) {
+    throw InputError("--session " + session.name, "one of its names is empty",
+                     "leave out the last comma");
+  }
+  return session;
+}
+
+void refuse_repeated_names(const char* option, const std::vector<std::string>& names) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
+        names.begin() + static_cast<std::ptrdiff_t>(i)) {
+      throw InputError(fmt::format("{} {}", option, names[i]), "is given twice",
+                       "give each its own name, once");
+    }
+  }
+}
+
+std::vector<NamedEstimator> choose_estimators(const CompareOptions& options) {
+  std::vector<std::string> names = options.estimators;
+  if (names.empty()) {
+    names = options.sessions.empty() ? std::vector<std::string>{"recommended", "published"}
+                                     : std::vector<std::string>{"recommended"};
+  }
+  refuse_repeated_names("--with", names);
+  std::vector<NamedEstimator> estimators;
+  for (const std::string& name : names) estimators.push_back(parse_estimator(name, options.lag));
+  if (std::all_of(estimators.begin(), estimators.end(),
+                  [](const NamedEstimator& named) { return named.option.is_published(); })) {
+    estimators[0].option.refuse_if_published("--lag", options.lag > 0);
+    estimators[0].option.refuse_if_published("--drive-...", options.plan.drive.is_given());
+  }
+  return estimators;
+}
+
+std::vector<SessionFiles> choose_sessions(const CompareOptions& options) {
+  if (options.sessions.empty()) {
+    if (!options.recordings.empty()) return {};
+    throw InputError("compare", "has nothing to compare",
+                     "name recordings, or sessions with --session NAME=A.csv,B.csv");
+  }
+  if (!options.recordings.empty()) {
+    throw InputError("--session", "does not go with recordings named apart",
+                     "put each recording into its session");
+  }
+  std::vector<SessionFiles> sessions;
+  std::vector<std::string> names;
+  for (const std::string& text : options.sessions) {
+    sessions.push_back(parse_session(text));
+    names.push_back(sessions.back().name);
+  }
+  refuse_repeated_names("--session", names);
+  if (sessions.size() < 2) {
+    throw InputError("--session", "one session alone has nothing to be compared with",
+                     "give a second --session");
+  }
+  if (options.estimators.size() > 1) {
+    throw InputError("--with", "sessions are compared by one estimator", "give one");
+  }
+  return sessions;
+}
+
+std::vector<Session> group(const std::vector<SessionFiles>& sessions,
+                           std::vector<RecordingReport> reports) {
+  std::vector<Session> result;
+  auto next = reports.begin();
+  for (const SessionFiles& session : sessions) {
+    result.push_back({session.name, {}});
+    for (std::size_t i = 0; i < session.recordings.size(); ++i) {
+      result.back().recordings.push_back(std::move(*next++));
+    }
+  }
+  return result;
+}
+
+// What is said, and the content of the table; the figures join `files`.
+struct Outcome {
+  std::string text, table;
+};
+
+Outcome compare_all(const CompareOptions& options, const ComparisonPlan& plan,
+                    const std::vector<SessionFiles>& session_files,
+                    std::vector<RecordingReport> reports,
+                    std::vector<std::unique_ptr<OutputFile>>& figures) {
+  if (session_files.empty()) {
+    if (!options.figures.empty()) {
+      figures = draw_comparison(options.figures, plan.estimators, reports);
+    }
+    return {comparison_text(plan.estimators, reports), comparison_csv(plan.estimators, reports)};
+  }
+  const std::vector<Session> sessions = group(session_files, std::move(reports));
+  const SessionComparison comparison = compare_sessions(sessions);
+  const std::string& estimator = plan.estimators[0].name;
+  if (!options.figures.empty()) {
+    figures = draw_sessions(options.figures, estimator, sessions, comparison);
+  }
+  return {session_text(estimator, sessions, comparison), session_csv(sessions, comparison)};
+}
+
+int compare(const CompareOptions& options) {
+  const std::vector<SessionFiles> sessions = choose_sessions(options);
+  std::vector<std::string> sources = options.recordings;
+  for (const SessionFiles& session : sessions) {
+    sources.insert(sources.end(), session.recordings.begin(), session.recordings.end());
+  }
+  refuse_repeated_recordings(sources);
+  ComparisonPlan plan = options.plan;
+  plan.estimators = choose_estimators(options);
+  std::vector<std::string> inputs = sources;
+  inputs.push_back(plan.choice.reading.profile);
+  for (const NamedEstimator& estimator : plan.estimators) {
+    inputs.push_back(estimator.option.parameters);
+  }
+  refuse_same_files(inputs, {options.out});
+  check_recordings(sources, plan);
+  // Opened first, so that an output that cannot be written is said before the work.
+  std::unique_ptr<OutputFolder> folder;
+  if (!options.figures.empty()) folder = std::make_unique<OutputFolder>(options.figures);
+  std::vector<std::unique_ptr<OutputFile>> files;
+  if (!options.out.empty()) files.push_back(std::make_unique<OutputFile>(options.out));
+
+  hal::SteadyClock clock;
+  std::vector<RecordingReport> reports;
+  {
+    Progress progress("comparing", clock, 1);
+    reports = compare_recordings(
+        sources, plan,
+        {[&](double share) { progress.show(share); }, [] { return stop_requested(); }});
+  }
+  if (stop_requested()) {
+    return report_stop();
+  }
+  std::vector<std::unique_ptr<OutputFile>> figures;
+  const Outcome outcome = compare_all(options, plan, sessions, std::move(reports), figures);
+  if (!files.empty()) {
+    files[0]->write(outcome.table);
+    files[0]->close();
+  }
+  std::string text =
+      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) +
+      outcome.text;
+  for (auto& figure : figures) files.push_back(std::move(figure));
+  text += commit_all(files);
+  if (folder && figures.empty()) text += "no figure: there are no values to draw\n";
+  print_output(text);
+  return kExitOk;
+}
+
+}  // namespace
+
+Command add_compare(CommandLine app) {
+  auto options = std::make_shared<CompareOptions>();
+  const CommandLine command = app.add_command(
+      "compare",
+      "Compare estimators on the same recordings, or sessions of one subject, with the smallest "
+      "change that can be told from repeat recordings",
+      "Analyse recordings");
+  command.add_example("condyle compare jaw.csv --with recommended --with published",
+                      "Judge two estimators by the next sample, which neither has seen.");
+  command.add_example(
+      "condyle compare --session before=a.csv,b.csv,c.csv --session after=d.csv,e.csv,f.csv",
+      "Compare two sessions, with the smallest detectable change.");
+  command.add_option("RECORDING", options->recordings, "Recordings, each as for replay");
+  command
+      .add_option("--with", options->estimators,
+                  "An estimator: recommended, published, recommended:FILE.toml or "
+                  "published:FILE.toml with its parameters; may be given several times, the first "
+                  "is what the others are held to. Without it both, for sessions recommended")
+      .one_value_each();
+  command
+      .add_option("--session", options->sessions,
+                  "NAME=A.csv,B.csv,C.csv: a session and its repeat recordings; may be given "
+                  "several times")
+      .one_value_each();
+  command.add_option("--lag", options->lag, "Samples that an estimate waits for (recommended)")
+      .within(0, 16)
+      .show_default();
+  options->plan.choice.add_to(command);
+  options->plan.drive.add_to(command);
+  command.group("Output").add_option(
+      "-o,--out=FILE", options->out,
+      "CSV file: a row per recording and estimator; for sessions per quantity and "
+      "pair of sessions");
+  command.group("Output").add_option("--figures=FOLDER", options->figures,
+                                     "Folder for the figure (SVG and PNG)");
+  return [options] { return compare(*options); };
+}
+
+}  // namespace condyle::host

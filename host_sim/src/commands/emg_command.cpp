@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// Friction from EMG.
+#include "commands/emg_command.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
+#include "options/command_line.h"
+#include "output/output_file.h"
+#include "protocols/emg/emg_report.h"
+
+namespace condyle::host {
+namespace {
+
+struct EmgOptions {
+  EmgSource source;  // without point, axis, unit and noise
+  std::string muscles, axis = "z", unit, faults = "refuse", out;
+  double noise_mm = 0.05;
+  std::optional<double> mass_kg, mass_sd_kg, resolution_Ns_m, error_share;
+  Option axis_option;
+};
+
+int run(const EmgOptions& options) {
+  EmgSource source = options.source;
+  source.followed.axis = static_cast<Axis>(options.axis[0] - 'x');
+  source.axis_given = options.axis_option.is_given();
+  source.noise_sd_m = 1e-3 * options.noise_mm;
+  if (!options.unit.empty()) source.reading.units_per_metre = options.unit == "mm" ? 1000 : 1;
+  source.reading.faults = source.emg_reading.faults =
+      options.faults == "event" ? FaultPolicy::event : FaultPolicy::refuse;
+  const bool is_json = options.out.ends_with(".json");
+  if (!options.out.empty() && !is_json && !options.out.ends_with(".csv")) {
+    throw InputError(options.out, "is neither .json nor .csv",
+                     "give NAME.json for the values or NAME.csv for a row per position");
+  }
+  source.keeps_rows = !options.out.empty() && !is_json;
+  refuse_same_files({source.recording, source.emg, options.muscles}, {options.out});
+
+  MuscleFile muscles = load_muscles(options.muscles);
+  EmgParameters& parameters = muscles.identification;
+  parameters.mass_kg.mean = options.mass_kg.value_or(parameters.mass_kg.mean);
+  parameters.mass_kg.sd = options.mass_sd_kg.value_or(parameters.mass_kg.sd);
+  parameters.error_share = options.error_share.value_or(parameters.error_share);
+  parameters.friction_resolution_Ns_m =
+      options.resolution_Ns_m.value_or(parameters.friction_resolution_Ns_m);
+  const EmgResult result = identify_from_emg(source, muscles);
+  std::string text =
+      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) +
+      emg_text(result);
+  if (!options.out.empty()) {
+    OutputFile file(options.out);
+    file.write(is_json ? emg_json(result) : result.rows);
+    file.close();
+    file.commit();
+    text += clean_line(file.path()) + "\n";
+  }
+  print_output(text);
+  return kExitOk;
+}
+
+}  // namespace
+
+Command add_emg(CommandLine app) {
+  auto options = std::make_shared<EmgOptions>();
+  const CommandLine command = app.add_command(
+      "emg",
+      "Friction from EMG and a muscle model, with the mass assumed; or that it is not known");
+  command.add_option("RECORDING", options->source.recording, "As for replay").required();
+  command.add_option("--emg=FILE", options->source.emg, "CSV: time_s and a column per muscle")
+      .required();
+  command
+      .add_option("--muscles=FILE", options->muscles,
+                  "TOML file: jaw, muscles, their columns; host_sim/muscles has some")
+      .required();
+  command.add_flag("--raw", options->source.emg_reading.is_raw,
+                   "The columns are raw EMG, not envelopes");
+  command
+      .add_option("--raw-maximum", options->source.emg_reading.raw_maximum,
+                  "Envelope of a maximal contraction, for muscles whose maximum the file does not "
+                  "give")
+      .number_in({1e-12, 1e12});
+  command.add_option("--assumed-mass-kg", options->mass_kg, "Mass at the followed point")
+      .number_in({1e-6, 100});
+  command.add_option("--assumed-mass-sd-kg", options->mass_sd_kg, "Its standard deviation")
+      .number_in({0, 100});
+  command
+      .add_option("--error-share", options->error_share,
+                  "rms of what the muscles' force gets wrong, of that force (0.46)")
+      .number_in({1e-3, 10});
+  command
+      .add_option("--friction-resolution-Ns-m", options->resolution_Ns_m,
+                  "Smallest difference of friction that matters to you (0.1)")
+      .number_in({1e-9, 1e6});
+  command.add_option("--noise-mm", options->noise_mm, "Standard deviation of a measured position")
+      .number_in({1e-6, 100})
+      .show_default();
+  command.add_option("--point", options->source.followed.point, "Point to follow")
+      .within(1, 3)
+      .show_default();
+  options->axis_option = command.add_option("--axis", options->axis, "Axis to follow")
+                             .one_of({"x", "y", "z"})
+                             .show_default();
+  command.add_option("--unit", options->unit, "Unit of coordinates where the format states none")
+      .one_of({"mm", "m"});
+  command.add_option("--faults", options->faults, "Rows that cannot be used")
+      .one_of({"refuse", "event"})
+      .show_default();
+  command.group("Output").add_option("-o,--out=FILE", options->out,
+                                     "NAME.json for the values, NAME.csv for a row per position");
+  return [options] { return run(*options); };
+}
+
+}  // namespace condyle::host

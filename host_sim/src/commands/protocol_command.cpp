@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+// Protocols for users without a force sensor: plan, fit and combine passive releases; the head's
+// motion is in head_motion_command.cpp.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "commands/commands.h"
+#include "commands/emg_command.h"
+#include "commands/head_motion_command.h"
+#include "hosted/files/input_error.h"
+#include "options/command_line.h"
+#include "output/output_file.h"
+#include "protocols/release/release_plan.h"
+#include "protocols/release/release_report.h"
+
+namespace condyle::host {
+namespace {
+
+// What `release` and `combine` share.
+struct FitOptions {
+  ReleaseSource source;  // without the recording and its times
+  double noise_mm = 0;
+  std::optional<double> let_go_ms;
+  ReleaseResolution resolution;
+  std::string axis = "z", unit, out, figures;
+  Option axis_option;
+
+  void add_to(CommandLine command) {
+    command.add_option("--point", source.followed.point, "Point to follow")
+        .within(1, 3)
+        .show_default();
+    axis_option =
+        command.add_option("--axis", axis, "Axis to follow").one_of({"x", "y", "z"}).show_default();
+    command.add_option("--unit", unit, "Unit of coordinates where the format states none")
+        .one_of({"mm", "m"});
+    command
+        .add_option("--noise-mm", noise_mm,
+                    "Standard deviation of a measured position; without it, the residuals' own, "
+                    "which cannot tell a wrong model by its size")
+        .number_in({1e-6, 100});
+    command
+        .add_option(
+            "--let-go-ms", let_go_ms,
+            "The support was gone this long after the begin, for certain; without it a slow "
+            "hand and an overdamped jaw cannot be told apart")
+        .number_in({0, 1000});
+    command.group("Output").add_option("-o,--out=FILE", out, "JSON file for the values");
+    command.group("Output").add_option("--figures=FOLDER", figures,
+                                       "Folder for figures (SVG and PNG)");
+  }
+  ReleaseSource source_of(const std::string& recording, std::optional<double> begin_s,
+                          std::optional<double> end_s) const {
+    ReleaseSource result = source;
+    result.recording = recording;
+    result.begin_s = begin_s;
+    result.end_s = end_s;
+    result.let_go_s = 1e-3 * let_go_ms.value_or(0);
+    result.followed.axis = static_cast<Axis>(axis[0] - 'x');
+    result.axis_given = axis_option.is_given();
+    if (!unit.empty()) result.reading.units_per_metre = unit == "mm" ? 1000 : 1;
+    return result;
+  }
+  ReleaseSettings settings() const {
+    ReleaseSettings result;
+    result.noise_sd_m = 1e-3 * noise_mm;
+    result.is_sudden = let_go_ms.has_value();
+    result.resolution = resolution;
+    return result;
+  }
+};
+
+// Writes what was asked for beside the text, then prints that.
+int finish(const FitOptions& options, const std::vector<std::string>& recordings,
+           const std::string& text, const std::string& json,
+           const std::vector<std::pair<std::string, const FittedRelease*>>& releases) {
+  refuse_same_files(recordings, {options.out});
+  std::unique_ptr<OutputFolder> folder;
+  std::vector<std::unique_ptr<OutputFile>> files;
+  if (!options.figures.empty()) {
+    folder = std::make_unique<OutputFolder>(options.figures);
+    files = draw_releases(options.figures, releases);
+  }
+  if (!options.out.empty()) {
+    files.push_back(std::make_unique<OutputFile>(options.out));
+    files.back()->write(json);
+    files.back()->close();
+  }
+  std::string all =
+      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) + text;
+  all += commit_all(files);
+  print_output(all);
+  return kExitOk;
+}
+
+const Range kTimeRange{0, 1e9};
+
+Command add_plan(CommandLine app) {
+  auto plan = std::make_shared<ReleasePlan>();
+  const CommandLine command = app.add_command(
+      "plan-release", "Print the standard deviation to expect, and how long to record");
+  const auto add = [&](const char* name, double& value, const char* meaning, Range range) {
+    command.add_option(name, value, meaning).number_in(range).show_default();
+  };
+  add("--rate-Hz", plan->rate_Hz, "Samples per second", {1, 1e4});
+  add("--noise-mm", plan->noise_mm, "Standard deviation of a measured position", {1e-6, 100});
+  add("--duration-s", plan->duration_s, "Length of the release", {1e-3, 60});
+  add("--opening-mm", plan->opening_mm, "From the rest position to where the jaw is let go",
+      {1e-3, 100});
+  add("--damping-rate-per-s", plan->damping_rate_per_s, "Expected kv/m", {0, 1e4});
+  add("--natural-frequency-Hz", plan->natural_frequency_Hz,
+      "Expected natural frequency, sqrt(ks/m) / (2 pi)", {1e-2, 1e3});
+  command
+      .add_option("--wanted-damping-rate-sd-per-s", plan->wanted_damping_rate_sd_per_s,
+                  "Standard deviation of kv/m to reach")
+      .number_in({1e-9, 1e9});
+  return [plan] {
+    print_output(plan_text(*plan));
+    return kExitOk;
+  };
+}
+
+Command add_release(CommandLine app) {
+  struct Options : FitOptions {
+    std::string recording;
+    std::optional<double> begin_s, end_s;
+  };
+  auto options = std::make_shared<Options>();
+  const CommandLine command = app.add_command(
+      "release", "Fit a passive release: kv/m, ks/m, damping ratio and natural frequency");
+  command.add_option("RECORDING", options->recording, "As for replay").required();
+  options->add_to(command);
+  command
+      .add_option("--begin-s", options->begin_s,
+                  "First time at which nobody held the jaw, from the first sample; else it is "
+                  "looked for")
+      .number_in(kTimeRange);
+  command
+      .add_option("--end-s", options->end_s,
+                  "Last time, from the first sample; else 0.6 s after the begin")
+      .number_in(kTimeRange);
+  command
+      .add_option("--damping-rate-resolution-per-s", options->resolution.damping_rate_per_s,
+                  "Smallest difference of kv/m that matters to you; measured is what is known to "
+                  "half of it")
+      .number_in({1e-9, 1e9})
+      .show_default();
+  return [options] {
+    const FittedRelease release =
+        fit_release(options->source_of(options->recording, options->begin_s, options->end_s),
+                    options->settings());
+    return finish(*options, {options->recording}, release_text(release), release_json(release),
+                  {{"release", &release}});
+  };
+}
+
+Command add_combine(CommandLine app) {
+  struct Options : FitOptions {
+    std::string first, second;
+    std::vector<double> begin_s, end_s;
+    ReleasePairSettings pair;
+  };
+  auto options = std::make_shared<Options>();
+  const CommandLine command = app.add_command(
+      "combine", "Combine two releases, the second with a known load, into kv, ks and m");
+  command.add_option("FIRST", options->first, "Recording without the load").required();
+  command.add_option("SECOND", options->second, "Recording with it").required();
+  options->add_to(command);
+  const auto add_times = [command](const char* name, std::vector<double>& value,
+                                   const char* meaning) {
+    command.add_option(name, value, meaning).values(2).number_in(kTimeRange);
+  };
+  add_times("--begin-s", options->begin_s, "Begin of the first and of the second release");
+  add_times("--end-s", options->end_s, "Their ends");
+  const auto add_load = [command](const std::string& name, const char* unit, KnownLoad& load,
+                                  const char* meaning) {
+    const Option value = command.add_option("--added-" + name + "-" + unit, load.value, meaning)
+                             .number_in({-1e4, 1e4});
+    command
+        .add_option("--added-" + name + "-sd-" + unit, load.standard_deviation,
+                    "Its standard deviation")
+        .number_in({0, 1e4})
+        .needs(value)
+        .show_default();
+  };
+  add_load("mass", "kg", options->pair.load.mass_kg,
+           "Mass fixed to the followed point; its weight counts only with --added-weight-N");
+  add_load("spring", "N-m", options->pair.load.stiffness_N_m,
+           "Spring between it and the head (N/m)");
+  add_load("weight", "N", options->pair.load.weight_N,
+           "Constant force on it, in the direction in which the position grows");
+  command
+      .add_option("--friction-resolution-Ns-m", options->pair.friction_resolution_Ns_m,
+                  "Smallest difference of kv that matters to you")
+      .number_in({1e-9, 1e6})
+      .show_default();
+  return [options] {
+    const ReleaseLoad& load = options->pair.load;
+    if (load.mass_kg.value == 0 && load.stiffness_N_m.value == 0 && load.weight_N.value == 0) {
+      throw InputError("combine", "no load is given, and without one no scale is known",
+                       "give --added-mass-kg, --added-spring-N-m or --added-weight-N");
+    }
+    if (load.stiffness_N_m.value != 0 && load.weight_N.value != 0) {
+      throw InputError("--added-weight-N",
+                       "cannot be used together with --added-spring-N-m, whose "
+                       "own rest position is not known",
+                       "use one of them");
+    }
+    const auto fit = [&](const std::string& recording, std::size_t i) {
+      const auto at = [i](const std::vector<double>& times) {
+        return times.empty() ? std::nullopt : std::optional(times[i]);
+      };
+      return fit_release(options->source_of(recording, at(options->begin_s), at(options->end_s)),
+                         options->settings());
+    };
+    const FittedRelease first = fit(options->first, 0), second = fit(options->second, 1);
+    const auto pair = combine_releases(first.fit, second.fit, options->pair);
+    return finish(*options, {options->first, options->second}, pair_text(first, second, pair),
+                  pair_json(first, second, pair),
+                  {{"first_release", &first}, {"second_release", &second}});
+  };
+}
+
+}  // namespace
+
+Command add_protocol(CommandLine app) {
+  const CommandLine command =
+      app.add_command("protocol",
+                      "Protocols without a force sensor: passive releases, the head's motion as "
+                      "a drive, EMG",
+                      "Analyse recordings");
+  command.add_example("condyle protocol plan-release --opening-mm 10",
+                      "Plan a passive release: what precision to expect.");
+  command.add_example("condyle protocol release release.csv --noise-mm 0.05",
+                      "Fit a passive release.");
+  command.require_command();
+  std::vector<std::pair<const char*, Command>> parts;
+  parts.emplace_back("plan-release", add_plan(command));
+  parts.emplace_back("release", add_release(command));
+  parts.emplace_back("combine", add_combine(command));
+  parts.emplace_back("plan-head-motion", add_plan_head_motion(command));
+  parts.emplace_back("head-motion", add_head_motion(command));
+  parts.emplace_back("emg", add_emg(command));
+  return [command, parts] {
+    for (const auto& [name, part] : parts) {
+      if (command.is_given(name)) return part();
+    }
+    return kExitBadInput;
+  };
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "commands/commands.h"
+#include "condyle/estimator/sensors/driven_sensor.h"
+#include "condyle/firmware/latency_histogram.h"
+#include "condyle/firmware/run_loop.h"
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/report/device_facebow.h"
+#include "hosted/config/parameter_file.h"
+#include "hosted/devices/device_words.h"
+#include "hosted/devices/session_device.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/text_file.h"
+#include "hosted/files/wall_clock.h"
+#include "options/command_line.h"
+#include "output/live_estimates.h"
+
+namespace condyle::host {
+namespace {
+
+struct RecordOptions {
+  std::vector<std::string> companions;  // profiles
+  std::string profile, out, estimates, parameters, subject;
+  std::string backend = "hidapi";
+  std::string serial;
+  Axis axis = Axis::z;
+  int point = 1;
+  double duration_s = 0, idle_s = 0;
+  std::uint64_t samples = 0;
+};
+
+// Says how the recording goes while it does.
+class Monitor {
+ public:
+  Monitor(const hal::DeviceFacebow& facebow, const SessionDevice& device,
+          const std::vector<std::unique_ptr<RecordedCompanion>>& companions, hal::Clock& clock)
+      : facebow_(facebow),
+        has_counter_(device.profile.sequence.has_value()),
+        serial_(device.address.serial),
+        companions_(companions),
+        were_there_(companions.size(), true),
+        clock_(clock),
+        begin_ns_(clock.now_ns()) {}
+
+  // To be called often.
+  void look() {
+    const TimeNs now_ns = clock_.now_ns();
+    if (facebow_.counts().received != received_) last_received_ns_ = now_ns;
+    received_ = facebow_.counts().received;
+    const std::uint64_t disconnections = facebow_.transport_counts().disconnections;
+    if (disconnections > disconnections_) {
+      disconnections_ = disconnections;
+      say(now_ns, "the device went away; waiting for it" +
+                      (serial_.empty() ? "" : ", serial number " + serial_));
+    }
+    for (std::size_t i = 0; i < companions_.size(); ++i) {
+      // For a second at the start it is only being opened.
+      const bool is_there = companions_[i]->companion.is_open() ||
+                            (were_there_[i] && now_ns - begin_ns_ < 1'000'000'000);
+      if (is_there == were_there_[i]) continue;
+      were_there_[i] = is_there;
+      say(now_ns,
+          companions_[i]->profile.name + (is_there ? " is back" : " is away; waiting for it"));
+    }
+    if (!is_terminal_ || now_ns < next_ns_) return;
+    next_ns_ = now_ns + 200'000'000;
+    const hal::ReportCounts& counts = facebow_.counts();
+    std::string text = fmt::format("\rrecording {:.1f} s, {} reports", seconds(now_ns - begin_ns_),
+                                   counts.received);
+    if (has_counter_) text += fmt::format(", {} lost ", counts.lost);
+    std::fputs(text.c_str(), stderr);
+    has_line_ = true;
+  }
+  void end_line() {
+    if (has_line_) std::fputc('\n', stderr);
+    has_line_ = false;
+  }
+  TimeNs elapsed_ns() const { return clock_.now_ns() - begin_ns_; }
+  TimeNs idle_ns() const { return clock_.now_ns() - last_received_ns_; }
+
+ private:
+  void say(TimeNs now_ns, const std::string& words) {
+    end_line();
+    print_error(fmt::format("{:.3f} s: {}", seconds(now_ns - begin_ns_), words));
+  }
+
+  const hal::DeviceFacebow& facebow_;
+  bool has_counter_;
+  std::string serial_;
+  const std::vector<std::unique_ptr<RecordedCompanion>>& companions_;
+  std::vector<bool> were_there_;
+  hal::Clock& clock_;
+  TimeNs begin_ns_, next_ns_ = 0, last_received_ns_ = begin_ns_;
+  std::uint64_t received_ = 0, disconnections_ = 0;
+  bool is_terminal_ = isatty(STDERR_FILENO) != 0, has_line_ = false;
+};
+
+std::string latency_words(const firmware::LatencyHistogram& latency) {
+  if (latency.count() == 0) return "no samples";
+  const auto us = [](TimeNs time_ns) { return static_cast<double>(time_ns) * 1e-3; };
+  return fmt::format("p50 {:.3g} us, p99 {:.3g} us, at most {:.3g} us from arrival to estimate",
+                     us(latency.quantile_ns(0.5)), us(latency.quantile_ns(0.99)),
+                     us(latency.largest_ns()));
+}
+
+std::string summary(const RecordOptions& options, const hal::DeviceProfile& profile,
+                    const hal::DeviceFacebow& facebow, const hal::SessionLogStatus& log,
+                    const std::vector<std::unique_ptr<RecordedCompanion>>& companions,
+                    const LiveEstimates* estimates, const firmware::LatencyHistogram& latency,
+                    TimeNs elapsed_ns) {
+  std::string text =
+      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
+  const auto line = [&text](const char* label, const std::string& words) {
+    text += fmt::format("{:<12}{}\n", label, clean_line(words));
+  };
+  line("device", fmt::format("{}, through {}", profile.name, options.backend));
+  line("duration", fmt::format("{:.3f} s", seconds(elapsed_ns)));
+  line("reports", reports_words(profile, facebow.counts(), facebow.transport_counts()));
+  if (profile.device_time) line("clock", clock_words(facebow.clock_fit()));
+  line("latency", latency_words(latency));
+  for (const auto& companion : companions) {
+    const hal::DeviceFacebow& beside = companion->companion.device();
+    line("beside it", companion->profile.name);
+    line("reports", reports_words(companion->profile, beside.counts(), beside.transport_counts()));
+    if (companion->profile.device_time) line("clock", clock_words(beside.clock_fit()));
+  }
+  line("recording", fmt::format("{}: {} reports, {} events, {} bytes; {} reports and {} events had "
+                                "no room",
+                                options.out, log.reports_written, log.events_written,
+                                log.bytes_written, log.reports_lost, log.events_lost));
+  if (estimates != nullptr) {
+    line("estimates",
+         options.estimates + (estimates->dropped() > 0
+                                  ? fmt::format("; {} rows had no room", estimates->dropped())
+                                  : ""));
+  }
+  return text;
+}
+
+template <int kAxes>
+int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& devices,
+                const RecommendedParameters& parameters, hal::SessionLogWriter& log,
+                LiveEstimates* estimates, hal::Clock& clock) {
+  const hal::DeviceProfile& profile = devices.front().profile;
+  hal::RecordedSource source(devices.front().device->source(), log, 0, clock);
+  hal::DeviceFacebow facebow(source, hal::layout_of(profile));
+  // It was there a moment ago; whatever keeps it now, it is waited for as after an unplugging.
+  bool has_failed = false;
+  while (facebow.open() != hal::Status::ok && !stop_requested()) {
+    if (!has_failed) print_error("the device cannot be opened any more; waiting for it");
+    has_failed = true;
+    clock.sleep_until(clock.now_ns() + 20'000'000);
+  }
+  std::vector<std::unique_ptr<RecordedCompanion>> companions;
+  for (std::size_t i = 1; i < devices.size(); ++i) {
+    companions.push_back(std::make_unique<RecordedCompanion>(devices[i], log, i, clock));
+    companions.back()->companion.start();
+  }
+  firmware::RunSettings settings;
+  settings.followed = {options.point, options.axis};
+  settings.nominal_step_ns = profile.rate_Hz > 0 ? nanoseconds(1 / profile.rate_Hz) : 0;
+  settings.expects_drive = profile.drive_N.has_value();
+  settings.patience_ns = 20'000'000;
+  settings.reopen_pause_ns = 20'000'000;
+  firmware::RunCounts counts;
+  firmware::LatencyHistogram latency;
+  Monitor monitor(facebow, devices.front(), companions, clock);
+  const auto run = [&](auto sensor) {
+    (void)firmware::run(
+        facebow, clock, sensor, settings, counts,
+        [&](const Sample&, const auto& estimate) {
+          latency.add(clock.now_ns() - facebow.last_arrival_ns());
+          if (estimates != nullptr && estimate.is_ready) {
+            estimates->add(row_of(estimate, options.axis));
+          }
+        },
+        [&] {
+          monitor.look();
+          return stop_requested() || log.status().failure != hal::SessionLogFailure::none ||
+                 (options.samples > 0 && counts.samples >= options.samples) ||
+                 (options.idle_s > 0 && seconds(monitor.idle_ns()) >= options.idle_s) ||
+                 (options.duration_s > 0 && seconds(monitor.elapsed_ns()) >= options.duration_s);
+        });
+  };
+  const FollowedPoint followed{.point = options.point, .body_point_m = {}};
+  if (profile.drive_N) {
+    run(DrivenSensor<double, kAxes>(parameters, 0, followed,
+                                    kAxes == 3 ? static_cast<int>(options.axis) : 0));
+  } else {
+    run(RecommendedSensor<double, kAxes>(parameters, 0, followed));
+  }
+  monitor.end_line();
+  const TimeNs elapsed_ns = monitor.elapsed_ns();
+  facebow.close();
+  for (const auto& companion : companions) companion->companion.stop();
+  const hal::SessionLogFailure failure = log.close();
+  if (estimates != nullptr) estimates->finish();
+  print_output(
+      summary(options, profile, facebow, log.status(), companions, estimates, latency, elapsed_ns));
+  if (failure != hal::SessionLogFailure::none) {
+    print_error(fmt::format("{}: recording stopped: {}; what reached the disk before is whole",
+                            options.out, hal::session_log_failure_name(failure)));
+    return kExitBadInput;
+  }
+  if (estimates == nullptr || estimates->problem().empty()) return kExitOk;
+  print_error(estimates->problem() + "; the recording is complete, replay it");
+  return kExitBadInput;
+}
+
+// FILE, or FILE@SERIAL where there is no file of that whole name.
+std::pair<std::string, std::string> split_serial(const std::string& text) {
+  const std::size_t at = text.rfind('@');
+  if (at == std::string::npos || std::filesystem::exists(text)) return {text, ""};
+  return {text.substr(0, at), text.substr(at + 1)};
+}
+
+int record(const RecordOptions& options) {
+  if (options.out == "-") {
+    throw InputError("--out", "a session log cannot be written to standard output",
+                     "name a file; --estimates - writes the estimates there");
+  }
+  if (!hal::is_subject_code(options.subject)) {
+    throw InputError("--subject", "is no pseudonym that may stand in a log",
+                     "use at most 32 letters, digits, - and _, and no name");
+  }
+  std::vector<std::pair<std::string, std::string>> companions;  // file, serial number
+  std::vector<std::string> inputs = {options.profile, options.parameters};
+  for (const std::string& text : options.companions) {
+    companions.push_back(split_serial(text));
+    inputs.push_back(companions.back().first);
+  }
+  refuse_same_files(inputs, {options.out, options.estimates});
+  if (options.companions.size() >= hal::kMaxSessionSources) {
+    throw InputError("--companion", "too many devices for one log",
+                     fmt::format("give at most {}", hal::kMaxSessionSources - 1));
+  }
+  hal::SteadyClock clock;
+  std::vector<SessionDevice> devices;
+  devices.push_back(name_device(options.profile, options.serial, options.backend, clock));
+  require_position(devices.front().profile, options.profile);
+  for (const auto& [file, serial] : companions) {
+    devices.push_back(name_device(file, serial, options.backend, clock));
+  }
+  refuse_twins(devices);
+  const SampleKind kind = devices.front().profile.kind;
+  if (!is_available(kind, {options.point, options.axis})) {
+    throw InputError("--point", "the device has one point", "leave it out");
+  }
+  for (SessionDevice& device : devices) describe(device, stop_requested);
+
+  hal::SessionHeader header;
+  header.software_version = "condyle " CONDYLE_VERSION;
+  header.subject_code = options.subject;
+  if (!options.parameters.empty()) header.parameters_toml = read_text_file(options.parameters);
+  header.start_monotonic_ns = clock.now_ns();
+  header.start_wall_ns = wall_ns();
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const SessionDevice& device = devices[i];
+    header.sources.push_back({i == 0 ? "facebow" : fmt::format("companion-{}", i),
+                              device.profile.vendor_id, device.profile.product_id,
+                              device.profile_text, device.descriptor});
+  }
+  RecommendedParameters parameters;
+  if (!options.parameters.empty()) parameters = load_recommended_parameters(options.parameters);
+  std::unique_ptr<LiveEstimates> estimates;
+  if (!options.estimates.empty()) {
+    estimates =
+        std::make_unique<LiveEstimates>(options.estimates, kind == SampleKind::one_axis ? 1 : 3,
+                                        devices.front().profile.drive_N.has_value());
+  }
+  hal::SessionLogWriter log;
+  const hal::SessionLogFailure failure = log.open(options.out, header);
+  if (failure == hal::SessionLogFailure::bad_header) {
+    throw InputError(options.out, hal::header_problem(header), "");
+  }
+  if (failure != hal::SessionLogFailure::none) {
+    throw InputError(options.out, hal::session_log_failure_name(failure),
+                     "name a new file in a folder that may be written");
+  }
+  return kind == SampleKind::one_axis
+             ? record_axes<1>(options, devices, parameters, log, estimates.get(), clock)
+             : record_axes<3>(options, devices, parameters, log, estimates.get(), clock);
+}
+
+}  // namespace
+
+Command add_record(CommandLine app) {
+  auto options = std::make_shared<RecordOptions>();
+  const CommandLine command = app.add_command(
+      "record", "Record the raw reports of a facebow, and estimate while they come; Ctrl-C ends it",
+      "Measure with a device");
+  command.add_example("condyle record --profile bow.toml --out session.mcap",
+                      "Record until Ctrl-C.");
+  command.add_example(
+      "condyle record --profile bow.toml --out session.mcap --estimates live.csv --companion "
+      "force.toml",
+      "Also write live estimates, and record a force sensor beside the facebow.");
+  command.add_option("--profile=FILE", options->profile, "TOML file that describes the device")
+      .required();
+  command.group("Output")
+      .add_option("-o,--out=FILE", options->out, "Session log to write (MCAP); must not exist")
+      .required();
+  command.add_option("--backend", options->backend, "hidapi: the kernel's driver; libusb: directly")
+      .one_of({"hidapi", "libusb"})
+      .show_default();
+  command.add_option("--serial", options->serial, "Serial number, where several are plugged in");
+  command
+      .add_option("--companion", options->companions,
+                  "Profile of an instrument to record beside the facebow, such as a force sensor; "
+                  "FILE@SERIAL where several are plugged in; may be given several times")
+      .one_value_each();
+  command.add_option("--subject", options->subject, "Pseudonymous code of the subject");
+  command.add_option("--estimates=FILE", options->estimates, "CSV file for the estimates");
+  command.add_option("--parameters=FILE", options->parameters,
+                     "TOML file with parameters of the recommended estimator");
+  command.add_option("--point", options->point, "Point to follow").within(1, 3).show_default();
+  auto axis = std::make_shared<std::string>("z");
+  command.add_option("--axis", *axis, "Axis to follow").one_of({"x", "y", "z"}).show_default();
+  command.add_option("--duration-s", options->duration_s, "Stop after so long; 0: never")
+      .number_in({0, 1e7})
+      .show_default();
+  command
+      .add_option("--idle-s", options->idle_s, "Stop when nothing has come for so long; 0: never")
+      .number_in({0, 1e7})
+      .show_default();
+  command.add_option("--samples", options->samples, "Stop after so many samples; 0: never")
+      .show_default();
+  return [options, axis] {
+    options->axis = static_cast<Axis>((*axis)[0] - 'x');
+    return record(*options);
+  };
+}
+
+}  // namespace condyle::host

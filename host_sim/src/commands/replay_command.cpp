@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "commands/commands.h"
+#include "condyle/estimator/sensors/driven_sensor.h"
+#include "condyle/estimator/sensors/published_sensor.h"
+#include "condyle/firmware/run_loop.h"
+#include "condyle/hal/clock.h"
+#include "estimation/replayed_drive.h"
+#include "hosted/config/parameter_file.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
+#include "options/command_line.h"
+#include "options/drive_options.h"
+#include "options/estimator_option.h"
+#include "options/recording_choice.h"
+#include "output/deferred_problem.h"
+#include "output/device_values.h"
+#include "output/estimates_file.h"
+#include "output/figures.h"
+#include "output/progress.h"
+#include "output/replay_summary.h"
+#include "recordings/replay_facebow.h"
+
+namespace condyle::host {
+namespace {
+
+struct ReplayOptions : RecordingChoice {
+  std::string recording;
+  EstimatorOption estimator;
+  std::string out;
+  std::string figures;
+  std::string values;
+  bool as_json = false;
+  std::vector<double> jaw_point_mm;  // empty: a point of the instrument
+  double speed = 0;
+  std::string drive;  // a recording of its own
+  DriveOptions drive_stated;
+};
+
+// Which recording, and what of it is followed.
+std::string recording_text(const ReplayOptions& options, const RecordingInfo& info) {
+  const std::string point =
+      options.jaw_point_mm.empty()
+          ? fmt::format("point {}", options.followed.point)
+          : fmt::format("jaw point ({:g}) mm", fmt::join(options.jaw_point_mm, ", "));
+  const std::string followed =
+      info.kind == SampleKind::one_axis
+          ? "one axis"
+          : fmt::format("{}, axis {}", point, "xyz"[static_cast<int>(options.followed.axis)]);
+  return fmt::format("{}, {}, {}", options.recording, info.format, followed);
+}
+
+std::string summary_json(const ReplayOptions& options, const RecordingInfo& info,
+                         const std::vector<std::string>& drive_notes,
+                         const ReplaySummary& summary) {
+  nlohmann::ordered_json json = {
+      {"format", "condyle-replay-1"},
+      {"condyle", CONDYLE_VERSION},
+      {"recording", clean_line(options.recording)},
+      {"recording_format", clean_line(info.format)},
+      {"followed", info.kind == SampleKind::one_axis
+                       ? "one axis"
+                       : std::string(1, "xyz"[static_cast<int>(options.followed.axis)])},
+      {"estimator", options.estimator.name}};
+  json.update(summary.json());
+  nlohmann::ordered_json& notes = json["notes"] = nlohmann::ordered_json::array();
+  for (const std::string& note : info.notes) notes.push_back(clean_line(note));
+  for (const std::string& note : drive_notes) notes.push_back(clean_line(note));
+  json["warnings"] = summary.warnings();
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+// Runs `sensor` over the open `facebow` and writes what was asked for. `row_of_step(sample,
+// estimate)` gives a row, or none while a lag fills.
+template <class Sensor, class RowOfStep>
+int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
+                   const firmware::RunSettings& settings, Sensor& sensor, int axis_count,
+                   bool has_joint, const RowOfStep& row_of_step, ReplaySummary& summary) {
+  // Opened first, so that an output that cannot be written is said before the work.
+  std::unique_ptr<OutputFolder> figure_folder;
+  if (!options.figures.empty()) figure_folder = std::make_unique<OutputFolder>(options.figures);
+  std::unique_ptr<EstimatesFile> estimates;
+  if (!options.out.empty()) {
+    estimates = std::make_unique<EstimatesFile>(options.out, axis_count, has_joint);
+  }
+  FigureData figure_data;
+  firmware::RunCounts counts;
+  {
+    Progress progress("replaying", clock);
+    const hal::Status status = firmware::run(
+        facebow, clock, sensor, settings, counts,
+        [&](const Sample& sample, const typename Sensor::Estimate& estimate) {
+          const std::optional<EstimateRow> row = row_of_step(sample, estimate);
+          if (row && estimates) estimates->write_row(*row);
+          if (row && figure_folder) figure_data.add(*row);
+          if (row) summary.add(*row);
+          progress.show(facebow.progress());
+        },
+        [&] { return stop_requested() || !facebow.problem().empty(); });
+    if (!facebow.problem().empty()) throw InputError(facebow.problem());
+    if (status == hal::Status::ok) {
+      print_error(fmt::format("stopped after {} samples; no file was left", counts.samples));
+      return kExitInterrupted;
+    }
+  }
+
+  const std::vector<std::string> drive_notes = summary.drive_notes();
+  // Everything is written and closed before anything gets its name.
+  const std::string name = std::filesystem::path(options.recording).filename().string();
+  std::vector<std::unique_ptr<OutputFile>> figures;
+  if (figure_folder) figures = draw_figures(options.figures, name, figure_data);
+  std::unique_ptr<OutputFolder> value_folder;
+  std::vector<std::unique_ptr<OutputFile>> values;
+  std::vector<std::string> value_notes;
+  if (!options.values.empty()) {
+    value_folder = std::make_unique<OutputFolder>(options.values);
+    value_notes =
+        write_device_values(options.recording, options.reading.profile, options.values, values);
+    for (const auto& file : values) {
+      refuse_same_files(
+          {options.recording, options.estimator.parameters, options.reading.profile, options.out},
+          {file->path()});
+    }
+  }
+  if (estimates) estimates->close();
+  if (stop_requested()) {
+    return report_stop();
+  }
+  if (estimates) estimates->commit();
+  for (const auto& figure : figures) figure->commit();
+  for (const auto& file : values) file->commit();
+
+  if (options.as_json) {
+    print_output(summary_json(options, facebow.info(), drive_notes, summary));
+    return kExitOk;
+  }
+  std::string text =
+      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
+  const auto line = [&text](const char* label, const std::string& words) {
+    text += fmt::format("{:<12}{}\n", label, clean_line(words));
+  };
+  line("recording", recording_text(options, facebow.info()));
+  for (const std::string& note : facebow.info().notes) line("note", note);
+  for (const std::string& note : drive_notes) line("note", note);
+  text += summary.text();
+  if (estimates) line("estimates", options.out);
+  for (const auto& figure : figures) {
+    if (figure->path().ends_with(".png")) line("figure", figure->path() + " (and .svg)");
+  }
+  for (const auto& file : values) line("values", file->path());
+  for (const std::string& note : value_notes) line("note", note);
+  if (figure_folder && figures.empty())
+    line("figures", !deferred_problems().empty() ? "none: see the error"
+                                                 : "none: there are no values to draw");
+  print_output(text);
+  for (const std::string& warning : summary.warnings()) print_error("warning: " + warning);
+  return kExitOk;
+}
+
+int replay_published(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
+                     firmware::RunSettings settings) {
+  const PublishedParameters parameters =
+      load_published_for(options.estimator, facebow.median_step_ns(), options.recording);
+  settings.nominal_step_ns = nanoseconds(parameters.sample_time_s);
+  PublishedSensor<double> sensor(parameters, options.followed);
+  PublishedSummary summary(parameters, options.followed.axis);
+  return replay_through(
+      options, facebow, clock, settings, sensor, 0, false,
+      [&](const Sample& sample, const PublishedEstimate<double>& estimate) {
+        return std::optional(row_of(sample, options.followed, estimate));
+      },
+      summary);
+}
+
+template <int kAxes>
+int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
+                       firmware::RunSettings settings) {
+  const RecordingInfo& info = facebow.info();
+  RecommendedParameters parameters =
+      load_recommended_for(options.estimator, info, options.recording);
+  settings.nominal_step_ns = facebow.expected_step_ns();
+  refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
+                   "its median step", "check the unit of time_s");
+  BodyFits fits;
+  FollowedPoint followed{.point = options.followed.point, .fits = &fits};
+  if (!options.jaw_point_mm.empty()) {
+    followed.body_point_m = 1e-3 * Eigen::Map<const Eigen::Vector3d>(options.jaw_point_mm.data());
+  }
+  options.drive_stated.apply(parameters.joint);
+  RecommendedSummary summary(parameters, options.estimator.lag, options.followed.axis, fits);
+  const auto run = [&](auto& sensor, bool has_joint) {
+    return replay_through(
+        options, facebow, clock, settings, sensor, kAxes, has_joint,
+        [&](const Sample&, const auto& estimate) {
+          return estimate.is_ready ? std::optional(row_of(estimate, options.followed.axis))
+                                   : std::nullopt;
+        },
+        summary);
+  };
+  if (!options.drive.empty() || info.has_drive) {
+    std::optional<DriveChannel> channel;
+    if (!options.drive.empty()) channel.emplace(options.drive, options.reading.faults);
+    ReplayedDriveSensor<DrivenSensor<double, kAxes>> sensor(
+        channel ? &*channel : nullptr, parameters.joint.drive.delay_s, parameters,
+        options.estimator.lag, followed, kAxes == 3 ? static_cast<int>(options.followed.axis) : 0);
+    summary.set_conclusion([&] { return sensor.conclude(); });
+    summary.set_drive([&] { return sensor.notes(); });
+    return run(sensor, true);
+  }
+  RecommendedSensor<double, kAxes> sensor(parameters, options.estimator.lag, followed);
+  return run(sensor, false);
+}
+
+int replay(const ReplayOptions& options) {
+  refuse_same_files(
+      {options.recording, options.estimator.parameters, options.reading.profile, options.drive},
+      {options.out});
+  hal::SteadyClock clock;
+  ReplayFacebow facebow(options.recording, options.reading, options.speed, clock);
+  if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
+  const RecordingInfo& info = facebow.info();
+  options.check(options.recording, info);
+  const bool has_pose = info.kind == SampleKind::three_points || info.kind == SampleKind::pose;
+  if (!options.jaw_point_mm.empty() && !has_pose) {
+    throw InputError(options.recording, "has no three points, so the jaw's pose is not known",
+                     "leave out --jaw-point-mm");
+  }
+  firmware::RunSettings settings;
+  settings.followed = options.followed;
+  settings.expects_drive = info.has_drive;
+  options.estimator.refuse_if_published("--lag", options.estimator.lag > 0);
+  options.estimator.refuse_if_published("--jaw-point-mm=X Y Z", !options.jaw_point_mm.empty());
+  options.estimator.refuse_if_published("--drive",
+                                        !options.drive.empty() || options.drive_stated.is_given());
+  if (!options.drive.empty() && info.has_drive) {
+    throw InputError(options.recording, "has a drive of its own",
+                     "leave out --drive, or its column with --ignore-column drive_N");
+  }
+  if (options.drive.empty() && options.drive_stated.is_given() && !info.has_drive) {
+    throw InputError(options.recording, "has no drive that could be described",
+                     "give one with --drive FILE");
+  }
+  if (options.estimator.is_published()) {
+    return replay_published(options, facebow, clock, settings);
+  }
+  return info.kind == SampleKind::one_axis
+             ? replay_recommended<1>(options, facebow, clock, settings)
+             : replay_recommended<3>(options, facebow, clock, settings);
+}
+
+}  // namespace
+
+Command add_replay(CommandLine app) {
+  auto options = std::make_shared<ReplayOptions>();
+  const CommandLine command = app.add_command(
+      "replay", "Estimate motion, force and, with a drive, friction and mass from a recording",
+      "Analyse recordings");
+  command.add_example("condyle replay jaw.csv --out estimates.csv --figures figures",
+                      "Write a row of estimates for each sample, and draw them.");
+  command.add_example("condyle replay jaw.csv --drive jaw.drive.csv --drive-missing 0",
+                      "Measure friction and mass with a complete force sensor.");
+  command
+      .add_option("RECORDING", options->recording,
+                  "CSV, Zebris text or XML, JAWS3D text, SSFF, session log (MCAP) or capture of "
+                  "USB traffic (pcap, pcapng), recognised by its content; or synth:SCENARIO.toml")
+      .required();
+  options->estimator.add_to(command);
+  options->RecordingChoice::add_to(command);
+  command
+      .add_option("--jaw-point-mm", options->jaw_point_mm,
+                  "X Y Z of a point fixed to the jaw, in the frame of the three points (origin "
+                  "point 1, x from point 3 to 2, z in their plane towards the middle of 2 and 3)")
+      .values(3)
+      .number_in({-1000, 1000})
+      .excludes("--point");
+  command.add_option("--speed", options->speed, "0 as fast as possible, 1 real time")
+      .number_in({0, 1e6})
+      .show_default();
+  command.add_option("--drive=FILE", options->drive,
+                     "Total force along the followed axis, recorded apart: CSV with time_s and "
+                     "drive_N, or a session log");
+  options->drive_stated.add_to(command);
+  command.group("Output").add_flag("--json", options->as_json,
+                                   "Print the summary as JSON, for programs");
+  command.group("Output").add_option("-o,--out=FILE", options->out, "CSV file for the estimates");
+  command.group("Output").add_option(
+      "--values=FOLDER", options->values,
+      "Folder for what the devices of a session log or capture measured beside position: force, "
+      "EMG (CSV)");
+  command.group("Output").add_option("--figures=FOLDER", options->figures,
+                                     "Folder for figures (SVG and PNG)");
+  return [options] { return replay(*options); };
+}
+
+}  // namespace condyle::host

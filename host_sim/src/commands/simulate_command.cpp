@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "commands/commands.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/number_text.h"
+#include "options/command_line.h"
+#include "output/output_file.h"
+#include "output/progress.h"
+#include "simulation/recording_writer.h"
+#include "simulation/scenario_file.h"
+
+namespace condyle::host {
+namespace {
+
+struct SimulateOptions {
+  std::string scenario;
+  std::string out;
+  std::string truth;
+  std::optional<std::uint64_t> seed;
+};
+
+// "a/b.csv" with "drive" becomes "a/b.drive.csv".
+std::string beside(const std::string& path, const std::string& part) {
+  const std::filesystem::path base(path);
+  return (base.parent_path() / (base.stem().string() + "." + part + ".csv")).string();
+}
+
+int simulate(const SimulateOptions& options) {
+  const Scenario scenario = load_scenario(options.scenario);
+  const std::uint64_t seed = options.seed.value_or(scenario.seed);
+  hal::SteadyClock clock;
+  if (options.out == "-" && (scenario.drive.rate_Hz > 0 || scenario.emg.rate_Hz > 0)) {
+    throw InputError("--out", "the scenario writes more than one file", "name a file");
+  }
+  const std::string drive_path =
+      scenario.drive.rate_Hz > 0 ? beside(options.out, "drive") : std::string();
+  const std::string emg_path =
+      scenario.emg.rate_Hz > 0 ? beside(options.out, "emg") : std::string();
+  refuse_same_files({options.scenario}, {options.out, options.truth, drive_path, emg_path});
+
+  std::vector<std::unique_ptr<OutputFile>> files;
+  const auto open = [&files](const std::string& path) {
+    files.push_back(std::make_unique<OutputFile>(path));
+    return files.back().get();
+  };
+  OutputFile* const recording = open(options.out);
+  OutputFile* const truth = options.truth.empty() ? nullptr : open(options.truth);
+  OutputFile* const drive = drive_path.empty() ? nullptr : open(drive_path);
+  OutputFile* const emg = emg_path.empty() ? nullptr : open(emg_path);
+  RecordingWriter writer(scenario);
+  recording->write(writer.recording_header());
+  if (truth != nullptr) truth->write(writer.truth_header());
+  if (drive != nullptr) drive->write(writer.drive_header());
+  if (emg != nullptr) emg->write(writer.emg_header());
+
+  Simulation simulation(scenario, seed);
+  SimulatedData data;
+  std::uint64_t samples = 0;
+  {
+    Progress progress("simulating", clock);
+    while (simulation.advance(data)) {
+      for (const Sample& sample : data.samples) recording->write(writer.recording_row(sample));
+      if (truth != nullptr) {
+        for (const SubjectTruth& state : data.truths) truth->write(writer.truth_row(state));
+      }
+      if (drive != nullptr) {
+        for (const Reading& reading : data.drive) drive->write(writer.drive_row(reading));
+      }
+      if (emg != nullptr) {
+        for (const Reading& reading : data.emg) emg->write(writer.emg_row(reading));
+      }
+      samples += data.samples.size();
+      data.clear();
+      progress.show(simulation.time_s() / scenario.duration_s);
+      if (stop_requested()) {
+        return report_stop();
+      }
+    }
+  }
+  for (const auto& file : files) file->close();
+  const std::string names = commit_all(files);
+  std::string text = fmt::format("{} samples of {}, seed {}; simulated, no person was recorded\n",
+                                 samples, clean_line(scenario.name), seed);
+  text += names;
+  print_output(text);
+  return kExitOk;
+}
+
+}  // namespace
+
+Command add_simulate(CommandLine app) {
+  auto options = std::make_shared<SimulateOptions>();
+  const CommandLine command =
+      app.add_command("simulate", "Simulate a subject and the instruments that see it", "Simulate");
+  command.add_example("condyle simulate chewing.toml --out jaw.csv --truth truth.csv",
+                      "Write a recording of a simulated subject, and the truth.");
+  command.add_example("condyle simulate chewing.toml --out jaw.csv --seed 7", "Draw other noise.");
+  command.add_option("SCENARIO", options->scenario, "TOML file; host_sim/scenarios has some")
+      .required();
+  command.group("Output")
+      .add_option("-o,--out=FILE", options->out, "CSV file for the recording")
+      .required();
+  command.group("Output").add_option("--truth=FILE", options->truth,
+                                     "CSV file for the true states");
+  command.add_option("--seed", options->seed, "Seed of all random numbers, not the scenario's");
+  return [options] { return simulate(*options); };
+}
+
+}  // namespace condyle::host

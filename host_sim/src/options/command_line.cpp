@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options/command_line.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "hosted/files/clean_text.h"
+#include "hosted/files/number_text.h"
+
+namespace condyle::host {
+namespace {
+
+template <class Value>
+inline constexpr bool kIsNumber = !std::is_constructible_v<Value, const char*>;
+template <>
+inline constexpr bool kIsNumber<std::vector<std::string>> = false;
+
+}  // namespace
+
+Option Option::required() {
+  option_->required();
+  return *this;
+}
+
+Option Option::show_default() {
+  option_->capture_default_str();
+  return *this;
+}
+
+Option Option::show_default(const std::string& value) {
+  option_->default_str(value);
+  return *this;
+}
+
+Option Option::one_of(std::initializer_list<const char*> words) {
+  const std::vector<std::string> all(words.begin(), words.end());
+  option_->check(CLI::IsMember(all).description(""));
+  option_->type_name(CLI::detail::join(all, "|"));
+  return *this;
+}
+
+Option Option::within(int lowest, int highest) {
+  option_->check(CLI::Range(lowest, highest).description(""));
+  return *this;
+}
+
+Option Option::number_in(Range range) {
+  const auto judge = [range](const std::string& text) {
+    double value = 0;
+    const bool good = parse_number(text, value) == NumberStatus::ok && range.contains(value);
+    std::string from, to;
+    append_number(from, range.lowest);
+    append_number(to, range.highest);
+    return good ? "" : quote(text) + " is not a number from " + from + " to " + to;
+  };
+  option_->check(CLI::Validator(judge, ""));
+  return *this;
+}
+
+Option Option::values(int count) {
+  option_->expected(count);
+  return *this;
+}
+
+Option Option::one_value_each() {
+  option_->allow_extra_args(false);
+  return *this;
+}
+
+Option Option::separated_by(char separator) {
+  option_->delimiter(separator);
+  return *this;
+}
+
+Option Option::excludes(const std::string& name) {
+  option_->excludes(name);
+  return *this;
+}
+
+Option Option::excludes(Option other) {
+  option_->excludes(other.option_);
+  return *this;
+}
+
+Option Option::needs(Option other) {
+  option_->needs(other.option_);
+  return *this;
+}
+
+bool Option::is_given() const {
+  return option_->count() > 0;
+}
+
+CommandLine CommandLine::add_command(const std::string& name, const std::string& meaning,
+                                     const std::string& group) const {
+  CLI::App* const command = app_->add_subcommand(name, meaning);
+  command->group(group);
+  command->set_help_flag("-h,--help", "Show this help");
+  return CommandLine(*command);
+}
+
+void CommandLine::add_example(const std::string& line, const std::string& meaning) const {
+  app_->footer(app_->get_footer() + line + "\n" + meaning + "\n");
+}
+
+CommandLine CommandLine::group(const std::string& heading) const {
+  CommandLine same = *this;
+  same.group_ = heading;
+  return same;
+}
+
+template <class Value>
+Option CommandLine::add_option(const std::string& name, Value& value,
+                               const std::string& meaning) const {
+  return add(name, kIsNumber<Value> ? "NUMBER" : "TEXT",
+             [&](const std::string& names) { return app_->add_option(names, value, meaning); });
+}
+
+// `make` adds an option of some names to the command.
+template <class Make>
+Option CommandLine::add(const std::string& name, const char* value, const Make& make) const {
+  const std::size_t names = name.find('=');
+  CLI::Option* const option = make(name.substr(0, names));
+  option->type_name(names == std::string::npos ? value : name.substr(names + 1));
+  option->group(option->get_positional() ? "Arguments" : group_.empty() ? "Options" : group_);
+  return Option(*option);
+}
+
+#define CONDYLE_OPTION_OF(...)                                                                  \
+  template Option CommandLine::add_option(const std::string&, __VA_ARGS__&, const std::string&) \
+      const
+CONDYLE_OPTION_OF(std::string);
+CONDYLE_OPTION_OF(double);
+CONDYLE_OPTION_OF(int);
+CONDYLE_OPTION_OF(unsigned);
+CONDYLE_OPTION_OF(std::uint16_t);
+CONDYLE_OPTION_OF(std::uint64_t);
+CONDYLE_OPTION_OF(std::optional<double>);
+CONDYLE_OPTION_OF(std::optional<std::uint64_t>);
+CONDYLE_OPTION_OF(std::vector<std::string>);
+CONDYLE_OPTION_OF(std::vector<double>);
+#undef CONDYLE_OPTION_OF
+
+Option CommandLine::add_flag(const std::string& name, bool& value,
+                             const std::string& meaning) const {
+  return add(name, "",
+             [&](const std::string& names) { return app_->add_flag(names, value, meaning); });
+}
+
+Option CommandLine::on_option(const std::string& name, std::function<void(const std::string&)> take,
+                              const std::string& meaning) const {
+  return add(name, "TEXT", [&](const std::string& names) {
+    return app_->add_option_function<std::string>(names, std::move(take), meaning);
+  });
+}
+
+Option CommandLine::on_flag(const std::string& name, std::function<void()> take,
+                            const std::string& meaning) const {
+  return add(name, "", [&](const std::string& names) {
+    return app_->add_flag_callback(names, std::move(take), meaning);
+  });
+}
+
+void CommandLine::require_command() const {
+  app_->require_subcommand(1);
+}
+
+void CommandLine::pass_on_unknown() const {
+  app_->fallthrough();
+}
+
+bool CommandLine::is_given() const {
+  return app_->parsed();
+}
+
+bool CommandLine::is_given(const std::string& name) const {
+  return app_->got_subcommand(name);
+}
+
+namespace {
+
+OptionText describe(const CLI::Option& option) {
+  OptionText text;
+  text.is_argument = option.get_positional();
+  text.name = text.is_argument ? option.get_name(true) : "--" + option.get_lnames().at(0);
+  if (!option.get_snames().empty()) text.short_name = "-" + option.get_snames()[0];
+  text.value = option.get_type_name();
+  text.meaning = option.get_description();
+  const std::string default_value = option.get_default_str();
+  if (!default_value.empty()) text.meaning += " [" + default_value + "]";
+  text.group = option.get_group();
+  if (text.value.find('|') != std::string::npos) text.choices = CLI::detail::split(text.value, '|');
+  text.is_required = option.get_required();
+  return text;
+}
+
+CommandText describe(const CLI::App& app, const std::string& name) {
+  CommandText text{name, app.get_description(), app.get_group(), {}, {}, {}};
+  const std::vector<std::string> lines = CLI::detail::split(app.get_footer(), '\n');
+  for (std::size_t i = 0; i + 1 < lines.size(); i += 2) {
+    text.examples.push_back({lines[i], lines[i + 1]});
+  }
+  std::vector<const CLI::Option*> last;  // help and version
+  for (const CLI::Option* option : app.get_options()) {
+    if (option == app.get_help_ptr() || option == app.get_version_ptr()) {
+      last.push_back(option);
+    } else {
+      text.options.push_back(describe(*option));
+    }
+  }
+  std::stable_sort(
+      text.options.begin(), text.options.end(),
+      [](const OptionText& a, const OptionText& b) { return a.is_argument && !b.is_argument; });
+  for (const CLI::Option* option : last) {
+    text.options.push_back(describe(*option));
+    text.options.back().group = "Help";
+    text.options.back().value.clear();
+  }
+  for (const CLI::App* part : app.get_subcommands([](const CLI::App*) { return true; })) {
+    text.commands.push_back(describe(*part, name + " " + part->get_name()));
+  }
+  return text;
+}
+
+// The command that `words` name, and how many of them do.
+const CommandText& find(const CommandText& program, const std::vector<std::string>& words,
+                        std::size_t& count) {
+  const CommandText* here = &program;
+  for (count = 0; count < words.size(); ++count) {
+    const CommandText* part = nullptr;
+    for (const CommandText& other : here->commands) {
+      if (other.last_name() == words[count]) part = &other;
+    }
+    if (part == nullptr) break;
+    here = part;
+  }
+  return *here;
+}
+
+std::string suggestion(const std::string& word, const std::vector<std::string>& words) {
+  const std::string nearest = nearest_word(word, words);
+  return nearest.empty() ? "" : "; did you mean " + nearest + "?";
+}
+
+std::string unknown_command(const CommandText& command, const std::string& word) {
+  std::vector<std::string> names;
+  for (const CommandText& part : command.commands) names.push_back(part.last_name());
+  return clean_line(quote(word)) + " is not a command of " + command.name +
+         suggestion(word, names) + "\nRun " + command.name + " --help for the list.";
+}
+
+std::string unknown_option(const CommandText& command, const std::string& word) {
+  std::vector<std::string> names;
+  for (const OptionText& option : command.options) {
+    if (!option.is_argument) names.push_back(option.name);
+  }
+  return command.name + " has no option " + clean_line(quote(word)) + suggestion(word, names) +
+         "\nRun " + command.name + " --help for its options.";
+}
+
+}  // namespace
+
+Program::Program(const std::string& name, const std::string& version, const std::string& meaning)
+    : version_(name + " " + version), app_(std::make_unique<CLI::App>(meaning, name)) {
+  app_->set_help_flag("-h,--help", "Show this map of commands");
+  app_->set_version_flag("-v,--version", version_, "Show the version");
+}
+
+Program::~Program() = default;
+
+CommandText Program::describe() const {
+  return host::describe(*app_, app_->get_name());
+}
+
+Program::Parsed Program::answer(const std::vector<std::string>& words, std::string& text) const {
+  const CommandText program = describe();
+  std::size_t known = 0;
+  const CommandText& command = find(program, words, known);
+  if (known < words.size()) {
+    text = unknown_command(command, words[known]);
+    return Parsed::wrong;
+  }
+  text = help_text(command);
+  return Parsed::answered;
+}
+
+Program::Parsed Program::parse(int argc, const char* const* argv, std::string& text) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (words.empty()) return answer({}, text);
+  if (words[0] == "help") return answer({words.begin() + 1, words.end()}, text);
+  const CommandText program = describe();
+  std::size_t known = 0;
+  const CommandText& command = find(program, words, known);
+  const bool has_parts = !command.commands.empty();
+  if (has_parts && known < words.size() && !words[known].starts_with('-')) {
+    text = unknown_command(command, words[known]);
+    return Parsed::wrong;
+  }
+  try {
+    app_->parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    return answer({words.begin(), words.begin() + static_cast<std::ptrdiff_t>(known)}, text);
+  } catch (const CLI::CallForVersion&) {
+    text = version_ + "\n";
+    return Parsed::answered;
+  } catch (const CLI::ParseError& error) {
+    for (const std::string& word : app_->remaining(true)) {
+      if (word.size() < 2 || word[0] != '-') continue;
+      text = unknown_option(command, word.substr(0, word.find('=')));
+      return Parsed::wrong;
+    }
+    if (has_parts && known == words.size()) {
+      text = command.name + " wants one of its commands:\n" + help_text(command);
+      return Parsed::wrong;
+    }
+    text = command.name + ": " + clean_line(error.what()) + "\nRun " + command.name +
+           " --help for more.";
+    return Parsed::wrong;
+  }
+  return Parsed::run;
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options/command_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <string_view>
+
+namespace condyle::host {
+namespace {
+
+constexpr std::size_t kMeaningColumn = 30;
+
+// `text` from column `begin` on, in lines; the first line stands at its place already.
+std::string wrapped(const std::string& text, std::size_t begin) {
+  std::string lines;
+  std::size_t column = begin;
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const std::string_view word = rest.substr(0, rest.find(' '));
+    rest.remove_prefix(std::min(rest.size(), word.size() + 1));
+    if (column > begin && column + 1 + word.size() > kHelpColumns) {
+      lines += "\n" + std::string(begin, ' ');
+      column = begin;
+    }
+    if (column > begin) lines += ' ', ++column;
+    lines += word;
+    column += word.size();
+  }
+  return lines + "\n";
+}
+
+// A line of a list: what it is, and from a column of its own what it means.
+std::string entry(const std::string& what, const std::string& meaning) {
+  std::string line = "  " + what;
+  if (line.size() + 2 > kMeaningColumn) {
+    line += "\n" + std::string(kMeaningColumn, ' ');
+  } else {
+    line.resize(kMeaningColumn, ' ');
+  }
+  return line + wrapped(meaning, kMeaningColumn);
+}
+
+std::string names_of(const OptionText& option) {
+  std::string names =
+      option.short_name.empty() ? option.name : option.short_name + ", " + option.name;
+  if (!option.is_argument && !option.value.empty()) names += " " + option.value;
+  return names;
+}
+
+// Groups in the order in which they first come.
+template <class Item>
+std::vector<std::string> groups_of(const std::vector<Item>& items) {
+  std::vector<std::string> groups;
+  for (const Item& item : items) {
+    if (std::find(groups.begin(), groups.end(), item.group) == groups.end()) {
+      groups.push_back(item.group);
+    }
+  }
+  return groups;
+}
+
+std::string usage(const CommandText& command) {
+  std::string words = command.name;
+  if (!command.commands.empty()) words += " COMMAND";
+  for (const OptionText& option : command.options) {
+    if (option.is_argument)
+      words += option.is_required ? " " + option.name : " [" + option.name + "]";
+  }
+  for (const OptionText& option : command.options) {
+    if (!option.is_argument && option.is_required) {
+      words += fmt::format(" {} {}", option.name, option.value);
+    }
+  }
+  return words + " [OPTION...]";
+}
+
+// A backslash, and a leading dot or quote, would be a macro.
+std::string for_man(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    if (c == '\\') {
+      safe += "\\e";
+    } else if (c == '-') {
+      safe += "\\-";
+    } else {
+      safe += c;
+    }
+  }
+  return !safe.empty() && (safe[0] == '.' || safe[0] == '\'') ? "\\&" + safe : safe;
+}
+
+// What may follow a command, and an option that has choices.
+void add_words(const CommandText& command, std::string& cases) {
+  std::string parts, options;
+  for (const CommandText& part : command.commands) parts += part.last_name() + " ";
+  for (const OptionText& option : command.options) {
+    if (option.is_argument) continue;
+    options += option.name + " ";
+    if (option.choices.empty()) continue;
+    cases += fmt::format("    '{} {}') words='{}' ;;\n", command.name, option.name,
+                         fmt::join(option.choices, " "));
+  }
+  cases += fmt::format("    '{} ') parts='{}' options='{}' ;;\n", command.name, parts, options);
+  for (const CommandText& part : command.commands) add_words(part, cases);
+}
+
+void add_names(const CommandText& command, std::string& cases) {
+  for (const CommandText& part : command.commands) {
+    cases += fmt::format("      '{0}') command='{0}' ;;\n", part.name);
+    add_names(part, cases);
+  }
+}
+
+}  // namespace
+
+std::string help_text(const CommandText& command) {
+  std::string text = "Usage: " + wrapped(usage(command), 7) + "\n" + wrapped(command.meaning, 0);
+  for (const std::string& group : groups_of(command.commands)) {
+    text += fmt::format("\n{}:\n", group);
+    for (const CommandText& part : command.commands) {
+      if (part.group == group) text += entry(part.last_name(), part.meaning);
+    }
+  }
+  for (const std::string& group : groups_of(command.options)) {
+    text += fmt::format("\n{}:\n", group);
+    for (const OptionText& option : command.options) {
+      if (option.group == group) text += entry(names_of(option), option.meaning);
+    }
+  }
+  if (!command.examples.empty()) text += "\nExamples:\n";
+  for (const ExampleText& example : command.examples) {
+    text += fmt::format("  {}\n      {}", example.line, wrapped(example.meaning, 6));
+  }
+  return text;
+}
+
+std::string man_page(const CommandText& command, const std::string& version) {
+  std::string title = command.name;
+  std::replace(title.begin(), title.end(), ' ', '-');
+  std::string capitals = title;
+  std::transform(capitals.begin(), capitals.end(), capitals.begin(), [](char c) {
+    return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  });
+  std::string page =
+      fmt::format(".TH {} 1 \"\" \"{}\" \"User commands\"\n", for_man(capitals), version);
+  page += fmt::format(".SH NAME\n{} \\- {}\n", for_man(title), for_man(command.meaning));
+  page += fmt::format(".SH SYNOPSIS\n{}\n", for_man(usage(command)));
+  for (const std::string& group : groups_of(command.commands)) {
+    page += fmt::format(".SH {}\n", for_man(group));
+    for (const CommandText& part : command.commands) {
+      if (part.group != group) continue;
+      page += fmt::format(".TP\n.B {}\n{}\n", for_man(part.last_name()), for_man(part.meaning));
+    }
+  }
+  for (const std::string& group : groups_of(command.options)) {
+    page += fmt::format(".SH {}\n", for_man(group));
+    for (const OptionText& option : command.options) {
+      if (option.group != group) continue;
+      page += fmt::format(".TP\n.B {}\n{}\n", for_man(names_of(option)), for_man(option.meaning));
+    }
+  }
+  if (!command.examples.empty()) page += ".SH Examples\n";
+  for (const ExampleText& example : command.examples) {
+    page += fmt::format(".TP\n.B {}\n{}\n", for_man(example.line), for_man(example.meaning));
+  }
+  page +=
+      ".SH Exit status\n0 done; 2 unusable input; 3 the judgement is negative; 70 a defect of "
+      "condyle; 130 interrupted.\n";
+  page += ".SH Note\nResearch use only. It diagnoses nothing.\n";
+  return page;
+}
+
+std::string bash_completion(const CommandText& program) {
+  std::string names, cases;
+  add_names(program, names);
+  add_words(program, cases);
+  return fmt::format(
+      "# bash completion of {0}\n"
+      "_{0}() {{\n"
+      "  local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}}\n"
+      "  local command={0} words='' parts='' options='' i\n"
+      "  for ((i = 1; i < COMP_CWORD; ++i)); do\n"
+      "    case \"$command ${{COMP_WORDS[i]}}\" in\n"
+      "{1}"
+      "    esac\n"
+      "  done\n"
+      "  [[ $before == --* ]] || before=''\n"
+      "  case \"$command $before\" in\n"
+      "{2}"
+      "  esac\n"
+      "  if [[ -z $words && $word == -* ]]; then words=$options; fi\n"
+      "  if [[ -z $words ]]; then words=$parts; fi\n"
+      "  if [[ -n $words ]]; then\n"
+      "    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\")\n"
+      "  else\n"
+      "    mapfile -t COMPREPLY < <(compgen -f -- \"$word\")\n"
+      "  fi\n"
+      "}}\n"
+      "complete -o filenames -F _{0} {0}\n",
+      program.name, names, cases);
+}
+
+std::string nearest_word(const std::string& word, const std::vector<std::string>& words) {
+  // Letters to insert, to drop or to exchange (Levenshtein); a swap of neighbours counts as one.
+  const auto distance = [](const std::string& a, const std::string& b) {
+    std::vector<std::size_t> before_last, last, now(b.size() + 1);
+    std::iota(now.begin(), now.end(), std::size_t{0});
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+      before_last = last;
+      last = now;
+      now[0] = i;
+      for (std::size_t j = 1; j <= b.size(); ++j) {
+        now[j] = std::min({last[j] + 1, now[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
+        if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+          now[j] = std::min(now[j], before_last[j - 2] + 1);
+        }
+      }
+    }
+    return now.back();
+  };
+  std::string nearest;
+  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
+  for (const std::string& known : words) {
+    const std::size_t d = distance(word, known);
+    if (d < least) least = d, nearest = known;
+  }
+  if (!nearest.empty()) return nearest;
+  // Or one begins with the other, as --figure and --figures, or --output and --out.
+  for (const std::string& known : words) {
+    const std::size_t common = std::min(known.size(), word.size());
+    if (common >= 4 && known.compare(0, common, word, 0, common) == 0) return known;
+  }
+  return nearest;
+}
+
+}  // namespace condyle::host

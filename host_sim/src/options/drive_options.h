@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "condyle/estimator/impedance/joint_parameters.h"
+#include "options/command_line.h"
+
+namespace condyle::host {
+
+/// What the user states of a measured drive, and of where it is not all of the force; it goes
+/// before the parameter file.
+struct DriveOptions {
+  std::optional<double> missing_share, gain_sd, position_scale_sd, axis_angle_sd_deg, noise_sd_N,
+      delay_ms, delay_sd_ms;
+  std::optional<double> coulomb_sd_N, contact_above_mm, contact_below_mm;
+  bool fits_delay = false;
+
+  /// Gives `command` the options that fill this, which must outlive it.
+  void add_to(CommandLine command);
+  bool is_given() const {
+    return missing_share || gain_sd || position_scale_sd || axis_angle_sd_deg || noise_sd_N ||
+           delay_ms || delay_sd_ms || coulomb_sd_N || contact_above_mm || contact_below_mm ||
+           fits_delay;
+  }
+  void apply(JointParameters& joint) const;
+};
+
+}  // namespace condyle::host

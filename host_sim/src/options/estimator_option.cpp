@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options/estimator_option.h"
+
+#include <fmt/format.h>
+
+#include "hosted/files/input_error.h"
+#include "options/command_line.h"
+
+namespace condyle::host {
+
+void EstimatorOption::add_to(CommandLine line) {
+  const CommandLine command = line.group("Estimator");
+  command.add_option("--estimator", name, "Which estimator runs")
+      .one_of({"recommended", "published"})
+      .show_default();
+  command
+      .add_option(
+          "--lag", lag,
+          "Fixed lag in samples: a larger lag gives more accurate, later estimates (recommended)")
+      .within(0, 16)
+      .show_default();
+  command.add_option("--parameters=FILE", parameters, "TOML file with its parameters");
+}
+
+void EstimatorOption::refuse_if_published(const char* option, bool given) const {
+  if (!is_published() || !given) return;
+  throw InputError(option, "is not supported by --estimator published",
+                   "leave it out, or give --estimator recommended");
+}
+
+LoadedParameters EstimatorOption::load_published() const {
+  return parameters.empty() ? LoadedParameters{} : load_parameters(parameters);
+}
+
+RecommendedParameters EstimatorOption::load_recommended() const {
+  return parameters.empty() ? RecommendedParameters{} : load_recommended_parameters(parameters);
+}
+
+RecommendedParameters load_recommended_for(const EstimatorOption& estimator,
+                                           const RecordingInfo& info, const std::string& source) {
+  if (!estimator.parameters.empty() || info.parameters_toml.empty()) {
+    return estimator.load_recommended();
+  }
+  return parse_recommended_parameters(source + ": its parameters", info.parameters_toml);
+}
+
+PublishedParameters load_published_for(const EstimatorOption& estimator,
+                                       std::optional<TimeNs> step_ns, const std::string& source) {
+  LoadedParameters loaded = estimator.load_published();
+  if (loaded.gives_sample_time) return loaded.values;
+  if (!step_ns) {
+    throw InputError(source, "no time passes between its samples",
+                     "give sample_time_s in a parameter file");
+  }
+  loaded.values.sample_time_s = seconds(*step_ns);
+  if (!is_valid(loaded.values)) {
+    throw InputError(source,
+                     fmt::format("its median step of {:.4g} s is no usable sample time",
+                                 loaded.values.sample_time_s),
+                     "check the unit of time_s or give sample_time_s in a parameter file");
+  }
+  return loaded.values;
+}
+
+void refuse_long_step(const RecommendedParameters& parameters, double step_s,
+                      const std::string& source, const char* step, const char* mend) {
+  const double longest_gap_s = parameters.outliers.longest_gap_s;
+  if (step_s <= longest_gap_s) return;
+  throw InputError(source,
+                   fmt::format("{} of {:.4g} s is longer than longest_gap_s = {:.4g}, so that no "
+                               "sample would say anything of its neighbours",
+                               step, step_s, longest_gap_s),
+                   fmt::format("{}, or raise longest_gap_s in a parameter file", mend));
+}
+
+}  // namespace condyle::host

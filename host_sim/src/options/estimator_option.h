@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "condyle/estimator/sample.h"
+#include "hosted/config/parameter_file.h"
+#include "options/command_line.h"
+#include "recordings/recording.h"
+
+namespace condyle::host {
+
+/// Which estimator a command runs, as its options say.
+struct EstimatorOption {
+  std::string name = "recommended";  ///< or "published"
+  std::string parameters;            ///< TOML file; empty: the defaults
+  int lag = 0;                       ///< samples
+
+  /// Gives `command` the options that fill this, which must outlive it.
+  void add_to(CommandLine command);
+
+  bool is_published() const { return name == "published"; }
+  /// An InputError where `option`, which only the recommended estimator has, is `given` to the
+  /// published cascade.
+  void refuse_if_published(const char* option, bool given) const;
+
+  /// The parameters, each for its estimator.
+  LoadedParameters load_published() const;
+  RecommendedParameters load_recommended() const;
+};
+
+/// The recommended estimator's parameters for the recording `source`: those that it was recorded
+/// with, if it holds them and no file is given.
+RecommendedParameters load_recommended_for(const EstimatorOption& estimator,
+                                           const RecordingInfo& info, const std::string& source);
+
+/// The published cascade's parameters for samples `step_ns` apart, where the file does not give
+/// sample_time_s. An InputError that names `source` where it is absent or no usable sample time.
+PublishedParameters load_published_for(const EstimatorOption& estimator,
+                                       std::optional<TimeNs> step_ns, const std::string& source);
+
+/// An InputError where a step of `step_s` is so long that each sample would lose the state. It
+/// names `source` and what of it is `step`; `mend` is one way out beside a longer gap.
+void refuse_long_step(const RecommendedParameters& parameters, double step_s,
+                      const std::string& source, const char* step, const char* mend);
+
+}  // namespace condyle::host

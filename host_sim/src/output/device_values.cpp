@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output/device_values.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/log/session_log_source.h"
+#include "condyle/hal/report/device_facebow.h"
+#include "hosted/config/device_profile_file.h"
+#include "hosted/devices/device_words.h"
+#include "hosted/files/byte_reader.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/number_text.h"
+#include "recordings/device_recording.h"
+#include "recordings/session_markers.h"
+
+namespace condyle::host {
+namespace {
+
+std::string header_of(const hal::DeviceProfile& profile) {
+  std::string header = "time_s";
+  if (profile.drive_N) header += ",drive_N";
+  for (const hal::AuxiliaryField& field : profile.auxiliary) {
+    header += "," + field.name + (field.unit == "1" ? "" : "_" + field.unit);
+  }
+  return header + "\n";
+}
+
+void append_value(std::string& row, bool is_valid, double value) {
+  row += ',';
+  if (is_valid) append_number(row, value);
+}
+
+// Gives what became of the reports, in words.
+std::string write_rows(hal::ReportSource& source, const hal::DeviceProfile& profile,
+                       OutputFile& file) {
+  hal::DeviceFacebow device(source, hal::layout_of(profile));
+  Sample sample;
+  std::string row;
+  for (;;) {
+    const hal::Status status = device.read(hal::kNoDeadline, sample);
+    if (status == hal::Status::bad_report) continue;
+    if (status == hal::Status::disconnected && device.open() == hal::Status::ok) continue;
+    if (status != hal::Status::ok) {
+      std::string words = reports_words(profile, device.counts(), device.transport_counts());
+      if (profile.device_time) words += "; " + clock_words(device.clock_fit());
+      return words;
+    }
+    row.clear();
+    append_time_s(row, sample.time_ns);
+    if (profile.drive_N) append_value(row, sample.drive_valid, sample.drive_N);
+    for (std::size_t i = 0; i < profile.auxiliary.size(); ++i) {
+      const hal::MeasuredValue& value = device.last_report().auxiliary[i];
+      append_value(row, value.valid, value.value);
+    }
+    file.write(row += '\n');
+  }
+}
+
+bool has_values(const hal::DeviceProfile& profile) {
+  return profile.drive_N.has_value() || !profile.auxiliary.empty();
+}
+
+// The file of the device called `name`; what the user should know of its reports is noted.
+void write_file(hal::ReportSource& source, const hal::DeviceProfile& profile,
+                const std::string& folder, const std::string& name,
+                std::vector<std::unique_ptr<OutputFile>>& files, std::vector<std::string>& notes) {
+  files.push_back(
+      std::make_unique<OutputFile>((std::filesystem::path(folder) / (name + ".csv")).string()));
+  files.back()->write(header_of(profile));
+  notes.push_back(name + ": " + write_rows(source, profile, *files.back()));
+  files.back()->close();
+}
+
+void write_captured_values(const std::string& capture, const std::string& profile_path,
+                           const std::string& folder,
+                           std::vector<std::unique_ptr<OutputFile>>& files,
+                           std::vector<std::string>& notes) {
+  hal::DeviceProfile profile = load_device_profile(profile_path);
+  if (!has_values(profile)) return;
+  complete_profile(profile, {}, capture);
+  write_file(*open_captured_reports(capture, profile), profile, folder, "facebow", files, notes);
+}
+
+void write_logged_values(const std::string& log, const std::string& profile_path,
+                         const std::string& folder, std::vector<std::unique_ptr<OutputFile>>& files,
+                         std::vector<std::string>& notes) {
+  std::size_t sources = 1;
+  for (std::size_t i = 0; i < sources; ++i) {
+    hal::SessionLogSource source(log, i);
+    if (source.open() != hal::Status::ok) throw InputError(log, source.problem(), "");
+    sources = source.header().sources.size();
+    const hal::SessionSource& device = source.header().sources[i];
+    if (!hal::is_device(device)) continue;
+    hal::DeviceProfile profile =
+        i == 0 && !profile_path.empty()
+            ? load_device_profile(profile_path)
+            : parse_device_profile(log + ": the profile of " + device.name, device.profile_toml);
+    if (!has_values(profile)) continue;
+    complete_profile(profile, device.report_descriptor, log);
+    write_file(source, profile, folder, device.name, files, notes);
+    if (source.not_recorded() > 0) {
+      notes.back() += fmt::format("; the recorder had no room for {} reports and events",
+                                  source.not_recorded());
+    }
+  }
+  const std::vector<SessionMarker> markers = read_markers(log);
+  if (markers.empty()) return;
+  const std::filesystem::path path = std::filesystem::path(folder) / "markers.csv";
+  files.push_back(std::make_unique<OutputFile>(path.string()));
+  files.back()->write(markers_csv(markers));
+  files.back()->close();
+  notes.push_back(fmt::format("markers: {}", markers.size()));
+}
+
+}  // namespace
+
+std::vector<std::string> write_device_values(const std::string& recording,
+                                             const std::string& profile_path,
+                                             const std::string& folder,
+                                             std::vector<std::unique_ptr<OutputFile>>& files) {
+  constexpr std::string_view file = "file:";
+  const std::string path = recording.starts_with(file) ? recording.substr(file.size()) : recording;
+  std::vector<std::string> notes;
+  ByteReader reader(path);
+  const std::string_view start = reader.peek(8);
+  if (looks_like_capture(start)) {
+    write_captured_values(path, profile_path, folder, files, notes);
+  } else if (looks_like_session_log(start)) {
+    write_logged_values(path, profile_path, folder, files, notes);
+  }
+  const bool may_hold_values = looks_like_capture(start) || looks_like_session_log(start);
+  if (!may_hold_values) {
+    throw InputError(
+        path, "holds no value but position",
+        "leave --values out; a drive or auxiliary fields are in the profile of a device");
+  }
+  if (files.empty()) notes.emplace_back("it holds no value but position: --values wrote no file");
+  return notes;
+}
+
+}  // namespace condyle::host

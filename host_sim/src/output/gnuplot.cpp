@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output/gnuplot.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "hosted/files/clean_text.h"
+#include "output/deferred_problem.h"
+
+namespace condyle::host {
+namespace {
+
+void note_failure(const std::string& problem) {
+  defer_problem(InputError(
+      "gnuplot", "cannot draw the figures: " + problem,
+      "install it (Debian package gnuplot-nox) or leave out --figures; all else was written"));
+}
+
+// The absolute path of a program; empty where there is none. Relative folders of PATH are left
+// out: the child's folder is that of the figures.
+std::string find_program(const std::string& name) {
+  const char* const path = std::getenv("PATH");
+  std::string_view rest = path != nullptr ? path : "/usr/bin:/bin";
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(':'), rest.size());
+    const std::string program = std::string(rest.substr(0, end)) + "/" + name;
+    if (program.front() == '/' && access(program.c_str(), X_OK) == 0) return program;
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return "";
+}
+
+// Starts it in `folder` with its input from `input`. An interrupt of the terminal is the command's
+// to handle, so the child has a process group of its own. 0 or an error number.
+int start(const std::string& program, const std::string& folder, int input, pid_t& child) {
+  std::vector<std::string> variables = {"LC_ALL=C.UTF-8"};
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    if (!std::string_view(*variable).starts_with("LC_ALL=")) variables.emplace_back(*variable);
+  }
+  std::vector<char*> environment;
+  for (std::string& variable : variables) environment.push_back(variable.data());
+  environment.push_back(nullptr);
+  std::array<std::string, 2> words{"gnuplot", "-d"};  // without the user's own settings
+  std::array<char*, 3> arguments{words[0].data(), words[1].data(), nullptr};
+
+  posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawnattr_init(&attributes);
+  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+  posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  const int error = posix_spawn(&child, program.c_str(), &actions, &attributes, arguments.data(),
+                                environment.data());
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  return error;
+}
+
+}  // namespace
+
+std::string gnuplot_quoted(std::string_view text) {
+  std::string result = "'";
+  // Two apostrophes in a row are none to gnuplot at the start of a text.
+  for (const char c : clean_line(text)) result += c == '\'' ? "\u2019" : std::string(1, c);
+  return result + "'";
+}
+
+std::string title_command(std::string_view title, std::string_view options) {
+  return fmt::format("set title {} noenhanced {}\n",
+                     gnuplot_quoted(fmt::format("{}  (research use only)", title)), options);
+}
+
+Gnuplot::Gnuplot(std::string directory) : directory_(std::move(directory)) {
+  const std::string program = find_program("gnuplot");
+  if (program.empty()) {
+    problem_ = "it is not installed";
+    return;
+  }
+  int ends[2] = {-1, -1};
+  if (pipe2(ends, O_CLOEXEC) != 0) {
+    problem_ = std::strerror(errno);
+    return;
+  }
+  if (const int error = start(program, directory_, ends[0], child_); error != 0) {
+    problem_ = std::strerror(error);
+    child_ = 0;
+    close(ends[1]);
+  } else {
+    pipe_ = fdopen(ends[1], "w");
+    send("set encoding utf8\nset grid back lt 1 lw 0.5 lc rgb '#d0d0d0'\n");
+  }
+  close(ends[0]);
+}
+
+Gnuplot::~Gnuplot() {
+  (void)wait();
+}
+
+// Ends the input and waits; the child's status.
+int Gnuplot::wait() {
+  if (pipe_ != nullptr) std::fclose(pipe_);
+  pipe_ = nullptr;
+  int status = 0;
+  if (child_ > 0) {
+    while (waitpid(child_, &status, 0) < 0 && errno == EINTR) continue;
+  }
+  child_ = 0;
+  return status;
+}
+
+void Gnuplot::send(const std::string& text) {
+  if (pipe_ != nullptr) std::fwrite(text.data(), 1, text.size(), pipe_);
+}
+
+void Gnuplot::draw(const std::string& name, const std::string& plot, int width, int height) {
+  if (pipe_ == nullptr) return;
+  const std::pair<const char*, std::string> terminals[] = {
+      {".svg", fmt::format("svg size {},{} dynamic", width, height)},
+      {".png", fmt::format("pngcairo size {},{}", width * 3 / 2, height * 3 / 2)}};
+  for (const auto& [ending, terminal] : terminals) {
+    const auto path = std::filesystem::path(directory_) / (name + ending);
+    files_.push_back(std::make_unique<OutputFile>(path.string()));
+    // It draws in the folder, so that no part of a user's path is a command to it.
+    const auto file = std::filesystem::path(files_.back()->path_while_writing()).filename();
+    send(fmt::format("set terminal {} background 'white'\nset output {}\n{}\nunset output\n",
+                     terminal, gnuplot_quoted(file.string()), plot));
+  }
+}
+
+std::vector<std::unique_ptr<OutputFile>> Gnuplot::finish() {
+  const int status = wait();
+  if (problem_.empty() && status != 0) problem_ = "it failed; its own words stand above";
+  for (const auto& file : files_) {
+    std::error_code error;
+    const bool is_empty = std::filesystem::file_size(file->path_while_writing(), error) == 0;
+    if (problem_.empty() && (error || is_empty)) problem_ = file->path() + " was left empty";
+  }
+  if (!problem_.empty()) {
+    note_failure(problem_);
+    return {};
+  }
+  for (const auto& file : files_) file->close();
+  return std::move(files_);
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output/joint_text.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "output/replay_summary.h"
+
+namespace condyle::host {
+namespace {
+
+// Why a value is not measured, and what would show it.
+std::string limit_words(const IdentifiedValue<double>& value) {
+  switch (value.limit) {
+    case JointLimit::none:
+    case JointLimit::mass_stated:  // of a known mass only
+      return "";
+    case JointLimit::no_drive:
+      return ": no drive was measured while the position was";
+    case JointLimit::too_slow:
+      return ": positions or drive come too seldom; record at least 25 of each a second";
+    case JointLimit::too_early:
+      return ": too short to judge by; record 10 s of motion or more without a gap";
+    case JointLimit::dynamics:
+      return ": drive or position was smoothed or follows late; record both unfiltered";
+    case JointLimit::noise:
+      return ": drive and model leave more than noise; another force acts, or drive or positions "
+             "were smoothed";
+    case JointLimit::changing:
+      return ": the values, or the drive's delay, change along the recording; record shorter, or "
+             "state how they may walk in a parameter file";
+    case JointLimit::drive_reversed:
+      return ": the mass would be negative; the sign of the drive or of the axis is reversed";
+    case JointLimit::implausible_mass:
+      return ": the mass would be implausible (see drive unit)";
+    case JointLimit::delay_stated:
+      return ": the drive's delay is not what is stated; state --drive-delay-ms, or estimate it "
+             "with --drive-fit-delay";
+    case JointLimit::negative_friction:
+      return ": friction would be negative; the drive is not all "
+             "of the force";
+    case JointLimit::excitation:
+      return ": the motion is too weak or too uniform against the noise; chew, at several rhythms";
+    case JointLimit::mass_or_stiffness:
+      return ": this motion cannot tell mass from the spring; let rhythm and height vary, or add "
+             "faster strokes";
+    case JointLimit::friction_or_delay:
+      return ": this motion cannot tell friction from the drive's delay; measure the delay, or "
+             "chew at several rhythms";
+    case JointLimit::viscous_or_coulomb:
+      return ": this motion cannot tell viscous from sliding friction; let its speed vary";
+    case JointLimit::resolution:
+      return std::isfinite(value.needed_s)
+                 ? fmt::format(
+                       ": too little for the stated resolution; about {:.0f} s of this "
+                       "motion would do",
+                       value.needed_s)
+                 : ": too little for the stated resolution; record longer, with larger motion";
+    case JointLimit::gain:
+      return ": the uncertainty of the drive's gain is too large for the stated resolution";
+    case JointLimit::delay:
+      return ": the uncertainty of the drive's delay, which acts like friction, is too large";
+    case JointLimit::missing:
+      return ": the drive may miss too much of the force (--drive-missing SHARE, if that is known)";
+    case JointLimit::smoothing:
+      return ": the noise of drive or positions is not white, as smoothing or rounded time stamps "
+             "make it; record both unfiltered, their times to 0.1 ms";
+  }
+  return "";
+}
+
+// In which unit the drive would give the mass that is nearest to a jaw's.
+std::string unit_words(double mass_kg, const JointParameters& parameters) {
+  constexpr struct {
+    double N;
+    const char* name;
+  } units[] = {{1e3, "kN"}, {9.80665, "kgf"}, {4.448222, "lbf"}, {0.00980665, "gf"}, {1e-3, "mN"}};
+  constexpr double usual_kg = 0.25;
+  double closest = std::numeric_limits<double>::infinity();
+  std::string in_unit;
+  for (const auto& unit : units) {
+    const double kg = mass_kg * unit.N, apart = std::abs(std::log(kg / usual_kg));
+    if (kg < parameters.least_mass_kg || kg > parameters.most_mass_kg || apart >= closest) continue;
+    closest = apart;
+    in_unit = fmt::format("; were the drive in {}, it would be {:.2g} kg", unit.name, kg);
+  }
+  return fmt::format(
+      "the mass would be {:.2g} kg, a jaw has {:g} to {:g} kg{}: check the units of drive_N and "
+      "of the positions (another body: least_mass_kg, most_mass_kg)",
+      mass_kg, parameters.least_mass_kg, parameters.most_mass_kg, in_unit);
+}
+
+// What speaks of a wrong unit without proving it: a mass that few jaws have, a noise that few
+// sensors have, or one that is far from what was stated.
+constexpr double kUsualLeast_kg = 0.08, kUsualMost_kg = 1;
+constexpr double kLeastNoise_N = 1e-4, kMostNoise_N = 1, kFarNoise = 4;
+
+bool is_usual(const IdentifiedValue<double>& mass_kg) {
+  return mass_kg.limit != JointLimit::none ||
+         (mass_kg.fitted > kUsualLeast_kg && mass_kg.fitted < kUsualMost_kg);
+}
+
+std::string drive_noise_words(double noise_sd_N, double stated_sd_N) {
+  const double times = noise_sd_N / stated_sd_N;
+  const bool is_stated = stated_sd_N != DriveParameters{}.noise_sd_N;
+  if (is_stated && (times > kFarNoise || times * kFarNoise < 1)) {
+    return fmt::format("{:.2g} N, {:.2g} N was stated: is drive_N in N, and unfiltered?",
+                       noise_sd_N, stated_sd_N);
+  }
+  if (noise_sd_N < kLeastNoise_N || noise_sd_N > kMostNoise_N) {
+    return fmt::format("{:.2g} N, which few sensors have: is drive_N in N, and unfiltered?",
+                       noise_sd_N);
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string joint_text(const JointEstimate<double>& joint, const JointParameters& parameters) {
+  const auto words = [](const IdentifiedValue<double>& value, const char* unit) {
+    const std::string shown = value.limit == JointLimit::none
+                                  ? ReplaySummary::with_interval(value.quantity, 1, unit, "95 %")
+                                  : fmt::format("{:.4g} {}, assumed", value.quantity.value, unit);
+    return shown + limit_words(value);
+  };
+  std::string text;
+  ReplaySummary::add_line(text, "  friction", words(joint.friction_Ns_m, "Ns/m"));
+  ReplaySummary::add_line(text, "  mass", words(joint.mass_kg, "kg"));
+  ReplaySummary::add_line(text, "  stiffness", words(joint.stiffness_N_m, "N/m"));
+  ReplaySummary::add_line(text, "  offset", words(joint.offset_N, "N"));
+  if (parameters.coulomb_N.sd > 0) {
+    ReplaySummary::add_line(text, "  Coulomb", words(joint.coulomb_N, "N"));
+  }
+  if (parameters.delay == DelayModel::fitted) {
+    ReplaySummary::add_line(text, "  delay", words(joint.delay_s, "s"));
+  }
+  if (std::isfinite(joint.residual_ratio)) {
+    ReplaySummary::add_line(
+        text, "drive model",
+        fmt::format("residual {:.2f} of what noise makes (1 if drive and model explain the "
+                    "motion), over {:.1f} s; noise of the drive {:.2g} N, of the positions "
+                    "{:.2g} mm, by their own differences",
+                    joint.residual_ratio, joint.used_s, joint.drive_noise_sd_N,
+                    joint.position_noise_sd_m * 1e3));
+  }
+  const DriveParameters& drive = parameters.drive;
+  if (joint.mass_kg.limit == JointLimit::implausible_mass) {
+    ReplaySummary::add_line(text, "drive unit", unit_words(joint.mass_kg.fitted, parameters));
+  } else if (!is_usual(joint.mass_kg)) {
+    ReplaySummary::add_line(
+        text, "drive unit",
+        fmt::format("few jaws have such a mass ({:g} to {:g} kg): check the units of drive_N "
+                    "and of the positions",
+                    kUsualLeast_kg, kUsualMost_kg));
+  }
+  const std::string noise = drive_noise_words(joint.drive_noise_sd_N, drive.noise_sd_N);
+  if (!noise.empty()) ReplaySummary::add_line(text, "drive noise", noise);
+  ReplaySummary::add_line(
+      text, "rests on",
+      fmt::format("what was stated: drive in N, gain within {:g} %, axis within {:g} degrees; "
+                  "positions to scale within {:g} %; delay {:g} +- {:g} ms; {:g} % of the "
+                  "force missing. Twice the drive, or half the positions, makes friction and "
+                  "mass twice as large",
+                  drive.gain_sd * 100, drive.axis_angle_sd_rad * 180 / std::numbers::pi,
+                  drive.position_scale_sd * 100, drive.delay_s * 1e3, drive.delay_sd_s * 1e3,
+                  drive.missing_share * 100));
+  return text +
+         "Friction is the effective damping along the followed axis, of joint, muscle and tissue "
+         "together.\n";
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Estimates written while they are made, without ever holding up who makes them.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "output/estimates_file.h"
+
+namespace condyle::host {
+
+/// A thread writes; rows for which a slow reader leaves no room are dropped and counted, and what
+/// the file cannot take ends the writing, not the recording.
+class LiveEstimates {
+ public:
+  /// An InputError where the file cannot be made.
+  LiveEstimates(const std::string& path, int axis_count, bool has_joint);
+  ~LiveEstimates();
+  LiveEstimates(const LiveEstimates&) = delete;
+  LiveEstimates& operator=(const LiveEstimates&) = delete;
+
+  /// Never waits for the file.
+  void add(const EstimateRow& row);
+  /// Writes what is left and gives the file its name; gives up on a reader that takes nothing for
+  /// two seconds.
+  void finish();
+
+  /// After finish: rows that had no room.
+  std::uint64_t dropped() const { return dropped_; }
+  /// Why the file is not complete; empty where it is.
+  std::string problem() const;
+
+ private:
+  static constexpr std::size_t kRoom = 8192;  // rows: 16 s at 500 Hz
+
+  void run();
+  void interrupt_writer();
+
+  EstimatesFile file_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<EstimateRow> rows_;
+  bool ends_ = false, has_ended_ = false, is_finished_ = false;
+  std::uint64_t dropped_ = 0, written_ = 0;
+  std::string problem_;
+  std::thread thread_;
+};
+
+}  // namespace condyle::host

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output/output_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <system_error>
+
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
+
+namespace condyle::host {
+
+OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
+  if (path_ == "-") {
+    temporary_path_ = path_;
+    has_standard_output_ = true;
+    file_ = fdopen(dup(STDOUT_FILENO), "wb");
+    if (file_ == nullptr) fail("standard output cannot be written");
+    return;
+  }
+  std::error_code no_link;
+  const auto target = std::filesystem::canonical(path_, no_link);
+  if (!no_link && std::filesystem::is_symlink(path_) && std::filesystem::is_regular_file(target)) {
+    path_ = target.string();  // the file behind a link is replaced, not the link
+  }
+  temporary_path_ = path_;
+  struct stat status = {};
+  const bool exists = stat(path_.c_str(), &status) == 0;
+  if (exists && !S_ISREG(status.st_mode)) {
+    if (S_ISDIR(status.st_mode)) {
+      throw InputError(path_, "is a directory", "name a file inside it");
+    }
+    file_ = std::fopen(path_.c_str(), "wb");
+  } else {
+    temporary_path_ += ".partial-XXXXXX";
+    const int descriptor = mkstemp(temporary_path_.data());
+    if (descriptor >= 0) {
+      const mode_t mask = umask(0);
+      umask(mask);
+      if (fchmod(descriptor, exists ? status.st_mode & 0777 : 0666 & ~mask) == 0) {
+        file_ = fdopen(descriptor, "wb");
+      }
+    }
+  }
+  if (file_ == nullptr) fail("cannot be written");
+}
+
+OutputFile::~OutputFile() {
+  if (file_ != nullptr) {
+    // What is buffered is not wanted, and no reader is waited for.
+    fcntl(fileno(file_), F_SETFL, O_NONBLOCK);
+    std::fclose(file_);
+  }
+  if (!temporary_path_.empty() && temporary_path_ != path_) unlink(temporary_path_.c_str());
+}
+
+void OutputFile::write(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail("cannot be written");
+}
+
+void OutputFile::close() {
+  std::FILE* const file = file_;
+  file_ = nullptr;
+  if (std::fclose(file) != 0) fail("cannot be written");
+}
+
+void OutputFile::commit() {
+  if (temporary_path_ != path_ && std::rename(temporary_path_.c_str(), path_.c_str()) != 0) {
+    fail("cannot be given its name");
+  }
+  temporary_path_.clear();
+}
+
+void OutputFile::fail(const char* what) const {
+  throw InputError(path_, fmt::format("{}: {}", what, std::strerror(errno)),
+                   "check the folder, its permissions and the space on the disk");
+}
+
+std::string commit_all(const std::vector<std::unique_ptr<OutputFile>>& files) {
+  std::string names;
+  for (const auto& file : files) {
+    file->commit();
+    names += clean_line(file->path()) + "\n";
+  }
+  return names;
+}
+
+void refuse_same_files(const std::vector<std::string>& inputs,
+                       const std::vector<std::string>& outputs) {
+  // A source may be named by its kind, as in synth:FILE.
+  const auto without_kind = [](const std::string& name) {
+    for (const char* const kind : {"file:", "synth:", "hid:", "usb:"}) {
+      if (name.starts_with(kind)) return name.substr(std::string_view(kind).size());
+    }
+    return name;
+  };
+  const auto is_same = [](const std::string& a, const std::string& b) {
+    std::error_code missing;
+    return std::filesystem::equivalent(a, b, missing) ||
+           std::filesystem::weakly_canonical(a, missing) ==
+               std::filesystem::weakly_canonical(b, missing);
+  };
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (outputs[i].empty()) continue;
+    for (const std::string& input : inputs) {
+      if (!input.empty() &&
+          (is_same(input, outputs[i]) || is_same(without_kind(input), outputs[i]))) {
+        throw InputError(outputs[i], "is also an input", "write to another file");
+      }
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      // A device takes any number of outputs.
+      if (!outputs[k].empty() && is_same(outputs[k], outputs[i]) &&
+          !std::filesystem::is_character_file(outputs[i])) {
+        throw InputError(outputs[i], "is named for two outputs", "give each its own file");
+      }
+    }
+  }
+}
+
+OutputFolder::OutputFolder(const std::string& path) : path_(std::filesystem::absolute(path)) {
+  for (auto folder = path_; !std::filesystem::exists(folder); folder = folder.parent_path()) {
+    first_made_ = folder;
+  }
+  std::error_code error;
+  std::filesystem::create_directories(path_, error);
+  if (!error && !std::filesystem::is_directory(path_)) {
+    error = std::make_error_code(std::errc::not_a_directory);
+  }
+  if (error) throw InputError(path, "cannot be made: " + error.message(), "name another folder");
+}
+
+OutputFolder::~OutputFolder() {
+  if (first_made_.empty()) return;
+  std::error_code error;
+  // remove() leaves what is not empty.
+  for (auto folder = path_; !error && std::filesystem::remove(folder, error);) {
+    if (folder == first_made_) break;
+    folder = folder.parent_path();
+  }
+}
+
+}  // namespace condyle::host

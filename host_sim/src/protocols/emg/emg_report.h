@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Friction from EMG: the run over a recording, in words and as JSON.
+#pragma once
+
+#include <string>
+
+#include "protocols/emg/emg_recording.h"
+
+namespace condyle::host {
+
+/// What to identify from.
+struct EmgSource {
+  std::string recording, emg;
+  RecordingOptions reading;
+  EmgReading emg_reading;
+  FollowedCoordinate followed;
+  bool axis_given = false;
+  double noise_sd_m = 5e-5;  ///< of a measured position
+  bool keeps_rows = false;   ///< makes EmgResult::rows
+};
+
+/// What was identified.
+struct EmgResult {
+  EmgSource source;
+  MuscleFile muscles;
+  EmgRecording emg;  ///< without its rows
+  std::uint64_t emg_rows = 0, positions = 0, positions_missing = 0, positions_in_emg = 0;
+  EmgEstimate<double> estimate;
+  EmgTimelineCounts counts;
+  std::string rows;  ///< CSV, one for each position
+};
+
+/// Reads both recordings and identifies with `muscles`. An InputError where they cannot be used.
+EmgResult identify_from_emg(const EmgSource& source, const MuscleFile& muscles);
+
+/// Its values with provenance, uncertainty and limit.
+std::string emg_text(const EmgResult& result);
+/// Likewise as JSON; what is withheld is not in it.
+std::string emg_json(const EmgResult& result);
+
+}  // namespace condyle::host

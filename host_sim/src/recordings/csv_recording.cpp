@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+// CSV recordings. Columns, in any order:
+//   time_s                              always
+//   position_m | position_mm            one axis, or
+//   p1_x_mm ... p3_z_mm (or _m)         one point (p1) or three
+//   drive_N                             measured total drive, optional
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "hosted/files/input_error.h"
+#include "recordings/recording_formats.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr std::string_view kColumns =
+    "columns are time_s, position_m or position_mm, p1_x_mm ... p3_z_mm (or _m), drive_N";
+
+constexpr std::size_t kLongestName = 100;
+
+// What a column's values are.
+struct Column {
+  enum class Role { ignored, time, coordinate, drive };
+  Role role = Role::ignored;
+  std::size_t coordinate = 0;
+  double units_per_metre = 1;
+  std::string name;
+};
+
+std::string_view unquote(std::string_view text) {
+  text = trim(text);
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') {
+    text = text.substr(1, text.size() - 2);
+  }
+  return text;
+}
+
+// Fields of a row, into `fields`, whose memory is used again from row to row.
+void split(std::string_view line, std::vector<std::string_view>& fields) {
+  fields.clear();
+  while (true) {
+    const std::size_t comma = line.find(',');
+    fields.push_back(unquote(line.substr(0, comma)));
+    if (comma == std::string_view::npos) return;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+// "p2_y_mm" to point 1, axis 1, unit "mm"; false for other names.
+bool parse_point_column(std::string_view name, std::size_t& coordinate, std::string_view& unit) {
+  if (name.size() < 6 || name[0] != 'p' || name[1] < '1' || name[1] > '3' || name[2] != '_' ||
+      name[3] < 'x' || name[3] > 'z' || name[4] != '_') {
+    return false;
+  }
+  coordinate = static_cast<std::size_t>(3 * (name[1] - '1') + (name[3] - 'x'));
+  unit = name.substr(5);
+  return unit == "m" || unit == "mm";
+}
+
+class CsvRecording final : public Recording {
+ public:
+  CsvRecording(std::unique_ptr<ByteReader> reader, const RecordingOptions& options)
+      : reader_(std::move(reader)),
+        rows_(*reader_),
+        rule_(options.faults),
+        reads_drive_alone_(options.reads_drive_alone),
+        drive_column_(options.drive_column) {
+    read_header(options.ignored_columns);
+  }
+
+  bool next(Sample& sample) override {
+    std::string_view row;
+    if (!rows_.next(row)) return false;
+    sample = Sample{};
+    sample.kind = info_.kind;
+    sample.sequence = sequence_++;
+    if (row.empty()) {
+      rule_.accept(NumberStatus::empty, place(), columns_[0].name, "");
+      sample.time_valid = sample.position_valid = false;
+    } else {
+      parse_row(row, sample);
+    }
+    return true;
+  }
+
+  const RecordingInfo& info() const override { return info_; }
+  std::string place() const override { return fmt::format("{}:{}", reader_->path(), rows_.line()); }
+  double progress() const override { return reader_->progress(); }
+
+ private:
+  void read_header(const std::vector<std::string>& ignored) {
+    std::string_view line;
+    if (!rows_.next(line)) line = {};
+    if (line.find(',') == std::string_view::npos && line.find_first_of(";\t") != line.npos) {
+      throw InputError(place(), "columns are not separated by commas",
+                       "separate columns by commas and write decimals with points");
+    }
+    split(line, fields_);
+    double first_value = 0;
+    if (parse_number(fields_[0], first_value) != NumberStatus::not_a_number) {
+      throw InputError(place(), "the first line does not name the columns",
+                       fmt::format("add a first line such as time_s,position_m; {}", kColumns));
+    }
+    for (const std::string_view name : fields_) add_column(name, ignored);
+    for (const std::string& name : ignored) {
+      if (std::find(fields_.begin(), fields_.end(), name) == fields_.end()) {
+        throw InputError(place(), fmt::format("no column {} to ignore", quote(name)),
+                         "check the name given to --ignore-column");
+      }
+    }
+    check_layout();
+    info_.format = "CSV";
+  }
+
+  void add_column(std::string_view name, const std::vector<std::string>& ignored) {
+    if (name.size() > kLongestName) {
+      throw InputError(place(), fmt::format("the column name {} is too long", quote(name)),
+                       "check that the first line names the columns");
+    }
+    Column column;
+    column.name = std::string(name);
+    std::string_view unit;
+    const bool is_ignored = std::find(ignored.begin(), ignored.end(), name) != ignored.end();
+    if (is_ignored) {
+      column.role = Column::Role::ignored;
+    } else if (name == "time_s") {
+      column.role = Column::Role::time;
+    } else if (name == drive_column_) {
+      column.role = Column::Role::drive;
+      info_.has_drive = true;
+    } else if (name == "position_m" || name == "position_mm") {
+      column.role = Column::Role::coordinate;
+      unit = name.substr(9);
+      ++axis_columns_;
+    } else if (parse_point_column(name, column.coordinate, unit)) {
+      column.role = Column::Role::coordinate;
+      seen_[column.coordinate] = true;
+    } else {
+      throw InputError(fmt::format("{}: column {}", place(), quote(name)),
+                       "the column is not known",
+                       fmt::format("leave it out with --ignore-column '{}'; {}", name, kColumns));
+    }
+    if (unit == "mm") column.units_per_metre = 1000;
+    const auto quantity = [](std::string_view full) { return full.substr(0, full.rfind('_')); };
+    const bool repeated = std::any_of(columns_.begin(), columns_.end(), [&](const Column& other) {
+      return !is_ignored && other.role == column.role && quantity(other.name) == quantity(name);
+    });
+    if (repeated) {
+      throw InputError(fmt::format("{}: column {}", place(), name),
+                       "another column gives the same quantity",
+                       "leave one of them out with --ignore-column");
+    }
+    columns_.push_back(column);
+  }
+
+  void check_layout() {
+    const auto has = [&](Column::Role role) {
+      return std::any_of(columns_.begin(), columns_.end(),
+                         [role](const Column& column) { return column.role == role; });
+    };
+    if (!has(Column::Role::time)) {
+      throw InputError(place(), "no column time_s", "name the column with the time in seconds");
+    }
+    if (reads_drive_alone_) {
+      if (info_.has_drive) return;
+      throw InputError(place(), fmt::format("no column {}", drive_column_),
+                       "give the column with the measured drive that name");
+    }
+    const auto points = std::count(seen_.begin(), seen_.end(), true);
+    const bool first_point = seen_[0] && seen_[1] && seen_[2];
+    if (axis_columns_ == 1 && points == 0) {
+      info_.kind = SampleKind::one_axis;
+    } else if (axis_columns_ == 0 && points == 3 && first_point) {
+      info_.kind = SampleKind::one_point;
+    } else if (axis_columns_ == 0 && points == 9) {
+      info_.kind = SampleKind::three_points;
+    } else {
+      throw InputError(place(),
+                       axis_columns_ + points == 0 ? "no position column"
+                                                   : "the position columns are not a complete set",
+                       "give position_m, or x, y, z of p1, or x, y, z of p1, p2 and p3");
+    }
+  }
+
+  void parse_row(std::string_view line, Sample& sample) {
+    split(line, fields_);
+    if (fields_.size() != columns_.size()) {
+      throw InputError(fmt::format("{}: column {}", place(),
+                                   columns_[std::min(fields_.size(), columns_.size() - 1)].name),
+                       fmt::format("the row has {} columns, the header names {}", fields_.size(),
+                                   columns_.size()),
+                       "complete the row; numbers take a decimal point, not a comma");
+    }
+    sample.drive_valid = info_.has_drive;
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const Column& column = columns_[i];
+      double value = 0;
+      NumberStatus status = NumberStatus::ok;
+      switch (column.role) {
+        case Column::Role::ignored:
+          continue;
+        case Column::Role::time:
+          status = parse_time_s(fields_[i], sample.time_ns);
+          break;
+        case Column::Role::coordinate: {
+          status = parse_number(fields_[i], value);
+          sample.coordinates[column.coordinate] = value / column.units_per_metre;
+          break;
+        }
+        case Column::Role::drive:
+          status = parse_number(fields_[i], sample.drive_N);
+          break;
+      }
+      if (status == NumberStatus::ok) continue;
+      rule_.accept(status, place(), column.name, fields_[i]);
+      switch (column.role) {
+        case Column::Role::time:
+          sample.time_valid = false;
+          break;
+        case Column::Role::drive:
+          sample.drive_valid = false;
+          break;
+        default:
+          sample.position_valid = false;
+          break;
+      }
+    }
+    if (is_out_of_range(sample.kind, sample.coordinates)) sample.position_valid = false;
+  }
+
+  std::unique_ptr<ByteReader> reader_;
+  RowReader rows_;
+  FaultRule rule_;
+  bool reads_drive_alone_;
+  std::string drive_column_;
+  RecordingInfo info_;
+  std::vector<Column> columns_;
+  std::vector<std::string_view> fields_;  // of the row being read
+  std::array<bool, 9> seen_{};            // coordinates that a point column gives
+  std::ptrdiff_t axis_columns_ = 0;
+  std::uint64_t sequence_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Recording> open_csv(std::unique_ptr<ByteReader> reader,
+                                    const RecordingOptions& options) {
+  return std::make_unique<CsvRecording>(std::move(reader), options);
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "recordings/device_recording.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "condyle/hal/hid/descriptor_profile.h"
+#include "condyle/hal/hid/profile_check.h"
+#include "condyle/hal/log/session_log_source.h"
+#include "condyle/hal/log/usbmon_capture.h"
+#include "condyle/hal/report/device_facebow.h"
+#include "hosted/config/device_profile_file.h"
+#include "hosted/devices/device_words.h"
+#include "hosted/files/input_error.h"
+#include "recordings/session_markers.h"
+
+namespace condyle::host {
+namespace {
+
+// `Source`: SessionLogSource or UsbmonCapture, which both say what is wrong with their file.
+template <class Source>
+class DeviceRecording : public Recording {
+ public:
+  DeviceRecording(const std::string& path, std::unique_ptr<Source> source,
+                  const hal::DeviceProfile& profile, std::string format)
+      : path_(path),
+        source_(std::move(source)),
+        profile_(profile),
+        facebow_(*source_, hal::layout_of(profile_)) {
+    info_.format = std::move(format);
+    info_.kind = profile.kind;
+    info_.has_drive = profile.drive_N.has_value();
+    info_.is_of_device = true;
+    if constexpr (std::is_same_v<Source, hal::SessionLogSource>) {
+      info_.parameters_toml = source_->header().parameters_toml;
+    }
+    if (profile.rate_Hz > 0) info_.nominal_step_ns = nanoseconds(1 / profile.rate_Hz);
+  }
+
+  bool next(Sample& sample) override {
+    for (;;) {
+      const hal::Status status = facebow_.read(hal::kNoDeadline, sample);
+      if (status == hal::Status::ok) {
+        ++samples_;
+        return true;
+      }
+      const bool goes_on =
+          status == hal::Status::bad_report ||
+          (status == hal::Status::disconnected && facebow_.open() == hal::Status::ok);
+      if (goes_on) continue;
+      describe_end();
+      return false;
+    }
+  }
+  const RecordingInfo& info() const override { return info_; }
+  std::string place() const override { return fmt::format("{}: sample {}", path_, samples_); }
+  double progress() const override { return 0; }
+
+ private:
+  void describe_end() {
+    if (has_ended_) return;
+    has_ended_ = true;
+    info_.notes.push_back(reports_words(profile_, facebow_.counts(), facebow_.transport_counts()));
+    if (profile_.device_time) info_.notes.push_back(clock_words(facebow_.clock_fit()));
+    if constexpr (std::is_same_v<Source, hal::SessionLogSource>) {
+      if (source_->condition().outcome != hal::McapRead::end) {
+        info_.notes.push_back(path_ + ": " + hal::describe(source_->condition()));
+      }
+      for (std::string& note : marker_notes(read_markers(path_))) {
+        info_.notes.push_back(std::move(note));
+      }
+      if (source_->not_recorded() > 0) {
+        info_.notes.push_back(fmt::format("the recorder had no room for {} reports and events",
+                                          source_->not_recorded()));
+      }
+    } else {
+      if (!source_->problem().empty()) info_.notes.push_back(source_->problem());
+      if (source_->usbmon_counts().cut_reports > 0) {
+        info_.notes.push_back(fmt::format("{} reports were shortened by the capture and left out",
+                                          source_->usbmon_counts().cut_reports));
+      }
+    }
+  }
+
+  std::string path_;
+  std::unique_ptr<Source> source_;
+  hal::DeviceProfile profile_;
+  hal::DeviceFacebow facebow_;
+  RecordingInfo info_;
+  std::uint64_t samples_ = 0;
+  bool has_ended_ = false;
+};
+
+template <class Source>
+void open_or_throw(const std::string& path, Source& source) {
+  const hal::Status status = source.open();
+  if (status == hal::Status::ok) return;
+  throw InputError(path, source.problem().empty() ? hal::status_name(status) : source.problem(),
+                   "name a file with the reports of a facebow");
+}
+
+}  // namespace
+
+bool looks_like_session_log(std::string_view start) {
+  return start.starts_with("\x89MCAP0\r\n");
+}
+
+bool looks_like_capture(std::string_view start) {
+  // pcap in both byte orders, with micro- and nanoseconds, and pcapng.
+  for (const std::string_view magic : {"\xd4\xc3\xb2\xa1", "\xa1\xb2\xc3\xd4", "\x4d\x3c\xb2\xa1",
+                                       "\xa1\xb2\x3c\x4d", "\x0a\x0d\x0d\x0a"}) {
+    if (start.starts_with(magic)) return true;
+  }
+  return false;
+}
+
+std::unique_ptr<Recording> open_session_log(const std::string& path,
+                                            const RecordingOptions& options) {
+  auto source = std::make_unique<hal::SessionLogSource>(path);
+  open_or_throw(path, *source);
+  const hal::SessionSource& device = source->header().sources.front();
+  hal::DeviceProfile profile =
+      options.profile.empty() ? parse_device_profile(path + ": its profile", device.profile_toml)
+                              : load_device_profile(options.profile);
+  require_position(profile, options.profile.empty() ? path + ": its profile" : options.profile);
+  complete_profile(profile, device.report_descriptor, path);
+  std::string format = fmt::format("session log of {}", profile.name);
+  return std::make_unique<DeviceRecording<hal::SessionLogSource>>(path, std::move(source), profile,
+                                                                  std::move(format));
+}
+
+std::unique_ptr<Recording> open_logged_drive(const std::string& path) {
+  std::size_t sources = 1;
+  for (std::size_t i = 0; i < sources; ++i) {
+    auto source = std::make_unique<hal::SessionLogSource>(path, i);
+    open_or_throw(path, *source);
+    sources = source->header().sources.size();
+    const hal::SessionSource& device = source->header().sources[i];
+    if (!hal::is_device(device)) continue;
+    hal::DeviceProfile profile =
+        parse_device_profile(path + ": the profile of " + device.name, device.profile_toml);
+    if (!profile.drive_N) continue;
+    complete_profile(profile, device.report_descriptor, path);
+    std::string format = fmt::format("session log of {}", profile.name);
+    return std::make_unique<DeviceRecording<hal::SessionLogSource>>(path, std::move(source),
+                                                                    profile, std::move(format));
+  }
+  throw InputError(path, "no device in it measured a drive",
+                   "name a session log with a [drive] in one of its profiles");
+}
+
+std::unique_ptr<hal::UsbmonCapture> open_captured_reports(const std::string& path,
+                                                          const hal::DeviceProfile& profile) {
+  auto source =
+      std::make_unique<hal::UsbmonCapture>(path, hal::UsbmonChoice{.vendor_id = profile.vendor_id,
+                                                                   .product_id = profile.product_id,
+                                                                   .bus = {},
+                                                                   .device = {},
+                                                                   .endpoint = {}});
+  open_or_throw(path, *source);
+  return source;
+}
+
+std::unique_ptr<Recording> open_capture(const std::string& path, const RecordingOptions& options) {
+  if (options.profile.empty()) {
+    throw InputError(path, "is a capture of USB traffic, which does not say what its reports mean",
+                     "give the device's profile with --profile");
+  }
+  hal::DeviceProfile profile = load_device_profile(options.profile);
+  require_position(profile, options.profile);
+  complete_profile(profile, {}, path);
+  auto source = open_captured_reports(path, profile);
+  std::string format = fmt::format("capture of {}", profile.name);
+  return std::make_unique<DeviceRecording<hal::UsbmonCapture>>(path, std::move(source), profile,
+                                                               std::move(format));
+}
+
+}  // namespace condyle::host

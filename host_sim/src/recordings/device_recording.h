@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recordings of a device's raw reports: session logs (MCAP) and captures of USB traffic (pcap and
+// pcapng). They are decoded as the device itself would be.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "condyle/hal/hid/device_profile.h"
+#include "condyle/hal/log/usbmon_capture.h"
+#include "recordings/recording.h"
+
+namespace condyle::host {
+
+/// True where `start`, the beginning of a file, is that of a session log.
+bool looks_like_session_log(std::string_view start);
+/// True where it is that of a capture.
+bool looks_like_capture(std::string_view start);
+
+/// Reads the log's first device, by the profile that it holds or by `options.profile`.
+std::unique_ptr<Recording> open_session_log(const std::string& path,
+                                            const RecordingOptions& options);
+/// Reads the log's first device whose profile has a drive.
+std::unique_ptr<Recording> open_logged_drive(const std::string& path);
+/// The reports of the device of `profile` in the capture, opened.
+std::unique_ptr<hal::UsbmonCapture> open_captured_reports(const std::string& path,
+                                                          const hal::DeviceProfile& profile);
+/// Reads the capture of the device that `options.profile`, which must be given, describes.
+std::unique_ptr<Recording> open_capture(const std::string& path, const RecordingOptions& options);
+
+}  // namespace condyle::host

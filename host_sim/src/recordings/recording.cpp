@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "recordings/recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "hosted/files/input_error.h"
+#include "recordings/device_recording.h"
+#include "recordings/recording_formats.h"
+#include "recordings/simulated_recording.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr std::string_view kFormats =
+    "condyle reads CSV with named columns (time_s,position_m), Zebris text and XML exports, JAWS3D "
+    "text, SSFF, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
+
+// Control characters that no text file of ours has; bytes from 0x80 on may be UTF-8.
+bool is_text(std::string_view start) {
+  return std::none_of(start.begin(), start.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return (byte < 0x20 && c != '\n' && c != '\r' && c != '\t' && c != '\f') || byte == 0x7f;
+  });
+}
+
+}  // namespace
+
+bool FaultRule::accept(NumberStatus status, const std::string& place, std::string_view column,
+                       std::string_view text) const {
+  const auto fail = [&](const std::string& problem, const std::string& mend) {
+    throw InputError(fmt::format("{}: column {}", place, column), problem, mend);
+  };
+  constexpr const char* as_event = "correct the row, or count it as an event with --faults event";
+  switch (status) {
+    case NumberStatus::ok:
+      return true;
+    case NumberStatus::empty:
+      if (policy_ == FaultPolicy::refuse) fail("the value is missing", as_event);
+      return false;
+    case NumberStatus::not_finite:
+      if (policy_ == FaultPolicy::refuse) {
+        fail(fmt::format("{} is not a finite number", quote(text)), as_event);
+      }
+      return false;
+    case NumberStatus::overflow:
+      fail(fmt::format("{} is larger than a number can hold", quote(text)), "correct the value");
+      break;
+    case NumberStatus::not_a_number:
+      fail(fmt::format("{} is not a number", quote(text)),
+           "write numbers with a decimal point, like 0.0123");
+      break;
+  }
+  return false;
+}
+
+bool RowReader::next(std::string_view& row) {
+  if (!held_) {
+    std::string_view line;
+    std::uint64_t lines = 0;
+    do {
+      if (!reader_.next_line(line)) return false;
+      ++lines;
+    } while (trim(line).empty());
+    held_ = line;
+    blank_rows_ = lines - 1;
+  }
+  line_ = reader_.line_number() - blank_rows_;
+  if (blank_rows_ > 0) {
+    --blank_rows_;
+    row = {};
+  } else {
+    row = *held_;
+    held_.reset();
+  }
+  return true;
+}
+
+TimeNs regular_time_ns(TimeNs start_ns, std::uint64_t index, double step_s,
+                       const std::string& path) {
+  const double since_start_s = static_cast<double>(index) * step_s;
+  if (!(seconds(start_ns) + since_start_s <= kFurthestTime_s)) {
+    throw InputError(path,
+                     fmt::format("row {} lies {:.3g} s after the first", index + 1, since_start_s),
+                     "check the start and the time step in its header");
+  }
+  return start_ns + nanoseconds(since_start_s);
+}
+
+std::unique_ptr<Recording> open_recording(const std::string& source,
+                                          const RecordingOptions& options) {
+  constexpr std::string_view simulated = "synth:", file = "file:";
+  if (source.starts_with(simulated)) return open_simulation(source.substr(simulated.size()));
+  const std::string path = source.starts_with(file) ? source.substr(file.size()) : source;
+  auto reader = std::make_unique<ByteReader>(path);
+  std::string_view start = reader->peek(4096);
+  if (start.substr(0, 2) == "\xff\xfe" || start.substr(0, 2) == "\xfe\xff") {
+    throw InputError(path, "is UTF-16 text", "save it as UTF-8");
+  }
+  if (start.substr(0, 3) == "\xef\xbb\xbf") {
+    reader->skip(3);
+    start.remove_prefix(3);
+  }
+  if (start.empty()) throw InputError(path, "is empty", "name a file with a recording");
+  const auto only_for = [&](bool used, const char* option, const char* format) {
+    if (used) {
+      throw InputError(path, fmt::format("{} goes with {}", option, format), "leave it out");
+    }
+  };
+  const bool is_log = looks_like_session_log(start), is_capture = looks_like_capture(start);
+  only_for(!options.profile.empty() && !is_log && !is_capture, "--profile",
+           "session logs and captures");
+  if (options.reads_drive_alone && (is_log || is_capture || !is_text(start))) {
+    throw InputError(path, "is no CSV",
+                     "give the drive as CSV with time_s and drive_N, or as a session log");
+  }
+  if (is_log || is_capture) {
+    only_for(options.movement != 1, "--movement", "Zebris XML");
+    only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
+    only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns name no unit");
+    return is_log ? open_session_log(path, options) : open_capture(path, options);
+  }
+  if (start.substr(0, 4) == "SSFF") {
+    only_for(options.movement != 1, "--movement", "Zebris XML");
+    only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
+    return open_ssff(std::move(reader), options);
+  }
+  if (!is_text(start)) {
+    throw InputError(path, "is a binary file of no known format", std::string(kFormats));
+  }
+  const std::size_t first = start.find_first_not_of(" \t\r\n");
+  if (first != std::string_view::npos && start[first] == '<') {
+    only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
+    return open_zebris_xml(std::move(reader), options);
+  }
+  only_for(options.movement != 1, "--movement", "Zebris XML");
+  if (start.find('\n') == std::string_view::npos && start.find('\r') != std::string_view::npos) {
+    throw InputError(path, "its lines end in CR alone", "save it with LF or CR LF line ends");
+  }
+  if (looks_like_probe_text(start)) {
+    only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
+    return open_probe_text(std::move(reader), options);
+  }
+  only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns name no unit");
+  return open_csv(std::move(reader), options);
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// The formats behind open_recording.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "hosted/files/byte_reader.h"
+#include "hosted/files/number_text.h"
+#include "recordings/recording.h"
+
+namespace condyle::host {
+
+/// CSV whose first line names the columns with their units.
+std::unique_ptr<Recording> open_csv(std::unique_ptr<ByteReader> reader,
+                                    const RecordingOptions& options);
+/// ArtiSynth probe text: two header lines, then columns of numbers. Zebris JMA text exports and the
+/// JAWS3D recordings have this form.
+std::unique_ptr<Recording> open_probe_text(std::unique_ptr<ByteReader> reader,
+                                           const RecordingOptions& options);
+/// SSFF, the Emu Speech Database's binary track format, with columns *posx, *posy, *posz.
+std::unique_ptr<Recording> open_ssff(std::unique_ptr<ByteReader> reader,
+                                     const RecordingOptions& options);
+/// Zebris XML export. Nothing but the tracks is read.
+std::unique_ptr<Recording> open_zebris_xml(std::unique_ptr<ByteReader> reader,
+                                           const RecordingOptions& options);
+
+/// Rows of a text format. Blank lines at the end of the file are no rows; blank lines before a row
+/// are rows without values.
+class RowReader {
+ public:
+  explicit RowReader(ByteReader& reader) : reader_(reader) {}
+  /// Next row; false at the end. `row` is empty for a blank line, else valid until the next call.
+  bool next(std::string_view& row);
+  /// Line of the row last returned.
+  std::uint64_t line() const { return line_; }
+
+ private:
+  ByteReader& reader_;
+  std::optional<std::string_view> held_;  // valid until the reader moves on
+  std::uint64_t blank_rows_ = 0;          // before the held row
+  std::uint64_t line_ = 0;
+};
+
+/// True where `start`, the beginning of a file, has the two header lines of ArtiSynth probe text.
+bool looks_like_probe_text(std::string_view start);
+
+/// Time of row `index` of a recording with regular steps. An InputError naming `path` where it
+/// leaves the range of times.
+TimeNs regular_time_ns(TimeNs start_ns, std::uint64_t index, double step_s,
+                       const std::string& path);
+
+/// Turns the outcome of reading one value into a usable number, a mark on the sample, or an error.
+class FaultRule {
+ public:
+  explicit FaultRule(FaultPolicy policy) : policy_(policy) {}
+  /// True where `status` is ok. Else: false for an empty or non-finite value under
+  /// FaultPolicy::event, an InputError naming `place` and `column` for everything else.
+  bool accept(NumberStatus status, const std::string& place, std::string_view column,
+              std::string_view text) const;
+
+ private:
+  FaultPolicy policy_;
+};
+
+}  // namespace condyle::host

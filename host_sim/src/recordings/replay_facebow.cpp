@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "recordings/replay_facebow.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "hosted/files/input_error.h"
+
+namespace condyle::host {
+
+ReplayFacebow::ReplayFacebow(std::string path, RecordingOptions options, double speed,
+                             hal::Clock& clock)
+    : path_(std::move(path)), options_(std::move(options)), speed_(speed), clock_(clock) {}
+
+hal::Status ReplayFacebow::open() {
+  close();
+  problem_.clear();
+  try {
+    recording_ = open_recording(path_, options_);
+    Sample sample;
+    while (ahead_.size() < kLookAhead && fetch(sample)) ahead_.push_back(sample);
+    if (ahead_.empty()) {
+      throw InputError(path_, "has no samples", "name a recording with at least one row");
+    }
+  } catch (const InputError& error) {
+    close();
+    problem_ = error.what();
+    if (access(path_.c_str(), F_OK) != 0) return hal::Status::not_found;
+    return access(path_.c_str(), R_OK) != 0 ? hal::Status::not_permitted : hal::Status::bad_report;
+  }
+  find_median_step();
+  return hal::Status::ok;
+}
+
+bool ReplayFacebow::fetch(Sample& sample) {
+  if (!recording_->next(sample)) return false;
+  if (sample.time_valid) {
+    if (previous_time_ns_ && sample.time_ns < *previous_time_ns_ &&
+        options_.faults == FaultPolicy::refuse) {
+      throw InputError(recording_->place() + ": time",
+                       fmt::format("it runs backwards, from {:.9g} s to {:.9g} s",
+                                   seconds(*previous_time_ns_), seconds(sample.time_ns)),
+                       "sort the rows, or count them as events with --faults event");
+    }
+    previous_time_ns_ = sample.time_ns;
+  }
+  return true;
+}
+
+void ReplayFacebow::find_median_step() {
+  std::vector<TimeNs> steps;
+  std::optional<TimeNs> previous;
+  for (const Sample& sample : ahead_) {
+    if (!sample.time_valid) continue;
+    if (previous && sample.time_ns > *previous) steps.push_back(sample.time_ns - *previous);
+    previous = sample.time_ns;
+  }
+  median_step_ns_ = info().nominal_step_ns;
+  if (median_step_ns_) return;
+  if (steps.empty()) return;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  median_step_ns_ = *middle;
+}
+
+hal::Status ReplayFacebow::read(TimeNs deadline_ns, Sample& sample) {
+  if (!recording_) return hal::Status::not_open;
+  if (!problem_.empty()) return hal::Status::end;
+  if (ahead_.empty()) {
+    Sample fetched;
+    try {
+      if (!fetch(fetched)) return hal::Status::end;
+    } catch (const InputError& error) {
+      problem_ = error.what();
+      return hal::Status::bad_report;
+    }
+    ahead_.push_back(fetched);
+  }
+  const Sample& due = ahead_.front();
+  if (speed_ > 0 && due.time_valid) {
+    if (!start_ns_) {
+      start_ns_ = clock_.now_ns();
+      first_time_ns_ = due.time_ns;
+    }
+    const double wait_ns = static_cast<double>(due.time_ns - *first_time_ns_) / speed_;
+    const double deadline_wait_ns = static_cast<double>(deadline_ns - *start_ns_);
+    if (wait_ns > deadline_wait_ns) {
+      clock_.sleep_until(deadline_ns);
+      return hal::Status::timeout;
+    }
+    if (wait_ns > 0) clock_.sleep_until(*start_ns_ + static_cast<TimeNs>(wait_ns));
+  }
+  sample = due;
+  ahead_.pop_front();
+  return hal::Status::ok;
+}
+
+void ReplayFacebow::close() {
+  recording_.reset();
+  ahead_.clear();
+  previous_time_ns_.reset();
+  start_ns_.reset();
+  first_time_ns_.reset();
+}
+
+}  // namespace condyle::host

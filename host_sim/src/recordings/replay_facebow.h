@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "condyle/hal/clock.h"
+#include "condyle/hal/facebow.h"
+#include "recordings/recording.h"
+
+namespace condyle::host {
+
+/// A recording behind the facebow interface.
+class ReplayFacebow final : public hal::Facebow {
+ public:
+  /// Samples looked at when opened, to find the recording's median step in bounded memory.
+  static constexpr std::size_t kLookAhead = 65536;
+
+  /// `speed`: 0 as fast as possible, 1 real time, 2 twice as fast ...
+  ReplayFacebow(std::string path, RecordingOptions options, double speed, hal::Clock& clock);
+
+  hal::Status open() override;
+  hal::Status read(TimeNs deadline_ns, Sample& sample) override;
+  void close() override;
+
+  /// What is wrong with the recording; empty where nothing is.
+  const std::string& problem() const { return problem_; }
+  /// What the recording says of itself; only while open.
+  const RecordingInfo& info() const { return recording_->info(); }
+  /// Time between samples as the recording states it, else the median (of the first kLookAhead);
+  /// absent where no time passes.
+  std::optional<TimeNs> median_step_ns() const { return median_step_ns_; }
+  /// Time between samples by which gaps are found: as it was live for a device's recording, else
+  /// the median step; 0 where it is not known.
+  TimeNs expected_step_ns() const {
+    return (info().is_of_device ? info().nominal_step_ns : median_step_ns_).value_or(0);
+  }
+  /// Share of the recording read so far, 0 to 1.
+  double progress() const { return recording_ ? recording_->progress() : 0; }
+
+ private:
+  bool fetch(Sample& sample);
+  void find_median_step();
+
+  std::string path_;
+  RecordingOptions options_;
+  double speed_;
+  hal::Clock& clock_;
+  std::unique_ptr<Recording> recording_;
+  std::deque<Sample> ahead_;
+  std::optional<TimeNs> median_step_ns_;
+  std::optional<TimeNs> previous_time_ns_;
+  // Replay's time zero, on the clock and in the recording.
+  std::optional<TimeNs> start_ns_, first_time_ns_;
+  std::string problem_;
+};
+
+}  // namespace condyle::host
