@@ -10,7 +10,7 @@
 #include "condyle/estimator/math/elementary.h"
 #include "condyle/estimator/motion/recommended_estimator.h"
 #include "condyle/estimator/published/cascade_core.h"
-#include "unit/dense_cascade.h"
+#include "support/dense_cascade.h"
 
 // Compiled as a function of its own, with all it calls in it, whoever calls it.
 #if defined(__GNUC__) && !defined(__clang__)

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "replay/command.h"
+#include "support/command.h"
 #include "support/paths.h"
-#include "unit/temporary_folder.h"
+#include "support/temporary_folder.h"
 
 namespace {
 

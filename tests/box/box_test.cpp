@@ -15,9 +15,9 @@
 #include "box/running_box.h"
 #include "box/stream_reader.h"
 #include "hosted/files/input_error.h"
-#include "replay/command.h"
-#include "replay/table.h"
-#include "session_log/read_log.h"
+#include "support/command.h"
+#include "support/read_log.h"
+#include "support/table.h"
 
 namespace condyle::box {
 namespace {

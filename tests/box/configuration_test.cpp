@@ -7,7 +7,7 @@
 
 #include "hosted/files/input_error.h"
 #include "support/paths.h"
-#include "unit/temporary_folder.h"
+#include "support/temporary_folder.h"
 
 namespace condyle::box {
 namespace {

@@ -10,9 +10,9 @@
 #include "box/socket_node.h"
 #include "box/sources/synthetic_source.h"
 #include "box/stream_reader.h"
-#include "replay/command.h"
-#include "replay/table.h"
-#include "session_log/session.h"
+#include "support/command.h"
+#include "support/session.h"
+#include "support/table.h"
 
 namespace condyle::box {
 namespace {

@@ -17,10 +17,10 @@
 #include "box/realtime/engine.h"
 #include "box/sources/synthetic_source.h"
 #include "hosted/config/device_profile_file.h"
-#include "session_log/session.h"
+#include "support/allocation_counter.h"
 #include "support/paths.h"
-#include "unit/allocation_counter.h"
-#include "unit/temporary_folder.h"
+#include "support/session.h"
+#include "support/temporary_folder.h"
 
 namespace {
 

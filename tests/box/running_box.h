@@ -13,12 +13,12 @@
 #include <string>
 #include <thread>
 
-#include "box/http_client.h"
 #include "box/service/box.h"
+#include "support/http_client.h"
 #include "support/paced_clock.h"
 #include "support/paths.h"
+#include "support/temporary_folder.h"
 #include "support/wait_for.h"
-#include "unit/temporary_folder.h"
 
 namespace condyle::testing_support {
 

@@ -10,9 +10,9 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "box/http_client.h"
 #include "box/running_box.h"
-#include "replay/command.h"
+#include "support/command.h"
+#include "support/http_client.h"
 #include "support/paths.h"
 #include "support/sanitizer.h"
 

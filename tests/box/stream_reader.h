@@ -6,8 +6,8 @@
 #include <thread>
 #include <utility>
 
-#include "box/http_client.h"
 #include "box/running_box.h"
+#include "support/http_client.h"
 
 namespace condyle::testing_support {
 

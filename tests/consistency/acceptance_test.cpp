@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Against sums of the binomial distribution and printed quantiles.
-#include "consistency/acceptance.h"
+#include "support/acceptance.h"
 
 #include <gtest/gtest.h>
 

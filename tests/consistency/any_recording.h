@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "condyle/estimator/sensors/recommended_sensor.h"
-#include "consistency/random.h"
+#include "support/random.h"
 
 namespace condyle::testing_support {
 

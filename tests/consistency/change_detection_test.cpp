@@ -12,10 +12,10 @@
 #include "condyle/estimator/changes/change_detector.h"
 #include "condyle/estimator/changes/cycle_damping.h"
 #include "condyle/estimator/impedance/point_identification.h"
-#include "consistency/acceptance.h"
-#include "consistency/driven_chewing.h"
-#include "consistency/random.h"
 #include "evaluation/chi_square.h"
+#include "support/acceptance.h"
+#include "support/driven_chewing.h"
+#include "support/random.h"
 #include "support/tier.h"
 
 namespace condyle {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "consistency/linear_gaussian_toy.h"
-#include "consistency/random.h"
+#include "support/random.h"
 
 namespace condyle::host {
 namespace {

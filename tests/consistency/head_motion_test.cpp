@@ -12,8 +12,8 @@
 #include <iostream>
 #include <memory>
 
-#include "consistency/acceptance.h"
-#include "consistency/head_motion_samples.h"
+#include "support/acceptance.h"
+#include "support/head_motion_samples.h"
 #include "support/tier.h"
 
 namespace condyle {

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "condyle/estimator/sensors/recommended_sensor.h"
-#include "consistency/random.h"
 #include "estimation/estimate_row.h"
+#include "support/random.h"
 
 namespace condyle::host {
 namespace {

@@ -15,9 +15,9 @@
 #include <iostream>
 
 #include "condyle/estimator/release/release_pair.h"
-#include "consistency/acceptance.h"
+#include "support/acceptance.h"
+#include "support/release_samples.h"
 #include "support/tier.h"
-#include "unit/release_samples.h"
 
 namespace condyle {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "condyle/estimator/motion/recommended_estimator.h"
 #include "consistency/linear_gaussian_toy.h"
-#include "consistency/random.h"
 #include "evaluation/monte_carlo.h"
+#include "support/random.h"
 
 namespace condyle::host {
 namespace {

@@ -6,7 +6,7 @@
 #include <iostream>
 
 #include "consistency/motion_vectors.h"
-#include "consistency/random.h"
+#include "support/random.h"
 
 namespace condyle {
 namespace {

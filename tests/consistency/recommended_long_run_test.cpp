@@ -10,7 +10,7 @@
 #include <iostream>
 
 #include "condyle/estimator/motion/recommended_estimator.h"
-#include "consistency/random.h"
+#include "support/random.h"
 #include "support/sanitizer.h"
 #include "support/tier.h"
 

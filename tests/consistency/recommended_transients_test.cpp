@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "condyle/estimator/sensors/recommended_sensor.h"
-#include "consistency/random.h"
+#include "support/random.h"
 
 namespace condyle::testing_support {
 namespace {

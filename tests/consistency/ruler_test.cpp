@@ -9,9 +9,9 @@
 #include <cmath>
 
 #include "consistency/linear_gaussian_toy.h"
-#include "consistency/random.h"
 #include "evaluation/monte_carlo.h"
 #include "evaluation/response_slope.h"
+#include "support/random.h"
 
 namespace condyle::host {
 namespace {

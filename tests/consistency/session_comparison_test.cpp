@@ -10,8 +10,8 @@
 #include <cmath>
 
 #include "comparison/block_means.h"
-#include "consistency/random.h"
 #include "hosted/files/input_error.h"
+#include "support/random.h"
 
 namespace condyle::host {
 namespace {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "consistency/random.h"
 #include "evaluation/consistency.h"
 #include "evaluation/error_statistics.h"
 #include "evaluation/response_slope.h"
+#include "support/random.h"
 
 namespace condyle::host {
 namespace {

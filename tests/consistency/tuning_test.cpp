@@ -10,10 +10,10 @@
 
 #include "condyle/estimator/motion/recommended_estimator.h"
 #include "condyle/estimator/motion/white_jerk.h"
-#include "consistency/acceptance.h"
 #include "evaluation/chi_square.h"
 #include "simulation/random.h"
 #include "simulation/reference_motion.h"
+#include "support/acceptance.h"
 #include "support/tier.h"
 #include "tuning/likelihood_tuning.h"
 

@@ -10,7 +10,7 @@
 
 #include "condyle/hal/log/session_log.h"
 #include "fuzz/memory_file.h"
-#include "session_log/session.h"
+#include "support/session.h"
 
 namespace condyle::fuzz {
 

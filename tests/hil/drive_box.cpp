@@ -20,7 +20,7 @@
 #include <string>
 #include <thread>
 
-#include "box/http_client.h"
+#include "support/http_client.h"
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include <iterator>
 #include <string>
 
-#include "hil/received_reports.h"
+#include "support/received_reports.h"
 
 using namespace condyle::hil;
 

@@ -7,7 +7,7 @@
 
 #include <cstdlib>
 
-#include "hil/received_reports.h"
+#include "support/received_reports.h"
 
 using namespace condyle::hil;
 

@@ -12,7 +12,7 @@
 #include "condyle/hal/usb/device_list.h"
 #include "condyle/hal/usb/hidapi_source.h"
 #include "condyle/hal/usb/libusb_source.h"
-#include "hil/received_reports.h"
+#include "support/received_reports.h"
 
 using namespace condyle;
 using namespace condyle::hil;

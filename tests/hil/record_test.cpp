@@ -13,10 +13,10 @@
 
 #include "condyle/hal/log/session_log_reader.h"
 #include "hil/play.h"
-#include "replay/command.h"
+#include "support/command.h"
 #include "support/paths.h"
+#include "support/temporary_folder.h"
 #include "support/tier.h"
-#include "unit/temporary_folder.h"
 
 namespace condyle::hil {
 namespace {

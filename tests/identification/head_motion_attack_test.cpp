@@ -9,8 +9,8 @@
 #include <memory>
 
 #include "condyle/estimator/impedance/head_motion.h"
-#include "consistency/acceptance.h"
 #include "identification/verdict.h"
+#include "support/acceptance.h"
 #include "support/tier.h"
 
 namespace condyle::adversary {

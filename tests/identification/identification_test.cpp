@@ -11,9 +11,9 @@
 #include <cmath>
 #include <iostream>
 
-#include "consistency/acceptance.h"
 #include "identification/precision_bound.h"
 #include "identification/verdict.h"
+#include "support/acceptance.h"
 #include "support/tier.h"
 
 namespace condyle::adversary {

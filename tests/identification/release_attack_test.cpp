@@ -9,8 +9,8 @@
 #include <iostream>
 
 #include "condyle/estimator/release/passive_release.h"
-#include "consistency/acceptance.h"
 #include "identification/verdict.h"
+#include "support/acceptance.h"
 #include "support/tier.h"
 
 namespace condyle::adversary {

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "consistency/random.h"
 #include "real_motion/order_statistics.h"
-#include "replay/table.h"
+#include "support/random.h"
+#include "support/table.h"
 
 namespace condyle::testing_support {
 namespace {

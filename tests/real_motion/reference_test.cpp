@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "consistency/motion_vectors.h"
-#include "consistency/random.h"
 #include "real_motion/score.h"
 #include "real_motion/smoothing_spline.h"
+#include "support/random.h"
 
 namespace condyle::testing_support {
 namespace {

@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-#include "replay/command.h"
+#include "support/command.h"
 #include "support/sanitizer.h"
-#include "unit/temporary_folder.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

@@ -6,11 +6,11 @@
 #include <chrono>
 #include <cmath>
 
-#include "replay/command.h"
-#include "replay/table.h"
+#include "support/command.h"
 #include "support/paths.h"
 #include "support/sanitizer.h"
-#include "unit/temporary_folder.h"
+#include "support/table.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

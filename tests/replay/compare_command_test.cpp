@@ -5,11 +5,11 @@
 
 #include <cmath>
 
-#include "replay/command.h"
 #include "replay/compare_fixture.h"
-#include "replay/table.h"
+#include "support/command.h"
 #include "support/paths.h"
 #include "support/sanitizer.h"
+#include "support/table.h"
 
 namespace condyle {
 namespace {

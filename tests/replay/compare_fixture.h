@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "replay/command.h"
-#include "unit/temporary_folder.h"
+#include "support/command.h"
+#include "support/temporary_folder.h"
 
 namespace condyle::testing_support {
 

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "replay/command.h"
-#include "replay/table.h"
+#include "support/command.h"
 #include "support/paths.h"
-#include "unit/temporary_folder.h"
+#include "support/table.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

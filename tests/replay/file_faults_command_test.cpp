@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "replay/command.h"
-#include "replay/table.h"
-#include "unit/temporary_folder.h"
+#include "support/command.h"
+#include "support/table.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

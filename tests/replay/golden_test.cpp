@@ -7,10 +7,10 @@
 
 #include "condyle/estimator/published/published_cascade.h"
 #include "hosted/config/parameter_file.h"
-#include "replay/command.h"
-#include "replay/table.h"
+#include "support/command.h"
 #include "support/paths.h"
-#include "unit/temporary_folder.h"
+#include "support/table.h"
+#include "support/temporary_folder.h"
 
 namespace condyle::host {
 namespace {

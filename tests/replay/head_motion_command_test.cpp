@@ -6,9 +6,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "consistency/head_motion_samples.h"
-#include "replay/command.h"
-#include "unit/temporary_folder.h"
+#include "support/command.h"
+#include "support/head_motion_samples.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

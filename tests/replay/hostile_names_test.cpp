@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "replay/command.h"
+#include "support/command.h"
 #include "support/paths.h"
-#include "unit/temporary_folder.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

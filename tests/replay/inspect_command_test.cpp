@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "replay/command.h"
-#include "unit/temporary_folder.h"
+#include "support/command.h"
+#include "support/temporary_folder.h"
 
 namespace condyle::testing_support {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "replay/command.h"
-#include "unit/temporary_folder.h"
+#include "support/command.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "replay/command.h"
-#include "replay/table.h"
-#include "unit/temporary_folder.h"
+#include "support/command.h"
+#include "support/table.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "condyle/estimator/motion/recommended_estimator.h"
 #include "recordings/recording.h"
-#include "replay/table.h"
+#include "support/table.h"
 
 namespace condyle {
 namespace {

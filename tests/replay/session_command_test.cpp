@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "replay/command.h"
+#include "support/command.h"
 
 namespace condyle {
 namespace {

@@ -2,10 +2,10 @@
 // simulate, friction and synth: as a user runs them.
 #include <gmock/gmock.h>
 
-#include "replay/command.h"
-#include "replay/table.h"
+#include "support/command.h"
 #include "support/paths.h"
-#include "unit/temporary_folder.h"
+#include "support/table.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

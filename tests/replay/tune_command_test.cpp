@@ -9,12 +9,12 @@
 #include <iostream>
 
 #include "hosted/config/parameter_file.h"
-#include "replay/command.h"
-#include "replay/table.h"
 #include "simulation/random.h"
+#include "support/command.h"
 #include "support/paths.h"
 #include "support/sanitizer.h"
-#include "unit/temporary_folder.h"
+#include "support/table.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

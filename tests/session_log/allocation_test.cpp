@@ -5,9 +5,9 @@
 
 #include "condyle/hal/facebow.h"
 #include "condyle/hal/log/session_log_source.h"
-#include "session_log/session.h"
-#include "unit/allocation_counter.h"
-#include "unit/temporary_folder.h"
+#include "support/allocation_counter.h"
+#include "support/session.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

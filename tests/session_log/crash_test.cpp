@@ -14,11 +14,11 @@
 #include <random>
 #include <thread>
 
-#include "session_log/read_log.h"
-#include "session_log/session.h"
 #include "support/paths.h"
+#include "support/read_log.h"
+#include "support/session.h"
+#include "support/temporary_folder.h"
 #include "support/tier.h"
-#include "unit/temporary_folder.h"
 
 extern char** environ;
 

@@ -7,9 +7,9 @@
 #include <algorithm>
 
 #include "condyle/hal/log/session_log_reader.h"
-#include "session_log/session.h"
 #include "support/sanitizer.h"
-#include "unit/temporary_folder.h"
+#include "support/session.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "condyle/hal/log/mcap_reader.h"
 #include "condyle/hal/log/mcap_writer.h"
-#include "unit/temporary_folder.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "condyle/hal/facebow.h"
 #include "condyle/hal/log/session_log_source.h"
-#include "session_log/session.h"
-#include "unit/rapidcheck_gtest.h"
-#include "unit/temporary_folder.h"
+#include "support/rapidcheck_gtest.h"
+#include "support/session.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "condyle/hal/clock.h"
-#include "session_log/session.h"
+#include "support/session.h"
 
 int main(int argc, char** argv) {
   if (argc != 3) return 1;

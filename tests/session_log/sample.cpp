@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <map>
 
-#include "session_log/session.h"
+#include "support/session.h"
 
 namespace {
 

@@ -9,10 +9,10 @@
 #include <csignal>
 #include <limits>
 
-#include "session_log/read_log.h"
-#include "session_log/session.h"
-#include "unit/rapidcheck_gtest.h"
-#include "unit/temporary_folder.h"
+#include "support/rapidcheck_gtest.h"
+#include "support/read_log.h"
+#include "support/session.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

@@ -4,9 +4,9 @@
 
 #include "condyle/hal/facebow.h"
 #include "condyle/hal/log/session_log_source.h"
-#include "session_log/read_log.h"
-#include "session_log/session.h"
-#include "unit/temporary_folder.h"
+#include "support/read_log.h"
+#include "support/session.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

@@ -7,8 +7,8 @@
 #include "condyle/hal/facebow.h"
 #include "condyle/hal/log/usbmon_capture.h"
 #include "session_log/capture_file.h"
-#include "session_log/session.h"
-#include "unit/temporary_folder.h"
+#include "support/session.h"
+#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {

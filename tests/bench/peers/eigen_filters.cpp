@@ -6,7 +6,7 @@
 #define EIGEN_DONT_VECTORIZE  // condyle's parameters ask for it; Eigen has been read without it
 #endif
 #include "bench/peers/peer.h"
-#include "unit/dense_cascade.h"
+#include "support/dense_cascade.h"
 
 namespace condyle::peers {
 namespace {
