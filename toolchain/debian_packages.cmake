@@ -33,7 +33,15 @@ if(CONDYLE_BUILD_BOX)
 endif()
 install(FILES hal/udev/70-condyle-facebow.rules DESTINATION /lib/udev/rules.d
   COMPONENT common EXCLUDE_FROM_ALL)
-install(FILES README.md DESTINATION ${documents}/condyle-common COMPONENT common EXCLUDE_FROM_ALL)
+# The pages, in their folders, so that their links to each other hold.
+file(GLOB pages RELATIVE ${PROJECT_SOURCE_DIR} README.md estimator/README.md hal/README.md
+  hal/profiles/README.md firmware/README.md firmware/*/README.md firmware/box/SECURITY.md
+  host_sim/README.md host_sim/docs/*.md host_sim/docs/*.png)
+foreach(page ${pages})
+  get_filename_component(folder ${page} DIRECTORY)
+  install(FILES ${page} DESTINATION ${documents}/condyle-common/${folder}
+    COMPONENT common EXCLUDE_FROM_ALL)
+endforeach()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_COMPONENTS_ALL common)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints the accuracy on simulated and on real recordings: the first table of README.md.
+// Prints the accuracy on simulated and on real recordings: the first table of estimator/README.md.
 // usage: real_accuracy [--axes]
 // --axes: CSV with a line per treatment, axis and estimator instead.
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// condyle-box: see README.md, "The measurement box".
+// condyle-box: see firmware/box/README.md.
 #include <getopt.h>
 
 #include <charconv>

@@ -14,7 +14,7 @@ std::string usage_words(const hal::UsageRange& range);
 /// In words, a line for each field; ends with a line feed.
 std::string descriptor_words(const hal::ReportDescriptor& descriptor);
 
-/// As a JSON object; the README describes it. Ends with a line feed.
+/// As a JSON object; hal/README.md describes it. Ends with a line feed.
 std::string descriptor_json(const hal::ReportDescriptor& descriptor);
 
 }  // namespace condyle::host
