@@ -196,8 +196,7 @@ TEST_F(BadInput, NoUsableSampleTime) {
 }
 
 TEST_F(BadInput, CommandLine) {
-  for (const std::vector<std::string>& arguments : {std::vector<std::string>{},
-                                                    {"replay"},
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"replay"},
                                                     {"dance"},
                                                     {"replay", good(), "--point", "4"},
                                                     {"replay", good(), "--axis", "w"},

@@ -182,7 +182,7 @@ TEST_F(Drive, RefusesWhatItCannotUse) {
   expect(replay(with_column(), {"--drive", drive_}), "has a drive of its own");
   expect(replay(recording_, {"--drive-missing", "0"}), "has no drive that could be described");
   expect(replay(recording_, {"--drive", drive_, "--estimator", "published"}),
-         "the published cascade has no such thing");
+         "is not supported by --estimator published");
   expect(replay(recording_, {"--drive", folder_ / "none.csv"}), "none.csv");
   expect(replay(recording_, {"--drive", folder_.write("bad.csv", "time_s,drive_N\n0,x\n")}),
          "bad.csv:2");

@@ -288,7 +288,7 @@ TEST(Evaluate, RefusesWhatTheEstimatorHasNot) {
   expect_refused({"--lag", "-1"}, "--lag");
   expect_refused({"--estimator", "best"}, "--estimator");
   expect_refused({"--lag", "3", "--estimator", "published"},
-                 "--lag: the published cascade has no such thing");
+                 "--lag: is not supported by --estimator published");
   expect_refused({"--parameters", folder.write("p.toml", "sample_time_s = 0.02\n")},
                  "belongs to the published estimator's parameters");
   expect_refused({"--estimator", "published", "--parameters", folder.write("q.toml", "[noise]\n")},

@@ -394,7 +394,7 @@ TEST(Recommended, RefusesWhatIsNotItsOwn) {
   expect_refused({"--jaw-point-mm", "1", "2"}, "--jaw-point-mm");
   expect_refused({"--jaw-point-mm", "1", "nan", "3"}, "--jaw-point-mm");
   expect_refused({"--lag", "2", "--estimator", "published"},
-                 "--lag: the published cascade has no such thing");
+                 "--lag: is not supported by --estimator published");
   expect_refused(parameters("sample_time_s = 0.02\n"),
                  "p.toml:1:17: belongs to the published estimator's parameters; give --estimator");
   expect_refused(parameters("[motion]\n"), "belongs to the published estimator's parameters");
