@@ -234,7 +234,7 @@ TEST_F(Tune, RefusesBadInputAndLeavesNoFile) {
   refused({kShipped, kShipped}, {}, "is named twice");
   refused({kShipped}, {"--noise-bounds-mm", "1", "0.1"}, "is not below the upper");
   refused({kShipped}, {"--jerk-density-bounds", "5", "5"}, "is not below the upper");
-  refused({kShipped}, {"--noise-bounds-mm", "nan", "1"}, "is no number");
+  refused({kShipped}, {"--noise-bounds-mm", "nan", "1"}, "is not a number");
   refused({kShipped}, {"--tunings", folder_ / "t.csv"}, "no such thing");
   refused({kShipped}, {"--criterion", "published", "--jerk-density-bounds", "1", "2"},
           "no such thing");
