@@ -223,13 +223,13 @@ std::pair<std::string, std::string> split_serial(const std::string& text) {
 }
 
 int record(const RecordOptions& options) {
-  if (options.out == "-") {
-    throw InputError("--out", "a session log cannot be written to standard output",
-                     "name a file; --estimates - writes the estimates there");
-  }
   if (!hal::is_subject_code(options.subject)) {
     throw InputError("--subject", "is no pseudonym that may stand in a log",
                      "use at most 32 letters, digits, - and _, and no name");
+  }
+  if (options.out == "-") {
+    throw InputError("--out -", "a session log cannot go to standard output",
+                     "name a file; --estimates - writes the estimates there");
   }
   std::vector<std::pair<std::string, std::string>> companions;  // file, serial number
   std::vector<std::string> inputs = {options.profile, options.parameters};

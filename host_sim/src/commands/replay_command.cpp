@@ -159,6 +159,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
     line("figures", !deferred_problems().empty() ? "none: see the error"
                                                  : "none: there are no values to draw");
   print_output(text);
+  if (!summary.unusable().empty()) return kExitOk;
   for (const std::string& warning : summary.warnings()) print_error("warning: " + warning);
   return kExitOk;
 }

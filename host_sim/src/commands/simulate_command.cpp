@@ -35,13 +35,14 @@ int simulate(const SimulateOptions& options) {
   const Scenario scenario = load_scenario(options.scenario);
   const std::uint64_t seed = options.seed.value_or(scenario.seed);
   hal::SteadyClock clock;
-  if (options.out == "-" && (scenario.drive.rate_Hz > 0 || scenario.emg.rate_Hz > 0)) {
-    throw InputError("--out", "the scenario writes more than one file", "name a file");
-  }
   const std::string drive_path =
       scenario.drive.rate_Hz > 0 ? beside(options.out, "drive") : std::string();
   const std::string emg_path =
       scenario.emg.rate_Hz > 0 ? beside(options.out, "emg") : std::string();
+  if (options.out == "-" && !(drive_path.empty() && emg_path.empty())) {
+    throw InputError("--out -", "the scenario's drive or EMG is written beside the recording",
+                     "name a file");
+  }
   refuse_same_files({options.scenario}, {options.out, options.truth, drive_path, emg_path});
 
   std::vector<std::unique_ptr<OutputFile>> files;

@@ -15,13 +15,13 @@
 #include "hosted/files/input_error.h"
 
 namespace condyle::host {
-
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   if (path_ == "-") {
     temporary_path_ = path_;
-    has_standard_output_ = true;
-    file_ = fdopen(dup(STDOUT_FILENO), "wb");
+    const int descriptor = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
+    if (descriptor >= 0) file_ = fdopen(descriptor, "wb");
     if (file_ == nullptr) fail("standard output cannot be written");
+    has_standard_output_ = true;
     return;
   }
   std::error_code no_link;
@@ -54,7 +54,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
 OutputFile::~OutputFile() {
   if (file_ != nullptr) {
     // What is buffered is not wanted, and no reader is waited for.
-    fcntl(fileno(file_), F_SETFL, O_NONBLOCK);
+    if (path_ != "-") fcntl(fileno(file_), F_SETFL, O_NONBLOCK);
     std::fclose(file_);
   }
   if (!temporary_path_.empty() && temporary_path_ != path_) unlink(temporary_path_.c_str());
@@ -78,6 +78,10 @@ void OutputFile::commit() {
 }
 
 void OutputFile::fail(const char* what) const {
+  if (path_ == "-") {
+    throw InputError("standard output", fmt::format("{}: {}", what, std::strerror(errno)),
+                     "give it a place that takes the rows");
+  }
   throw InputError(path_, fmt::format("{}: {}", what, std::strerror(errno)),
                    "check the folder, its permissions and the space on the disk");
 }

@@ -108,6 +108,7 @@ std::string RecommendedSummary::rounding_steps_text() const {
 
 std::string RecommendedSummary::text() const {
   std::string text = times_text("");
+  if (!unusable().empty()) return text + unusable_text();
   const bool adaptive = parameters_.noise.adaptation == Adaptation::on;
   add_line(text, "estimator",
            fmt::format("recommended: white-jerk motion, {}, assumed mass {:.4g} kg",

@@ -13,6 +13,9 @@ namespace condyle::host {
 namespace {
 
 constexpr double kUnevenShare = 0.01;
+// Values below such a part of their interval are shown as 0.
+constexpr double kNothing = 1e-4;
+constexpr std::uint64_t kFewestPositions = 3;
 // Mean NIS beyond which the intervals are said to be off: they are then wrong by 22 % and more.
 constexpr double kTrustedNis = 1.5;
 // Another axis is named from so many times the followed one's range on.
@@ -64,6 +67,8 @@ void ReplaySummary::add(const EstimateRow& row) {
   const bool is_measured = row.time_ns && std::all_of(point_m.begin(), point_m.end(),
                                                       [](double m) { return std::isfinite(m); });
   if (is_measured) {
+    if (positions_++ == 0) first_m_ = point_m;
+    has_moved_ = has_moved_ || point_m != first_m_;
     ranges_.add(point_m);
     step_watch_.add(*row.time_ns, point_m);
   } else if (!is_told_twice(row)) {
@@ -75,9 +80,11 @@ void ReplaySummary::add(const EstimateRow& row) {
 std::string ReplaySummary::with_interval(const Quantity<double>& quantity, double shown_per_si,
                                          const char* unit, const char* level) {
   if (quantity.provenance == Provenance::not_computed) return "none";
-  return fmt::format("{:.4g} +- {:.2g} {} ({}), {}", quantity.value * shown_per_si,
-                     kNormalQuantile95 * quantity.standard_deviation * shown_per_si, unit, level,
-                     provenance_name(quantity.provenance));
+  const double half_width = kNormalQuantile95 * quantity.standard_deviation;
+  const bool is_nothing = std::abs(quantity.value) < kNothing * half_width;
+  return fmt::format("{:.4g} +- {:.2g} {} ({}), {}",
+                     is_nothing ? 0.0 : quantity.value * shown_per_si, half_width * shown_per_si,
+                     unit, level, provenance_name(quantity.provenance));
 }
 
 void ReplaySummary::add_line(std::string& text, const char* label, const std::string& words) {
@@ -131,6 +138,35 @@ std::string ReplaySummary::motion_text() const {
                          "time stamps",
                          step_watch_.held()));
   }
+  return text;
+}
+
+std::string ReplaySummary::unusable() const {
+  const std::uint64_t repeated = events_[Event::time_repeated];
+  if (2 * repeated > samples_) {
+    return fmt::format(
+        "{} of {} samples have the time of the sample before; write each sample's own time, with "
+        "enough decimals",
+        repeated, samples_);
+  }
+  if (positions_ == 0) return {};  // there is a better reason
+  if (positions_ < kFewestPositions) {
+    return fmt::format(
+        "{} of its samples {} a position, and a velocity takes {} at least; give a longer "
+        "recording",
+        positions_, positions_ == 1 ? "has" : "have", kFewestPositions);
+  }
+  if (!has_moved_) {
+    return fmt::format(
+        "all {} positions are the same, which no instrument measures; check what was recorded",
+        positions_);
+  }
+  return {};
+}
+
+std::string ReplaySummary::unusable_text() const {
+  std::string text;
+  add_line(text, "unusable", unusable());
   return text;
 }
 
@@ -229,6 +265,7 @@ void PublishedSummary::add(const EstimateRow& row) {
 std::string PublishedSummary::text() const {
   std::string text = times_text(fmt::format(
       "; {} of {} differ from the sample time by more than 1 %", uneven_steps_, steps_));
+  if (!unusable().empty()) return text + unusable_text();
   add_line(
       text, "estimator",
       fmt::format(

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <array>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -41,6 +42,8 @@ class ReplaySummary {
   /// What to warn about beside the summary.
   virtual std::vector<std::string> warnings() const;
 
+  /// Why nothing can be said of the recording, however many numbers come out; empty where it can.
+  std::string unusable() const;
   /// "value +- half of the interval of `level`, unit, provenance".
   static std::string with_interval(const Quantity<double>& quantity, double shown_per_si,
                                    const char* unit, const char* level);
@@ -63,6 +66,8 @@ class ReplaySummary {
   /// Whether a mean NIS speaks for the stated noise; and the line that says so where it does not.
   static bool is_trusted(double mean_nis);
   static std::string distrust_text(double mean_nis);
+  /// The line that says what `unusable` does.
+  std::string unusable_text() const;
   /// Why no sample had a position.
   std::string no_position_text() const;
   Axis followed() const { return followed_; }
@@ -92,6 +97,9 @@ class ReplaySummary {
   static constexpr std::uint64_t kFewestInnovations = 100;
 
   std::uint64_t samples_ = 0, innovations_ = 0, judged_ = 0;  // judged: not of rejected samples
+  std::uint64_t positions_ = 0;
+  std::array<double, 3> first_m_{};
+  bool has_moved_ = false;
   std::optional<TimeNs> previous_time_ns_;                    // of the last accepted sample
   TimeNs duration_ns_ = 0;
   double innovation_square_sum_m2_ = 0;

@@ -73,25 +73,44 @@ std::string check_text(const HeldOutCheck& check) {
                           check.nis_bounds.low, check.nis_bounds.high));
 }
 
-// Of several recordings, those that the values suit least.
+// Of several recordings, those that the values suit least, and whether by chance.
 std::string extremes_text(const std::vector<TuningRecording>& recordings,
                           const HeldOutCheck& check) {
   if (recordings.size() < 2) return "";
-  std::vector<double> sum(recordings.size(), 0), count(recordings.size(), 0);
+  struct OfRecording {
+    double sum = 0;
+    std::uint64_t held_out = 0, all = 0;
+    double mean() const { return sum / static_cast<double>(held_out); }
+  };
+  std::vector<OfRecording> of(recordings.size());
   for (const StretchInnovations& stretch : check.stretches) {
+    OfRecording& one = of[stretch.recording];
+    one.all += stretch.count;
     if (!stretch.is_held_out) continue;
-    sum[stretch.recording] += stretch.mean_nis * static_cast<double>(stretch.count);
-    count[stretch.recording] += static_cast<double>(stretch.count);
+    one.sum += stretch.mean_nis * static_cast<double>(stretch.count);
+    one.held_out += stretch.count;
   }
-  std::size_t lowest = 0, highest = 0;
-  for (std::size_t i = 0; i < recordings.size(); ++i) {
-    if (!(count[i] > 0)) continue;
-    sum[i] /= count[i];
-    if (!(count[lowest] > 0) || sum[i] < sum[lowest]) lowest = i;
-    if (!(count[highest] > 0) || sum[i] > sum[highest]) highest = i;
+  const double confidence = 1 - 0.05 / static_cast<double>(recordings.size());
+  std::size_t lowest = 0, highest = 0, outside = 0;
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    if (of[i].held_out == 0) continue;
+    if (of[lowest].held_out == 0 || of[i].mean() < of[lowest].mean()) lowest = i;
+    if (of[highest].held_out == 0 || of[i].mean() > of[highest].mean()) highest = i;
+    const std::uint64_t as_good_as = of[i].held_out * (of[i].all - of[i].held_out) / of[i].all;
+    if (as_good_as == 0) continue;
+    outside += mean_chi_square_bounds(1, as_good_as, confidence).contains(of[i].mean()) ? 0U : 1U;
   }
-  return line("", fmt::format("lowest {:.2f} ({}), highest {:.2f} ({})", sum[lowest],
-                              recordings[lowest].name, sum[highest], recordings[highest].name));
+  if (of[lowest].held_out == 0) return "";
+  std::string text =
+      line("", fmt::format("lowest {:.2f} ({}), highest {:.2f} ({})", of[lowest].mean(),
+                           recordings[lowest].name, of[highest].mean(), recordings[highest].name));
+  if (outside > 0) {
+    text += line("", fmt::format("OUTSIDE its own bounds in {} of {} recordings: one noise and one "
+                                 "density of the jerk do not suit them all; tune each instrument "
+                                 "alone",
+                                 outside, recordings.size()));
+  }
+  return text;
 }
 
 // Whether the fixed values predict better than the estimator that adapts.
