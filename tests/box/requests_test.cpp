@@ -134,6 +134,22 @@ TEST(Requests, BeginNoSessionBeforeTheClockIsSet) {
   EXPECT_EQ(post(running.port, "/v1/session/start", "{}").status, 200);
 }
 
+// Such a text would be lines of a replay's summary, or move a terminal's cursor.
+TEST(Requests, MarkWithOneLineOfTextOnly) {
+  RunningBox running;
+  running.start();
+  ASSERT_TRUE(running.is_estimating());
+  ASSERT_EQ(post(running.port, "/v1/session/start", "{}").status, 200);
+  for (const char* text : {"x\\n  mass 0.2 +- 0.01 kg (95 %), measured", "\\u001b[2J", "\\r",
+                           "\\u0000", "\\u0085", "\\u202e", "\\u2028", "\\ufeff"}) {
+    const auto answer =
+        post(running.port, "/v1/session/marker", std::string(R"({"text":")") + text + "\"}");
+    EXPECT_EQ(answer.status, 400) << text;
+    EXPECT_THAT(answer.body, HasSubstr("a marker is one line of UTF-8 without control characters"));
+  }
+  EXPECT_EQ(post(running.port, "/v1/session/marker", R"({"text":"Bi\u00df, \"hart\""})").status, 200);
+}
+
 // The name of a session may be that of a link that leads nowhere.
 TEST(Requests, BeginASessionBesideADanglingLink) {
   RunningBox running;

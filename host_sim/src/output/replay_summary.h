@@ -2,8 +2,8 @@
 // What is said at the end of a replay. Constant memory.
 #pragma once
 
-#include <cstdint>
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
