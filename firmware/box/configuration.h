@@ -9,6 +9,7 @@
 
 #include "condyle/estimator/motion/recommended_parameters.h"
 #include "condyle/estimator/sample.h"
+#include "condyle/hal/log/session_log.h"
 
 namespace condyle::box {
 
@@ -43,6 +44,7 @@ struct Configuration {
 
   std::string folder;                         ///< for recordings; empty: there are none
   std::uint64_t reserve_bytes = 256'000'000;  ///< of the disk that are never filled
+  hal::SessionLogOptions log;  ///< not in the file: for a test with a clock of its own
 
   std::string udp_address = "127.0.0.1";
   std::uint16_t udp_port = 0;  ///< 0: nothing is sent

@@ -164,6 +164,11 @@ TEST(Box, PausesWhereTheDiskIsFullAndGoesOn) {
   const int recorded = running.status()["session"]["reports_written"];
   EXPECT_TRUE(has_recorded(running, recorded + 1));
   EXPECT_EQ(post(running.port, "/v1/session/stop", "{}").status, 200);
+  const Json session = running.status()["session"];
+  EXPECT_GT(session["reports_in_pauses"], 0);
+  EXPECT_EQ(session["reports_received"].get<int>(), session["reports_written"].get<int>() +
+                                                        session["reports_lost"].get<int>() +
+                                                        session["reports_in_pauses"].get<int>());
   int logs = 0;
   for (const auto& file : std::filesystem::directory_iterator(running.folder.path())) {
     ++logs;
@@ -171,6 +176,23 @@ TEST(Box, PausesWhereTheDiskIsFullAndGoesOn) {
     EXPECT_EQ(replayed.exit_code, 0) << replayed.errors;
   }
   EXPECT_EQ(logs, 2);
+}
+
+TEST(Box, GoesOnInAnotherFileWhereTheLogIsDeleted) {
+  RunningBox running;
+  running.start();
+  ASSERT_TRUE(running.is_estimating());
+  ASSERT_EQ(post(running.port, "/v1/session/start", "{}").status, 200);
+  ASSERT_TRUE(has_recorded(running, 1));
+  const std::string deleted = running.status()["session"]["file"];
+  std::filesystem::remove(deleted);
+  ASSERT_TRUE(wait_for([&] { return running.status()["session"]["part"] == 2; }));
+  EXPECT_EQ(post(running.port, "/v1/session/stop", "{}").status, 200);
+  const Json session = running.status()["session"];
+  EXPECT_EQ(session["pauses"], 0);
+  EXPECT_GT(session["reports_lost"], 0);
+  EXPECT_EQ(session["reports_received"].get<int>(),
+            session["reports_written"].get<int>() + session["reports_lost"].get<int>());
 }
 
 TEST(Box, WaitsForAFacebowThatIsNotThere) {

@@ -4,8 +4,10 @@
 #include <gmock/gmock.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -220,6 +222,62 @@ TEST_F(McapSummary, FindsAttachmentsAndMetadata) {
   EXPECT_EQ(metadata[0].number<std::uint64_t>(), kHead + named.content.size());
   EXPECT_EQ(metadata[0].text(), "m");
   EXPECT_TRUE(metadata[0].is_at_end());
+}
+
+// A long file's index, kept elsewhere until the end.
+class Store : public hal::McapIndexStore {
+ public:
+  explicit Store(std::size_t room) : room_(room) {}
+  bool append(std::uint64_t offset, std::span<const std::uint8_t> bytes) override {
+    if (offset + bytes.size() > room_) return false;
+    kept.resize(offset);
+    kept.insert(kept.end(), bytes.begin(), bytes.end());
+    return true;
+  }
+  bool read(std::uint64_t offset, std::span<std::uint8_t> bytes) override {
+    std::copy_n(kept.begin() + static_cast<std::ptrdiff_t>(offset), bytes.size(), bytes.begin());
+    return true;
+  }
+  std::vector<std::uint8_t> kept;
+
+ private:
+  std::size_t room_;
+};
+
+// Of 3,000 chunks; `most_pending` is told how much was written at once.
+std::string long_file(Store* store, std::size_t& most_pending) {
+  hal::McapWriter writer({.profile = "", .library = ""}, store);
+  std::string file;
+  const auto write = [&] {
+    most_pending = std::max(most_pending, writer.pending().size());
+    file.append(writer.pending().begin(), writer.pending().end());
+    writer.discard_pending();
+    return true;
+  };
+  const auto schema = writer.add_schema({.name = "S", .encoding = "ros2msg", .data = {}});
+  const auto channel = writer.add_channel(
+      {.schema_id = schema, .topic = "/t", .message_encoding = "cdr", .metadata = {}});
+  for (std::uint64_t time_ns = 0; time_ns < 3000; ++time_ns) {
+    writer.add_message(channel, time_ns, {});
+    EXPECT_TRUE(writer.finish_chunk());
+    write();
+  }
+  EXPECT_TRUE(writer.finish(write));
+  write();
+  return file;
+}
+
+TEST(McapIndexStore, ChangesNoByteOfTheFile) {
+  std::size_t in_memory = 0, in_store = 0, in_both = 0;
+  const std::string expected = long_file(nullptr, in_memory);
+  Store large(1'000'000), small(100'000);
+  EXPECT_EQ(long_file(&large, in_store), expected);
+  EXPECT_GT(large.kept.size(), 200'000U);
+  EXPECT_GT(in_memory, 200'000U);
+  EXPECT_LT(in_store, 140'000U);
+  // A full disk takes the first part.
+  EXPECT_EQ(long_file(&small, in_both), expected);
+  EXPECT_GT(small.kept.size(), 50'000U);
 }
 
 }  // namespace

@@ -92,6 +92,7 @@ void Engine::loop() {
   while (!stops_) {
     const std::uint64_t wanted = wanted_run_.load(std::memory_order_acquire);
     hal::SessionLogWriter* const log = wanted_log_.load(std::memory_order_relaxed);
+    received_before_run_.store(totals_.received, std::memory_order_relaxed);
     run_.store(wanted, std::memory_order_release);
     do_run(log);
     keep_totals();

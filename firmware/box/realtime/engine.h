@@ -68,6 +68,10 @@ class Engine {
   /// The source is a recording that has come to its end.
   bool has_ended() const { return has_ended_.load(std::memory_order_relaxed); }
   std::uint64_t run() const { return run_.load(std::memory_order_acquire); }
+  /// Reports received before the run that `begin_run` began.
+  std::uint64_t received_before_run() const {
+    return received_before_run_.load(std::memory_order_relaxed);
+  }
 
  private:
   static constexpr std::size_t kCounts = sizeof(EngineCounts) / sizeof(std::uint64_t);
@@ -97,6 +101,7 @@ class Engine {
   std::atomic<hal::SessionLogWriter*> wanted_log_ = nullptr;
   // Said by the thread.
   std::atomic<std::uint64_t> run_ = 0, heartbeat_ = 0;
+  std::atomic<std::uint64_t> received_before_run_ = 0;  // written before run_
   std::atomic<bool> has_ended_ = false, is_scheduled_ = false;
   std::array<std::atomic<std::uint64_t>, kCounts> counts_{};
   std::string scheduling_;  // written before is_scheduled_

@@ -37,10 +37,20 @@ std::string file_stem(const std::string& subject) {
   return subject.empty() ? text : std::string(text) + "-" + subject;
 }
 
+// Out of a folder that is there: one that is away may come back, with the file in it.
+bool is_gone(const std::string& file, const std::string& folder) {
+  std::error_code error;
+  struct statvfs status {};
+  return std::filesystem::symlink_status(file, error).type() ==
+             std::filesystem::file_type::not_found &&
+         statvfs(folder.c_str(), &status) == 0;
+}
+
 }  // namespace
 
 // A file of the session, and who writes into it.
 struct SessionRecorder::Part {
+  explicit Part(const hal::SessionLogOptions& options) : log(options) {}
   hal::SessionLogWriter log;
   std::size_t marker_source = 0;
   std::vector<std::unique_ptr<host::RecordedCompanion>> companions;
@@ -154,7 +164,7 @@ SessionRecorder::Answer SessionRecorder::find_free_name() const {
 
 SessionRecorder::Answer SessionRecorder::begin_part() {
   if (Answer room = find_room(); room.status != 200) return room;
-  auto part = std::make_unique<Part>();
+  auto part = std::make_unique<Part>(configuration_.log);
   const Answer name = find_free_name();
   if (name.status != 200) return name;
   const std::string& file = name.words;
@@ -181,7 +191,7 @@ SessionRecorder::Answer SessionRecorder::begin_part() {
   part->begin_ns = clock_.now_ns();
   part->marker_source = companions_.size() + 1;
   // The reports go from the old file to the new one without a gap.
-  engine_->begin_run(&part->log);
+  begin_run(&part->log);
   const std::unique_ptr<Part> old = std::exchange(part_, std::move(part));
   state_.problem.clear();
   if (old) (void)close_part(*old);
@@ -191,9 +201,18 @@ SessionRecorder::Answer SessionRecorder::begin_part() {
   return {200, file};
 }
 
+// What the run that ends has received belongs to what the session does until here.
+void SessionRecorder::begin_run(hal::SessionLogWriter* log) {
+  engine_->begin_run(log);
+  const std::uint64_t before = std::exchange(received_before_run_, engine_->received_before_run());
+  const std::uint64_t received = received_before_run_ - before;
+  if (state_.phase != SessionState::Phase::idle) state_.reports_received += received;
+  if (state_.phase == SessionState::Phase::paused) state_.reports_in_pauses += received;
+}
+
 hal::SessionLogFailure SessionRecorder::end_part() {
   if (!part_) return hal::SessionLogFailure::none;
-  engine_->begin_run(nullptr);
+  begin_run(nullptr);
   const std::unique_ptr<Part> part = std::move(part_);
   return close_part(*part);
 }
@@ -202,8 +221,15 @@ hal::SessionLogFailure SessionRecorder::close_part(Part& part) {
   for (const auto& companion : part.companions) companion->companion.stop();
   const hal::SessionLogFailure failure = part.log.close();
   const hal::SessionLogStatus& log = state_.log = part.log.status();
-  state_.reports_written += log.reports_written;
+  // What somebody deleted meanwhile is not recorded.
+  const bool is_lost = is_gone(state_.file, configuration_.folder);
+  (is_lost ? state_.reports_lost : state_.reports_written) += log.reports_written;
   state_.reports_lost += log.reports_lost;
+  if (is_lost) {
+    box_log_.say(
+        BoxLog::Level::error, "session",
+        fmt::format("{} is gone, and {} reports with it", state_.file, log.reports_written));
+  }
   state_.events_written += log.events_written;
   state_.events_lost += log.events_lost;
   if (failure != hal::SessionLogFailure::none) {
@@ -217,14 +243,17 @@ hal::SessionLogFailure SessionRecorder::close_part(Part& part) {
 SessionRecorder::Answer SessionRecorder::stop() {
   if (state_.phase == SessionState::Phase::idle) return {409, "no session is being recorded"};
   if (state_.phase == SessionState::Phase::paused) {
+    begin_run(nullptr);
     state_.paused_ns += clock_.now_ns() - paused_since_ns_;
     state_.problem = "ended while " + state_.problem;
   }
   const hal::SessionLogFailure failure = end_part();
   state_.phase = SessionState::Phase::idle;
-  box_log_.say(BoxLog::Level::notice, "session",
-               fmt::format("ended {}: {} reports, {} lost, {:.0f} s paused", state_.file,
-                           state_.reports_written, state_.reports_lost, seconds(state_.paused_ns)));
+  box_log_.say(
+      BoxLog::Level::notice, "session",
+      fmt::format("ended {}: {} reports, {} lost, {} in {:.0f} s of pauses, {} received",
+                  state_.file, state_.reports_written, state_.reports_lost,
+                  state_.reports_in_pauses, seconds(state_.paused_ns), state_.reports_received));
   if (failure != hal::SessionLogFailure::none) return {http_status(failure), state_.problem};
   return {200, state_.file};
 }
@@ -263,7 +292,8 @@ void SessionRecorder::check() {
       pause(state_.file + ": " + hal::session_log_failure_name(log.failure));
     } else if (const Answer room = find_room(); room.status != 200) {
       pause(room.words);
-    } else if (clock_.now_ns() - part_->begin_ns >= kLongestPart_ns) {
+    } else if (clock_.now_ns() - part_->begin_ns >= kLongestPart_ns ||
+               is_gone(state_.file, configuration_.folder)) {
       const Answer answer = begin_part();
       if (answer.status != 200) pause(answer.words);
     }
@@ -324,6 +354,10 @@ SessionState SessionRecorder::state() const {
       state.companions.push_back(
           {configuration_.companions[i].name, part_->companions[i]->companion.is_open()});
     }
+  }
+  if (engine_ != nullptr && state.phase != SessionState::Phase::idle) {
+    const std::uint64_t received = engine_->counts().received;
+    state.reports_received += std::max(received, received_before_run_) - received_before_run_;
   }
   state.free_bytes = free_bytes();
   return state;

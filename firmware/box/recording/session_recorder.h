@@ -26,8 +26,10 @@ struct SessionState {
   std::string problem;  ///< why it is paused, or what was wrong with the last file
   std::uint64_t markers = 0;
   std::uint64_t pauses = 0;
-  TimeNs paused_ns = 0;       ///< of pauses that have ended: what came then is in no file
-  hal::SessionLogStatus log;  ///< of that file
+  TimeNs paused_ns = 0;                 ///< of pauses that have ended: what came then is in no file
+  std::uint64_t reports_received = 0;   ///< from the facebow, since the session began
+  std::uint64_t reports_in_pauses = 0;  ///< of these, in pauses that have ended
+  hal::SessionLogStatus log;            ///< of that file
   // Of all of the session's files:
   std::uint64_t reports_written = 0, reports_lost = 0, events_written = 0, events_lost = 0;
   std::uint64_t free_bytes = 0;  ///< of the disk
@@ -73,6 +75,7 @@ class SessionRecorder {
   struct Part;
 
   Answer begin_part();
+  void begin_run(hal::SessionLogWriter* log);
   Answer describe_companions();
   Answer find_free_name() const;
   Answer find_room() const;
@@ -95,6 +98,7 @@ class SessionRecorder {
   std::string stem_;  // of the session's files
   TimeNs next_attempt_ns_ = 0, paused_since_ns_ = 0;
   TimeNs starts_free_ns_ = 0;  // when as many sessions may begin at once as ever
+  std::uint64_t received_before_run_ = 0;  // of the engine's reports
 };
 
 }  // namespace condyle::box

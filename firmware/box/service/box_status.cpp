@@ -115,6 +115,8 @@ Json session_json(const BoxStatus& status) {
   json["markers"] = session.markers;
   json["pauses"] = session.pauses;
   json["paused_s"] = seconds(session.paused_ns);
+  json["reports_received"] = session.reports_received;
+  json["reports_in_pauses"] = session.reports_in_pauses;
   json["reports_written"] = session.reports_written;
   json["reports_lost"] = session.reports_lost;
   json["events_written"] = session.events_written;

@@ -12,6 +12,7 @@ namespace condyle::hal {
 namespace {
 
 constexpr std::string_view kCompression = "zstd";
+constexpr std::size_t kIndexPiece = 64 * 1024;
 
 // Appends a record's head; end_record sets its length.
 std::size_t begin_record(Bytes& out, McapOpcode opcode) {
@@ -43,7 +44,8 @@ void McapWriter::Times::include(std::uint64_t time_ns) {
   is_empty = false;
 }
 
-McapWriter::McapWriter(const McapHeader& header) : zstd_(ZSTD_createCCtx(), ZSTD_freeCCtx) {
+McapWriter::McapWriter(const McapHeader& header, McapIndexStore* store)
+    : zstd_(ZSTD_createCCtx(), ZSTD_freeCCtx), store_(store) {
   append_bytes(out_, kMcapMagic);
   data_crc_ = extend_crc(data_crc_, out_);
   const std::size_t begin = begin_record(out_, McapOpcode::header);
@@ -188,6 +190,7 @@ bool McapWriter::finish_chunk() {
     append_number<std::uint64_t>(chunk_indices_, chunk_.size());
     set_length(chunk_indices_, index);
     ++chunk_count_;
+    keep_index();
   }
   for (auto& [id, channel] : channels_) channel.index.clear();
   chunk_.clear();
@@ -215,28 +218,62 @@ Bytes McapWriter::statistics() const {
   return out;
 }
 
-void McapWriter::append_summary_group(McapOpcode opcode, const Bytes& records, Bytes& offsets) {
-  if (records.empty()) return;
-  const std::size_t begin = begin_record(offsets, McapOpcode::summary_offset);
-  offsets.push_back(static_cast<std::uint8_t>(opcode));
-  append_number(offsets, position());
-  append_number<std::uint64_t>(offsets, records.size());
-  set_length(offsets, begin);
-  append_bytes(out_, records);
+void McapWriter::keep_index() {
+  if (store_ == nullptr || chunk_indices_.size() < kIndexPiece) return;
+  if (store_->append(stored_, chunk_indices_)) {
+    stored_ += chunk_indices_.size();
+    chunk_indices_.clear();
+  } else if (stored_ == 0) {
+    store_ = nullptr;
+  }
 }
 
-bool McapWriter::finish() {
+void McapWriter::append_offset(McapOpcode opcode, std::uint64_t start, Bytes& offsets) const {
+  if (position() == start) return;
+  const std::size_t begin = begin_record(offsets, McapOpcode::summary_offset);
+  offsets.push_back(static_cast<std::uint8_t>(opcode));
+  append_number(offsets, start);
+  append_number(offsets, position() - start);
+  set_length(offsets, begin);
+}
+
+void McapWriter::append_summary_group(McapOpcode opcode, const Bytes& records, Bytes& offsets) {
+  const std::uint64_t start = position();
+  append_bytes(out_, records);
+  append_offset(opcode, start, offsets);
+}
+
+// Piece by piece, where it is long.
+bool McapWriter::append_chunk_indices(const std::function<bool()>& write, Bytes& offsets) {
+  const std::uint64_t start = position();
+  for (std::uint64_t done = 0; done < stored_;) {
+    const auto size =
+        static_cast<std::size_t>(std::min<std::uint64_t>(kIndexPiece, stored_ - done));
+    out_.resize(out_.size() + size);
+    if (!store_->read(done, std::span(out_).last(size))) return false;
+    done += size;
+    if (!write) continue;
+    summary_crc_ = extend_crc(summary_crc_, out_);
+    if (!write()) return false;
+  }
+  append_bytes(out_, chunk_indices_);
+  append_offset(McapOpcode::chunk_index, start, offsets);
+  return true;
+}
+
+bool McapWriter::finish(const std::function<bool()>& write) {
   const bool is_complete = finish_chunk();
   const std::size_t end = begin_record(out_, McapOpcode::data_end);
   append_number(out_, data_crc_);
   set_length(out_, end);
+  if (write && !write()) return false;  // so that what is pending is of the summary
 
   const std::uint64_t summary_start = position();
   const std::size_t summary = out_.size();
   Bytes offsets;
   append_summary_group(McapOpcode::schema, schemas_, offsets);
   append_summary_group(McapOpcode::channel, channel_records_, offsets);
-  append_summary_group(McapOpcode::chunk_index, chunk_indices_, offsets);
+  if (!append_chunk_indices(write, offsets)) return false;
   append_summary_group(McapOpcode::attachment_index, attachment_indices_, offsets);
   append_summary_group(McapOpcode::metadata_index, metadata_indices_, offsets);
   append_summary_group(McapOpcode::statistics, statistics(), offsets);
@@ -248,9 +285,11 @@ bool McapWriter::finish() {
   append_number(out_, offsets_start);
   append_number<std::uint32_t>(out_, 0);
   set_length(out_, footer);
+  // Of the summary is what is pending, but for what stood before it.
+  const std::size_t begin = write ? 0 : summary;
   store_little_endian(
       out_.data() + out_.size() - 4,
-      extend_crc(0, ByteSpan(out_).subspan(summary).first(out_.size() - summary - 4)));
+      extend_crc(summary_crc_, ByteSpan(out_).subspan(begin).first(out_.size() - begin - 4)));
   append_bytes(out_, kMcapMagic);
   return is_complete;
 }

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "log/index_file.h"
 #include "log/session_format.h"
 #include "log/session_log_state.h"
 
@@ -71,6 +72,7 @@ SessionLogFailure SessionLogWriter::open(const std::string& path, const SessionH
   }
   start_wall_ns_ = header.start_wall_ns;
   start_monotonic_ns_ = header.start_monotonic_ns;
+  index_ = std::make_unique<IndexFile>(path);
   add_header(header);
   for (std::size_t i = 0; i < header.sources.size(); ++i) {
     sources_.push_back(std::make_unique<Source>(options_.ring_reports));
@@ -100,7 +102,7 @@ SessionLogFailure SessionLogWriter::open(const std::string& path, const SessionH
 
 void SessionLogWriter::add_header(const SessionHeader& header) {
   mcap_ = std::make_unique<McapWriter>(
-      McapHeader{.profile = "", .library = "condyle " + header.software_version});
+      McapHeader{.profile = "", .library = "condyle " + header.software_version}, index_.get());
   mcap_->add_metadata({.name = kSessionMetadata, .pairs = session_pairs(header)});
   const auto attach = [&](std::string_view name, std::string_view media_type, ByteSpan data) {
     mcap_->add_attachment({.log_time_ns = static_cast<std::uint64_t>(header.start_wall_ns),

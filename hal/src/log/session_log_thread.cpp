@@ -17,7 +17,12 @@ namespace condyle::hal {
 namespace {
 
 // A report waits for a wake-up and then for its chunk's end: together below 250 ms.
-constexpr std::chrono::milliseconds kWakeUp{20};
+constexpr std::chrono::nanoseconds kLongestWait{20'000'000}, kShortestWait{100'000};
+
+std::chrono::nanoseconds wait_for_chunks_of(TimeNs chunk_time_ns) {
+  if (chunk_time_ns <= 0) return kLongestWait;
+  return std::clamp(std::chrono::nanoseconds(chunk_time_ns / 10), kShortestWait, kLongestWait);
+}
 
 }  // namespace
 
@@ -43,11 +48,12 @@ SessionLogFailure failure_of(int error) {
 
 void SessionLogWriter::run() {
   SteadyClock clock;
+  const std::chrono::nanoseconds wait = wait_for_chunks_of(options_.chunk_time_ns);
   bool stops = false;
   while (!stops) {
     {
       std::unique_lock<std::mutex> lock(mutex_);
-      stops = wake_.wait_for(lock, kWakeUp, [this] { return stops_; });
+      stops = wake_.wait_for(lock, wait, [this] { return stops_; });
     }
     drain();
     const bool has_entries = chunk_reports_ + chunk_events_ > 0;
@@ -58,7 +64,9 @@ void SessionLogWriter::run() {
   }
   flush();
   if (failure_ != SessionLogFailure::none) return;
-  if (!mcap_->finish()) return fail(SessionLogFailure::io_error, ENOMEM);
+  if (!mcap_->finish([this] { return write_pending(); })) {
+    return fail(SessionLogFailure::io_error, ENOMEM);
+  }
   static_cast<void>(write_pending());
 }
 

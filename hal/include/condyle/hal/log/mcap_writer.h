@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -14,12 +15,22 @@ struct ZSTD_CCtx_s;
 
 namespace condyle::hal {
 
+/// Keeps the index of a long file outside of memory until the summary is written.
+class McapIndexStore {
+ public:
+  virtual ~McapIndexStore() = default;
+  /// Appends after the `offset` bytes that are kept. False: it does not, and need not do so later.
+  virtual bool append(std::uint64_t offset, std::span<const std::uint8_t> bytes) = 0;
+  virtual bool read(std::uint64_t offset, std::span<std::uint8_t> bytes) = 0;
+};
+
 /// Encodes an MCAP file piece by piece: messages in zstd chunks with message indices, summary with
 /// statistics, all checksums. It does no input or output: whoever uses it writes `pending()` to the
 /// file and calls `discard_pending()`.
 class McapWriter {
  public:
-  explicit McapWriter(const McapHeader& header);
+  /// The `store` outlives the writer; without one, the index grows in memory.
+  explicit McapWriter(const McapHeader& header, McapIndexStore* store = nullptr);
   ~McapWriter();
   McapWriter(const McapWriter&) = delete;
   McapWriter& operator=(const McapWriter&) = delete;
@@ -40,7 +51,9 @@ class McapWriter {
   /// Closes the open chunk, where there is one. False: compression failed, the chunk is dropped.
   bool finish_chunk();
   /// Closes the last chunk and appends end of data, summary and footer; nothing may be added then.
-  bool finish();
+  /// `write` is called where much is pending: it writes and discards that, or says false. False:
+  /// compression, the store or `write` failed.
+  bool finish(const std::function<bool()>& write = {});
 
   /// Encoded bytes not yet discarded.
   std::span<const std::uint8_t> pending() const { return out_; }
@@ -60,10 +73,16 @@ class McapWriter {
 
   std::uint64_t position() const { return discarded_ + out_.size(); }
   void end_record(std::size_t begin);
+  void keep_index();
+  void append_offset(McapOpcode opcode, std::uint64_t start, Bytes& offsets) const;
   void append_summary_group(McapOpcode opcode, const Bytes& records, Bytes& offsets);
+  bool append_chunk_indices(const std::function<bool()>& write, Bytes& offsets);
   Bytes statistics() const;
 
   std::unique_ptr<ZSTD_CCtx_s, std::size_t (*)(ZSTD_CCtx_s*)> zstd_;
+  McapIndexStore* store_;
+  std::uint64_t stored_ = 0;  // bytes of the chunks' index that the store keeps, the first ones
+  std::uint32_t summary_crc_ = 0;  // of what of the summary was discarded already
   Bytes out_;
   std::uint64_t discarded_ = 0;
   std::uint32_t data_crc_ = 0;

@@ -106,6 +106,7 @@ struct SessionLogOptions {
 };
 
 struct RingSlot;
+class IndexFile;
 
 /// Writes a session log. One thread for each source calls write and write_event; they only copy
 /// into a ring of fixed size. A thread of the writer's own compresses and writes at least every 250
@@ -158,6 +159,7 @@ class SessionLogWriter {
 
   SessionLogOptions options_;
   std::vector<std::unique_ptr<Source>> sources_;
+  std::unique_ptr<IndexFile> index_;
   std::unique_ptr<McapWriter> mcap_;
   int descriptor_ = -1;
   TimeNs start_wall_ns_ = 0, start_monotonic_ns_ = 0;

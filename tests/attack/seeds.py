@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is mutated: files of the project, of its fuzzers, and of `condyle simulate`; and the commands
+that read them. {} stands for the mutated file, OUT/ for the folder that holds what is written."""
+import glob
+import os
+import subprocess
+from collections import namedtuple
+
+from mcap import pieces
+
+Target = namedtuple("Target", "name ending is_text seeds commands parts")
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+
+
+def read(path, limit=None):
+    with open(path if os.path.isabs(path) else os.path.join(ROOT, path), "rb") as file:
+        return file.read(limit)
+
+
+def rows(data, count):
+    return b"\n".join(data.split(b"\n")[:count]) + b"\n"
+
+
+def simulated(condyle, scenario, folder):
+    """The recording of a scenario and what is written beside it, by its ending."""
+    out = os.path.join(folder, os.path.basename(scenario)[:-5])
+    subprocess.run([condyle, "simulate", os.path.join(ROOT, scenario), "--out", f"{out}.csv",
+                    "--truth", f"{out}.truth.csv"], check=True, stdout=subprocess.DEVNULL)
+    return out
+
+
+def jaws3d(seed):
+    return seed + b"".join(b"%.2f %d %d %d\n" % (0.01 * i, i, 2 * i % 7, i * i % 11)
+                           for i in range(1, 40))
+
+
+def targets(condyle, box, folder, log):
+    """`folder`: for what is made here; `log`: a session log of the box."""
+    fuzz = "tests/fuzz/seeds/"
+    muscle_driven = simulated(condyle, "host_sim/scenarios/free_opening.toml", folder)
+    point = simulated(condyle, "host_sim/scenarios/point_mass.toml", folder)
+    chewing = rows(read("host_sim/recordings/chewing_60hz.csv"), 400)
+    axis = [chewing, read(fuzz + "recording/axis_csv"), rows(read(point + ".csv"), 400)]
+    points = [rows(read(muscle_driven + ".csv"), 200), read(fuzz + "recording/points_csv")]
+    plain = os.path.join(folder, "plain.csv")
+    with open(plain, "wb") as file:
+        file.write(rows(read(point + ".csv"), 900))
+    body = os.path.join(folder, "body.csv")
+    with open(body, "wb") as file:
+        file.write(rows(read(muscle_driven + ".csv"), 900))
+    drive = rows(read(point + ".drive.csv"), 900)
+    muscles = read("host_sim/muscles/artisynth.toml")
+    emg_file = os.path.join(folder, "emg.csv")
+    emg = made_emg(muscles)
+    with open(emg_file, "wb") as file:
+        file.write(emg)
+    head = b"time_s,acceleration_m_s2\n" + b"".join(
+        b"%.3f,%.3f\n" % (i / 60, 3 * ((i % 30) / 15 - 1)) for i in range(600))
+    facebow = os.path.join(ROOT, "hal/profiles/condyle_facebow.toml")
+    muscles_file = os.path.join(ROOT, "host_sim/muscles/artisynth.toml")
+    capture = os.path.join(ROOT, fuzz, "capture/pcap")
+    session = read(log)
+    logs = [session, read(fuzz + "session_log/complete"), read(fuzz + "session_log/cut")]
+    parts = [list(pieces(one)) for one in logs[:2]]
+    scenarios = [read(one) for one in sorted(glob.glob(os.path.join(ROOT, "host_sim/scenarios/*.toml")))]
+    short = [short_scenario(one) for one in scenarios]
+    replay = [condyle, "replay", "{}"]
+    out = ["--out", "OUT/out.csv"]
+
+    def group(name, *endings):
+        return [read(fuzz + name + "/" + one) for one in endings]
+
+    def target(name, ending, is_text, seeds, *commands, parts=None):
+        return Target(name, ending, is_text, seeds, [list(one) for one in commands], parts)
+
+    capture_seeds = group("capture", "pcap", "pcap_big_endian_mmapped")
+    next_seeds = group("capture", "pcapng", "pcapng_big_endian_mmapped")
+    descriptors = group("descriptor", "odd", "three_axes", "usage_zero", "vendor")
+    return [
+        target("CSV, one axis", ".csv", True, axis, replay + out,
+               replay + out + ["--faults", "event"], replay + out + ["--estimator", "published"]),
+        target("CSV, three points", ".csv", True, points, replay + out, replay + out + ["--lag", "3"],
+               replay + out + ["--jaw-point-mm", "1", "2", "3", "--faults", "event"]),
+        target("CSV, compare and tune", ".csv", True, axis[:1],
+               [condyle, "compare", "{}", "--out", "OUT/out.csv"],
+               [condyle, "tune", "{}", "--out", "OUT/out.toml", "--starts", "2"]),
+        target("CSV of a drive", ".csv", True, [drive],
+               [condyle, "replay", plain, "--drive", "{}", "--drive-missing", "0"] + out),
+        target("CSV of EMG", ".csv", True, [emg], [condyle, "protocol", "emg", body, "--emg", "{}",
+                                                   "--muscles", muscles_file, "--out", "OUT/out.json"]),
+        target("CSV of the head", ".csv", True, [head],
+               [condyle, "protocol", "head-motion", plain, "--acceleration", "{}", "--muscle-share",
+                "0", "--out", "OUT/out.json"]),
+        target("muscle file", ".toml", True, [muscles],
+               [condyle, "protocol", "emg", body, "--emg", emg_file, "--muscles", "{}", "--out",
+                "OUT/out.csv"]),
+        target("Zebris text", ".txt", True, group("recording", "probe_text"), replay + out),
+        target("JAWS3D text", ".txt", True, [jaws3d(group("recording", "probe_text_times")[0])],
+               replay + out),
+        target("Zebris XML", ".xml", True, group("recording", "zebris_xml"),
+               replay + out + ["--unit", "mm"]),
+        target("SSFF", ".ssff", False, group("recording", "ssff"), replay + out),
+        target("MCAP, as it comes", ".mcap", False, logs, replay + out,
+               replay + out + ["--values", "OUT/values"]),
+        target("MCAP, checksums right", ".mcap", False, logs, replay + out, parts=parts),
+        target("pcap", ".pcap", False, capture_seeds, replay + out + ["--profile", facebow]),
+        target("pcapng", ".pcapng", False, next_seeds, replay + out + ["--profile", facebow]),
+        target("profile", ".toml", True, group("profile", "condyle_facebow.toml", "pose.toml",
+                                               "self_describing_3_axis.toml"),
+               [condyle, "replay", capture, "--profile", "{}"] + out),
+        target("parameters, recommended", ".toml", True, group("parameters", "recommended.toml"),
+               [condyle, "replay", plain, "--parameters", "{}"] + out),
+        target("parameters, published", ".toml", True, group("parameters", "shipped.toml"),
+               [condyle, "replay", plain, "--estimator", "published", "--parameters", "{}"] + out),
+        target("scenario", ".toml", True, short, [condyle, "simulate", "{}", "--out", "OUT/out.csv",
+                                                  "--truth", "OUT/truth.csv"]),
+        target("report descriptor", ".bin", False, descriptors,
+               [condyle, "inspect", "--descriptor", "{}"],
+               [condyle, "inspect", "--descriptor", "{}", "--json"]),
+        target("box.toml", ".toml", True, [read("firmware/box/box.toml"), full_box()],
+               [box, "--config", "{}", "--check"]),
+    ]
+
+
+def made_emg(muscles):
+    """As `condyle simulate` names the columns."""
+    names = [line[len(b"[muscles."):-1] for line in muscles.split(b"\n")
+             if line.startswith(b"[muscles.")]
+    head = b"".join(b"," + name + b"_envelope" for name in names)
+    return b"time_s" + head + b"\n" + b"".join(
+        b"%.3f" % (i / 60) + b",0.25" * (len(names) - 1) + b",%.2f\n" % (i % 10 / 20)
+        for i in range(900))
+
+
+def short_scenario(text):
+    """A second of it: the mutator needs its words, not its length."""
+    kept = [b"duration_s = 1" if line.startswith(b"duration_s") else line
+            for line in text.split(b"\n")]
+    return b"\n".join(kept)
+
+
+def full_box():
+    return (b'[facebow]\nsource = "synth:a.toml"\nserial = ""\npoint = 1\naxis = "z"\n'
+            b'[companion.force]\nsource = "hid:force.toml"\n[estimator]\nparameters = ""\n'
+            b'lag_samples = 0\nnode = "unix:s"\nnode_baud = 1000000\nnode_late_ms = 100\n'
+            b'priority = 50\n[recording]\nfolder = "."\nreserve_MB = 256\n[udp]\n'
+            b'address = "127.0.0.1"\nport = 0\n[http]\naddress = "::1"\nport = 8750\n'
+            b'token_file = ""\nmost_listeners = 16\n')
