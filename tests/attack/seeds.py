@@ -61,7 +61,7 @@ def targets(condyle, box, folder, log):
     capture = os.path.join(ROOT, fuzz, "capture/pcap")
     session = read(log)
     logs = [session, read(fuzz + "session_log/complete"), read(fuzz + "session_log/cut")]
-    parts = [list(pieces(one)) for one in logs[:2]]
+    parts = [whole for whole in (list(pieces(one)) for one in logs[:2]) if whole]
     scenarios = [read(one) for one in sorted(glob.glob(os.path.join(ROOT, "host_sim/scenarios/*.toml")))]
     short = [short_scenario(one) for one in scenarios]
     replay = [condyle, "replay", "{}"]

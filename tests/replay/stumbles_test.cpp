@@ -83,7 +83,8 @@ TEST(Recordings, ThatSayNothingAreNamedSoInOneSentence) {
           run_condyle({"replay", path, "--estimator", estimator, "--parameters",
                        estimator == "published" ? parameters : none});
       EXPECT_EQ(result.exit_code, 0) << result.errors;
-      EXPECT_THAT(result.output, AllOf(HasSubstr("unusable    "), HasSubstr(one.words))) << estimator;
+      EXPECT_THAT(result.output, AllOf(HasSubstr("unusable    "), HasSubstr(one.words)))
+          << estimator;
       for (const char* words : {"mean NIS", "last values", "consistency", "verdict", "noise "}) {
         EXPECT_THAT(result.output, Not(HasSubstr(words))) << estimator;
       }
@@ -108,7 +109,7 @@ TEST(Recordings, ShowNoNumbersFarBelowTheirIntervals) {
 }
 
 // Two instruments, one noise: too much for one and too little for the other.
-TEST(Tune, SaysThatRecordingsAreOfDifferentInstruments) {
+TEST(Instruments, ThatDifferAreNoticedByTune) {
   const TemporaryFolder folder;
   const auto simulated = [&](const std::string& name, const char* noise_m) {
     const std::string scenario = folder.write(

@@ -272,7 +272,7 @@ TEST(McapIndexStore, ChangesNoByteOfTheFile) {
   const std::string expected = long_file(nullptr, in_memory);
   Store large(1'000'000), small(100'000);
   EXPECT_EQ(long_file(&large, in_store), expected);
-  EXPECT_GT(large.kept.size(), 200'000U);
+  EXPECT_GT(large.kept.size(), 190'000U);  // all but the last piece
   EXPECT_GT(in_memory, 200'000U);
   EXPECT_LT(in_store, 140'000U);
   // A full disk takes the first part.
