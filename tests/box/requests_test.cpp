@@ -147,7 +147,8 @@ TEST(Requests, MarkWithOneLineOfTextOnly) {
     EXPECT_EQ(answer.status, 400) << text;
     EXPECT_THAT(answer.body, HasSubstr("a marker is one line of UTF-8 without control characters"));
   }
-  EXPECT_EQ(post(running.port, "/v1/session/marker", R"({"text":"Bi\u00df, \"hart\""})").status, 200);
+  EXPECT_EQ(post(running.port, "/v1/session/marker", R"({"text":"Bi\u00df, \"hart\""})").status,
+            200);
 }
 
 // The name of a session may be that of a link that leads nowhere.

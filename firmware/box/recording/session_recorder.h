@@ -97,7 +97,7 @@ class SessionRecorder {
   SessionState state_;
   std::string stem_;  // of the session's files
   TimeNs next_attempt_ns_ = 0, paused_since_ns_ = 0;
-  TimeNs starts_free_ns_ = 0;  // when as many sessions may begin at once as ever
+  TimeNs starts_free_ns_ = 0;              // when as many sessions may begin at once as ever
   std::uint64_t received_before_run_ = 0;  // of the engine's reports
 };
 

@@ -100,7 +100,7 @@ class ReplaySummary {
   std::uint64_t positions_ = 0;
   std::array<double, 3> first_m_{};
   bool has_moved_ = false;
-  std::optional<TimeNs> previous_time_ns_;                    // of the last accepted sample
+  std::optional<TimeNs> previous_time_ns_;  // of the last accepted sample
   TimeNs duration_ns_ = 0;
   double innovation_square_sum_m2_ = 0;
   EventCounts events_;
