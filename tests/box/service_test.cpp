@@ -8,7 +8,10 @@
 
 #include <csignal>
 #include <cstdio>
+#include <deque>
 #include <filesystem>
+#include <mutex>
+#include <thread>
 
 #include "box/running_box.h"
 #include "support/command.h"
@@ -22,7 +25,7 @@ namespace {
 using testing::HasSubstr;
 using Json = nlohmann::json;
 
-// A datagram socket as the manager's.
+// A datagram socket as the manager's, read as they come: a full one loses what is sent.
 class NoticeSocket {
  public:
   explicit NoticeSocket(const std::string& path)
@@ -31,21 +34,44 @@ class NoticeSocket {
     address.sun_family = AF_UNIX;
     path.copy(address.sun_path, sizeof address.sun_path - 1);
     is_bound_ = bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+    reader_ = std::thread([this] { read(); });
   }
-  ~NoticeSocket() { ::close(socket_); }
+  ~NoticeSocket() {
+    shutdown(socket_, SHUT_RD);
+    reader_.join();
+    ::close(socket_);
+  }
   NoticeSocket(const NoticeSocket&) = delete;
   NoticeSocket& operator=(const NoticeSocket&) = delete;
 
   bool is_bound() const { return is_bound_; }
-  std::string receive() const {
-    char text[256];
-    const ssize_t size = recv(socket_, text, sizeof text, 0);
-    return std::string(text, size > 0 ? static_cast<std::size_t>(size) : 0);
+  // The next one; empty where it does not come.
+  std::string receive() {
+    std::string notice;
+    testing_support::wait_for([&] {
+      const std::lock_guard lock(mutex_);
+      if (notices_.empty()) return false;
+      notice = notices_.front();
+      notices_.pop_front();
+      return true;
+    });
+    return notice;
   }
 
  private:
+  void read() {
+    char text[256];
+    for (ssize_t size = 0; (size = recv(socket_, text, sizeof text, 0)) > 0;) {
+      const std::lock_guard lock(mutex_);
+      notices_.emplace_back(text, static_cast<std::size_t>(size));
+    }
+  }
+
   int socket_;
   bool is_bound_ = false;
+  std::mutex mutex_;
+  std::deque<std::string> notices_;
+  std::thread reader_;
 };
 
 constexpr uid_t kNobody = 65534;
@@ -113,7 +139,7 @@ TEST(Service, TellsItsManagerAndKeepsItsRecordingWhenItIsEnded) {
                       testing_support::source_path("/hal/profiles/condyle_facebow.toml") +
                       "\"\n[recording]\nfolder = \".\"\n"
                       "reserve_MB = 1\n[http]\nport = 0\n");
-  const NoticeSocket manager(folder / "notify");
+  NoticeSocket manager(folder / "notify");
   ASSERT_TRUE(manager.is_bound());
   Program program(configuration, folder / "errors", folder / "notify");
   const std::uint16_t port = told_port(folder / "errors");

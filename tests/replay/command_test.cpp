@@ -125,7 +125,7 @@ TEST(Replay, CountsFaultsAsEvents) {
 TEST(Replay, ReportsEqualTimesWithoutBeingAsked) {
   const TemporaryFolder folder;
   const std::string recording =
-      folder.write("r.csv", "\xef\xbb\xbftime_s,position_m\n0,1\n0.02,1\n0.02,1\n0.04,1\n");
+      folder.write("r.csv", "\xef\xbb\xbftime_s,position_m\n0,1\n0.02,1.001\n0.02,1.001\n0.04,1\n");
   const CommandResult result = run_condyle({"replay", recording, "--estimator", "published"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.output, HasSubstr("events      1 time_repeated"));
