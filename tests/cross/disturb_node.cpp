@@ -87,8 +87,9 @@ int main(int argc, char** argv) {
   const int frames = std::atoi(argv[2]);
   for (int i = 0; i < frames; ++i) {
     const Bytes line = damaged_frame(i % 4, random);
-    // A frame longer than the node's ring may lose bytes there, its end among them, where the line
-    // has no speed, as an emulator's: then it ends with the next frame.
+    // A frame longer than the node's ring may lose bytes there, where the line has no speed, as an
+    // emulator's. If its end is among them, it ends with the next frame; if bytes of the question
+    // behind it are, that is refused too, and counted.
     const bool may_lose = line.size() > kRing;
     const bool is_sent = port.write(line) == hal::Status::ok;
     if (!is_sent ||
@@ -98,7 +99,8 @@ int main(int argc, char** argv) {
     }
     const std::uint64_t refused = after.frames.refused() - before.frames.refused();
     const std::uint64_t lost = after.dropped_bytes - before.dropped_bytes;
-    if (refused != 1 || (lost != 0 && !may_lose) || after.uart_overruns != 0) {
+    const bool is_counted = refused == 1 || (refused == 2 && may_lose && lost > 0);
+    if (!is_counted || (lost != 0 && !may_lose) || after.uart_overruns != 0) {
       std::fprintf(stderr,
                    "disturb_node: damaged frame %d of kind %d counted %llu times, %llu bytes lost, "
                    "%llu overrun\n",
@@ -109,6 +111,6 @@ int main(int argc, char** argv) {
     }
     before = after;
   }
-  std::printf("%d damaged frames: each refused and counted once, each good one answered\n", frames);
+  std::printf("%d damaged frames: each refused and counted, each good one answered\n", frames);
   return 0;
 }
