@@ -5,6 +5,7 @@ option(CONDYLE_COMPILER_CACHE "Compile through ccache where it is present" ON)
 find_program(CONDYLE_CCACHE ccache)
 if(CONDYLE_COMPILER_CACHE AND CONDYLE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
+    CCACHE_DEPEND=1 CCACHE_INODECACHE=1
     CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
     ${CONDYLE_CCACHE})
 endif()
