@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "condyle/estimator/motion/recommended_parameters.h"
 #include "condyle/estimator/sample.h"
+#include "condyle/estimator/sensors/recommended_parameters.h"
 #include "condyle/hal/log/session_log.h"
 
 namespace condyle::box {

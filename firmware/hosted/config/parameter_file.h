@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "condyle/estimator/motion/recommended_parameters.h"
 #include "condyle/estimator/published/parameters.h"
+#include "condyle/estimator/sensors/recommended_parameters.h"
 
 namespace condyle::host {
 

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "condyle/hal/link/refusal_words.h"
 #include "hosted/files/input_error.h"
 
 namespace condyle::host {
@@ -110,12 +109,32 @@ void NodeClient::expect_accepted(hal::MessageType message) {
   }
 }
 
+void NodeClient::refuse_what_it_cannot(const hal::ReportLayout& layout,
+                                       const hal::StartMessage& start) const {
+  if (hal::find_layout_problem(layout)) {
+    fail("cannot decode these reports", "check the device's profile with condyle inspect");
+  }
+  if (!is_available(layout.kind, start.followed)) {
+    fail(fmt::format("cannot follow point {}: the reports have one", start.followed.point),
+         "leave out --point");
+  }
+  const bool is_recommended = start.estimator == hal::EstimatorChoice::recommended;
+  if (is_recommended && start.lag > greeting_.longest_lag) {
+    fail(fmt::format("has no memory for a lag of {} samples", start.lag),
+         fmt::format("give a lag of at most {}, or use a microcontroller with more memory",
+                     greeting_.longest_lag));
+  }
+  if (start.identifies && !greeting_.identifies) {
+    fail("has no memory to identify friction and mass",
+         "use a microcontroller with more memory, or leave out the drive");
+  }
+}
+
 void NodeClient::begin(const hal::ReportLayout& layout, const hal::StartMessage& start) {
-  layout_.layout = layout;
-  start_ = start;
-  tell(layout_);
+  refuse_what_it_cannot(layout, start);
+  tell(hal::LayoutMessage{layout});
   expect_accepted(hal::MessageType::layout);
-  tell(start_);
+  tell(start);
   expect_accepted(hal::MessageType::start);
   before_ = end_.counts();
   health_before_ = health_of_now().value_or(hal::HealthMessage{});
@@ -222,8 +241,9 @@ NodeAnswer NodeClient::take_frame() {
       if (has_finished_ && refused.message == static_cast<std::uint8_t>(hal::MessageType::finish)) {
         return finished();
       }
-      const hal::RefusalWords words = hal::words_of(refused, layout_, start_);
-      fail("refuses " + words.reason, words.mend);
+      fail(fmt::format("refuses message {} at value {} (reason {})", refused.message,
+                       refused.refusal.index, static_cast<int>(refused.refusal.reason)),
+           "load an image of this version of condyle");
     }
     case hal::MessageType::health:
       health_ = read<hal::HealthMessage>();

@@ -42,7 +42,8 @@ class NodeClient {
   /// What stopped it before it last started, if anything did.
   const std::optional<hal::FaultMessage>& fault() const { return fault_; }
 
-  /// Begins a run. What was counted before it is not counted in it.
+  /// Begins a run, which the target must have the memory for (greeting). What was counted before it
+  /// is not counted in it.
   void begin(const hal::ReportLayout& layout, const hal::StartMessage& start);
   /// May another report be sent?
   bool has_room() const { return !has_finished_ && waiting_bytes_ < kWindow; }
@@ -93,14 +94,13 @@ class NodeClient {
   void end_probe();
   template <class Message>
   Message read() const;
+  void refuse_what_it_cannot(const hal::ReportLayout& layout, const hal::StartMessage& start) const;
   [[noreturn]] void fail(const std::string& what, const std::string& mend) const;
 
   hal::LinkEnd end_;
   hal::Clock& clock_;
   std::string name_;
   hal::GreetingMessage greeting_;
-  hal::LayoutMessage layout_;  // of the run
-  hal::StartMessage start_;
   std::optional<hal::FaultMessage> fault_;
   std::optional<hal::HealthMessage> health_;
   std::optional<hal::MessageType> accepted_;

@@ -113,23 +113,7 @@ Words checksum_words(LayoutFault fault, const Checksum& checksum, std::size_t si
   }
 }
 
-Words part_words(const LayoutProblem& problem, const DeviceProfile& profile,
-                 std::size_t size_bytes) {
-  Words words = field_words(problem.fault, field_of(profile, problem), size_bytes);
-  if (words.reason.empty() && problem.part == ProfilePart::sequence) {
-    words = count_words(problem.fault, *profile.sequence);
-  }
-  if (words.reason.empty() && problem.part == ProfilePart::device_time) {
-    words = count_words(problem.fault, *profile.device_time);
-  }
-  if (words.reason.empty() && problem.part == ProfilePart::checksum) {
-    words = checksum_words(problem.fault, *profile.checksum, size_bytes);
-  }
-  return {name_of(profile, problem.part, problem.index) + " " + words.reason, words.mend};
-}
-
-}  // namespace
-
+// "condyle's x1", "the sequence".
 std::string name_of(const DeviceProfile& profile, ProfilePart part, std::size_t index) {
   switch (part) {
     case ProfilePart::rate:
@@ -154,6 +138,23 @@ std::string name_of(const DeviceProfile& profile, ProfilePart part, std::size_t 
   }
   return "";
 }
+
+Words part_words(const LayoutProblem& problem, const DeviceProfile& profile,
+                 std::size_t size_bytes) {
+  Words words = field_words(problem.fault, field_of(profile, problem), size_bytes);
+  if (words.reason.empty() && problem.part == ProfilePart::sequence) {
+    words = count_words(problem.fault, *profile.sequence);
+  }
+  if (words.reason.empty() && problem.part == ProfilePart::device_time) {
+    words = count_words(problem.fault, *profile.device_time);
+  }
+  if (words.reason.empty() && problem.part == ProfilePart::checksum) {
+    words = checksum_words(problem.fault, *profile.checksum, size_bytes);
+  }
+  return {name_of(profile, problem.part, problem.index) + " " + words.reason, words.mend};
+}
+
+}  // namespace
 
 ProfileProblem words_of(const LayoutProblem& problem, const DeviceProfile& profile,
                         LayoutState state) {

@@ -159,48 +159,6 @@ class LinkReader {
   Refusal refusal_;
 };
 
-/// Finds the value with a number (Refusal::index) in a layout or a start.
-class LinkLocator {
- public:
-  static constexpr bool kWrites = true;
-
-  explicit LinkLocator(std::uint16_t index) : left_(index) {}
-
-  template <class Wire, class Value>
-  void integer(const Value& value) {
-    pass(&value);
-  }
-  void boolean(const bool& value) { pass(&value); }
-  template <class Enumeration>
-  void enumeration(const Enumeration& value, Enumeration /*highest*/) {
-    pass(&value);
-  }
-  void finite(const double& value) { pass(&value); }
-  void within(const double& value, Range) { pass(&value); }
-  template <class Value, class Exchange>
-  void optional(const std::optional<Value>& value, Exchange exchange) {
-    pass(&value);
-    if (value) exchange(*value);
-  }
-  template <class Value, std::size_t kMost, class Exchange>
-  void list(const FixedList<Value, kMost>& values, Exchange exchange) {
-    pass(&values);
-    for (const Value& value : values) exchange(value);
-  }
-  void require(bool, RefusalReason) {}
-
-  /// Null where there is none.
-  const void* found() const { return found_; }
-
- private:
-  void pass(const void* value) {
-    if (left_-- == 0) found_ = value;
-  }
-
-  int left_;
-  const void* found_ = nullptr;
-};
-
 /// `Value`, const for those who do not change it.
 template <class Archive, class Value>
 using Exchanged = std::conditional_t<Archive::kWrites, const Value, Value>;

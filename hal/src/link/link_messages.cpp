@@ -6,8 +6,7 @@
 namespace condyle::hal {
 namespace {
 
-// Reads, writes or passes the values of a message, in order. `Archive` is LinkReader, LinkWriter or
-// LinkLocator.
+// Reads or writes the values of a message, in order. `Archive` is LinkReader or LinkWriter.
 
 template <class Archive>
 void exchange(Archive& archive, Exchanged<Archive, ReportField>& field) {
@@ -69,7 +68,7 @@ void exchange(Archive& archive, Exchanged<Archive, LayoutMessage>& message) {
   archive.list(layout.auxiliary, part);
 }
 
-// Calls of visit_fields and visit_recommended_fields.
+// Calls of visit_fields, visit_motion_fields and visit_joint_fields.
 template <class Archive>
 auto field_exchange(Archive& archive) {
   return [&archive](const char*, const char*, auto* values, std::size_t count, const char*,
@@ -86,13 +85,16 @@ void exchange(Archive& archive, Exchanged<Archive, PublishedParameters>& paramet
 }
 
 template <class Archive>
-void exchange(Archive& archive, Exchanged<Archive, RecommendedParameters>& parameters) {
+void exchange(Archive& archive, Exchanged<Archive, MotionEstimatorParameters>& parameters) {
   archive.enumeration(parameters.noise.adaptation, Adaptation::on);
-  archive.enumeration(parameters.joint.delay, DelayModel::fitted);
-  archive.finite(parameters.changes.detector.false_alarm_cycles);
-  visit_recommended_fields(parameters, field_exchange(archive));
-  archive.require(is_valid(parameters) && is_valid(parameters.changes),
-                  RefusalReason::parameters_do_not_fit);
+  visit_motion_fields(parameters, field_exchange(archive));
+  archive.require(is_valid(parameters), RefusalReason::parameters_do_not_fit);
+}
+
+template <class Archive>
+void exchange(Archive& archive, Exchanged<Archive, JointParameters>& parameters) {
+  archive.enumeration(parameters.delay, DelayModel::fitted);
+  visit_joint_fields(parameters, field_exchange(archive));
 }
 
 template <class Archive>
@@ -112,7 +114,9 @@ void exchange(Archive& archive, Exchanged<Archive, StartMessage>& message) {
   if (message.estimator == EstimatorChoice::published) {
     exchange(archive, message.published);
   } else {
-    exchange(archive, message.recommended);
+    Exchanged<Archive, MotionEstimatorParameters>& motion = message.recommended;
+    exchange(archive, motion);
+    if (message.identifies) exchange(archive, message.recommended.joint);
   }
 }
 
@@ -140,6 +144,7 @@ void exchange(Archive& archive, Exchanged<Archive, GreetingMessage>& message) {
   archive.require(message.scalar_size == 4 || message.scalar_size == 8,
                   RefusalReason::unknown_value);
   archive.boolean(message.identifies);
+  archive.template integer<std::uint8_t>(message.longest_lag);
   archive.template integer<std::uint32_t>(message.boot_count);
   archive.enumeration(message.reset_cause, ResetCause::fault);
   archive.boolean(message.has_fault);
@@ -151,20 +156,10 @@ void exchange(Archive& archive, Exchanged<Archive, AcceptedMessage>& message) {
 }
 
 template <class Archive>
-void exchange(Archive& archive, Exchanged<Archive, LayoutProblem>& problem) {
-  archive.enumeration(problem.part, ProfilePart::auxiliary);
-  archive.template integer<std::uint8_t>(problem.index);
-  archive.enumeration(problem.fault, LayoutFault::checksum_covers_itself);
-  archive.enumeration(problem.other_part, ProfilePart::auxiliary);
-  archive.template integer<std::uint8_t>(problem.other_index);
-}
-
-template <class Archive>
 void exchange(Archive& archive, Exchanged<Archive, RefusedMessage>& message) {
   archive.template integer<std::uint8_t>(message.message);
   archive.enumeration(message.refusal.reason, RefusalReason::cannot_identify);
   archive.template integer<std::uint16_t>(message.refusal.index);
-  archive.optional(message.layout_problem, [&](auto& problem) { exchange(archive, problem); });
 }
 
 template <class Archive>
@@ -321,18 +316,6 @@ Refusal get(std::span<const std::uint8_t> payload, Message& message) {
   LinkReader reader(payload);
   exchange_message(reader, message);
   return reader.finish();
-}
-
-const void* value_at(const LayoutMessage& message, std::uint16_t index) {
-  LinkLocator locator(index);
-  exchange(locator, message);
-  return locator.found();
-}
-
-const void* value_at(const StartMessage& message, std::uint16_t index) {
-  LinkLocator locator(index);
-  exchange(locator, message);
-  return locator.found();
 }
 
 #define CONDYLE_MESSAGE(Message)                                                    \

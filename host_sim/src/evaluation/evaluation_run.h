@@ -23,9 +23,9 @@
 
 #include "condyle/estimator/events.h"
 #include "condyle/estimator/impedance/joint_estimate.h"
-#include "condyle/estimator/motion/recommended_parameters.h"
 #include "condyle/estimator/published/matching_verdict.h"
 #include "condyle/estimator/published/parameters.h"
+#include "condyle/estimator/sensors/recommended_parameters.h"
 #include "evaluation/consistency.h"
 #include "evaluation/error_over_time.h"
 #include "evaluation/error_statistics.h"

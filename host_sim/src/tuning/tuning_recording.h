@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/motion/recommended_parameters.h"
 #include "condyle/estimator/sample.h"
+#include "condyle/estimator/sensors/recommended_parameters.h"
 #include "options/recording_choice.h"
 
 namespace condyle::host {

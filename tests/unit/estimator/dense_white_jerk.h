@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "condyle/estimator/motion/recommended_parameters.h"
+#include "condyle/estimator/motion/motion_parameters.h"
 #include "condyle/estimator/sample.h"
 
 namespace condyle::testing_support {

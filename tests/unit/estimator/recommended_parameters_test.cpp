@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "condyle/estimator/motion/recommended_parameters.h"
+#include "condyle/estimator/sensors/recommended_parameters.h"
 
 #include <gtest/gtest.h>
 

@@ -151,8 +151,6 @@ TEST_F(EstimatorNodeTest, RefusesLayoutsPointsAndParametersThatCannotBeUsed) {
   tell(bad);
   const auto refused = heard<hal::RefusedMessage>();
   EXPECT_EQ(refused.refusal.reason, RefusalReason::unusable_layout);
-  ASSERT_TRUE(refused.layout_problem);
-  EXPECT_EQ(refused.layout_problem->fault, hal::LayoutFault::beyond_report);
   tell(hal::StartMessage{});
   expect_refused(MessageType::start, RefusalReason::not_expected);  // there is no layout
 
@@ -174,9 +172,7 @@ TEST_F(EstimatorNodeTest, RefusesLayoutsPointsAndParametersThatCannotBeUsed) {
   start = {};
   start.lag = kMostLag + 1;
   tell(start);
-  const auto too_long = heard<hal::RefusedMessage>();
-  EXPECT_EQ(too_long.refusal.reason, RefusalReason::lag_too_long);
-  EXPECT_EQ(too_long.refusal.index, kMostLag);
+  expect_refused(MessageType::start, RefusalReason::lag_too_long);
 }
 
 // The estimates are those of the sensor itself, bit for bit; those that wait come after finish.

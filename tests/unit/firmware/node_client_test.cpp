@@ -204,8 +204,8 @@ TEST_F(NodeClientTest, TakesNoLateAnswerForThatToALaterQuestion) {
   EXPECT_EQ(client_.reports_lost(), 0U);
 }
 
-// What the node says of a layout and a start, as condyle bridge prints it.
-TEST_F(NodeClientTest, NamesTheFieldThatTheTargetRefuses) {
+// What the greeting tells is looked at before anything is sent.
+TEST_F(NodeClientTest, SaysBeforehandWhatTheTargetCannot) {
   connect();
   const auto expect_refused = [&](const hal::ReportLayout& layout, const hal::StartMessage& start,
                                   const char* words) {
@@ -218,15 +218,17 @@ TEST_F(NodeClientTest, NamesTheFieldThatTheTargetRefuses) {
   };
   hal::ReportLayout bad = layout();
   bad.coordinates[0].field.offset_bits = 1;
-  expect_refused(bad, {},
-                 "the line: refuses the layout: condyle's position reaches beyond the report's 8 "
-                 "bytes; raise the minimum size, or move the field");
-  bad = layout();
-  bad.coordinates[0].field.scale = std::numeric_limits<double>::quiet_NaN();
-  expect_refused(bad, {}, "the layout: condyle's position, scale, is not a finite number");
+  expect_refused(bad, {}, "the line: cannot decode these reports; check the device's profile");
   hal::StartMessage start;
+  start.followed.point = 2;
+  expect_refused(layout(), start, "cannot follow point 2: the reports have one; leave out --point");
+  start = {};
+  start.lag = static_cast<std::uint8_t>(client_.greeting().longest_lag + 1);
+  expect_refused(layout(), start, "no memory for a lag of ");
+  // What only a target of another version refuses.
+  start = {};
   start.recommended.noise.memory_s = 1e9;
-  expect_refused(layout(), start, "the start: [noise] memory_s is out of range");
+  expect_refused(layout(), start, "refuses message 3 at value ");
   client_.begin(layout(), {});
 }
 

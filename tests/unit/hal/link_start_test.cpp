@@ -18,7 +18,6 @@ StartMessage start(EstimatorChoice estimator) {
   message.published.motion.discretisation = Discretisation::backward;
   message.recommended.noise.adaptation = Adaptation::off;
   message.recommended.joint.delay = DelayModel::fitted;
-  message.recommended.changes.detector.false_alarm_cycles = 1234;
   // Each value another one, in its range.
   double share = 0;
   const auto change = [&share](const char*, const char*, double* values, std::size_t count,
@@ -29,7 +28,7 @@ StartMessage start(EstimatorChoice estimator) {
     }
   };
   visit_fields(message.published, change);
-  visit_recommended_fields(message.recommended, change);
+  visit_driven_fields(message.recommended, change);
   return message;
 }
 
@@ -50,7 +49,7 @@ void expect_settings(const StartMessage& message, EstimatorChoice estimator) {
   EXPECT_TRUE(message.expects_drive);
 }
 
-TEST(LinkMessages, StartsArriveWithAllParameters) {
+TEST(LinkMessages, StartsArriveWithTheParametersOfTheRun) {
   const auto published = [](const auto& parameters, auto visitor) {
     visit_fields(parameters, visitor);
   };
@@ -60,15 +59,29 @@ TEST(LinkMessages, StartsArriveWithAllParameters) {
   EXPECT_EQ(values_of(a.published, published), values_of(b.published, published));
   expect_each_byte_counts(a);
 
-  const auto recommended = [](const auto& parameters, auto visitor) {
-    visit_recommended_fields(parameters, visitor);
+  const auto motion = [](const auto& parameters, auto visitor) {
+    visit_motion_fields(parameters, visitor);
   };
-  const StartMessage c = start(EstimatorChoice::recommended), d = sent(c);
+  const auto driven = [](const auto& parameters, auto visitor) {
+    visit_driven_fields(parameters, visitor);
+  };
+  StartMessage c = start(EstimatorChoice::recommended);
+  c.identifies = true;
+  const StartMessage d = sent(c);
   expect_settings(d, EstimatorChoice::recommended);
   EXPECT_EQ(d.recommended.noise.adaptation, Adaptation::off);
   EXPECT_EQ(d.recommended.joint.delay, DelayModel::fitted);
-  EXPECT_EQ(d.recommended.changes.detector.false_alarm_cycles, 1234);
-  EXPECT_EQ(values_of(c.recommended, recommended), values_of(d.recommended, recommended));
+  EXPECT_EQ(values_of(c.recommended, driven), values_of(d.recommended, driven));
+  expect_each_byte_counts(c);
+
+  c.identifies = false;
+  const StartMessage e = sent(c);
+  EXPECT_EQ(values_of(c.recommended, motion), values_of(e.recommended, motion));
+  EXPECT_EQ(values_of(StartMessage{}.recommended.joint,
+                      [](const auto& joint, auto visitor) { visit_joint_fields(joint, visitor); }),
+            values_of(e.recommended.joint,
+                      [](const auto& joint, auto visitor) { visit_joint_fields(joint, visitor); }))
+      << "they are not sent";
   expect_each_byte_counts(c);
 }
 
@@ -102,9 +115,13 @@ TEST(LinkMessages, RefusesStartsThatCannotRun) {
   refused(
       published, [](auto& m) { m.published.mass.initial_kg = kNaN; }, RefusalReason::not_finite);
   refused(
-      recommended, [](auto& m) { m.recommended.assumed_mass_kg = -1; }, range, 10);
+      recommended, [](auto& m) { m.recommended.assumed_mass_kg = -1; }, range, 8);
   refused(
-      recommended, [](auto& m) { m.recommended.changes.cycles.travel_m = kInfinity; },
+      recommended,
+      [](auto& m) {
+        m.identifies = true;
+        m.recommended.joint.friction_Ns_m.mean = kInfinity;
+      },
       RefusalReason::not_finite);
   refused(
       recommended, [](auto& m) { m.recommended.outliers.huber_sd = 99; },

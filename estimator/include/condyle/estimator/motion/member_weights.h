@@ -34,7 +34,7 @@
 #include <limits>
 
 #include "condyle/estimator/math/elementary.h"
-#include "condyle/estimator/motion/recommended_parameters.h"
+#include "condyle/estimator/motion/motion_parameters.h"
 
 namespace condyle {
 

@@ -35,7 +35,7 @@
 #include "condyle/estimator/motion/fixed_lag.h"
 #include "condyle/estimator/motion/liveliness_grid.h"
 #include "condyle/estimator/motion/member_weights.h"
-#include "condyle/estimator/motion/recommended_parameters.h"
+#include "condyle/estimator/motion/motion_parameters.h"
 #include "condyle/estimator/motion/sample_memory.h"
 #include "condyle/estimator/motion/white_jerk.h"
 
@@ -52,7 +52,7 @@ class MotionBank {
   using Weights = MemberWeights<Scalar, kMostMembers>;
 
   /// `parameters` must be valid. With adaptation off there is a member per axis, for its R and q.
-  explicit MotionBank(const RecommendedParameters& parameters)
+  explicit MotionBank(const MotionEstimatorParameters& parameters)
       : adaptive_(parameters.noise.adaptation == Adaptation::on),
         jerk_density_m2_s5_(static_cast<Scalar>(parameters.noise.jerk_density_m2_s5)),
         lowest_R_(square(parameters.noise.lowest_position_sd_m)),

@@ -59,7 +59,7 @@ class MotionHypotheses {
   using Odds = ChangeOdds<Scalar, kAxes>;
 
   /// `parameters` must be valid.
-  explicit MotionHypotheses(const RecommendedParameters& parameters)
+  explicit MotionHypotheses(const MotionEstimatorParameters& parameters)
       : prior_velocity_variance_(static_cast<Scalar>(parameters.prior.velocity_sd_m_s *
                                                      parameters.prior.velocity_sd_m_s)),
         prior_acceleration_variance_(static_cast<Scalar>(parameters.prior.acceleration_sd_m_s2 *

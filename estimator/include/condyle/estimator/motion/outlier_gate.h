@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-#include "condyle/estimator/motion/recommended_parameters.h"
+#include "condyle/estimator/motion/motion_parameters.h"
 
 namespace condyle {
 

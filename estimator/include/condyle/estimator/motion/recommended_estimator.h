@@ -40,7 +40,7 @@ class RecommendedEstimator {
 
   /// `parameters` must satisfy `is_valid`, `lag` be 0 to kMostLag; otherwise every step says
   /// `parameters_invalid` and computes nothing.
-  explicit RecommendedEstimator(const RecommendedParameters& parameters, int lag = 0)
+  explicit RecommendedEstimator(const MotionEstimatorParameters& parameters, int lag = 0)
       : assumed_mass_kg_(static_cast<Scalar>(parameters.assumed_mass_kg)),
         prior_velocity_variance_(square(parameters.prior.velocity_sd_m_s)),
         prior_acceleration_variance_(square(parameters.prior.acceleration_sd_m_s2)),

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "condyle/estimator/changes/cycle_timeline.h"
+#include "condyle/estimator/sensors/recommended_parameters.h"
 #include "condyle/estimator/sensors/recommended_sensor.h"
 
 namespace condyle {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "condyle/estimator/impedance/point_identification.h"
+#include "condyle/estimator/sensors/recommended_parameters.h"
 #include "condyle/estimator/sensors/recommended_sensor.h"
 
 namespace condyle {
@@ -22,7 +23,7 @@ class DrivenSensor {
   using Estimate = DrivenEstimate<Scalar>;
 
   /// As RecommendedSensor; `axis` 0 to kAxes - 1 is the drive's.
-  DrivenSensor(const RecommendedParameters& parameters, int lag, const FollowedPoint& followed,
+  DrivenSensor(const DrivenParameters& parameters, int lag, const FollowedPoint& followed,
                int axis);
 
   /// A drive (N) that was measured apart from the samples, stamped on their clock. To be given no
@@ -55,9 +56,8 @@ class DrivenSensor {
 };
 
 template <class Scalar, int kAxes, int kMostLag>
-DrivenSensor<Scalar, kAxes, kMostLag>::DrivenSensor(const RecommendedParameters& parameters,
-                                                    int lag, const FollowedPoint& followed,
-                                                    int axis)
+DrivenSensor<Scalar, kAxes, kMostLag>::DrivenSensor(const DrivenParameters& parameters, int lag,
+                                                    const FollowedPoint& followed, int axis)
     : axis_(axis), motion_(parameters, lag, followed), identification_(parameters.joint) {}
 
 template <class Scalar, int kAxes, int kMostLag>

@@ -18,7 +18,7 @@ class RecommendedSensor {
   using Estimate = typename Estimator::Estimate;
 
   /// Parameters and lag as for RecommendedEstimator; `followed` is not used for one_axis.
-  explicit RecommendedSensor(const RecommendedParameters& parameters, int lag = 0,
+  explicit RecommendedSensor(const MotionEstimatorParameters& parameters, int lag = 0,
                              const FollowedPoint& followed = {});
 
   /// The estimate that is ready after `sample`, which is that of `lag` samples ago. A sample
@@ -107,7 +107,7 @@ class RecommendedSensor {
 
 template <class Scalar, int kAxes, int kMostLag>
 RecommendedSensor<Scalar, kAxes, kMostLag>::RecommendedSensor(
-    const RecommendedParameters& parameters, int lag, const FollowedPoint& followed)
+    const MotionEstimatorParameters& parameters, int lag, const FollowedPoint& followed)
     : noise_(parameters.noise), follower_(followed), estimator_(parameters, lag) {}
 
 template <class Scalar, int kAxes, int kMostLag>

@@ -77,14 +77,13 @@ class EstimatorNode final : private hal::ReportSource {
     (void)end_.send(message);
   }
   void accept(Type message) { send(hal::AcceptedMessage{message}); }
-  void refuse(hal::Refusal refusal, std::optional<hal::LayoutProblem> problem = {}) {
-    send(hal::RefusedMessage{end_.frame().type, refusal, problem});
-  }
+  void refuse(hal::Refusal refusal) { send(hal::RefusedMessage{end_.frame().type, refusal}); }
 
   void greet() {
     hal::GreetingMessage greeting = target_.greeting();
     greeting.scalar_size = sizeof(Scalar);
     greeting.identifies = kIdentifies;
+    greeting.longest_lag = kMostLag;
     const std::optional<hal::FaultMessage> fault = target_.fault();
     greeting.has_fault = fault.has_value();
     send(greeting);
@@ -130,9 +129,7 @@ class EstimatorNode final : private hal::ReportSource {
   void answer_layout() {
     has_layout_ = false;
     if (!take(layout_)) return;
-    if (const auto problem = hal::find_layout_problem(layout_.layout)) {
-      return refuse({Reason::unusable_layout}, problem);
-    }
+    if (hal::find_layout_problem(layout_.layout)) return refuse({Reason::unusable_layout});
     has_layout_ = true;
     accept(Type::layout);
   }
@@ -144,7 +141,7 @@ class EstimatorNode final : private hal::ReportSource {
       return refuse({Reason::coordinate_not_followed});
     }
     if (start_.estimator == hal::EstimatorChoice::recommended && start_.lag > kMostLag) {
-      return refuse({Reason::lag_too_long, kMostLag});
+      return refuse({Reason::lag_too_long});
     }
     const bool has_drive =
         start_.estimator == hal::EstimatorChoice::recommended && layout_.layout.drive_N.has_value();

@@ -20,10 +20,10 @@
 
 #include "condyle/estimator/impedance/joint_estimate.h"
 #include "condyle/estimator/motion/recommended_estimator.h"
-#include "condyle/estimator/motion/recommended_parameters.h"
 #include "condyle/estimator/published/parameters.h"
 #include "condyle/estimator/published/published_cascade.h"
 #include "condyle/estimator/sample.h"
+#include "condyle/estimator/sensors/recommended_parameters.h"
 #include "condyle/hal/fixed_text.h"
 #include "condyle/hal/link/link_frame.h"
 #include "condyle/hal/report/layout_check.h"
@@ -33,7 +33,7 @@
 namespace condyle::hal {
 
 /// Version of all that is said here. Both sides must have the same.
-inline constexpr std::uint16_t kLinkVersion = 4;
+inline constexpr std::uint16_t kLinkVersion = 5;
 
 /// LinkFrame::type.
 enum class MessageType : std::uint8_t {
@@ -78,7 +78,7 @@ enum class RefusalReason : std::uint8_t {
   not_expected,             ///< not now: a report before start, ...
   unusable_layout,          ///< find_layout_problem
   coordinate_not_followed,  ///< the layout has no such point
-  lag_too_long,    ///< for the target's memory; `index` is the longest that it keeps (samples)
+  lag_too_long,             ///< for the target's memory (GreetingMessage)
   cannot_identify  ///< friction and mass: the target has no memory for it, or there is no drive
 };
 
@@ -117,9 +117,9 @@ struct StartMessage {
   TimeNs nominal_step_ns = 0;  ///< for finding gaps; 0 finds none
   bool expects_drive = false;  ///< a sample without drive force is an event
   bool identifies = false;     ///< friction and mass, from the drive along the followed axis
-  // Those of the chosen estimator are sent; the other's stay as they are.
+  // What the run uses of these is sent; the rest stays as it is.
   PublishedParameters published;
-  RecommendedParameters recommended;
+  DrivenParameters recommended;
 };
 
 /// A report as it arrived at the PC.
@@ -163,6 +163,7 @@ struct GreetingMessage {
   FixedText core_name{};         ///< "Cortex-M7"
   std::uint8_t scalar_size = 8;  ///< of the estimates' numbers (bytes): 4 or 8
   bool identifies = false;       ///< it has the memory to identify friction and mass
+  std::uint8_t longest_lag = 0;  ///< that it has the memory for (samples)
   std::uint32_t boot_count = 0;  ///< since power was last switched on
   ResetCause reset_cause = ResetCause::unknown;
   bool has_fault = false;  ///< a FaultMessage follows
@@ -179,7 +180,6 @@ struct RefusedMessage {
   static constexpr MessageType kType = MessageType::refused;
   std::uint8_t message = 0;  ///< its type, known or not
   Refusal refusal;
-  std::optional<LayoutProblem> layout_problem;  ///< with unusable_layout
 };
 
 /// The sample after which an estimate was made.
@@ -259,9 +259,5 @@ std::optional<std::size_t> put(const Message& message, std::span<std::uint8_t> p
 /// checked by find_layout_problem, versions by the reader.
 template <class Message>
 Refusal get(std::span<const std::uint8_t> payload, Message& message);
-
-/// Where value `index` (Refusal::index) of `message` is: inside it; null where it has none.
-const void* value_at(const LayoutMessage& message, std::uint16_t index);
-const void* value_at(const StartMessage& message, std::uint16_t index);
 
 }  // namespace condyle::hal

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parameters of the recommended estimator: plain structs, each field with its default, meaning and
-// unit. `visit_fields` is the one list of their names and ranges; loading, saving and checking walk
-// it.
+// Parameters of the recommended estimator of motion: plain structs, each field with its default,
+// meaning and unit. `visit_motion_fields` is the one list of their names and ranges; loading,
+// saving and checking walk it.
 #pragma once
 
-#include "condyle/estimator/changes/change_parameters.h"
-#include "condyle/estimator/impedance/joint_parameters.h"
 #include "condyle/estimator/published/parameters.h"
 
 namespace condyle {
@@ -39,21 +37,19 @@ struct OutlierParameters {
   double longest_gap_s = 0.25;  ///< time without a measurement after which nothing is known (s)
 };
 
-/// The recommended estimator. Time steps come from the samples' times.
-struct RecommendedParameters {
+/// The recommended estimator of motion. Time steps come from the samples' times.
+struct MotionEstimatorParameters {
   double assumed_mass_kg = 0.25;  ///< m0, mass that turns acceleration into force (kg)
   NoiseParameters noise;
   MotionPriorParameters prior;
   OutlierParameters outliers;
-  JointParameters joint;    ///< used where a drive is measured
-  WatchParameters changes;  ///< used where changes of damping are looked for
 };
 
 /// Calls `visit(section, key, values, count, unit, range)` for each numeric field of `parameters`
 /// in the order of the file format; `section` is "" at the top level. `Parameters` is
-/// RecommendedParameters, const or not.
+/// MotionEstimatorParameters, const or not.
 template <class Parameters, class Visitor>
-constexpr void visit_recommended_fields(Parameters& parameters, Visitor&& visit) {
+constexpr void visit_motion_fields(Parameters& parameters, Visitor&& visit) {
   constexpr Range noise_range{1e-7, 0.1};
   const auto one = [&visit](const char* section, const char* key, auto& value, const char* unit,
                             Range range) {
@@ -75,16 +71,14 @@ constexpr void visit_recommended_fields(Parameters& parameters, Visitor&& visit)
   one("outliers", "gate_sd", outliers.gate_sd, "standard deviations", Range{1, 1000});
   one("outliers", "reset_after", outliers.reset_after, "samples", Range{1, 1000});
   one("outliers", "longest_gap_s", outliers.longest_gap_s, "s", Range{1e-3, 10});
-  visit_joint_fields(parameters.joint, visit);
-  visit_change_fields(parameters.changes, visit);
 }
 
-/// True where every field of `parameters` lies in its range (see `visit_recommended_fields`) and
-/// they fit together: lowest below highest noise, Huber's limit not above the gate's.
-constexpr bool is_valid(const RecommendedParameters& parameters) {
+/// True where every field of `parameters` lies in its range (see `visit_motion_fields`) and they
+/// fit together: lowest below highest noise, Huber's limit not above the gate's.
+constexpr bool is_valid(const MotionEstimatorParameters& parameters) {
   bool valid = parameters.noise.lowest_position_sd_m < parameters.noise.highest_position_sd_m &&
                parameters.outliers.huber_sd <= parameters.outliers.gate_sd;
-  visit_recommended_fields(
+  visit_motion_fields(
       parameters, [&valid](const char*, const char*, const double* values, std::size_t, const char*,
                            Range range) { valid = valid && range.contains(*values); });
   return valid;

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parameters of the sensors, in pieces: a target has those that it uses. A parameter file holds
+// them all.
+#pragma once
+
+#include "condyle/estimator/changes/change_parameters.h"
+#include "condyle/estimator/impedance/joint_parameters.h"
+#include "condyle/estimator/motion/motion_parameters.h"
+
+namespace condyle {
+
+/// Those of motion, and of friction and mass where a drive is measured (driven_sensor.h).
+struct DrivenParameters : MotionEstimatorParameters {
+  JointParameters joint;
+};
+
+/// Those of a parameter file of the recommended estimator.
+struct RecommendedParameters : DrivenParameters {
+  WatchParameters changes;  ///< used where changes of damping are looked for
+};
+
+/// Like visit_motion_fields, for each numeric field of a DrivenParameters.
+template <class Parameters, class Visitor>
+constexpr void visit_driven_fields(Parameters& parameters, Visitor&& visit) {
+  visit_motion_fields(parameters, visit);
+  visit_joint_fields(parameters.joint, visit);
+}
+
+/// Like visit_motion_fields, for each numeric field of a RecommendedParameters.
+template <class Parameters, class Visitor>
+constexpr void visit_recommended_fields(Parameters& parameters, Visitor&& visit) {
+  visit_driven_fields(parameters, visit);
+  visit_change_fields(parameters.changes, visit);
+}
+
+/// True where is_valid holds of the motion's, and every other field lies in its range.
+constexpr bool is_valid(const DrivenParameters& parameters) {
+  bool valid = is_valid(static_cast<const MotionEstimatorParameters&>(parameters));
+  visit_joint_fields(parameters.joint,
+                     [&valid](const char*, const char*, const double* values, std::size_t,
+                              const char*, Range range) {
+                       valid = valid && range.contains(*values);
+                     });
+  return valid;
+}
+
+/// Likewise.
+constexpr bool is_valid(const RecommendedParameters& parameters) {
+  bool valid = is_valid(static_cast<const DrivenParameters&>(parameters));
+  visit_change_fields(parameters.changes,
+                      [&valid](const char*, const char*, const double* values, std::size_t,
+                               const char*, Range range) {
+                        valid = valid && range.contains(*values);
+                      });
+  return valid;
+}
+
+}  // namespace condyle
