@@ -3,16 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <bit>
-#include <fstream>
 #include <limits>
 
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/log/session_log_source.h"
 #include "hosted/config/device_profile_file.h"
 #include "hosted/devices/device_words.h"
-#include "hosted/devices/session_device.h"
+#include "hosted/devices/facebow_reports.h"
 #include "hosted/files/input_error.h"
 #include "recordings/device_recording.h"
 #include "recordings/replay_facebow.h"
@@ -129,30 +127,22 @@ BridgeInput of_session_log(const std::string& path, const RecordingOptions& opti
   return input;
 }
 
-BridgeInput of_device(const std::string& profile, const std::string& serial,
-                      const std::string& backend, hal::Clock& clock,
+BridgeInput of_device(const SourceSpec& spec, const std::string& serial, hal::Clock& clock,
                       const std::function<bool()>& stop) {
-  const auto device = std::make_shared<SessionDevice>(name_device(profile, serial, backend, clock));
-  require_position(device->profile, profile);
-  describe(*device, stop);
+  const auto facebow = std::make_shared<FacebowReports>(spec, serial, clock);
+  facebow->find(stop);
   BridgeInput input;
-  input.words = fmt::format("{}, through {}", device->profile.name, backend);
+  input.words = facebow->profile().name +
+                (facebow->device() == nullptr ? ", made up"
+                                              : fmt::format(", through {}", backend_of(spec.kind)));
   input.is_live = true;
-  describe_by(device->profile, input);
+  describe_by(facebow->profile(), input);
   input.problem = [] { return std::string(); };
-  input.source = {device, &device->device->source()};
+  input.source = {facebow, &facebow->source()};
   if (input.source->open() != hal::Status::ok) {
-    throw InputError(profile, "the device cannot be opened", "condyle doctor says why");
+    throw InputError(spec.file, "the device cannot be opened", "condyle doctor says why");
   }
   return input;
-}
-
-bool is_session_log(const std::string& path) {
-  std::array<char, 8> start{};
-  std::ifstream file(path, std::ios::binary);
-  file.read(start.data(), start.size());
-  return looks_like_session_log(
-      std::string_view(start.data(), static_cast<std::size_t>(file.gcount())));
 }
 
 }  // namespace
@@ -160,10 +150,21 @@ bool is_session_log(const std::string& path) {
 BridgeInput open_bridge_input(const std::string& name, const std::string& serial,
                               const RecordingOptions& options, hal::Clock& clock,
                               const std::function<bool()>& stop) {
-  if (name.starts_with("hid:")) return of_device(name.substr(4), serial, "hidapi", clock, stop);
-  if (name.starts_with("usb:")) return of_device(name.substr(4), serial, "libusb", clock, stop);
-  const std::string path = name.starts_with("file:") ? name.substr(5) : name;
-  return is_session_log(path) ? of_session_log(path, options) : of_samples(name, options, clock);
+  const SourceSpec spec = recording_source(name);
+  switch (spec.kind) {
+    case SourceKind::hid:
+    case SourceKind::usb:
+    case SourceKind::synth:
+      return of_device(spec, serial, clock, stop);
+    case SourceKind::file:
+      if (report_file_at(spec.file) == ReportFile::session_log) {
+        return of_session_log(spec.file, options);
+      }
+      break;
+    case SourceKind::sim:
+      break;
+  }
+  return of_samples(name, options, clock);
 }
 
 }  // namespace condyle::host

@@ -359,8 +359,10 @@ Command add_bridge(CommandLine app) {
   command.add_example("condyle bridge hid:bow.toml --port /dev/ttyUSB0 --out estimates.csv",
                       "Feed it with the reports of a device.");
   command
-      .add_option("INPUT", options->input,
-                  "hid:PROFILE or usb:PROFILE, a device; or a recording, as for replay")
+      .add_option(
+          "INPUT", options->input,
+          "hid:PROFILE or usb:PROFILE, a device; synth:PROFILE, a made-up one; or a recording, "
+          "as for replay")
       .required();
   command
       .add_option("--port", options->port,

@@ -269,7 +269,7 @@ Command add_replay(CommandLine app) {
   command
       .add_option("RECORDING", options->recording,
                   "CSV, Zebris text or XML, JAWS3D text, SSFF, session log (MCAP) or capture of "
-                  "USB traffic (pcap, pcapng), recognised by its content; or synth:SCENARIO.toml")
+                  "USB traffic (pcap, pcapng), recognised by its content; or sim:SCENARIO.toml")
       .required();
   options->estimator.add_to(command);
   options->RecordingChoice::add_to(command);

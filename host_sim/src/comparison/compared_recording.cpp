@@ -189,7 +189,7 @@ void check_recordings(const std::vector<std::string>& sources, const ComparisonP
     }
   }
   for (const std::string& source : sources) {
-    if (std::filesystem::is_fifo(source)) continue;  // a pipe is read once
+    if (std::filesystem::is_fifo(source_of(source).file)) continue;  // a pipe is read once
     check_recording(source, open_recording(source, plan.choice.reading)->info(), plan);
   }
 }

@@ -6,7 +6,7 @@ namespace condyle::host::fake {
 
 void add_arguments(CommandLine command, FakeOptions& options) {
   command.add_option("--motion", options.motion,
-                     "Recording whose rows the reports hold, or synth:SCENARIO.toml; a simulated "
+                     "Recording whose rows the reports hold, or sim:SCENARIO.toml; a simulated "
                      "subject unless given");
   command.add_flag("--no-repeat", options.stops_at_end, "Stop where the motion ends");
   command.add_option("--rate-Hz", options.rate_Hz, "Reports a second; the motion's unless given")

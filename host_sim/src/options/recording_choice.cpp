@@ -61,8 +61,8 @@ void refuse_repeated_recordings(const std::vector<std::string>& sources) {
   for (const std::string& source : sources) {
     struct stat file = {};
     const bool is_known =
-        !names.insert(source).second ||
-        (stat(source.c_str(), &file) == 0 && !files.insert({file.st_dev, file.st_ino}).second);
+        !names.insert(source).second || (stat(source_of(source).file.c_str(), &file) == 0 &&
+                                         !files.insert({file.st_dev, file.st_ino}).second);
     if (is_known) throw InputError(source, "is named twice", "name each recording once");
   }
 }

@@ -11,7 +11,7 @@
 #include "condyle/hal/report/device_facebow.h"
 #include "hosted/config/device_profile_file.h"
 #include "hosted/devices/device_words.h"
-#include "hosted/files/byte_reader.h"
+#include "hosted/devices/source_spec.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/number_text.h"
 #include "recordings/device_recording.h"
@@ -122,21 +122,19 @@ std::vector<std::string> write_device_values(const std::string& recording,
                                              const std::string& profile_path,
                                              const std::string& folder,
                                              std::vector<std::unique_ptr<OutputFile>>& files) {
-  constexpr std::string_view file = "file:";
-  const std::string path = recording.starts_with(file) ? recording.substr(file.size()) : recording;
+  const std::string path = source_of(recording).file;
   std::vector<std::string> notes;
-  ByteReader reader(path);
-  const std::string_view start = reader.peek(8);
-  if (looks_like_capture(start)) {
-    write_captured_values(path, profile_path, folder, files, notes);
-  } else if (looks_like_session_log(start)) {
-    write_logged_values(path, profile_path, folder, files, notes);
-  }
-  const bool may_hold_values = looks_like_capture(start) || looks_like_session_log(start);
-  if (!may_hold_values) {
-    throw InputError(
-        path, "holds no value but position",
-        "leave --values out; a drive or auxiliary fields are in the profile of a device");
+  switch (report_file_at(path)) {
+    case ReportFile::capture:
+      write_captured_values(path, profile_path, folder, files, notes);
+      break;
+    case ReportFile::session_log:
+      write_logged_values(path, profile_path, folder, files, notes);
+      break;
+    case ReportFile::none:
+      throw InputError(
+          path, "holds no value but position",
+          "leave --values out; a drive or auxiliary fields are in the profile of a device");
   }
   if (files.empty()) notes.emplace_back("it holds no value but position: --values wrote no file");
   return notes;

@@ -102,19 +102,6 @@ void open_or_throw(const std::string& path, Source& source) {
 
 }  // namespace
 
-bool looks_like_session_log(std::string_view start) {
-  return start.starts_with("\x89MCAP0\r\n");
-}
-
-bool looks_like_capture(std::string_view start) {
-  // pcap in both byte orders, with micro- and nanoseconds, and pcapng.
-  for (const std::string_view magic : {"\xd4\xc3\xb2\xa1", "\xa1\xb2\xc3\xd4", "\x4d\x3c\xb2\xa1",
-                                       "\xa1\xb2\x3c\x4d", "\x0a\x0d\x0d\x0a"}) {
-    if (start.starts_with(magic)) return true;
-  }
-  return false;
-}
-
 std::unique_ptr<Recording> open_session_log(const std::string& path,
                                             const RecordingOptions& options) {
   auto source = std::make_unique<hal::SessionLogSource>(path);

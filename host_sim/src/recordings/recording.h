@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "condyle/estimator/sample.h"
+#include "hosted/devices/source_spec.h"
 
 namespace condyle::host {
 
@@ -53,8 +54,12 @@ class Recording {
   virtual double progress() const = 0;
 };
 
-/// Opens `source`: the path of a recording (also "file:PATH"), recognised by its content, or
-/// "synth:SCENARIO.toml", simulated while it is read.
+/// The source that `text` names (hosted/devices/source_spec.h). synth:SCENARIO, as sim:SCENARIO was
+/// once written, still means that; the error output then says, once for each, how to write it.
+SourceSpec recording_source(const std::string& text);
+
+/// Opens `source`: "PATH" or "file:PATH", a recording, recognised by its content; or
+/// "sim:SCENARIO.toml", simulated while it is read. An InputError for a device.
 std::unique_ptr<Recording> open_recording(const std::string& source,
                                           const RecordingOptions& options);
 

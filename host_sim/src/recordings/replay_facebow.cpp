@@ -29,8 +29,9 @@ hal::Status ReplayFacebow::open() {
   } catch (const InputError& error) {
     close();
     problem_ = error.what();
-    if (access(path_.c_str(), F_OK) != 0) return hal::Status::not_found;
-    return access(path_.c_str(), R_OK) != 0 ? hal::Status::not_permitted : hal::Status::bad_report;
+    const std::string file = source_of(path_).file;
+    if (access(file.c_str(), F_OK) != 0) return hal::Status::not_found;
+    return access(file.c_str(), R_OK) != 0 ? hal::Status::not_permitted : hal::Status::bad_report;
   }
   find_median_step();
   return hal::Status::ok;

@@ -6,7 +6,7 @@
 #include "condyle/hal/clock.h"
 #include "condyle/hal/log/session_log_source.h"
 
-namespace condyle::box {
+namespace condyle::host {
 
 /// A session log's facebow, played from now on at the speed it was recorded with. Its reports have
 /// the times of the clock it is played on.
@@ -44,4 +44,4 @@ class PlayedLog final : public hal::ReportSource {
   bool has_begun_ = false;
 };
 
-}  // namespace condyle::box
+}  // namespace condyle::host

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "box/sources/played_log.h"
+#include "hosted/devices/played_log.h"
 
-namespace condyle::box {
+namespace condyle::host {
 
 hal::Status PlayedLog::read(TimeNs deadline_ns, hal::RawReport& report) {
   if (!has_begun_) recorded_.ahead_ns = log_.header().start_monotonic_ns - clock_.now_ns();
@@ -11,4 +11,4 @@ hal::Status PlayedLog::read(TimeNs deadline_ns, hal::RawReport& report) {
   return status;
 }
 
-}  // namespace condyle::box
+}  // namespace condyle::host
