@@ -147,7 +147,7 @@ void Engine::estimate_run(hal::DeviceFacebow& facebow, Sensor& sensor) {
   }
   firmware::RunSettings settings;
   settings.followed = followed_;
-  settings.nominal_step_ns = profile_.rate_Hz > 0 ? nanoseconds(1 / profile_.rate_Hz) : 0;
+  settings.nominal_step_ns = profile_.nominal_step_ns().value_or(0);
   settings.expects_drive = profile_.drive_N.has_value();
   settings.patience_ns = kPatience_ns;
   settings.reopen_pause_ns = kPatience_ns;

@@ -11,21 +11,12 @@ namespace condyle::host {
 FacebowReports::FacebowReports(const SourceSpec& spec, const std::string& serial, hal::Clock& clock)
     : name_(spec.file) {
   switch (spec.kind) {
-    case SourceKind::file: {
+    case SourceKind::file:
       log_ = std::make_unique<PlayedLog>(spec.file, clock);
-      const hal::Status status = log_->open();
-      if (status != hal::Status::ok) {
-        throw InputError(spec.file,
-                         log_->problem().empty() ? hal::status_name(status) : log_->problem(),
-                         "name a session log");
-      }
-      const hal::SessionSource& recorded = log_->header().sources.front();
-      name_ += ": its profile";
-      profile_text_ = recorded.profile_toml;
-      descriptor_ = recorded.report_descriptor;
-      profile_ = parse_device_profile(name_, profile_text_);
+      profile_text_ = log_->device().recorded().profile_toml;
+      descriptor_ = log_->device().recorded().report_descriptor;
+      profile_ = log_->device().profile;
       break;
-    }
     case SourceKind::synth:
       profile_text_ = read_text_file(spec.file);
       profile_ = parse_device_profile(spec.file, profile_text_);

@@ -4,9 +4,11 @@
 namespace condyle::host {
 
 hal::Status PlayedLog::read(TimeNs deadline_ns, hal::RawReport& report) {
-  if (!has_begun_) recorded_.ahead_ns = log_.header().start_monotonic_ns - clock_.now_ns();
+  if (!has_begun_) {
+    recorded_.ahead_ns = device_.reports->header().start_monotonic_ns - clock_.now_ns();
+  }
   has_begun_ = true;
-  const hal::Status status = log_.read(deadline_ns + recorded_.ahead_ns, report);
+  const hal::Status status = device_.reports->read(deadline_ns + recorded_.ahead_ns, report);
   if (status == hal::Status::ok) report.host_time_ns -= recorded_.ahead_ns;
   return status;
 }

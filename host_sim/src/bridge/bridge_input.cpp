@@ -7,12 +7,9 @@
 #include <limits>
 
 #include "condyle/hal/hid/profile_check.h"
-#include "condyle/hal/log/session_log_source.h"
-#include "hosted/config/device_profile_file.h"
-#include "hosted/devices/device_words.h"
 #include "hosted/devices/facebow_reports.h"
+#include "hosted/devices/log_device.h"
 #include "hosted/files/input_error.h"
-#include "recordings/device_recording.h"
 #include "recordings/replay_facebow.h"
 
 namespace condyle::host {
@@ -37,7 +34,10 @@ class SampleReports final : public hal::ReportSource {
   hal::Status open() override { return facebow_.open(); }
   hal::Status read(TimeNs deadline_ns, hal::RawReport& report) override {
     Sample sample;
-    const hal::Status status = facebow_.read(deadline_ns, sample);
+    hal::Status status = facebow_.read(deadline_ns, sample);
+    while (status == hal::Status::bad_report && facebow_.problem().empty()) {
+      status = facebow_.read(deadline_ns, sample);  // a device's, not a sample without a time
+    }
     if (status != hal::Status::ok) return status;
     if (!sample.time_valid) return hal::Status::bad_report;
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -100,30 +100,19 @@ BridgeInput of_samples(const std::string& path, const RecordingOptions& options,
 void describe_by(const hal::DeviceProfile& profile, BridgeInput& input) {
   input.layout = hal::layout_of(profile);
   input.has_drive = profile.drive_N.has_value();
-  if (profile.rate_Hz > 0) input.nominal_step_ns = nanoseconds(1 / profile.rate_Hz);
+  input.nominal_step_ns = profile.nominal_step_ns();
   input.median_step_ns = input.nominal_step_ns;
   input.progress = [] { return 0.0; };
 }
 
 BridgeInput of_session_log(const std::string& path, const RecordingOptions& options) {
-  const auto log = std::make_shared<hal::SessionLogSource>(path);
-  const hal::Status status = log->open();
-  if (status != hal::Status::ok) {
-    throw InputError(path, log->problem().empty() ? hal::status_name(status) : log->problem(),
-                     "name a session log");
-  }
-  const hal::SessionSource& device = log->header().sources.front();
-  const std::string name = options.profile.empty() ? path + ": its profile" : options.profile;
-  hal::DeviceProfile profile = options.profile.empty()
-                                   ? parse_device_profile(name, device.profile_toml)
-                                   : load_device_profile(options.profile);
-  require_position(profile, name);
-  complete_profile(profile, device.report_descriptor, path);
+  const auto device = std::make_shared<LogDevice>(open_log_facebow(path, options.profile));
   BridgeInput input;
-  input.words = "session log of " + profile.name;
-  describe_by(profile, input);
-  input.problem = [log] { return log->problem(); };
-  input.source = log;
+  input.words = "session log of " + device->profile.name;
+  describe_by(device->profile, input);
+  input.progress = [device] { return device->reports->progress(); };
+  input.problem = [device] { return device->reports->problem(); };
+  input.source = {device, device->reports.get()};
   return input;
 }
 

@@ -83,10 +83,7 @@ template <int kAxes>
 WatchedRecording watch(const ChangesOptions& options, const RecommendedParameters& parameters,
                        ReplayFacebow& facebow, hal::Clock& clock) {
   const RecordingInfo& info = facebow.info();
-  firmware::RunSettings settings;
-  settings.followed = options.followed;
-  settings.expects_drive = info.has_drive;
-  settings.nominal_step_ns = facebow.expected_step_ns();
+  const firmware::RunSettings settings = facebow.run_settings(options.followed);
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
                    "its median step", "check the unit of time_s");
   std::optional<DriveChannel> channel;

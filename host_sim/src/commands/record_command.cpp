@@ -166,7 +166,7 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
   }
   firmware::RunSettings settings;
   settings.followed = {options.point, options.axis};
-  settings.nominal_step_ns = profile.rate_Hz > 0 ? nanoseconds(1 / profile.rate_Hz) : 0;
+  settings.nominal_step_ns = profile.nominal_step_ns().value_or(0);
   settings.expects_drive = profile.drive_N.has_value();
   settings.patience_ns = 20'000'000;
   settings.reopen_pause_ns = 20'000'000;

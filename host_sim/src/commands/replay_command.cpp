@@ -181,11 +181,10 @@ int replay_published(const ReplayOptions& options, ReplayFacebow& facebow, hal::
 
 template <int kAxes>
 int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
-                       firmware::RunSettings settings) {
+                       const firmware::RunSettings& settings) {
   const RecordingInfo& info = facebow.info();
   RecommendedParameters parameters =
       load_recommended_for(options.estimator, info, options.recording);
-  settings.nominal_step_ns = facebow.expected_step_ns();
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
                    "its median step", "check the unit of time_s");
   BodyFits fits;
@@ -232,9 +231,7 @@ int replay(const ReplayOptions& options) {
     throw InputError(options.recording, "has no three points, so the jaw's pose is not known",
                      "leave out --jaw-point-mm");
   }
-  firmware::RunSettings settings;
-  settings.followed = options.followed;
-  settings.expects_drive = info.has_drive;
+  const firmware::RunSettings settings = facebow.run_settings(options.followed);
   options.estimator.refuse_if_published("--lag", options.estimator.lag > 0);
   options.estimator.refuse_if_published("--jaw-point-mm=X Y Z", !options.jaw_point_mm.empty());
   options.estimator.refuse_if_published("--drive",

@@ -105,10 +105,7 @@ RecordingReport compare_recording(const std::string& source, const ComparisonPla
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
   const RecordingInfo& info = facebow.info();
   check_recording(source, info, plan);
-  firmware::RunSettings settings;
-  settings.followed = plan.choice.followed;
-  settings.expects_drive = info.has_drive;
-  settings.nominal_step_ns = facebow.expected_step_ns();
+  const firmware::RunSettings settings = facebow.run_settings(plan.choice.followed);
 
   RecordingReport report;
   report.step_s = seconds(settings.nominal_step_ns);

@@ -7,10 +7,10 @@
 #include <memory>
 
 #include "condyle/hal/hid/profile_check.h"
-#include "condyle/hal/log/session_log_source.h"
 #include "condyle/hal/report/device_facebow.h"
 #include "hosted/config/device_profile_file.h"
 #include "hosted/devices/device_words.h"
+#include "hosted/devices/log_device.h"
 #include "hosted/devices/source_spec.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/number_text.h"
@@ -88,23 +88,12 @@ void write_captured_values(const std::string& capture, const std::string& profil
 void write_logged_values(const std::string& log, const std::string& profile_path,
                          const std::string& folder, std::vector<std::unique_ptr<OutputFile>>& files,
                          std::vector<std::string>& notes) {
-  std::size_t sources = 1;
-  for (std::size_t i = 0; i < sources; ++i) {
-    hal::SessionLogSource source(log, i);
-    if (source.open() != hal::Status::ok) throw InputError(log, source.problem(), "");
-    sources = source.header().sources.size();
-    const hal::SessionSource& device = source.header().sources[i];
-    if (!hal::is_device(device)) continue;
-    hal::DeviceProfile profile =
-        i == 0 && !profile_path.empty()
-            ? load_device_profile(profile_path)
-            : parse_device_profile(log + ": the profile of " + device.name, device.profile_toml);
-    if (!has_values(profile)) continue;
-    complete_profile(profile, device.report_descriptor, log);
-    write_file(source, profile, folder, device.name, files, notes);
-    if (source.not_recorded() > 0) {
+  for (auto device = open_log_device(log, 0, profile_path, has_values); device;
+       device = open_log_device(log, device->index + 1, profile_path, has_values)) {
+    write_file(*device->reports, device->profile, folder, device->recorded().name, files, notes);
+    if (device->reports->not_recorded() > 0) {
       notes.back() += fmt::format("; the recorder had no room for {} reports and events",
-                                  source.not_recorded());
+                                  device->reports->not_recorded());
     }
   }
   const std::vector<SessionMarker> markers = read_markers(log);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "condyle/estimator/sample.h"
+#include "condyle/hal/status.h"
 #include "hosted/devices/source_spec.h"
 
 namespace condyle::host {
@@ -45,8 +46,13 @@ struct RecordingInfo {
 class Recording {
  public:
   virtual ~Recording() = default;
-  /// Next sample; false at the end.
+  /// Next sample; false at the end. What a device did between samples is passed over.
   virtual bool next(Sample& sample) = 0;
+  /// The next sample or what came instead, as it was live: ok, bad_report, disconnected (the next
+  /// call goes on) or end.
+  virtual hal::Status read(Sample& sample) {
+    return next(sample) ? hal::Status::ok : hal::Status::end;
+  }
   virtual const RecordingInfo& info() const = 0;
   /// Where the sample last returned stands: "FILE:LINE", or the like for files without lines.
   virtual std::string place() const = 0;

@@ -76,9 +76,8 @@ template <int kAxes>
 void collect(ReplayFacebow& facebow, hal::Clock& clock, const TuningInput& input,
              const std::string& path, SampleCollector& collector,
              const std::function<void(double)>& show, const std::function<bool()>& should_stop) {
-  firmware::RunSettings settings;
-  settings.followed = input.choice.followed;
-  settings.nominal_step_ns = facebow.expected_step_ns();
+  firmware::RunSettings settings = facebow.run_settings(input.choice.followed);
+  settings.expects_drive = false;  // it takes none
   RecommendedParameters parameters = input.parameters;
   parameters.noise.adaptation = Adaptation::on;
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), path, "its median step",
