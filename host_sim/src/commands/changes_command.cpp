@@ -69,7 +69,9 @@ void check(const ChangesOptions& options, const RecordingInfo& info) {
   options.RecordingChoice::check(options.recording, info);
   if (!options.drive.empty() && info.has_drive) {
     throw InputError(options.recording, "has a drive of its own",
-                     "leave out --drive, or its column with --ignore-column drive_N");
+                     info.is_of_device
+                         ? "leave out --drive"
+                         : "leave out --drive, or its column with --ignore-column drive_N");
   }
   if (options.drive.empty() && !info.has_drive) {
     throw InputError(options.recording,
@@ -89,8 +91,7 @@ WatchedRecording watch(const ChangesOptions& options, const RecommendedParameter
   std::optional<DriveChannel> channel;
   if (!options.drive.empty()) channel.emplace(options.drive, options.reading.faults);
   ReplayedDriveSensor<CycleSensor<double, kAxes>> sensor(
-      channel ? &*channel : nullptr, parameters.joint.drive.delay_s, parameters,
-      FollowedPoint{.point = options.followed.point},
+      channel ? &*channel : nullptr, parameters.joint.drive.delay_s, parameters, options.point(),
       kAxes == 3 ? static_cast<int>(options.followed.axis) : 0);
   WatchedRecording result;
   firmware::RunCounts counts;
@@ -146,7 +147,8 @@ void check_interval(const ChangesOptions& options, const RecommendedParameters& 
 }
 
 int changes(const ChangesOptions& options) {
-  refuse_same_files({options.recording, options.parameters, options.drive}, {options.out});
+  refuse_same_files({options.recording, options.parameters, options.drive, options.reading.profile},
+                    {options.out});
   hal::SteadyClock clock;
   ReplayFacebow facebow(options.recording, options.reading, 0, clock);
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());

@@ -21,6 +21,7 @@
 #include "hosted/files/text_file.h"
 #include "hosted/files/wall_clock.h"
 #include "options/command_line.h"
+#include "options/recording_choice.h"
 #include "output/live_estimates.h"
 
 namespace condyle::host {
@@ -31,8 +32,7 @@ struct RecordOptions {
   std::string profile, out, estimates, parameters, subject;
   std::string backend = "hidapi";
   std::string serial;
-  Axis axis = Axis::z;
-  int point = 1;
+  FollowedChoice choice;
   double duration_s = 0, idle_s = 0;
   std::uint64_t samples = 0;
 };
@@ -165,7 +165,7 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
     companions.back()->companion.start();
   }
   firmware::RunSettings settings;
-  settings.followed = {options.point, options.axis};
+  settings.followed = options.choice.followed;
   settings.nominal_step_ns = profile.nominal_step_ns().value_or(0);
   settings.expects_drive = profile.drive_N.has_value();
   settings.patience_ns = 20'000'000;
@@ -179,7 +179,7 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
         [&](const Sample&, const auto& estimate) {
           latency.add(clock.now_ns() - facebow.last_arrival_ns());
           if (estimates != nullptr && estimate.is_ready) {
-            estimates->add(row_of(estimate, options.axis));
+            estimates->add(row_of(estimate, options.choice.followed.axis));
           }
         },
         [&] {
@@ -190,10 +190,10 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
                  (options.duration_s > 0 && seconds(monitor.elapsed_ns()) >= options.duration_s);
         });
   };
-  const FollowedPoint followed{.point = options.point, .body_point_m = {}};
+  const FollowedPoint followed = options.choice.point();
   if (profile.drive_N) {
-    run(DrivenSensor<double, kAxes>(parameters, 0, followed,
-                                    kAxes == 3 ? static_cast<int>(options.axis) : 0));
+    run(DrivenSensor<double, kAxes>(
+        parameters, 0, followed, kAxes == 3 ? static_cast<int>(options.choice.followed.axis) : 0));
   } else {
     run(RecommendedSensor<double, kAxes>(parameters, 0, followed));
   }
@@ -251,9 +251,7 @@ int record(const RecordOptions& options) {
   }
   refuse_twins(devices);
   const SampleKind kind = devices.front().profile.kind;
-  if (!is_available(kind, {options.point, options.axis})) {
-    throw InputError("--point", "the device has one point", "leave it out");
-  }
+  options.choice.check(options.profile, kind);
   for (SessionDevice& device : devices) describe(device, stop_requested);
 
   hal::SessionHeader header;
@@ -303,8 +301,7 @@ Command add_record(CommandLine app) {
       "condyle record --profile bow.toml --out session.mcap --estimates live.csv --companion "
       "force.toml",
       "Also write live estimates, and record a force sensor beside the facebow.");
-  command.add_option("--profile=FILE", options->profile, "TOML file that describes the device")
-      .required();
+  command.add_option("--profile=FILE", options->profile, kProfileMeaning).required();
   command.group("Output")
       .add_option("-o,--out=FILE", options->out, "Session log to write (MCAP); must not exist")
       .required();
@@ -321,9 +318,7 @@ Command add_record(CommandLine app) {
   command.add_option("--estimates=FILE", options->estimates, "CSV file for the estimates");
   command.add_option("--parameters=FILE", options->parameters,
                      "TOML file with parameters of the recommended estimator");
-  command.add_option("--point", options->point, "Point to follow").within(1, 3).show_default();
-  auto axis = std::make_shared<std::string>("z");
-  command.add_option("--axis", *axis, "Axis to follow").one_of({"x", "y", "z"}).show_default();
+  add_followed_options(command, options->choice);
   command.add_option("--duration-s", options->duration_s, "Stop after so long; 0: never")
       .number_in({0, 1e7})
       .show_default();
@@ -333,10 +328,7 @@ Command add_record(CommandLine app) {
       .show_default();
   command.add_option("--samples", options->samples, "Stop after so many samples; 0: never")
       .show_default();
-  return [options, axis] {
-    options->axis = static_cast<Axis>((*axis)[0] - 'x');
-    return record(*options);
-  };
+  return [options] { return record(*options); };
 }
 
 }  // namespace condyle::host

@@ -37,7 +37,6 @@ struct ReplayOptions : RecordingChoice {
   std::string figures;
   std::string values;
   bool as_json = false;
-  std::vector<double> jaw_point_mm;  // empty: a point of the instrument
   double speed = 0;
   std::string drive;  // a recording of its own
   DriveOptions drive_stated;
@@ -45,15 +44,7 @@ struct ReplayOptions : RecordingChoice {
 
 // Which recording, and what of it is followed.
 std::string recording_text(const ReplayOptions& options, const RecordingInfo& info) {
-  const std::string point =
-      options.jaw_point_mm.empty()
-          ? fmt::format("point {}", options.followed.point)
-          : fmt::format("jaw point ({:g}) mm", fmt::join(options.jaw_point_mm, ", "));
-  const std::string followed =
-      info.kind == SampleKind::one_axis
-          ? "one axis"
-          : fmt::format("{}, axis {}", point, "xyz"[static_cast<int>(options.followed.axis)]);
-  return fmt::format("{}, {}, {}", options.recording, info.format, followed);
+  return fmt::format("{}, {}, {}", options.recording, info.format, options.text(info.kind));
 }
 
 std::string summary_json(const ReplayOptions& options, const RecordingInfo& info,
@@ -188,10 +179,7 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
                    "its median step", "check the unit of time_s");
   BodyFits fits;
-  FollowedPoint followed{.point = options.followed.point, .fits = &fits};
-  if (!options.jaw_point_mm.empty()) {
-    followed.body_point_m = 1e-3 * Eigen::Map<const Eigen::Vector3d>(options.jaw_point_mm.data());
-  }
+  const FollowedPoint followed = options.point(&fits);
   options.drive_stated.apply(parameters.joint);
   RecommendedSummary summary(parameters, options.estimator.lag, options.followed.axis, fits);
   const auto run = [&](auto& sensor, bool has_joint) {
@@ -226,19 +214,16 @@ int replay(const ReplayOptions& options) {
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
   const RecordingInfo& info = facebow.info();
   options.check(options.recording, info);
-  const bool has_pose = info.kind == SampleKind::three_points || info.kind == SampleKind::pose;
-  if (!options.jaw_point_mm.empty() && !has_pose) {
-    throw InputError(options.recording, "has no three points, so the jaw's pose is not known",
-                     "leave out --jaw-point-mm");
-  }
   const firmware::RunSettings settings = facebow.run_settings(options.followed);
   options.estimator.refuse_if_published("--lag", options.estimator.lag > 0);
-  options.estimator.refuse_if_published("--jaw-point-mm=X Y Z", !options.jaw_point_mm.empty());
+  options.estimator.refuse_if_published("--jaw-point-mm", !options.jaw_point_mm.empty());
   options.estimator.refuse_if_published("--drive",
                                         !options.drive.empty() || options.drive_stated.is_given());
   if (!options.drive.empty() && info.has_drive) {
     throw InputError(options.recording, "has a drive of its own",
-                     "leave out --drive, or its column with --ignore-column drive_N");
+                     info.is_of_device
+                         ? "leave out --drive"
+                         : "leave out --drive, or its column with --ignore-column drive_N");
   }
   if (options.drive.empty() && options.drive_stated.is_given() && !info.has_drive) {
     throw InputError(options.recording, "has no drive that could be described",
@@ -270,13 +255,6 @@ Command add_replay(CommandLine app) {
       .required();
   options->estimator.add_to(command);
   options->RecordingChoice::add_to(command);
-  command
-      .add_option("--jaw-point-mm", options->jaw_point_mm,
-                  "X Y Z of a point fixed to the jaw, in the frame of the three points (origin "
-                  "point 1, x from point 3 to 2, z in their plane towards the middle of 2 and 3)")
-      .values(3)
-      .number_in({-1000, 1000})
-      .excludes("--point");
   command.add_option("--speed", options->speed, "0 as fast as possible, 1 real time")
       .number_in({0, 1e6})
       .show_default();

@@ -208,6 +208,7 @@ void check(const TuneOptions& options) {
     throw InputError(option, fmt::format("the criterion {} has no such thing", options.criterion),
                      fmt::format("leave it out, or give --criterion {}", criterion));
   };
+  refuse("--jaw-point-mm", !options.choice.jaw_point_mm.empty(), "likelihood");
   refuse("--noise-bounds-mm", !options.noise_mm.empty(), "likelihood");
   refuse("--jerk-density-bounds", !options.jerk_density.empty(), "likelihood");
   refuse("--tunings", !options.tunings.empty(), "published");
@@ -278,7 +279,10 @@ Command add_tune(CommandLine app) {
       "CSV file for all tunings that satisfy the criterion (published)");
   command.group("Output").add_option("--figures=FOLDER", options->figures,
                                      "Folder for figures (SVG and PNG)");
-  return [options] { return tune(*options); };
+  return [options] {
+    options->choice.reading.may_lack_ignored = options->recordings.size() > 1;
+    return tune(*options);
+  };
 }
 
 }  // namespace condyle::host

@@ -51,17 +51,16 @@ class ComparedRecommended final : public ComparedEstimator {
 
 template <int kAxes>
 std::unique_ptr<ComparedEstimator> make_recommended(const RecommendedParameters& parameters,
-                                                    int lag, FollowedCoordinate followed,
+                                                    int lag, const FollowedChoice& choice,
                                                     bool has_drive) {
   const bool adapts = parameters.noise.adaptation == Adaptation::on;
-  const FollowedPoint point{.point = followed.point};
+  const Axis axis = choice.followed.axis;
   if (has_drive) {
     return std::make_unique<ComparedRecommended<DrivenSensor<double, kAxes>>>(
-        followed.axis, adapts, parameters, lag, point,
-        kAxes == 3 ? static_cast<int>(followed.axis) : 0);
+        axis, adapts, parameters, lag, choice.point(), kAxes == 3 ? static_cast<int>(axis) : 0);
   }
   return std::make_unique<ComparedRecommended<RecommendedSensor<double, kAxes>>>(
-      followed.axis, adapts, parameters, lag, point);
+      axis, adapts, parameters, lag, choice.point());
 }
 
 }  // namespace
@@ -81,8 +80,8 @@ std::unique_ptr<ComparedEstimator> make_compared_estimator(const EstimatorOption
   refuse_long_step(parameters, seconds(facebow.expected_step_ns()), source, "its median step",
                    "check the unit of time_s");
   return info.kind == SampleKind::one_axis
-             ? make_recommended<1>(parameters, option.lag, choice.followed, info.has_drive)
-             : make_recommended<3>(parameters, option.lag, choice.followed, info.has_drive);
+             ? make_recommended<1>(parameters, option.lag, choice, info.has_drive)
+             : make_recommended<3>(parameters, option.lag, choice, info.has_drive);
 }
 
 }  // namespace condyle::host

@@ -66,6 +66,7 @@ class CsvRecording final : public Recording {
         rows_(*reader_),
         rule_(options.faults),
         reads_drive_alone_(options.reads_drive_alone),
+        may_lack_ignored_(options.may_lack_ignored),
         drive_column_(options.drive_column) {
     read_header(options.ignored_columns);
   }
@@ -105,6 +106,7 @@ class CsvRecording final : public Recording {
     }
     for (const std::string_view name : fields_) add_column(name, ignored);
     for (const std::string& name : ignored) {
+      if (may_lack_ignored_) break;
       if (std::find(fields_.begin(), fields_.end(), name) == fields_.end()) {
         throw InputError(place(), fmt::format("no column {} to ignore", quote(name)),
                          "check the name given to --ignore-column");
@@ -138,9 +140,11 @@ class CsvRecording final : public Recording {
       column.role = Column::Role::coordinate;
       seen_[column.coordinate] = true;
     } else {
-      throw InputError(fmt::format("{}: column {}", place(), quote(name)),
-                       "the column is not known",
-                       fmt::format("leave it out with --ignore-column '{}'; {}", name, kColumns));
+      throw InputError(
+          fmt::format("{}: column {}", place(), quote(name)), "the column is not known",
+          reads_drive_alone_
+              ? fmt::format("take it out of the file; {} is read", drive_column_)
+              : fmt::format("leave it out with --ignore-column '{}'; {}", name, kColumns));
     }
     if (unit == "mm") column.units_per_metre = 1000;
     const auto quantity = [](std::string_view full) { return full.substr(0, full.rfind('_')); };
@@ -150,7 +154,8 @@ class CsvRecording final : public Recording {
     if (repeated) {
       throw InputError(fmt::format("{}: column {}", place(), name),
                        "another column gives the same quantity",
-                       "leave one of them out with --ignore-column");
+                       reads_drive_alone_ ? "take one of them out of the file"
+                                          : "leave one of them out with --ignore-column");
     }
     columns_.push_back(column);
   }
@@ -233,7 +238,7 @@ class CsvRecording final : public Recording {
   std::unique_ptr<ByteReader> reader_;
   RowReader rows_;
   FaultRule rule_;
-  bool reads_drive_alone_;
+  bool reads_drive_alone_, may_lack_ignored_;
   std::string drive_column_;
   RecordingInfo info_;
   std::vector<Column> columns_;

@@ -82,8 +82,7 @@ void collect(ReplayFacebow& facebow, hal::Clock& clock, const TuningInput& input
   parameters.noise.adaptation = Adaptation::on;
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), path, "its median step",
                    "check the unit of time_s");
-  RecommendedSensor<double, kAxes> sensor(parameters, kHindsight,
-                                          FollowedPoint{.point = input.choice.followed.point});
+  RecommendedSensor<double, kAxes> sensor(parameters, kHindsight, input.choice.point());
   const int axis = kAxes == 3 ? static_cast<int>(input.choice.followed.axis) : 0;
   firmware::RunCounts counts;
   (void)firmware::run(
@@ -97,12 +96,15 @@ void collect(ReplayFacebow& facebow, hal::Clock& clock, const TuningInput& input
 }
 
 // Refuses what nothing can be learned from.
-void check_positions(const TuningRecording& recording, bool has_moved, const std::string& path) {
+void check_positions(const TuningRecording& recording, SampleKind kind, bool has_moved,
+                     const std::string& path) {
+  const std::string other =
+      kind == SampleKind::one_axis ? "" : "follow another axis (--axis) or point (--point), or ";
   if (recording.seen >= kFewestTuned && !has_moved) {
     throw InputError(path,
                      "its position along the followed axis is never there, or never changes: there "
                      "is neither noise nor motion to tune to",
-                     "follow another --point or --axis, or record a jaw that moves");
+                     other + "record a jaw that moves");
   }
   if (recording.innovations < kFewestTuned) {
     throw InputError(
@@ -110,7 +112,7 @@ void check_positions(const TuningRecording& recording, bool has_moved, const std
         fmt::format("has {} usable positions along the followed axis, of {} samples, "
                     "and {} in a row long enough to learn from; tuning needs {}",
                     recording.usable, recording.seen, recording.innovations, kFewestTuned),
-        "record longer, or follow another --point or --axis");
+        other + "record longer");
   }
 }
 
@@ -171,7 +173,7 @@ TuningRecording read_for_tuning(const std::string& path, const TuningInput& inpu
                       [&](std::size_t, const Innovation&) { ++recording.innovations; });
   recording.filtered_lag = collector.monitor().filtered_lag();
   recording.neighbours = collector.monitor().noise_correlation(1);
-  if (!should_stop()) check_positions(recording, collector.has_moved(), path);
+  if (!should_stop()) check_positions(recording, info.kind, collector.has_moved(), path);
   return recording;
 }
 
