@@ -12,7 +12,6 @@
 #include "bridge/node_rows.h"
 #include "commands/commands.h"
 #include "condyle/hal/link/serial_port.h"
-#include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/number_text.h"
 #include "hosted/node/node_client.h"
@@ -23,6 +22,7 @@
 #include "output/estimates_file.h"
 #include "output/joint_text.h"
 #include "output/progress.h"
+#include "output/report_text.h"
 
 namespace condyle::host {
 namespace {
@@ -307,10 +307,9 @@ int bridge(const BridgeOptions& options) {
   const std::optional<hal::HealthMessage> health = client.ask_health();
   const BridgeCounts& counts = bridge.counts();
 
-  std::string text =
-      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
-  const auto line = [&text](const char* label, const std::string& words) {
-    text += fmt::format("{:<12}{}\n", label, clean_line(words));
+  ReportText report(12);
+  const auto line = [&report](const char* label, const std::string& words) {
+    report.line(label, words);
   };
   line("input", options.input + ", " + input.words);
   line("target", options.port + ": " + greeting_words(client.greeting()));
@@ -325,7 +324,7 @@ int bridge(const BridgeOptions& options) {
     line("left out", fmt::format("{} samples without a time", counts.without_time));
   }
   if (start.identifies) {
-    text += joint_text(rows.conclusion(), start.recommended.joint);
+    report.add(joint_text(rows.conclusion(), start.recommended.joint));
   } else if (input.has_drive && !is_published) {
     line("drive", "not used: the target has no memory to identify friction and mass");
   }
@@ -334,7 +333,7 @@ int bridge(const BridgeOptions& options) {
        fmt::format("{} frames refused, {} lost", client.frames_refused(), client.frames_lost()));
   if (twin) line("check", twin->words());
   if (estimates) line("estimates", options.out);
-  print_output(text);
+  print_output(report.text());
   const bool is_whole =
       client.reports_lost() == 0 && client.frames_lost() == 0 && rows.unreadable() == 0;
   if (!is_whole) print_error("warning: not every report has its estimate");

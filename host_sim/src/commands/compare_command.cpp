@@ -14,6 +14,7 @@
 #include "hosted/files/input_error.h"
 #include "options/command_line.h"
 #include "output/progress.h"
+#include "output/report_text.h"
 
 namespace condyle::host {
 namespace {
@@ -199,9 +200,7 @@ int compare(const CompareOptions& options) {
     files[0]->write(outcome.table);
     files[0]->close();
   }
-  std::string text =
-      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) +
-      outcome.text;
+  std::string text = banner() + outcome.text;
   for (auto& figure : figures) files.push_back(std::move(figure));
   text += commit_all(files);
   if (folder && figures.empty()) text += "no figure: there are no values to draw\n";

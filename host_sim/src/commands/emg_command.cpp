@@ -10,6 +10,7 @@
 #include "hosted/files/input_error.h"
 #include "options/command_line.h"
 #include "output/output_file.h"
+#include "output/report_text.h"
 #include "protocols/emg/emg_report.h"
 
 namespace condyle::host {
@@ -43,9 +44,7 @@ int run(const EmgOptions& options) {
   parameters.friction_resolution_Ns_m =
       options.resolution_Ns_m.value_or(parameters.friction_resolution_Ns_m);
   const EmgResult result = identify_from_emg(source, muscles);
-  std::string text =
-      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) +
-      emg_text(result);
+  std::string text = banner() + emg_text(result);
   if (!options.out.empty()) {
     OutputFile file(options.out);
     file.write(is_json ? emg_json(result) : result.rows);

@@ -9,6 +9,7 @@
 #include "hosted/files/input_error.h"
 #include "options/command_line.h"
 #include "output/output_file.h"
+#include "output/report_text.h"
 #include "protocols/head_motion/head_motion_plan.h"
 #include "protocols/head_motion/head_motion_report.h"
 
@@ -87,9 +88,7 @@ int run(HeadMotionOptions& options) {
     files.back()->write(head_motion_json(motion));
     files.back()->close();
   }
-  std::string text =
-      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) +
-      head_motion_text(motion);
+  std::string text = banner() + head_motion_text(motion);
   if (!options.figures.empty() && motion.course.empty()) {
     text += "figures             none: nothing is known yet that could be drawn\n";
   }

@@ -11,6 +11,7 @@
 #include "hosted/files/input_error.h"
 #include "options/command_line.h"
 #include "output/output_file.h"
+#include "output/report_text.h"
 #include "protocols/release/release_plan.h"
 #include "protocols/release/release_report.h"
 
@@ -78,8 +79,7 @@ int finish(const FitOptions& options, const std::vector<std::string>& recordings
     files.back()->write(json);
     files.back()->close();
   }
-  std::string all =
-      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) + text;
+  std::string all = banner() + text;
   all += commit_all(files);
   print_output(all);
   return kExitOk;

@@ -8,21 +8,21 @@
 #include <utility>
 
 #include "commands/commands.h"
-#include "condyle/estimator/sensors/driven_sensor.h"
 #include "condyle/firmware/latency_histogram.h"
 #include "condyle/firmware/run_loop.h"
+#include "condyle/firmware/sensor_choice.h"
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/report/device_facebow.h"
 #include "hosted/config/parameter_file.h"
 #include "hosted/devices/device_words.h"
 #include "hosted/devices/session_device.h"
-#include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/text_file.h"
 #include "hosted/files/wall_clock.h"
 #include "options/command_line.h"
 #include "options/recording_choice.h"
 #include "output/live_estimates.h"
+#include "output/report_text.h"
 
 namespace condyle::host {
 namespace {
@@ -116,10 +116,9 @@ std::string summary(const RecordOptions& options, const hal::DeviceProfile& prof
                     const std::vector<std::unique_ptr<RecordedCompanion>>& companions,
                     const LiveEstimates* estimates, const firmware::LatencyHistogram& latency,
                     TimeNs elapsed_ns) {
-  std::string text =
-      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
-  const auto line = [&text](const char* label, const std::string& words) {
-    text += fmt::format("{:<12}{}\n", label, clean_line(words));
+  ReportText report(12);
+  const auto line = [&report](const char* label, const std::string& words) {
+    report.line(label, words);
   };
   line("device", fmt::format("{}, through {}", profile.name, options.backend));
   line("duration", fmt::format("{:.3f} s", seconds(elapsed_ns)));
@@ -142,13 +141,12 @@ std::string summary(const RecordOptions& options, const hal::DeviceProfile& prof
                                   ? fmt::format("; {} rows had no room", estimates->dropped())
                                   : ""));
   }
-  return text;
+  return report.text();
 }
 
-template <int kAxes>
-int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& devices,
-                const RecommendedParameters& parameters, hal::SessionLogWriter& log,
-                LiveEstimates* estimates, hal::Clock& clock) {
+int record_devices(const RecordOptions& options, const std::vector<SessionDevice>& devices,
+                   const RecommendedParameters& parameters, hal::SessionLogWriter& log,
+                   LiveEstimates* estimates, hal::Clock& clock) {
   const hal::DeviceProfile& profile = devices.front().profile;
   hal::RecordedSource source(devices.front().device->source(), log, 0, clock);
   hal::DeviceFacebow facebow(source, hal::layout_of(profile));
@@ -190,13 +188,12 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
                  (options.duration_s > 0 && seconds(monitor.elapsed_ns()) >= options.duration_s);
         });
   };
-  const FollowedPoint followed = options.choice.point();
-  if (profile.drive_N) {
-    run(DrivenSensor<double, kAxes>(
-        parameters, 0, followed, kAxes == 3 ? static_cast<int>(options.choice.followed.axis) : 0));
-  } else {
-    run(RecommendedSensor<double, kAxes>(parameters, 0, followed));
-  }
+  firmware::with_recommended_sensor<double>(
+      {profile.kind, profile.drive_N.has_value(), parameters, 0, options.choice.point(),
+       options.choice.followed.axis},
+      [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
+        run(Sensor(arguments...));
+      });
   monitor.end_line();
   const TimeNs elapsed_ns = monitor.elapsed_ns();
   facebow.close();
@@ -283,9 +280,7 @@ int record(const RecordOptions& options) {
     throw InputError(options.out, hal::session_log_failure_name(failure),
                      "name a new file in a folder that may be written");
   }
-  return kind == SampleKind::one_axis
-             ? record_axes<1>(options, devices, parameters, log, estimates.get(), clock)
-             : record_axes<3>(options, devices, parameters, log, estimates.get(), clock);
+  return record_devices(options, devices, parameters, log, estimates.get(), clock);
 }
 
 }  // namespace

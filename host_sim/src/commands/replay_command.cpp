@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "commands/commands.h"
-#include "condyle/estimator/sensors/driven_sensor.h"
 #include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/firmware/run_loop.h"
+#include "condyle/firmware/sensor_choice.h"
 #include "condyle/hal/clock.h"
 #include "estimation/replayed_drive.h"
 #include "hosted/config/parameter_file.h"
@@ -25,6 +25,7 @@
 #include "output/figures.h"
 #include "output/progress.h"
 #include "output/replay_summary.h"
+#include "output/report_text.h"
 #include "recordings/replay_facebow.h"
 
 namespace condyle::host {
@@ -131,15 +132,14 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
     print_output(summary_json(options, facebow.info(), drive_notes, summary));
     return kExitOk;
   }
-  std::string text =
-      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
-  const auto line = [&text](const char* label, const std::string& words) {
-    text += fmt::format("{:<12}{}\n", label, clean_line(words));
+  ReportText report(12);
+  const auto line = [&report](const char* label, const std::string& words) {
+    report.line(label, words);
   };
   line("recording", recording_text(options, facebow.info()));
   for (const std::string& note : facebow.info().notes) line("note", note);
   for (const std::string& note : drive_notes) line("note", note);
-  text += summary.text();
+  report.add(summary.text());
   if (estimates) line("estimates", options.out);
   for (const auto& figure : figures) {
     if (figure->path().ends_with(".png")) line("figure", figure->path() + " (and .svg)");
@@ -149,7 +149,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   if (figure_folder && figures.empty())
     line("figures", !deferred_problems().empty() ? "none: see the error"
                                                  : "none: there are no values to draw");
-  print_output(text);
+  print_output(report.text());
   if (!summary.unusable().empty()) return kExitOk;
   for (const std::string& warning : summary.warnings()) print_error("warning: " + warning);
   return kExitOk;
@@ -170,7 +170,6 @@ int replay_published(const ReplayOptions& options, ReplayFacebow& facebow, hal::
       summary);
 }
 
-template <int kAxes>
 int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
                        const firmware::RunSettings& settings) {
   const RecordingInfo& info = facebow.info();
@@ -179,30 +178,35 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
                    "its median step", "check the unit of time_s");
   BodyFits fits;
-  const FollowedPoint followed = options.point(&fits);
   options.drive_stated.apply(parameters.joint);
   RecommendedSummary summary(parameters, options.estimator.lag, options.followed.axis, fits);
   const auto run = [&](auto& sensor, bool has_joint) {
     return replay_through(
-        options, facebow, clock, settings, sensor, kAxes, has_joint,
+        options, facebow, clock, settings, sensor, info.kind == SampleKind::one_axis ? 1 : 3,
+        has_joint,
         [&](const Sample&, const auto& estimate) {
           return estimate.is_ready ? std::optional(row_of(estimate, options.followed.axis))
                                    : std::nullopt;
         },
         summary);
   };
-  if (!options.drive.empty() || info.has_drive) {
-    std::optional<DriveChannel> channel;
-    if (!options.drive.empty()) channel.emplace(options.drive, options.reading.faults);
-    ReplayedDriveSensor<DrivenSensor<double, kAxes>> sensor(
-        channel ? &*channel : nullptr, parameters.joint.drive.delay_s, parameters,
-        options.estimator.lag, followed, kAxes == 3 ? static_cast<int>(options.followed.axis) : 0);
-    summary.set_conclusion([&] { return sensor.conclude(); });
-    summary.set_drive([&] { return sensor.notes(); });
-    return run(sensor, true);
-  }
-  RecommendedSensor<double, kAxes> sensor(parameters, options.estimator.lag, followed);
-  return run(sensor, false);
+  std::optional<DriveChannel> channel;
+  if (!options.drive.empty()) channel.emplace(options.drive, options.reading.faults);
+  return firmware::with_recommended_sensor<double>(
+      {info.kind, channel || info.has_drive, parameters, options.estimator.lag,
+       options.point(&fits), options.followed.axis},
+      [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
+        if constexpr (firmware::kIdentifying<Sensor>) {
+          ReplayedDriveSensor<Sensor> sensor(channel ? &*channel : nullptr,
+                                             parameters.joint.drive.delay_s, arguments...);
+          summary.set_conclusion([&] { return sensor.conclude(); });
+          summary.set_drive([&] { return sensor.notes(); });
+          return run(sensor, true);
+        } else {
+          Sensor sensor(arguments...);
+          return run(sensor, false);
+        }
+      });
 }
 
 int replay(const ReplayOptions& options) {
@@ -232,9 +236,7 @@ int replay(const ReplayOptions& options) {
   if (options.estimator.is_published()) {
     return replay_published(options, facebow, clock, settings);
   }
-  return info.kind == SampleKind::one_axis
-             ? replay_recommended<1>(options, facebow, clock, settings)
-             : replay_recommended<3>(options, facebow, clock, settings);
+  return replay_recommended(options, facebow, clock, settings);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "options/command_line.h"
 #include "options/recording_choice.h"
 #include "output/progress.h"
+#include "output/report_text.h"
 #include "tuning/likelihood_tuning.h"
 #include "tuning/published_recording.h"
 #include "tuning/published_tuning_report.h"
@@ -104,8 +105,7 @@ LikelihoodPlan plan_of(const TuneOptions& options, const RecommendedParameters& 
 // Says what it found.
 int report(const std::string& found, const std::vector<std::unique_ptr<OutputFile>>& files,
            int exit_code) {
-  print_output(fmt::format("condyle {}: research use only; this is no diagnosis\n{}{}",
-                           CONDYLE_VERSION, found, commit_all(files)));
+  print_output(banner() + found + commit_all(files));
   return exit_code;
 }
 

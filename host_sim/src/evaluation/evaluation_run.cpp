@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "condyle/estimator/math/innovation_monitor.h"
-#include "condyle/estimator/sensors/driven_sensor.h"
 #include "condyle/estimator/sensors/published_sensor.h"
+#include "condyle/firmware/sensor_choice.h"
 #include "estimation/estimate_row.h"
 
 namespace condyle::host {
@@ -136,7 +136,6 @@ EvaluationRun run_through(const Scenario& scenario, std::uint64_t seed, double n
   return std::move(comparison).result();
 }
 
-template <int kAxes>
 EvaluationRun run_recommended(const Scenario& scenario, std::uint64_t seed,
                               const RecommendedSettings& settings,
                               const std::function<bool()>& should_stop) {
@@ -154,11 +153,13 @@ EvaluationRun run_recommended(const Scenario& scenario, std::uint64_t seed,
         },
         last_truth);
   };
-  if (scenario.drive.rate_Hz > 0) {
-    return run(DrivenSensor<double, kAxes>(settings.parameters, settings.lag, {},
-                                           kAxes == 3 ? static_cast<int>(scenario.axis) : 0));
-  }
-  return run(RecommendedSensor<double, kAxes>(settings.parameters, settings.lag));
+  const SampleKind kind =
+      scenario.facebow.gives_points ? SampleKind::three_points : SampleKind::one_axis;
+  return firmware::with_recommended_sensor<double>(
+      {kind, scenario.drive.rate_Hz > 0, settings.parameters, settings.lag, {}, scenario.axis},
+      [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
+        return run(Sensor(arguments...));
+      });
 }
 
 EvaluationRun run_published(const Scenario& scenario, std::uint64_t seed,
@@ -195,10 +196,7 @@ EvaluationRun evaluate_run(const Scenario& scenario, std::uint64_t seed,
   if (const auto* published = std::get_if<PublishedParameters>(&settings)) {
     return run_published(scenario, seed, *published, should_stop);
   }
-  const auto& recommended = std::get<RecommendedSettings>(settings);
-  return scenario.facebow.gives_points
-             ? run_recommended<3>(scenario, seed, recommended, should_stop)
-             : run_recommended<1>(scenario, seed, recommended, should_stop);
+  return run_recommended(scenario, seed, std::get<RecommendedSettings>(settings), should_stop);
 }
 
 }  // namespace condyle::host

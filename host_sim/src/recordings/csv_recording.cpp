@@ -29,25 +29,6 @@ struct Column {
   std::string name;
 };
 
-std::string_view unquote(std::string_view text) {
-  text = trim(text);
-  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') {
-    text = text.substr(1, text.size() - 2);
-  }
-  return text;
-}
-
-// Fields of a row, into `fields`, whose memory is used again from row to row.
-void split(std::string_view line, std::vector<std::string_view>& fields) {
-  fields.clear();
-  while (true) {
-    const std::size_t comma = line.find(',');
-    fields.push_back(unquote(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return;
-    line.remove_prefix(comma + 1);
-  }
-}
-
 // "p2_y_mm" to point 1, axis 1, unit "mm"; false for other names.
 bool parse_point_column(std::string_view name, std::size_t& coordinate, std::string_view& unit) {
   if (name.size() < 6 || name[0] != 'p' || name[1] < '1' || name[1] > '3' || name[2] != '_' ||
@@ -98,7 +79,7 @@ class CsvRecording final : public Recording {
       throw InputError(place(), "columns are not separated by commas",
                        "separate columns by commas and write decimals with points");
     }
-    split(line, fields_);
+    split_row(line, fields_);
     double first_value = 0;
     if (parse_number(fields_[0], first_value) != NumberStatus::not_a_number) {
       throw InputError(place(), "the first line does not name the columns",
@@ -190,7 +171,7 @@ class CsvRecording final : public Recording {
   }
 
   void parse_row(std::string_view line, Sample& sample) {
-    split(line, fields_);
+    split_row(line, fields_);
     if (fields_.size() != columns_.size()) {
       throw InputError(fmt::format("{}: column {}", place(),
                                    columns_[std::min(fields_.size(), columns_.size() - 1)].name),

@@ -69,6 +69,20 @@ bool FaultRule::accept(NumberStatus status, const std::string& place, std::strin
   return false;
 }
 
+void split_row(std::string_view row, std::vector<std::string_view>& fields) {
+  fields.clear();
+  while (true) {
+    const std::size_t comma = row.find(',');
+    std::string_view field = trim(row.substr(0, comma));
+    if (field.size() >= 2 && field.front() == '"' && field.back() == '"') {
+      field = field.substr(1, field.size() - 2);
+    }
+    fields.push_back(field);
+    if (comma == std::string_view::npos) return;
+    row.remove_prefix(comma + 1);
+  }
+}
+
 bool RowReader::next(std::string_view& row) {
   if (!held_) {
     std::string_view line;

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "condyle/estimator/math/innovation_monitor.h"
-#include "condyle/estimator/sensors/recommended_sensor.h"
 #include "condyle/firmware/run_loop.h"
+#include "condyle/firmware/sensor_choice.h"
 #include "condyle/hal/clock.h"
 #include "hosted/files/input_error.h"
 #include "options/estimator_option.h"
@@ -72,7 +72,6 @@ class SampleCollector {
   double highest_m_ = std::numeric_limits<double>::quiet_NaN();
 };
 
-template <int kAxes>
 void collect(ReplayFacebow& facebow, hal::Clock& clock, const TuningInput& input,
              const std::string& path, SampleCollector& collector,
              const std::function<void(double)>& show, const std::function<bool()>& should_stop) {
@@ -82,16 +81,18 @@ void collect(ReplayFacebow& facebow, hal::Clock& clock, const TuningInput& input
   parameters.noise.adaptation = Adaptation::on;
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), path, "its median step",
                    "check the unit of time_s");
-  RecommendedSensor<double, kAxes> sensor(parameters, kHindsight, input.choice.point());
-  const int axis = kAxes == 3 ? static_cast<int>(input.choice.followed.axis) : 0;
-  firmware::RunCounts counts;
-  (void)firmware::run(
-      facebow, clock, sensor, settings, counts,
-      [&](const Sample&, const RecommendedEstimate<double>& estimate) {
-        collector.add(estimate, axis);
-        show(facebow.progress());
-      },
-      [&] { return should_stop() || !facebow.problem().empty(); });
+  firmware::with_axes(facebow.info().kind, input.choice.followed.axis, [&](auto axes, int axis) {
+    RecommendedSensor<double, decltype(axes)::value> sensor(parameters, kHindsight,
+                                                            input.choice.point());
+    firmware::RunCounts counts;
+    (void)firmware::run(
+        facebow, clock, sensor, settings, counts,
+        [&](const Sample&, const RecommendedEstimate<double>& estimate) {
+          collector.add(estimate, axis);
+          show(facebow.progress());
+        },
+        [&] { return should_stop() || !facebow.problem().empty(); });
+  });
   if (!facebow.problem().empty()) throw InputError(facebow.problem());
 }
 
@@ -158,11 +159,7 @@ TuningRecording read_for_tuning(const std::string& path, const TuningInput& inpu
   recording.median_step_s = seconds(*facebow.median_step_ns());
   StretchKeeper keeper(input.most_samples);
   SampleCollector collector(keeper, recording);
-  if (info.kind == SampleKind::one_axis) {
-    collect<1>(facebow, clock, input, path, collector, show, should_stop);
-  } else {
-    collect<3>(facebow, clock, input, path, collector, show, should_stop);
-  }
+  collect(facebow, clock, input, path, collector, show, should_stop);
   recording.seen = keeper.seen();
   recording.samples = keeper.take();
   recording.usable = static_cast<std::size_t>(
