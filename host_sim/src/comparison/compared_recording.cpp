@@ -8,8 +8,8 @@
 #include <filesystem>
 
 #include "condyle/firmware/run_loop.h"
-#include "evaluation/monte_carlo.h"
 #include "hosted/files/input_error.h"
+#include "statistics/monte_carlo.h"
 
 namespace condyle::host {
 namespace {

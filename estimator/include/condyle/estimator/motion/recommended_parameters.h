@@ -6,7 +6,7 @@
 
 #include "condyle/estimator/changes/change_parameters.h"
 #include "condyle/estimator/impedance/joint_parameters.h"
-#include "condyle/estimator/published/parameters.h"
+#include "condyle/estimator/parameter_range.h"
 
 namespace condyle {
 
