@@ -167,5 +167,19 @@ TEST_F(HingedJaw, SaysWhyThePoseIsNotKnown) {
                                   "15\n"));
 }
 
+// The hinge stands still for whoever follows it, and only there.
+TEST_F(HingedJaw, StandsStillForOtherCommands) {
+  const std::string recording = write([](int, double*) {});
+  const std::vector<std::string> release = {"protocol", "release", recording, "--begin-s",
+                                            "0.6",      "--end-s", "1.1"};
+  std::vector<std::string> at_hinge = release;
+  at_hinge.insert(at_hinge.end(), {"--jaw-point-mm", "0", "80", "40"});
+  EXPECT_THAT(run_condyle(at_hinge).errors, HasSubstr("no motion beyond the noise"));
+  EXPECT_THAT(run_condyle(release).errors, testing::Not(HasSubstr("no motion")));
+  const CommandResult compared = run_condyle(
+      {"compare", recording, "--with", "recommended", "--jaw-point-mm", "0", "80", "40"});
+  EXPECT_EQ(compared.exit_code, 0) << compared.errors;
+}
+
 }  // namespace
 }  // namespace condyle
