@@ -65,26 +65,19 @@ class Reader {
       throw InputError(toml_.place(section, "source"), section + " has no source",
                        "give one, such as source = \"hid:facebow.toml\"");
     }
-    const std::size_t colon = text.find(':');
-    const std::string kind = text.substr(0, colon);
     using Kind = SourceSettings::Kind;
-    if (kind == "hid") {
-      source.kind = Kind::hid;
-    } else if (kind == "usb") {
-      source.kind = Kind::usb;
-    } else if (kind == "file") {
-      source.kind = Kind::file;
-    } else if (kind == "synth") {
-      source.kind = Kind::synth;
-    } else {
+    const bool has_colon = text.find(':') != std::string::npos;
+    const auto spec = host::parse_source(has_colon ? text : text + ":");
+    if (!spec || spec->kind == Kind::sim) {
       throw InputError(toml_.place(section, "source"), "\"" + text + "\" is no source",
                        "write hid:PROFILE, usb:PROFILE, file:LOG or synth:PROFILE");
     }
-    if (colon == std::string::npos || colon + 1 == text.size()) {
+    if (spec->file.empty()) {
       throw InputError(toml_.place(section, "source"), "\"" + text + "\" names no file",
                        "write it behind the colon");
     }
-    source.file = file(text.substr(colon + 1));
+    source.kind = spec->kind;
+    source.file = file(spec->file);
     toml_.text(section, "serial", source.serial);
     if (!source.serial.empty() && (source.kind == Kind::file || source.kind == Kind::synth)) {
       throw InputError(toml_.place(section, "serial"), "only devices have a serial number",

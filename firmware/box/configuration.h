@@ -10,17 +10,14 @@
 #include "condyle/estimator/sample.h"
 #include "condyle/estimator/sensors/recommended_parameters.h"
 #include "condyle/hal/log/session_log.h"
+#include "hosted/devices/source_spec.h"
 
 namespace condyle::box {
 
-/// Where reports come from, written KIND:FILE.
+/// Where reports come from: any source but a simulated subject; a recording is a session log,
+/// played at the speed it was recorded with.
 struct SourceSettings {
-  enum class Kind : std::uint8_t {
-    hid,    ///< a device through the kernel's driver; FILE is its profile
-    usb,    ///< a device through libusb; likewise
-    file,   ///< FILE is a session log, played at the speed it was recorded with
-    synth,  ///< a chewing movement, made up, in reports as the profile FILE describes them
-  };
+  using Kind = host::SourceKind;
   std::string name;  ///< "facebow", or a companion's
   Kind kind = Kind::synth;
   std::string file;

@@ -13,7 +13,7 @@
 #include <string>
 #include <thread>
 
-#include "box/sources/synthetic_source.h"
+#include "hosted/devices/synthetic_source.h"
 #include "condyle/hal/log/session_log.h"
 #include "support/paths.h"
 
@@ -61,7 +61,7 @@ int write_log(const std::string& path, std::uint64_t samples, double rate_Hz) {
   hal::SessionLogWriter log({.chunk_time_ns = 1'000'000});
   if (log.open(path, header) != hal::SessionLogFailure::none) return 1;
   JumpingClock clock;
-  box::SyntheticSource source(rate_Hz, clock);
+  host::SyntheticSource source(rate_Hz, clock);
   if (source.open() != hal::Status::ok) return 1;
   hal::RawReport report;
   for (std::uint64_t i = 0; i < samples; ++i) {

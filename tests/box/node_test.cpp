@@ -8,7 +8,7 @@
 
 #include "box/running_box.h"
 #include "box/socket_node.h"
-#include "box/sources/synthetic_source.h"
+#include "hosted/devices/synthetic_source.h"
 #include "box/stream_reader.h"
 #include "support/command.h"
 #include "support/session.h"
@@ -79,7 +79,7 @@ class BoxNode : public testing::Test {
     header.sources[0].report_descriptor.clear();
     hal::SessionLogWriter log;
     ASSERT_EQ(log.open(path, header), hal::SessionLogFailure::none);
-    SyntheticSource source(500, clock);
+    host::SyntheticSource source(500, clock);
     ASSERT_EQ(source.open(), hal::Status::ok);
     hal::RawReport report;
     for (int i = 0; i < reports; ++i) {

@@ -15,7 +15,7 @@
 #include <mutex>
 
 #include "box/realtime/engine.h"
-#include "box/sources/synthetic_source.h"
+#include "hosted/devices/synthetic_source.h"
 #include "hosted/config/device_profile_file.h"
 #include "support/allocation_counter.h"
 #include "support/paths.h"
@@ -88,7 +88,7 @@ class ProbedSource final : public hal::ReportSource {
   const Engine* engine = nullptr;
 
  private:
-  SyntheticSource source_;
+  host::SyntheticSource source_;
   std::uint64_t run_ = 0;
   bool has_report_ = false;
   long allocations_before_ = 0, calls_before_ = 0;

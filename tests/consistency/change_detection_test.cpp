@@ -12,7 +12,7 @@
 #include "condyle/estimator/changes/change_detector.h"
 #include "condyle/estimator/changes/cycle_damping.h"
 #include "condyle/estimator/impedance/point_identification.h"
-#include "evaluation/chi_square.h"
+#include "statistics/chi_square.h"
 #include "support/acceptance.h"
 #include "support/driven_chewing.h"
 #include "support/random.h"

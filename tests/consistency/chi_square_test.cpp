@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Against printed tables: Abramowitz and Stegun 26.1, 26.8 and 26.10, and the definitions.
-#include "evaluation/chi_square.h"
+#include "statistics/chi_square.h"
 
 #include <gtest/gtest.h>
 

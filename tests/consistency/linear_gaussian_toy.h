@@ -16,7 +16,7 @@
 #include "evaluation/consistency.h"
 #include "evaluation/cramer_rao.h"
 #include "evaluation/error_statistics.h"
-#include "evaluation/random_source.h"
+#include "statistics/random_source.h"
 
 namespace condyle::host {
 

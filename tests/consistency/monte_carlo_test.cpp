@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "evaluation/monte_carlo.h"
+#include "statistics/monte_carlo.h"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@
 
 #include "condyle/estimator/motion/recommended_estimator.h"
 #include "consistency/linear_gaussian_toy.h"
-#include "evaluation/monte_carlo.h"
+#include "statistics/monte_carlo.h"
 #include "support/random.h"
 
 namespace condyle::host {

@@ -9,8 +9,8 @@
 #include <cmath>
 
 #include "consistency/linear_gaussian_toy.h"
-#include "evaluation/monte_carlo.h"
 #include "evaluation/response_slope.h"
+#include "statistics/monte_carlo.h"
 #include "support/random.h"
 
 namespace condyle::host {

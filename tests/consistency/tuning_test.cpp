@@ -10,9 +10,9 @@
 
 #include "condyle/estimator/motion/recommended_estimator.h"
 #include "condyle/estimator/motion/white_jerk.h"
-#include "evaluation/chi_square.h"
-#include "simulation/random.h"
 #include "simulation/reference_motion.h"
+#include "statistics/chi_square.h"
+#include "statistics/random.h"
 #include "support/acceptance.h"
 #include "support/tier.h"
 #include "tuning/likelihood_tuning.h"

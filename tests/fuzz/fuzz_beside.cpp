@@ -43,7 +43,7 @@ void read_head(const std::string& path, bool is_apart, host::FaultPolicy faults)
   host::HeadMotionSource source;
   source.recording = is_apart ? apart.path() : path;
   if (is_apart) source.acceleration = path;
-  source.reading.faults = faults;
+  source.choice.reading.faults = faults;
   const host::IdentifiedHeadMotion motion =
       host::identify_head_motion(source, HeadMotionParameters{});
   if (motion.taken == 0 || motion.taken > motion.time_s.size()) std::abort();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// simulate, friction and synth: as a user runs them.
+// simulate, friction and sim: as a user runs them.
 #include <gmock/gmock.h>
 
 #include "support/command.h"
@@ -52,17 +52,42 @@ TEST(Simulate, SameSeedSameBytes) {
 }
 
 // The same simulation, written first or played live behind the facebow interface.
-TEST(Synth, IsTheSimulationLive) {
+TEST(Sim, IsTheSimulationLive) {
   const TemporaryFolder folder;
   ASSERT_EQ(run_condyle({"simulate", scenario("chewing"), "--out", folder / "r.csv"}).exit_code, 0);
   ASSERT_EQ(
       run_condyle({"replay", "file:" + (folder / "r.csv"), "--out", folder / "a.csv"}).exit_code,
       0);
   const CommandResult live =
-      run_condyle({"replay", "synth:" + scenario("chewing"), "--out", folder / "b.csv"});
+      run_condyle({"replay", "sim:" + scenario("chewing"), "--out", folder / "b.csv"});
   ASSERT_EQ(live.exit_code, 0) << live.errors;
   EXPECT_THAT(live.output, HasSubstr("no person was recorded"));
   EXPECT_EQ(read_file(folder / "a.csv"), read_file(folder / "b.csv"));
+}
+
+// As it was once written.
+TEST(Sim, IsMeantBySynthWithAScenario) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("s.toml", "duration_s = 1\n");
+  const CommandResult now = run_condyle({"replay", "sim:" + path, "--out", folder / "a.csv"});
+  const CommandResult once = run_condyle({"replay", "synth:" + path, "--out", folder / "b.csv"});
+  ASSERT_EQ(now.exit_code, 0) << now.errors;
+  EXPECT_EQ(now.errors, "");
+  ASSERT_EQ(once.exit_code, 0) << once.errors;
+  EXPECT_THAT(once.errors, HasSubstr("note: synth:" + path + " is a scenario; write sim:" + path));
+  EXPECT_EQ(read_file(folder / "a.csv"), read_file(folder / "b.csv"));
+}
+
+TEST(Sources, OfDevicesAreNoRecordings) {
+  const std::string profile = testing_support::source_path("/hal/profiles/condyle_facebow.toml");
+  const CommandResult device = run_condyle({"replay", "usb:" + profile});
+  EXPECT_EQ(device.exit_code, 2);
+  EXPECT_THAT(device.errors, HasSubstr("is a device, not a recording; record it first: condyle "
+                                       "record --profile '" +
+                                       profile + "' --backend libusb --out session.mcap"));
+  const CommandResult made_up = run_condyle({"replay", "synth:" + profile});
+  EXPECT_EQ(made_up.exit_code, 2);
+  EXPECT_THAT(made_up.errors, HasSubstr("is a made-up device, which never ends"));
 }
 
 TEST(Friction, DrawsItsTextbookFigures) {
@@ -89,7 +114,7 @@ TEST(Simulate, RefusesBadInput) {
     for (const std::vector<std::string>& arguments :
          {std::vector<std::string>{"simulate", path, "--out", folder / "r.csv"},
           {"evaluate", path, "--out", folder / "r.csv"},
-          {"replay", "synth:" + path, "--out", folder / "r.csv"}}) {
+          {"replay", "sim:" + path, "--out", folder / "r.csv"}}) {
       const CommandResult result = run_condyle(arguments);
       EXPECT_EQ(result.exit_code, 2);
       EXPECT_THAT(result.errors, HasSubstr(words));

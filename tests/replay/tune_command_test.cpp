@@ -9,7 +9,7 @@
 #include <iostream>
 
 #include "hosted/config/parameter_file.h"
-#include "simulation/random.h"
+#include "statistics/random.h"
 #include "support/command.h"
 #include "support/paths.h"
 #include "support/sanitizer.h"

@@ -45,6 +45,7 @@ TEST_F(SessionSource, DisconnectsWhereTheDeviceDidAndGoesOnWhenOpenedAgain) {
     hal::SessionLogSource source(path_);
     EXPECT_EQ(source.read(hal::kNoDeadline, report_), Status::not_open);
     ASSERT_EQ(source.open(), Status::ok);
+    EXPECT_LT(source.progress(), 1);
     for (std::uint32_t i = 0; i < 3; ++i) {
       ASSERT_EQ(source.read(hal::kNoDeadline, report_), Status::ok);
       EXPECT_TRUE(testing_support::is_same(report_, make_report(i, 29, 10 * i)));
@@ -59,6 +60,7 @@ TEST_F(SessionSource, DisconnectsWhereTheDeviceDidAndGoesOnWhenOpenedAgain) {
     }
     EXPECT_EQ(source.read(hal::kNoDeadline, report_), Status::end);
     EXPECT_EQ(source.read(hal::kNoDeadline, report_), Status::end);
+    EXPECT_EQ(source.progress(), 1);
     EXPECT_EQ(source.counts().disconnections, 1U);
     EXPECT_EQ(source.counts().stalls, 1U);
     EXPECT_EQ(source.counts().transfer_errors, 1U);

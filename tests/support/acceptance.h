@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "evaluation/chi_square.h"
+#include "statistics/chi_square.h"
 
 namespace condyle::testing_support {
 

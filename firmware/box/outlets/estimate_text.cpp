@@ -5,35 +5,29 @@
 #include <nlohmann/json.hpp>
 
 #include "condyle/estimator/events.h"
+#include "hosted/estimates/estimate_fields.h"
 
 namespace condyle::box {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-void add_quantity(Json& json, const std::string& name, const std::string& unit,
-                  const Quantity<double>& quantity) {
-  json[name + "_" + unit] = quantity.value;
-  json[name + "_sd_" + unit] = quantity.standard_deviation;
-  json[name + "_provenance"] = provenance_name(quantity.provenance);
+void add_quantity(Json& json, host::QuantityName name, const Quantity<double>& quantity) {
+  json[name.value()] = quantity.value;
+  json[name.standard_deviation()] = quantity.standard_deviation;
+  json[name.provenance()] = provenance_name(quantity.provenance);
 }
 
 Json axis_json(const AxisEstimate<double>& axis) {
   Json json;
-  json["measured_position_m"] = axis.measured_position_m;
-  add_quantity(json, "position", "m", axis.position_m);
-  add_quantity(json, "velocity", "m_s", axis.velocity_m_s);
-  add_quantity(json, "acceleration", "m_s2", axis.acceleration_m_s2);
-  add_quantity(json, "force", "N", axis.force_N);
-  json["innovation_m"] = axis.innovation_m;
-  json["noise_sd_m"] = axis.noise_sd_m;
+  json[host::kMeasuredPositionName] = axis.measured_position_m;
+  host::visit_motion(axis, [&](host::QuantityName name, const Quantity<double>& quantity) {
+    add_quantity(json, name, quantity);
+  });
+  add_quantity(json, host::kForceName, axis.force_N);
+  json[host::kInnovationName] = axis.innovation_m;
+  json[host::kNoiseName] = axis.noise_sd_m;
   return json;
-}
-
-void add_identified(Json& json, const std::string& name, const std::string& unit,
-                    const IdentifiedValue<double>& value) {
-  add_quantity(json, name, unit, value.quantity);
-  json[name + "_limit"] = limit_name(value.limit);
 }
 
 }  // namespace
@@ -67,8 +61,12 @@ std::string estimate_line(const BoxEstimate& box) {
   }
   if (box.has_joint) {
     Json joint;
-    add_identified(joint, "friction", "Ns_m", box.estimate.joint.friction_Ns_m);
-    add_identified(joint, "mass", "kg", box.estimate.joint.mass_kg);
+    host::visit_friction_and_mass(
+        box.estimate.joint.friction_Ns_m, box.estimate.joint.mass_kg,
+        [&](host::QuantityName name, const IdentifiedValue<double>& value) {
+          add_quantity(joint, name, value.quantity);
+          joint[name.limit()] = limit_name(value.limit);
+        });
     json["joint"] = joint;
   }
   Json events = Json::array();

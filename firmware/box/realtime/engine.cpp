@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "box/realtime/real_time.h"
+#include "condyle/firmware/sensor_choice.h"
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/log/recorded_source.h"
 
@@ -122,22 +123,13 @@ void Engine::do_run(hal::SessionLogWriter* log) {
   }
   outlet_.begin_run(run());
   hal::DeviceFacebow facebow(reports, hal::layout_of(profile_));
-  const FollowedPoint point{.point = followed_.point, .body_point_m = {}};
-  const auto with_axes = [&]<int kAxes>(std::integral_constant<int, kAxes>) {
-    if (profile_.drive_N) {
-      DrivenSensor<double, kAxes> sensor(parameters_, lag_, point,
-                                         kAxes == 3 ? static_cast<int>(followed_.axis) : 0);
-      estimate_run(facebow, sensor);
-    } else {
-      RecommendedSensor<double, kAxes> sensor(parameters_, lag_, point);
-      estimate_run(facebow, sensor);
-    }
-  };
-  if (profile_.kind == SampleKind::one_axis) {
-    with_axes(std::integral_constant<int, 1>());
-  } else {
-    with_axes(std::integral_constant<int, 3>());
-  }
+  firmware::with_recommended_sensor<double>(
+      {profile_.kind, profile_.drive_N.has_value(), parameters_, lag_,
+       FollowedPoint{.point = followed_.point, .body_point_m = {}}, followed_.axis},
+      [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
+        Sensor sensor(arguments...);
+        estimate_run(facebow, sensor);
+      });
 }
 
 template <class Sensor>
@@ -147,7 +139,7 @@ void Engine::estimate_run(hal::DeviceFacebow& facebow, Sensor& sensor) {
   }
   firmware::RunSettings settings;
   settings.followed = followed_;
-  settings.nominal_step_ns = profile_.rate_Hz > 0 ? nanoseconds(1 / profile_.rate_Hz) : 0;
+  settings.nominal_step_ns = profile_.nominal_step_ns().value_or(0);
   settings.expects_drive = profile_.drive_N.has_value();
   settings.patience_ns = kPatience_ns;
   settings.reopen_pause_ns = kPatience_ns;

@@ -41,7 +41,7 @@ NodeEstimator::NodeEstimator(const Configuration& configuration, const hal::Devi
       log_(log) {
   start_.lag = static_cast<std::uint8_t>(configuration.lag);
   start_.followed = configuration.followed;
-  start_.nominal_step_ns = profile.rate_Hz > 0 ? nanoseconds(1 / profile.rate_Hz) : 0;
+  start_.nominal_step_ns = profile.nominal_step_ns().value_or(0);
   start_.expects_drive = profile.drive_N.has_value();
   start_.recommended = configuration.parameters;
 }

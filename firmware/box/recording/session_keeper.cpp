@@ -14,8 +14,9 @@ constexpr TimeNs kHung_ns = 2 * kNanosecondsPerSecond;
 
 }  // namespace
 
-SessionKeeper::SessionKeeper(const Configuration& configuration, const FacebowReports& facebow,
-                             hal::Clock& clock, BoxLog& log, std::function<TimeNs()> wall_ns)
+SessionKeeper::SessionKeeper(const Configuration& configuration,
+                             const host::FacebowReports& facebow, hal::Clock& clock, BoxLog& log,
+                             std::function<TimeNs()> wall_ns)
     : clock_(clock),
       box_log_(log),
       recorder_(configuration, facebow, clock, log, std::move(wall_ns)),

@@ -58,8 +58,9 @@ struct SessionRecorder::Part {
   TimeNs begin_ns = 0;
 };
 
-SessionRecorder::SessionRecorder(const Configuration& configuration, const FacebowReports& facebow,
-                                 hal::Clock& clock, BoxLog& log, std::function<TimeNs()> wall_ns)
+SessionRecorder::SessionRecorder(const Configuration& configuration,
+                                 const host::FacebowReports& facebow, hal::Clock& clock,
+                                 BoxLog& log, std::function<TimeNs()> wall_ns)
     : configuration_(configuration),
       facebow_(facebow),
       clock_(clock),
@@ -67,8 +68,7 @@ SessionRecorder::SessionRecorder(const Configuration& configuration, const Faceb
       wall_ns_(std::move(wall_ns)) {
   for (const SourceSettings& settings : configuration.companions) {
     companions_.push_back(
-        host::name_device(settings.file, settings.serial,
-                          settings.kind == SourceSettings::Kind::usb ? "libusb" : "hidapi", clock));
+        host::name_device(settings.file, settings.serial, host::backend_of(settings.kind), clock));
     if (facebow.device() != nullptr) host::refuse_twins(*facebow.device(), companions_.back());
   }
   host::refuse_twins(companions_);

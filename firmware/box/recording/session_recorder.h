@@ -10,8 +10,8 @@
 #include "box/box_log.h"
 #include "box/configuration.h"
 #include "box/realtime/engine.h"
-#include "box/sources/facebow_reports.h"
 #include "condyle/hal/log/session_log.h"
+#include "hosted/devices/facebow_reports.h"
 #include "hosted/devices/session_device.h"
 
 namespace condyle::box {
@@ -56,7 +56,7 @@ class SessionRecorder {
   };
 
   /// An InputError where a companion's profile cannot be used, or it may be the facebow itself.
-  SessionRecorder(const Configuration& configuration, const FacebowReports& facebow,
+  SessionRecorder(const Configuration& configuration, const host::FacebowReports& facebow,
                   hal::Clock& clock, BoxLog& log, std::function<TimeNs()> wall_ns);
   ~SessionRecorder();
 
@@ -87,7 +87,7 @@ class SessionRecorder {
   hal::SessionHeader header() const;
 
   const Configuration& configuration_;
-  const FacebowReports& facebow_;
+  const host::FacebowReports& facebow_;
   hal::Clock& clock_;
   BoxLog& box_log_;
   std::function<TimeNs()> wall_ns_;

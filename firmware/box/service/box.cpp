@@ -28,7 +28,8 @@ Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
       log_(log),
       wall_ns_(std::move(wall_ns)),
       begin_ns_(clock.now_ns()),
-      facebow_(configuration_.facebow, clock),
+      facebow_({configuration_.facebow.kind, configuration_.facebow.file},
+               configuration_.facebow.serial, clock),
       device_name_(facebow_.profile().name),
       nominal_rate_Hz_(facebow_.profile().rate_Hz),
       keeper_(configuration_, facebow_, clock, log, wall_ns_),
@@ -176,10 +177,9 @@ void Box::feed_watchdog(TimeNs now_ns) {
 }
 
 BoxStatus Box::status() const {
-  constexpr const char* kinds[] = {"hid", "usb", "file", "synth"};
   BoxStatus status;
   status.running_ns = clock_.now_ns() - begin_ns_;
-  status.source = kinds[static_cast<int>(configuration_.facebow.kind)];
+  status.source = host::source_kind_name(configuration_.facebow.kind);
   status.device = device_name_;
   status.nominal_rate_Hz = nominal_rate_Hz_;
   status.records = !configuration_.folder.empty();

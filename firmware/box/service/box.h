@@ -17,8 +17,8 @@
 #include "box/realtime/node_feed.h"
 #include "box/recording/session_keeper.h"
 #include "box/service/box_status.h"
-#include "box/sources/facebow_reports.h"
 #include "condyle/hal/clock.h"
+#include "hosted/devices/facebow_reports.h"
 #include "hosted/files/wall_clock.h"
 
 namespace condyle::box {
@@ -59,7 +59,7 @@ class Box {
   BoxLog& log_;
   const std::function<TimeNs()> wall_ns_;
   TimeNs begin_ns_;
-  FacebowReports facebow_;
+  host::FacebowReports facebow_;
   const std::string device_name_;  // copies, for other threads: finding it changes the profile
   const double nominal_rate_Hz_;
   SessionKeeper keeper_;

@@ -14,7 +14,7 @@
 #include "box/outlets/publisher.h"
 #include "box/realtime/engine.h"
 #include "box/realtime/real_time.h"
-#include "box/sources/facebow_reports.h"
+#include "hosted/devices/facebow_reports.h"
 
 namespace condyle::box {
 namespace {
@@ -48,7 +48,8 @@ std::string histogram_text(const char* name, const firmware::LatencyHistogram& h
 
 std::string test_latency(const Configuration& configuration, double duration_s, hal::Clock& clock,
                          const std::function<bool()>& should_stop) {
-  FacebowReports facebow(configuration.facebow, clock);
+  const SourceSettings& settings = configuration.facebow;
+  host::FacebowReports facebow({settings.kind, settings.file}, settings.serial, clock);
   facebow.find(should_stop);
   WatchedSource source(facebow.source(), clock);
   const auto engine = std::make_unique<Engine>(source, facebow.profile(), configuration, clock);

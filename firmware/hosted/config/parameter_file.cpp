@@ -16,9 +16,9 @@ namespace {
 void refuse_other_estimator(const TomlReader& file, const char* section, const char* key,
                             const char* estimator) {
   if (!file.has(section, key)) return;
-  throw InputError(file.place(section, key),
-                   fmt::format("belongs to the {} estimator's parameters", estimator),
-                   fmt::format("give --estimator {}, or another file", estimator));
+  throw InputError(
+      file.place(section, key), fmt::format("belongs to the {} estimator's parameters", estimator),
+      fmt::format("name it for the {} estimator only, or give another file", estimator));
 }
 
 }  // namespace

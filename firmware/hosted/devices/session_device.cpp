@@ -64,9 +64,8 @@ std::string only_serial(const SessionDevice& device) {
   const bool is_ascii =
       std::all_of(serial.begin(), serial.end(), [](char c) { return c > ' ' && c < '\x7F'; });
   if (!are_several) return is_ascii ? serial : "";
-  throw InputError(
-      device.name, "several such devices are plugged in: " + places,
-      "give a serial number (--serial NUMBER, --companion FILE@NUMBER), or unplug one");
+  throw InputError(device.name, "several such devices are plugged in: " + places,
+                   "state its serial number, or unplug the others");
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "condyle/estimator/published/parameters.h"
+#include "condyle/estimator/parameter_range.h"
 
 namespace condyle::host {
 

@@ -64,6 +64,14 @@ Status PcapFile::open(const std::string& path) {
   }
 }
 
+double PcapFile::progress() const {
+  std::FILE* const file = pcap_ == nullptr ? nullptr : pcap_file(pcap_.get());
+  struct stat status {};
+  if (file == nullptr || fstat(fileno(file), &status) != 0 || status.st_size <= 0) return 0;
+  const auto read = static_cast<double>(std::max<off_t>(ftello(file), 0));
+  return read / static_cast<double>(status.st_size);
+}
+
 PcapFile::Read PcapFile::next(UsbmonPacket& packet) {
   if (pcap_ == nullptr || has_ended_) return Read::end;
   pcap_pkthdr* head = nullptr;

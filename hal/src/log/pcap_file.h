@@ -47,6 +47,8 @@ class PcapFile {
   /// nothing else comes.
   Read next(UsbmonPacket& packet);
   const std::string& problem() const { return problem_; }
+  /// Share of the file read so far, 0 to 1; 0 of a pipe.
+  double progress() const;
 
  private:
   Status refuse(Status status, std::string reason);

@@ -39,6 +39,10 @@ Status UsbmonCapture::open() {
   return Status::ok;
 }
 
+double UsbmonCapture::progress() const {
+  return file_ == nullptr ? 0 : file_->progress();
+}
+
 Status UsbmonCapture::begin() {
   problem_.clear();
   file_ = std::make_unique<PcapFile>();

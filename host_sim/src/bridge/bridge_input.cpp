@@ -3,18 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <bit>
-#include <fstream>
 #include <limits>
 
 #include "condyle/hal/hid/profile_check.h"
-#include "condyle/hal/log/session_log_source.h"
-#include "hosted/config/device_profile_file.h"
-#include "hosted/devices/device_words.h"
-#include "hosted/devices/session_device.h"
+#include "hosted/devices/facebow_reports.h"
+#include "hosted/devices/log_device.h"
 #include "hosted/files/input_error.h"
-#include "recordings/device_recording.h"
 #include "recordings/replay_facebow.h"
 
 namespace condyle::host {
@@ -39,7 +34,10 @@ class SampleReports final : public hal::ReportSource {
   hal::Status open() override { return facebow_.open(); }
   hal::Status read(TimeNs deadline_ns, hal::RawReport& report) override {
     Sample sample;
-    const hal::Status status = facebow_.read(deadline_ns, sample);
+    hal::Status status = facebow_.read(deadline_ns, sample);
+    while (status == hal::Status::bad_report && facebow_.problem().empty()) {
+      status = facebow_.read(deadline_ns, sample);  // a device's, not a sample without a time
+    }
     if (status != hal::Status::ok) return status;
     if (!sample.time_valid) return hal::Status::bad_report;
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -102,57 +100,38 @@ BridgeInput of_samples(const std::string& path, const RecordingOptions& options,
 void describe_by(const hal::DeviceProfile& profile, BridgeInput& input) {
   input.layout = hal::layout_of(profile);
   input.has_drive = profile.drive_N.has_value();
-  if (profile.rate_Hz > 0) input.nominal_step_ns = nanoseconds(1 / profile.rate_Hz);
+  input.nominal_step_ns = profile.nominal_step_ns();
   input.median_step_ns = input.nominal_step_ns;
   input.progress = [] { return 0.0; };
 }
 
 BridgeInput of_session_log(const std::string& path, const RecordingOptions& options) {
-  const auto log = std::make_shared<hal::SessionLogSource>(path);
-  const hal::Status status = log->open();
-  if (status != hal::Status::ok) {
-    throw InputError(path, log->problem().empty() ? hal::status_name(status) : log->problem(),
-                     "name a session log");
-  }
-  const hal::SessionSource& device = log->header().sources.front();
-  const std::string name = options.profile.empty() ? path + ": its profile" : options.profile;
-  hal::DeviceProfile profile = options.profile.empty()
-                                   ? parse_device_profile(name, device.profile_toml)
-                                   : load_device_profile(options.profile);
-  require_position(profile, name);
-  complete_profile(profile, device.report_descriptor, path);
+  const auto device = std::make_shared<LogDevice>(open_log_facebow(path, options.profile));
   BridgeInput input;
-  input.words = "session log of " + profile.name;
-  describe_by(profile, input);
-  input.problem = [log] { return log->problem(); };
-  input.source = log;
-  return input;
-}
-
-BridgeInput of_device(const std::string& profile, const std::string& serial,
-                      const std::string& backend, hal::Clock& clock,
-                      const std::function<bool()>& stop) {
-  const auto device = std::make_shared<SessionDevice>(name_device(profile, serial, backend, clock));
-  require_position(device->profile, profile);
-  describe(*device, stop);
-  BridgeInput input;
-  input.words = fmt::format("{}, through {}", device->profile.name, backend);
-  input.is_live = true;
+  input.words = "session log of " + device->profile.name;
   describe_by(device->profile, input);
-  input.problem = [] { return std::string(); };
-  input.source = {device, &device->device->source()};
-  if (input.source->open() != hal::Status::ok) {
-    throw InputError(profile, "the device cannot be opened", "condyle doctor says why");
-  }
+  input.progress = [device] { return device->reports->progress(); };
+  input.problem = [device] { return device->reports->problem(); };
+  input.source = {device, device->reports.get()};
   return input;
 }
 
-bool is_session_log(const std::string& path) {
-  std::array<char, 8> start{};
-  std::ifstream file(path, std::ios::binary);
-  file.read(start.data(), start.size());
-  return looks_like_session_log(
-      std::string_view(start.data(), static_cast<std::size_t>(file.gcount())));
+BridgeInput of_device(const SourceSpec& spec, const std::string& serial, hal::Clock& clock,
+                      const std::function<bool()>& stop) {
+  const auto facebow = std::make_shared<FacebowReports>(spec, serial, clock);
+  facebow->find(stop);
+  BridgeInput input;
+  input.words = facebow->profile().name +
+                (facebow->device() == nullptr ? ", made up"
+                                              : fmt::format(", through {}", backend_of(spec.kind)));
+  input.is_live = true;
+  describe_by(facebow->profile(), input);
+  input.problem = [] { return std::string(); };
+  input.source = {facebow, &facebow->source()};
+  if (input.source->open() != hal::Status::ok) {
+    throw InputError(spec.file, "the device cannot be opened", "condyle doctor says why");
+  }
+  return input;
 }
 
 }  // namespace
@@ -160,10 +139,21 @@ bool is_session_log(const std::string& path) {
 BridgeInput open_bridge_input(const std::string& name, const std::string& serial,
                               const RecordingOptions& options, hal::Clock& clock,
                               const std::function<bool()>& stop) {
-  if (name.starts_with("hid:")) return of_device(name.substr(4), serial, "hidapi", clock, stop);
-  if (name.starts_with("usb:")) return of_device(name.substr(4), serial, "libusb", clock, stop);
-  const std::string path = name.starts_with("file:") ? name.substr(5) : name;
-  return is_session_log(path) ? of_session_log(path, options) : of_samples(name, options, clock);
+  const SourceSpec spec = recording_source(name);
+  switch (spec.kind) {
+    case SourceKind::hid:
+    case SourceKind::usb:
+    case SourceKind::synth:
+      return of_device(spec, serial, clock, stop);
+    case SourceKind::file:
+      if (report_file_at(spec.file) == ReportFile::session_log) {
+        return of_session_log(spec.file, options);
+      }
+      break;
+    case SourceKind::sim:
+      break;
+  }
+  return of_samples(name, options, clock);
 }
 
 }  // namespace condyle::host

@@ -28,7 +28,8 @@ struct BridgeInput {
   std::function<std::string()> problem;       ///< of the recording; empty where there is none
 };
 
-/// Opens `name`: "hid:PROFILE" or "usb:PROFILE", a device; else a recording (see open_recording).
+/// Opens `name`: "hid:PROFILE", "usb:PROFILE" or "synth:PROFILE", a device; else a recording (see
+/// open_recording).
 /// `serial`: of a device, where several are plugged in; it is waited for until `stop`. An
 /// InputError where it cannot be used.
 BridgeInput open_bridge_input(const std::string& name, const std::string& serial,

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/random.h"
+#include "statistics/random.h"
 
 namespace condyle::host {
 namespace {

@@ -12,16 +12,17 @@
 #include "bridge/node_rows.h"
 #include "commands/commands.h"
 #include "condyle/hal/link/serial_port.h"
-#include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/number_text.h"
 #include "hosted/node/node_client.h"
 #include "options/command_line.h"
 #include "options/drive_options.h"
 #include "options/estimator_option.h"
+#include "options/recording_choice.h"
 #include "output/estimates_file.h"
 #include "output/joint_text.h"
 #include "output/progress.h"
+#include "output/report_text.h"
 
 namespace condyle::host {
 namespace {
@@ -35,14 +36,12 @@ struct BridgeOptions {
   bool checks = false;
   EstimatorOption estimator;
   DriveOptions drive_stated;
-  FollowedCoordinate followed;
-  RecordingOptions reading;
-  std::string unit;
+  RecordingChoice choice;
 };
 
 hal::StartMessage start_of(const BridgeOptions& options, const BridgeInput& input) {
   hal::StartMessage start;
-  start.followed = options.followed;
+  start.followed = options.choice.followed;
   start.expects_drive = input.has_drive;
   start.nominal_step_ns = input.nominal_step_ns.value_or(0);
   if (options.estimator.is_published()) {
@@ -254,17 +253,15 @@ class Bridge {
 };
 
 int bridge(const BridgeOptions& options) {
-  refuse_same_files({options.input, options.estimator.parameters, options.reading.profile},
+  refuse_same_files({options.input, options.estimator.parameters, options.choice.reading.profile},
                     {options.out});
   options.estimator.refuse_if_published("--lag", options.estimator.lag > 0);
   options.estimator.refuse_if_published("--drive-missing and the like",
                                         options.drive_stated.is_given());
   hal::SteadyClock clock;
-  BridgeInput input =
-      open_bridge_input(options.input, options.serial, options.reading, clock, stop_requested);
-  if (!is_available(input.layout.kind, options.followed)) {
-    throw InputError("--point", "there is one point", "leave it out");
-  }
+  BridgeInput input = open_bridge_input(options.input, options.serial, options.choice.reading,
+                                        clock, stop_requested);
+  options.choice.FollowedChoice::check(options.input, input.layout.kind);
   hal::StartMessage start = start_of(options, input);
 
   hal::SerialPort port(clock);
@@ -287,7 +284,7 @@ int bridge(const BridgeOptions& options) {
   if (!options.out.empty()) {
     estimates = std::make_unique<EstimatesFile>(options.out, axis_count, start.identifies);
   }
-  NodeRows rows(axis_count, options.followed, scalar_size, start.identifies);
+  NodeRows rows(axis_count, options.choice.followed, scalar_size, start.identifies);
   Bridge bridge(input, client, twin ? &*twin : nullptr, rows, estimates.get(), clock);
   const auto keep_estimates = [&] {
     if (!estimates) return;
@@ -310,10 +307,9 @@ int bridge(const BridgeOptions& options) {
   const std::optional<hal::HealthMessage> health = client.ask_health();
   const BridgeCounts& counts = bridge.counts();
 
-  std::string text =
-      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
-  const auto line = [&text](const char* label, const std::string& words) {
-    text += fmt::format("{:<12}{}\n", label, clean_line(words));
+  ReportText report(12);
+  const auto line = [&report](const char* label, const std::string& words) {
+    report.line(label, words);
   };
   line("input", options.input + ", " + input.words);
   line("target", options.port + ": " + greeting_words(client.greeting()));
@@ -328,7 +324,7 @@ int bridge(const BridgeOptions& options) {
     line("left out", fmt::format("{} samples without a time", counts.without_time));
   }
   if (start.identifies) {
-    text += joint_text(rows.conclusion(), start.recommended.joint);
+    report.add(joint_text(rows.conclusion(), start.recommended.joint));
   } else if (input.has_drive && !is_published) {
     line("drive", "not used: the target has no memory to identify friction and mass");
   }
@@ -337,7 +333,7 @@ int bridge(const BridgeOptions& options) {
        fmt::format("{} frames refused, {} lost", client.frames_refused(), client.frames_lost()));
   if (twin) line("check", twin->words());
   if (estimates) line("estimates", options.out);
-  print_output(text);
+  print_output(report.text());
   const bool is_whole =
       client.reports_lost() == 0 && client.frames_lost() == 0 && rows.unreadable() == 0;
   if (!is_whole) print_error("warning: not every report has its estimate");
@@ -359,8 +355,10 @@ Command add_bridge(CommandLine app) {
   command.add_example("condyle bridge hid:bow.toml --port /dev/ttyUSB0 --out estimates.csv",
                       "Feed it with the reports of a device.");
   command
-      .add_option("INPUT", options->input,
-                  "hid:PROFILE or usb:PROFILE, a device; or a recording, as for replay")
+      .add_option(
+          "INPUT", options->input,
+          "hid:PROFILE or usb:PROFILE, a device; synth:PROFILE, a made-up one; or a recording, "
+          "as for replay")
       .required();
   command
       .add_option("--port", options->port,
@@ -371,29 +369,11 @@ Command add_bridge(CommandLine app) {
                    "Run the same estimator here as well and compare every answer, byte for byte");
   options->estimator.add_to(command);
   options->drive_stated.add_to(command);
-  command.add_option("--point", options->followed.point, "Point to follow")
-      .within(1, 3)
-      .show_default();
-  auto axis = std::make_shared<std::string>("z");
-  command.add_option("--axis", *axis, "Axis to follow").one_of({"x", "y", "z"}).show_default();
-  auto faults = std::make_shared<std::string>("refuse");
-  command.add_option("--faults", *faults, "What to do with missing, non-finite and reversed rows")
-      .one_of({"refuse", "event"})
-      .show_default();
-  command.add_option("--unit", options->unit, "Unit of coordinates where the format states none")
-      .one_of({"mm", "m"});
-  command.add_option("--profile=FILE", options->reading.profile,
-                     "TOML file that describes the device of a recording");
+  // The line to the microcontroller names points of the instrument only.
+  options->choice.add_to(command, JawPoints::no);
   command.add_option("--serial", options->serial, "Serial number, where several are plugged in");
   command.group("Output").add_option("-o,--out=FILE", options->out, "CSV file for the estimates");
-  return [options, axis, faults] {
-    options->followed.axis = static_cast<Axis>((*axis)[0] - 'x');
-    options->reading.faults = *faults == "event" ? FaultPolicy::event : FaultPolicy::refuse;
-    if (!options->unit.empty()) {
-      options->reading.units_per_metre = options->unit == "mm" ? 1000 : 1;
-    }
-    return bridge(*options);
-  };
+  return [options] { return bridge(*options); };
 }
 
 }  // namespace condyle::host

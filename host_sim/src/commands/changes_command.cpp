@@ -10,6 +10,7 @@
 #include "commands/commands.h"
 #include "condyle/estimator/sensors/cycle_sensor.h"
 #include "condyle/firmware/run_loop.h"
+#include "condyle/firmware/sensor_choice.h"
 #include "condyle/hal/clock.h"
 #include "estimation/replayed_drive.h"
 #include "hosted/config/parameter_file.h"
@@ -19,6 +20,7 @@
 #include "options/estimator_option.h"
 #include "options/recording_choice.h"
 #include "output/progress.h"
+#include "output/report_text.h"
 #include "recordings/replay_facebow.h"
 
 namespace condyle::host {
@@ -69,7 +71,9 @@ void check(const ChangesOptions& options, const RecordingInfo& info) {
   options.RecordingChoice::check(options.recording, info);
   if (!options.drive.empty() && info.has_drive) {
     throw InputError(options.recording, "has a drive of its own",
-                     "leave out --drive, or its column with --ignore-column drive_N");
+                     info.is_of_device
+                         ? "leave out --drive"
+                         : "leave out --drive, or its column with --ignore-column drive_N");
   }
   if (options.drive.empty() && !info.has_drive) {
     throw InputError(options.recording,
@@ -81,20 +85,16 @@ void check(const ChangesOptions& options, const RecordingInfo& info) {
 
 template <int kAxes>
 WatchedRecording watch(const ChangesOptions& options, const RecommendedParameters& parameters,
-                       ReplayFacebow& facebow, hal::Clock& clock) {
+                       int axis, ReplayFacebow& facebow, hal::Clock& clock) {
   const RecordingInfo& info = facebow.info();
-  firmware::RunSettings settings;
-  settings.followed = options.followed;
-  settings.expects_drive = info.has_drive;
-  settings.nominal_step_ns = facebow.expected_step_ns();
+  const firmware::RunSettings settings = facebow.run_settings(options.followed);
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
                    "its median step", "check the unit of time_s");
   std::optional<DriveChannel> channel;
   if (!options.drive.empty()) channel.emplace(options.drive, options.reading.faults);
-  ReplayedDriveSensor<CycleSensor<double, kAxes>> sensor(
-      channel ? &*channel : nullptr, parameters.joint.drive.delay_s, parameters,
-      FollowedPoint{.point = options.followed.point},
-      kAxes == 3 ? static_cast<int>(options.followed.axis) : 0);
+  ReplayedDriveSensor<CycleSensor<double, kAxes>> sensor(channel ? &*channel : nullptr,
+                                                         parameters.joint.drive.delay_s, parameters,
+                                                         options.point(), axis);
   WatchedRecording result;
   firmware::RunCounts counts;
   Progress progress("watching", clock);
@@ -149,7 +149,8 @@ void check_interval(const ChangesOptions& options, const RecommendedParameters& 
 }
 
 int changes(const ChangesOptions& options) {
-  refuse_same_files({options.recording, options.parameters, options.drive}, {options.out});
+  refuse_same_files({options.recording, options.parameters, options.drive, options.reading.profile},
+                    {options.out});
   hal::SteadyClock clock;
   ReplayFacebow facebow(options.recording, options.reading, 0, clock);
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
@@ -161,9 +162,10 @@ int changes(const ChangesOptions& options) {
   std::vector<std::unique_ptr<OutputFile>> files;
   if (!options.out.empty()) files.push_back(std::make_unique<OutputFile>(options.out));
 
-  const WatchedRecording recording = facebow.info().kind == SampleKind::one_axis
-                                         ? watch<1>(options, parameters, facebow, clock)
-                                         : watch<3>(options, parameters, facebow, clock);
+  const WatchedRecording recording =
+      firmware::with_axes(facebow.info().kind, options.followed.axis, [&](auto axes, int axis) {
+        return watch<decltype(axes)::value>(options, parameters, axis, facebow, clock);
+      });
   if (stop_requested()) {
     return report_stop();
   }
@@ -188,19 +190,18 @@ int changes(const ChangesOptions& options) {
       files.push_back(std::move(figure));
     }
   }
-  std::string text = fmt::format(
-      "condyle {}: research use only; this is no diagnosis\n"
-      "{:<14}{}, {}\n",
-      CONDYLE_VERSION, "recording", options.recording, facebow.info().format);
-  for (const std::string& note : recording.notes) text += fmt::format("{:<14}{}\n", "note", note);
-  text += fmt::format(
-      "{:<14}until {:.1f} s: about {:.3g} Ns/m, {:.3g} kg, {:.3g} N/m; the cycles after it are "
-      "watched\n",
-      "identified", seconds(*recording.watched_from_ns), identified.friction_Ns_m.fitted,
-      identified.mass_kg.fitted, identified.stiffness_N_m.fitted);
-  text += changes_text(found, settings);
-  text += commit_all(files);
-  print_output(text);
+  ReportText report(14);
+  report.line("recording", fmt::format("{}, {}", options.recording, facebow.info().format));
+  for (const std::string& note : recording.notes) report.line("note", note);
+  report.line(
+      "identified",
+      fmt::format("until {:.1f} s: about {:.3g} Ns/m, {:.3g} kg, {:.3g} N/m; the cycles after it "
+                  "are watched",
+                  seconds(*recording.watched_from_ns), identified.friction_Ns_m.fitted,
+                  identified.mass_kg.fitted, identified.stiffness_N_m.fitted));
+  report.add(changes_text(found, settings));
+  report.add(commit_all(files));
+  print_output(report.text());
   return kExitOk;
 }
 

@@ -14,6 +14,7 @@
 #include "hosted/files/input_error.h"
 #include "options/command_line.h"
 #include "output/progress.h"
+#include "output/report_text.h"
 
 namespace condyle::host {
 namespace {
@@ -77,10 +78,21 @@ std::vector<NamedEstimator> choose_estimators(const CompareOptions& options) {
   for (const std::string& name : names) estimators.push_back(parse_estimator(name, options.lag));
   if (std::all_of(estimators.begin(), estimators.end(),
                   [](const NamedEstimator& named) { return named.option.is_published(); })) {
-    estimators[0].option.refuse_if_published("--lag", options.lag > 0);
-    estimators[0].option.refuse_if_published("--drive-...", options.plan.drive.is_given());
+    estimators[0].option.refuse_if_published("--lag", options.lag > 0, "--with");
+    estimators[0].option.refuse_if_published("--drive-...", options.plan.drive.is_given(),
+                                             "--with");
   }
   return estimators;
+}
+
+void refuse_jaw_point_of_published(const ComparisonPlan& plan) {
+  if (plan.choice.jaw_point_mm.empty()) return;
+  for (const NamedEstimator& named : plan.estimators) {
+    if (!named.option.is_published()) continue;
+    throw InputError("--jaw-point-mm",
+                     "the published cascade follows points of the instrument only",
+                     "leave it out, or give --with recommended alone");
+  }
 }
 
 std::vector<SessionFiles> choose_sessions(const CompareOptions& options) {
@@ -156,6 +168,8 @@ int compare(const CompareOptions& options) {
   refuse_repeated_recordings(sources);
   ComparisonPlan plan = options.plan;
   plan.estimators = choose_estimators(options);
+  refuse_jaw_point_of_published(plan);
+  plan.choice.reading.may_lack_ignored = sources.size() > 1;
   std::vector<std::string> inputs = sources;
   inputs.push_back(plan.choice.reading.profile);
   for (const NamedEstimator& estimator : plan.estimators) {
@@ -186,9 +200,7 @@ int compare(const CompareOptions& options) {
     files[0]->write(outcome.table);
     files[0]->close();
   }
-  std::string text =
-      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) +
-      outcome.text;
+  std::string text = banner() + outcome.text;
   for (auto& figure : figures) files.push_back(std::move(figure));
   text += commit_all(files);
   if (folder && figures.empty()) text += "no figure: there are no values to draw\n";

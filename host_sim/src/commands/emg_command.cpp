@@ -10,34 +10,31 @@
 #include "hosted/files/input_error.h"
 #include "options/command_line.h"
 #include "output/output_file.h"
+#include "output/report_text.h"
 #include "protocols/emg/emg_report.h"
 
 namespace condyle::host {
 namespace {
 
 struct EmgOptions {
-  EmgSource source;  // without point, axis, unit and noise
-  std::string muscles, axis = "z", unit, faults = "refuse", out;
+  EmgSource source;  // without noise
+  std::string muscles, out;
   double noise_mm = 0.05;
   std::optional<double> mass_kg, mass_sd_kg, resolution_Ns_m, error_share;
-  Option axis_option;
 };
 
 int run(const EmgOptions& options) {
   EmgSource source = options.source;
-  source.followed.axis = static_cast<Axis>(options.axis[0] - 'x');
-  source.axis_given = options.axis_option.is_given();
   source.noise_sd_m = 1e-3 * options.noise_mm;
-  if (!options.unit.empty()) source.reading.units_per_metre = options.unit == "mm" ? 1000 : 1;
-  source.reading.faults = source.emg_reading.faults =
-      options.faults == "event" ? FaultPolicy::event : FaultPolicy::refuse;
+  source.emg_reading.faults = source.choice.reading.faults;
   const bool is_json = options.out.ends_with(".json");
   if (!options.out.empty() && !is_json && !options.out.ends_with(".csv")) {
     throw InputError(options.out, "is neither .json nor .csv",
                      "give NAME.json for the values or NAME.csv for a row per position");
   }
   source.keeps_rows = !options.out.empty() && !is_json;
-  refuse_same_files({source.recording, source.emg, options.muscles}, {options.out});
+  refuse_same_files({source.recording, source.emg, options.muscles, source.choice.reading.profile},
+                    {options.out});
 
   MuscleFile muscles = load_muscles(options.muscles);
   EmgParameters& parameters = muscles.identification;
@@ -47,9 +44,7 @@ int run(const EmgOptions& options) {
   parameters.friction_resolution_Ns_m =
       options.resolution_Ns_m.value_or(parameters.friction_resolution_Ns_m);
   const EmgResult result = identify_from_emg(source, muscles);
-  std::string text =
-      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) +
-      emg_text(result);
+  std::string text = banner() + emg_text(result);
   if (!options.out.empty()) {
     OutputFile file(options.out);
     file.write(is_json ? emg_json(result) : result.rows);
@@ -97,17 +92,7 @@ Command add_emg(CommandLine app) {
   command.add_option("--noise-mm", options->noise_mm, "Standard deviation of a measured position")
       .number_in({1e-6, 100})
       .show_default();
-  command.add_option("--point", options->source.followed.point, "Point to follow")
-      .within(1, 3)
-      .show_default();
-  options->axis_option = command.add_option("--axis", options->axis, "Axis to follow")
-                             .one_of({"x", "y", "z"})
-                             .show_default();
-  command.add_option("--unit", options->unit, "Unit of coordinates where the format states none")
-      .one_of({"mm", "m"});
-  command.add_option("--faults", options->faults, "Rows that cannot be used")
-      .one_of({"refuse", "event"})
-      .show_default();
+  options->source.choice.add_to(command);
   command.group("Output").add_option("-o,--out=FILE", options->out,
                                      "NAME.json for the values, NAME.csv for a row per position");
   return [options] { return run(*options); };

@@ -9,6 +9,7 @@
 #include "hosted/files/input_error.h"
 #include "options/command_line.h"
 #include "output/output_file.h"
+#include "output/report_text.h"
 #include "protocols/head_motion/head_motion_plan.h"
 #include "protocols/head_motion/head_motion_report.h"
 
@@ -62,21 +63,18 @@ struct HeadMotionOptions {
   double delay_ms = 0;
   std::optional<double> noise_mm;
   double resolution_per_s = HeadMotionParameters{}.damping_rate_resolution_per_s;
-  std::string axis = "z", unit, out, figures;
-  Option axis_option;
+  std::string out, figures;
 };
 
 int run(HeadMotionOptions& options) {
   HeadMotionSource& source = options.source;
-  source.followed.axis = static_cast<Axis>(options.axis[0] - 'x');
-  source.axis_given = options.axis_option.is_given();
-  if (!options.unit.empty()) source.reading.units_per_metre = options.unit == "mm" ? 1000 : 1;
   if (options.noise_mm) source.noise_sd_m = 1e-3 * *options.noise_mm;
   source.delay_s = 1e-3 * options.delay_ms;
   HeadMotionParameters parameters;
   options.stated.apply(parameters);
   parameters.damping_rate_resolution_per_s = options.resolution_per_s;
-  refuse_same_files({source.recording, source.acceleration}, {options.out});
+  refuse_same_files({source.recording, source.acceleration, source.choice.reading.profile},
+                    {options.out});
   const IdentifiedHeadMotion motion = identify_head_motion(source, parameters);
 
   std::unique_ptr<OutputFolder> folder;
@@ -90,9 +88,7 @@ int run(HeadMotionOptions& options) {
     files.back()->write(head_motion_json(motion));
     files.back()->close();
   }
-  std::string text =
-      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) +
-      head_motion_text(motion);
+  std::string text = banner() + head_motion_text(motion);
   if (!options.figures.empty() && motion.course.empty()) {
     text += "figures             none: nothing is known yet that could be drawn\n";
   }
@@ -157,18 +153,7 @@ Command add_head_motion(CommandLine protocol) {
       .number_in({-1000, 1000})
       .show_default();
   options->stated.add_to(command);
-  command.add_option("--point", source.followed.point, "Point to follow")
-      .within(1, 3)
-      .show_default();
-  options->axis_option = command.add_option("--axis", options->axis, "Axis to follow")
-                             .one_of({"x", "y", "z"})
-                             .show_default();
-  command.add_option("--unit", options->unit, "Unit of coordinates where the format states none")
-      .one_of({"mm", "m"});
-  command
-      .add_option("--ignore-column", source.reading.ignored_columns,
-                  "CSV column of RECORDING to leave unread; may be given several times")
-      .one_value_each();
+  source.choice.add_to(command);
   command
       .add_option("--noise-mm", options->noise_mm,
                   "Standard deviation of a measured position, to be compared with what they show")

@@ -20,6 +20,7 @@
 #include "inspect/device_argument.h"
 #include "inspect/live_inspection.h"
 #include "options/command_line.h"
+#include "options/recording_choice.h"
 
 namespace condyle::host {
 namespace {
@@ -198,8 +199,7 @@ Command add_inspect(CommandLine app) {
       "Device to read: its ids as in 1209:0001, /dev/hidraw0, or its USB port, 1-1.4");
   command.add_option(
       "--profile=FILE", options->profile,
-      "TOML file that describes a device: read it, and show what the profile makes of "
-      "its reports");
+      std::string(kProfileMeaning) + "; read that device, and show what the profile makes of them");
   command.add_option(
       "--descriptor=FILE", options->descriptor,
       "File with a report descriptor, binary or hexadecimal text, instead of a device");

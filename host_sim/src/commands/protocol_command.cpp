@@ -11,6 +11,7 @@
 #include "hosted/files/input_error.h"
 #include "options/command_line.h"
 #include "output/output_file.h"
+#include "output/report_text.h"
 #include "protocols/release/release_plan.h"
 #include "protocols/release/release_report.h"
 
@@ -23,17 +24,10 @@ struct FitOptions {
   double noise_mm = 0;
   std::optional<double> let_go_ms;
   ReleaseResolution resolution;
-  std::string axis = "z", unit, out, figures;
-  Option axis_option;
+  std::string out, figures;
 
   void add_to(CommandLine command) {
-    command.add_option("--point", source.followed.point, "Point to follow")
-        .within(1, 3)
-        .show_default();
-    axis_option =
-        command.add_option("--axis", axis, "Axis to follow").one_of({"x", "y", "z"}).show_default();
-    command.add_option("--unit", unit, "Unit of coordinates where the format states none")
-        .one_of({"mm", "m"});
+    source.choice.add_to(command);
     command
         .add_option("--noise-mm", noise_mm,
                     "Standard deviation of a measured position; without it, the residuals' own, "
@@ -56,9 +50,6 @@ struct FitOptions {
     result.begin_s = begin_s;
     result.end_s = end_s;
     result.let_go_s = 1e-3 * let_go_ms.value_or(0);
-    result.followed.axis = static_cast<Axis>(axis[0] - 'x');
-    result.axis_given = axis_option.is_given();
-    if (!unit.empty()) result.reading.units_per_metre = unit == "mm" ? 1000 : 1;
     return result;
   }
   ReleaseSettings settings() const {
@@ -74,7 +65,9 @@ struct FitOptions {
 int finish(const FitOptions& options, const std::vector<std::string>& recordings,
            const std::string& text, const std::string& json,
            const std::vector<std::pair<std::string, const FittedRelease*>>& releases) {
-  refuse_same_files(recordings, {options.out});
+  std::vector<std::string> inputs = recordings;
+  inputs.push_back(options.source.choice.reading.profile);
+  refuse_same_files(inputs, {options.out});
   std::unique_ptr<OutputFolder> folder;
   std::vector<std::unique_ptr<OutputFile>> files;
   if (!options.figures.empty()) {
@@ -86,8 +79,7 @@ int finish(const FitOptions& options, const std::vector<std::string>& recordings
     files.back()->write(json);
     files.back()->close();
   }
-  std::string all =
-      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION) + text;
+  std::string all = banner() + text;
   all += commit_all(files);
   print_output(all);
   return kExitOk;
@@ -206,6 +198,7 @@ Command add_combine(CommandLine app) {
                        "own rest position is not known",
                        "use one of them");
     }
+    options->source.choice.reading.may_lack_ignored = true;
     const auto fit = [&](const std::string& recording, std::size_t i) {
       const auto at = [i](const std::vector<double>& times) {
         return times.empty() ? std::nullopt : std::optional(times[i]);

@@ -8,20 +8,21 @@
 #include <utility>
 
 #include "commands/commands.h"
-#include "condyle/estimator/sensors/driven_sensor.h"
 #include "condyle/firmware/latency_histogram.h"
 #include "condyle/firmware/run_loop.h"
+#include "condyle/firmware/sensor_choice.h"
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/report/device_facebow.h"
 #include "hosted/config/parameter_file.h"
 #include "hosted/devices/device_words.h"
 #include "hosted/devices/session_device.h"
-#include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/text_file.h"
 #include "hosted/files/wall_clock.h"
 #include "options/command_line.h"
+#include "options/recording_choice.h"
 #include "output/live_estimates.h"
+#include "output/report_text.h"
 
 namespace condyle::host {
 namespace {
@@ -31,8 +32,7 @@ struct RecordOptions {
   std::string profile, out, estimates, parameters, subject;
   std::string backend = "hidapi";
   std::string serial;
-  Axis axis = Axis::z;
-  int point = 1;
+  FollowedChoice choice;
   double duration_s = 0, idle_s = 0;
   std::uint64_t samples = 0;
 };
@@ -116,10 +116,9 @@ std::string summary(const RecordOptions& options, const hal::DeviceProfile& prof
                     const std::vector<std::unique_ptr<RecordedCompanion>>& companions,
                     const LiveEstimates* estimates, const firmware::LatencyHistogram& latency,
                     TimeNs elapsed_ns) {
-  std::string text =
-      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
-  const auto line = [&text](const char* label, const std::string& words) {
-    text += fmt::format("{:<12}{}\n", label, clean_line(words));
+  ReportText report(12);
+  const auto line = [&report](const char* label, const std::string& words) {
+    report.line(label, words);
   };
   line("device", fmt::format("{}, through {}", profile.name, options.backend));
   line("duration", fmt::format("{:.3f} s", seconds(elapsed_ns)));
@@ -142,13 +141,12 @@ std::string summary(const RecordOptions& options, const hal::DeviceProfile& prof
                                   ? fmt::format("; {} rows had no room", estimates->dropped())
                                   : ""));
   }
-  return text;
+  return report.text();
 }
 
-template <int kAxes>
-int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& devices,
-                const RecommendedParameters& parameters, hal::SessionLogWriter& log,
-                LiveEstimates* estimates, hal::Clock& clock) {
+int record_devices(const RecordOptions& options, const std::vector<SessionDevice>& devices,
+                   const RecommendedParameters& parameters, hal::SessionLogWriter& log,
+                   LiveEstimates* estimates, hal::Clock& clock) {
   const hal::DeviceProfile& profile = devices.front().profile;
   hal::RecordedSource source(devices.front().device->source(), log, 0, clock);
   hal::DeviceFacebow facebow(source, hal::layout_of(profile));
@@ -165,8 +163,8 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
     companions.back()->companion.start();
   }
   firmware::RunSettings settings;
-  settings.followed = {options.point, options.axis};
-  settings.nominal_step_ns = profile.rate_Hz > 0 ? nanoseconds(1 / profile.rate_Hz) : 0;
+  settings.followed = options.choice.followed;
+  settings.nominal_step_ns = profile.nominal_step_ns().value_or(0);
   settings.expects_drive = profile.drive_N.has_value();
   settings.patience_ns = 20'000'000;
   settings.reopen_pause_ns = 20'000'000;
@@ -179,7 +177,7 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
         [&](const Sample&, const auto& estimate) {
           latency.add(clock.now_ns() - facebow.last_arrival_ns());
           if (estimates != nullptr && estimate.is_ready) {
-            estimates->add(row_of(estimate, options.axis));
+            estimates->add(row_of(estimate, options.choice.followed.axis));
           }
         },
         [&] {
@@ -190,13 +188,12 @@ int record_axes(const RecordOptions& options, const std::vector<SessionDevice>& 
                  (options.duration_s > 0 && seconds(monitor.elapsed_ns()) >= options.duration_s);
         });
   };
-  const FollowedPoint followed{.point = options.point, .body_point_m = {}};
-  if (profile.drive_N) {
-    run(DrivenSensor<double, kAxes>(parameters, 0, followed,
-                                    kAxes == 3 ? static_cast<int>(options.axis) : 0));
-  } else {
-    run(RecommendedSensor<double, kAxes>(parameters, 0, followed));
-  }
+  firmware::with_recommended_sensor<double>(
+      {profile.kind, profile.drive_N.has_value(), parameters, 0, options.choice.point(),
+       options.choice.followed.axis},
+      [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
+        run(Sensor(arguments...));
+      });
   monitor.end_line();
   const TimeNs elapsed_ns = monitor.elapsed_ns();
   facebow.close();
@@ -251,9 +248,7 @@ int record(const RecordOptions& options) {
   }
   refuse_twins(devices);
   const SampleKind kind = devices.front().profile.kind;
-  if (!is_available(kind, {options.point, options.axis})) {
-    throw InputError("--point", "the device has one point", "leave it out");
-  }
+  options.choice.check(options.profile, kind);
   for (SessionDevice& device : devices) describe(device, stop_requested);
 
   hal::SessionHeader header;
@@ -285,9 +280,7 @@ int record(const RecordOptions& options) {
     throw InputError(options.out, hal::session_log_failure_name(failure),
                      "name a new file in a folder that may be written");
   }
-  return kind == SampleKind::one_axis
-             ? record_axes<1>(options, devices, parameters, log, estimates.get(), clock)
-             : record_axes<3>(options, devices, parameters, log, estimates.get(), clock);
+  return record_devices(options, devices, parameters, log, estimates.get(), clock);
 }
 
 }  // namespace
@@ -303,8 +296,7 @@ Command add_record(CommandLine app) {
       "condyle record --profile bow.toml --out session.mcap --estimates live.csv --companion "
       "force.toml",
       "Also write live estimates, and record a force sensor beside the facebow.");
-  command.add_option("--profile=FILE", options->profile, "TOML file that describes the device")
-      .required();
+  command.add_option("--profile=FILE", options->profile, kProfileMeaning).required();
   command.group("Output")
       .add_option("-o,--out=FILE", options->out, "Session log to write (MCAP); must not exist")
       .required();
@@ -321,9 +313,7 @@ Command add_record(CommandLine app) {
   command.add_option("--estimates=FILE", options->estimates, "CSV file for the estimates");
   command.add_option("--parameters=FILE", options->parameters,
                      "TOML file with parameters of the recommended estimator");
-  command.add_option("--point", options->point, "Point to follow").within(1, 3).show_default();
-  auto axis = std::make_shared<std::string>("z");
-  command.add_option("--axis", *axis, "Axis to follow").one_of({"x", "y", "z"}).show_default();
+  add_followed_options(command, options->choice);
   command.add_option("--duration-s", options->duration_s, "Stop after so long; 0: never")
       .number_in({0, 1e7})
       .show_default();
@@ -333,10 +323,7 @@ Command add_record(CommandLine app) {
       .show_default();
   command.add_option("--samples", options->samples, "Stop after so many samples; 0: never")
       .show_default();
-  return [options, axis] {
-    options->axis = static_cast<Axis>((*axis)[0] - 'x');
-    return record(*options);
-  };
+  return [options] { return record(*options); };
 }
 
 }  // namespace condyle::host

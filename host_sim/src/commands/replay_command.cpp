@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "commands/commands.h"
-#include "condyle/estimator/sensors/driven_sensor.h"
 #include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/firmware/run_loop.h"
+#include "condyle/firmware/sensor_choice.h"
 #include "condyle/hal/clock.h"
 #include "estimation/replayed_drive.h"
 #include "hosted/config/parameter_file.h"
@@ -25,6 +25,7 @@
 #include "output/figures.h"
 #include "output/progress.h"
 #include "output/replay_summary.h"
+#include "output/report_text.h"
 #include "recordings/replay_facebow.h"
 
 namespace condyle::host {
@@ -37,7 +38,6 @@ struct ReplayOptions : RecordingChoice {
   std::string figures;
   std::string values;
   bool as_json = false;
-  std::vector<double> jaw_point_mm;  // empty: a point of the instrument
   double speed = 0;
   std::string drive;  // a recording of its own
   DriveOptions drive_stated;
@@ -45,15 +45,7 @@ struct ReplayOptions : RecordingChoice {
 
 // Which recording, and what of it is followed.
 std::string recording_text(const ReplayOptions& options, const RecordingInfo& info) {
-  const std::string point =
-      options.jaw_point_mm.empty()
-          ? fmt::format("point {}", options.followed.point)
-          : fmt::format("jaw point ({:g}) mm", fmt::join(options.jaw_point_mm, ", "));
-  const std::string followed =
-      info.kind == SampleKind::one_axis
-          ? "one axis"
-          : fmt::format("{}, axis {}", point, "xyz"[static_cast<int>(options.followed.axis)]);
-  return fmt::format("{}, {}, {}", options.recording, info.format, followed);
+  return fmt::format("{}, {}, {}", options.recording, info.format, options.text(info.kind));
 }
 
 std::string summary_json(const ReplayOptions& options, const RecordingInfo& info,
@@ -140,15 +132,14 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
     print_output(summary_json(options, facebow.info(), drive_notes, summary));
     return kExitOk;
   }
-  std::string text =
-      fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
-  const auto line = [&text](const char* label, const std::string& words) {
-    text += fmt::format("{:<12}{}\n", label, clean_line(words));
+  ReportText report(12);
+  const auto line = [&report](const char* label, const std::string& words) {
+    report.line(label, words);
   };
   line("recording", recording_text(options, facebow.info()));
   for (const std::string& note : facebow.info().notes) line("note", note);
   for (const std::string& note : drive_notes) line("note", note);
-  text += summary.text();
+  report.add(summary.text());
   if (estimates) line("estimates", options.out);
   for (const auto& figure : figures) {
     if (figure->path().ends_with(".png")) line("figure", figure->path() + " (and .svg)");
@@ -158,7 +149,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   if (figure_folder && figures.empty())
     line("figures", !deferred_problems().empty() ? "none: see the error"
                                                  : "none: there are no values to draw");
-  print_output(text);
+  print_output(report.text());
   if (!summary.unusable().empty()) return kExitOk;
   for (const std::string& warning : summary.warnings()) print_error("warning: " + warning);
   return kExitOk;
@@ -179,43 +170,43 @@ int replay_published(const ReplayOptions& options, ReplayFacebow& facebow, hal::
       summary);
 }
 
-template <int kAxes>
 int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
-                       firmware::RunSettings settings) {
+                       const firmware::RunSettings& settings) {
   const RecordingInfo& info = facebow.info();
   RecommendedParameters parameters =
       load_recommended_for(options.estimator, info, options.recording);
-  settings.nominal_step_ns = facebow.expected_step_ns();
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
                    "its median step", "check the unit of time_s");
   BodyFits fits;
-  FollowedPoint followed{.point = options.followed.point, .fits = &fits};
-  if (!options.jaw_point_mm.empty()) {
-    followed.body_point_m = 1e-3 * Eigen::Map<const Eigen::Vector3d>(options.jaw_point_mm.data());
-  }
   options.drive_stated.apply(parameters.joint);
   RecommendedSummary summary(parameters, options.estimator.lag, options.followed.axis, fits);
   const auto run = [&](auto& sensor, bool has_joint) {
     return replay_through(
-        options, facebow, clock, settings, sensor, kAxes, has_joint,
+        options, facebow, clock, settings, sensor, info.kind == SampleKind::one_axis ? 1 : 3,
+        has_joint,
         [&](const Sample&, const auto& estimate) {
           return estimate.is_ready ? std::optional(row_of(estimate, options.followed.axis))
                                    : std::nullopt;
         },
         summary);
   };
-  if (!options.drive.empty() || info.has_drive) {
-    std::optional<DriveChannel> channel;
-    if (!options.drive.empty()) channel.emplace(options.drive, options.reading.faults);
-    ReplayedDriveSensor<DrivenSensor<double, kAxes>> sensor(
-        channel ? &*channel : nullptr, parameters.joint.drive.delay_s, parameters,
-        options.estimator.lag, followed, kAxes == 3 ? static_cast<int>(options.followed.axis) : 0);
-    summary.set_conclusion([&] { return sensor.conclude(); });
-    summary.set_drive([&] { return sensor.notes(); });
-    return run(sensor, true);
-  }
-  RecommendedSensor<double, kAxes> sensor(parameters, options.estimator.lag, followed);
-  return run(sensor, false);
+  std::optional<DriveChannel> channel;
+  if (!options.drive.empty()) channel.emplace(options.drive, options.reading.faults);
+  return firmware::with_recommended_sensor<double>(
+      {info.kind, channel || info.has_drive, parameters, options.estimator.lag,
+       options.point(&fits), options.followed.axis},
+      [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
+        if constexpr (firmware::kIdentifying<Sensor>) {
+          ReplayedDriveSensor<Sensor> sensor(channel ? &*channel : nullptr,
+                                             parameters.joint.drive.delay_s, arguments...);
+          summary.set_conclusion([&] { return sensor.conclude(); });
+          summary.set_drive([&] { return sensor.notes(); });
+          return run(sensor, true);
+        } else {
+          Sensor sensor(arguments...);
+          return run(sensor, false);
+        }
+      });
 }
 
 int replay(const ReplayOptions& options) {
@@ -227,21 +218,16 @@ int replay(const ReplayOptions& options) {
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
   const RecordingInfo& info = facebow.info();
   options.check(options.recording, info);
-  const bool has_pose = info.kind == SampleKind::three_points || info.kind == SampleKind::pose;
-  if (!options.jaw_point_mm.empty() && !has_pose) {
-    throw InputError(options.recording, "has no three points, so the jaw's pose is not known",
-                     "leave out --jaw-point-mm");
-  }
-  firmware::RunSettings settings;
-  settings.followed = options.followed;
-  settings.expects_drive = info.has_drive;
+  const firmware::RunSettings settings = facebow.run_settings(options.followed);
   options.estimator.refuse_if_published("--lag", options.estimator.lag > 0);
-  options.estimator.refuse_if_published("--jaw-point-mm=X Y Z", !options.jaw_point_mm.empty());
+  options.estimator.refuse_if_published("--jaw-point-mm", !options.jaw_point_mm.empty());
   options.estimator.refuse_if_published("--drive",
                                         !options.drive.empty() || options.drive_stated.is_given());
   if (!options.drive.empty() && info.has_drive) {
     throw InputError(options.recording, "has a drive of its own",
-                     "leave out --drive, or its column with --ignore-column drive_N");
+                     info.is_of_device
+                         ? "leave out --drive"
+                         : "leave out --drive, or its column with --ignore-column drive_N");
   }
   if (options.drive.empty() && options.drive_stated.is_given() && !info.has_drive) {
     throw InputError(options.recording, "has no drive that could be described",
@@ -250,9 +236,7 @@ int replay(const ReplayOptions& options) {
   if (options.estimator.is_published()) {
     return replay_published(options, facebow, clock, settings);
   }
-  return info.kind == SampleKind::one_axis
-             ? replay_recommended<1>(options, facebow, clock, settings)
-             : replay_recommended<3>(options, facebow, clock, settings);
+  return replay_recommended(options, facebow, clock, settings);
 }
 
 }  // namespace
@@ -269,17 +253,10 @@ Command add_replay(CommandLine app) {
   command
       .add_option("RECORDING", options->recording,
                   "CSV, Zebris text or XML, JAWS3D text, SSFF, session log (MCAP) or capture of "
-                  "USB traffic (pcap, pcapng), recognised by its content; or synth:SCENARIO.toml")
+                  "USB traffic (pcap, pcapng), recognised by its content; or sim:SCENARIO.toml")
       .required();
   options->estimator.add_to(command);
   options->RecordingChoice::add_to(command);
-  command
-      .add_option("--jaw-point-mm", options->jaw_point_mm,
-                  "X Y Z of a point fixed to the jaw, in the frame of the three points (origin "
-                  "point 1, x from point 3 to 2, z in their plane towards the middle of 2 and 3)")
-      .values(3)
-      .number_in({-1000, 1000})
-      .excludes("--point");
   command.add_option("--speed", options->speed, "0 as fast as possible, 1 real time")
       .number_in({0, 1e6})
       .show_default();

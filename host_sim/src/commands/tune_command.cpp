@@ -13,6 +13,7 @@
 #include "options/command_line.h"
 #include "options/recording_choice.h"
 #include "output/progress.h"
+#include "output/report_text.h"
 #include "tuning/likelihood_tuning.h"
 #include "tuning/published_recording.h"
 #include "tuning/published_tuning_report.h"
@@ -104,8 +105,7 @@ LikelihoodPlan plan_of(const TuneOptions& options, const RecommendedParameters& 
 // Says what it found.
 int report(const std::string& found, const std::vector<std::unique_ptr<OutputFile>>& files,
            int exit_code) {
-  print_output(fmt::format("condyle {}: research use only; this is no diagnosis\n{}{}",
-                           CONDYLE_VERSION, found, commit_all(files)));
+  print_output(banner() + found + commit_all(files));
   return exit_code;
 }
 
@@ -208,6 +208,7 @@ void check(const TuneOptions& options) {
     throw InputError(option, fmt::format("the criterion {} has no such thing", options.criterion),
                      fmt::format("leave it out, or give --criterion {}", criterion));
   };
+  refuse("--jaw-point-mm", !options.choice.jaw_point_mm.empty(), "likelihood");
   refuse("--noise-bounds-mm", !options.noise_mm.empty(), "likelihood");
   refuse("--jerk-density-bounds", !options.jerk_density.empty(), "likelihood");
   refuse("--tunings", !options.tunings.empty(), "published");
@@ -278,7 +279,10 @@ Command add_tune(CommandLine app) {
       "CSV file for all tunings that satisfy the criterion (published)");
   command.group("Output").add_option("--figures=FOLDER", options->figures,
                                      "Folder for figures (SVG and PNG)");
-  return [options] { return tune(*options); };
+  return [options] {
+    options->choice.reading.may_lack_ignored = options->recordings.size() > 1;
+    return tune(*options);
+  };
 }
 
 }  // namespace condyle::host

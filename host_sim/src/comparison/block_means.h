@@ -11,8 +11,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "evaluation/chi_square.h"
-#include "evaluation/moments.h"
+#include "statistics/chi_square.h"
+#include "statistics/moments.h"
 
 namespace condyle::host {
 

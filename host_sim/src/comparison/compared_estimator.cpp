@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "condyle/estimator/sensors/driven_sensor.h"
 #include "condyle/estimator/sensors/published_sensor.h"
+#include "condyle/firmware/sensor_choice.h"
 
 namespace condyle::host {
 namespace {
@@ -49,21 +49,6 @@ class ComparedRecommended final : public ComparedEstimator {
   Sensor sensor_;
 };
 
-template <int kAxes>
-std::unique_ptr<ComparedEstimator> make_recommended(const RecommendedParameters& parameters,
-                                                    int lag, FollowedCoordinate followed,
-                                                    bool has_drive) {
-  const bool adapts = parameters.noise.adaptation == Adaptation::on;
-  const FollowedPoint point{.point = followed.point};
-  if (has_drive) {
-    return std::make_unique<ComparedRecommended<DrivenSensor<double, kAxes>>>(
-        followed.axis, adapts, parameters, lag, point,
-        kAxes == 3 ? static_cast<int>(followed.axis) : 0);
-  }
-  return std::make_unique<ComparedRecommended<RecommendedSensor<double, kAxes>>>(
-      followed.axis, adapts, parameters, lag, point);
-}
-
 }  // namespace
 
 std::unique_ptr<ComparedEstimator> make_compared_estimator(const EstimatorOption& option,
@@ -80,9 +65,14 @@ std::unique_ptr<ComparedEstimator> make_compared_estimator(const EstimatorOption
   drive.apply(parameters.joint);
   refuse_long_step(parameters, seconds(facebow.expected_step_ns()), source, "its median step",
                    "check the unit of time_s");
-  return info.kind == SampleKind::one_axis
-             ? make_recommended<1>(parameters, option.lag, choice.followed, info.has_drive)
-             : make_recommended<3>(parameters, option.lag, choice.followed, info.has_drive);
+  const Axis axis = choice.followed.axis;
+  const bool adapts = parameters.noise.adaptation == Adaptation::on;
+  return firmware::with_recommended_sensor<double>(
+      {info.kind, info.has_drive, parameters, option.lag, choice.point(), axis},
+      [&]<class Sensor>(std::type_identity<Sensor>,
+                        const auto&... arguments) -> std::unique_ptr<ComparedEstimator> {
+        return std::make_unique<ComparedRecommended<Sensor>>(axis, adapts, arguments...);
+      });
 }
 
 }  // namespace condyle::host

@@ -8,8 +8,8 @@
 #include <filesystem>
 
 #include "condyle/firmware/run_loop.h"
-#include "evaluation/monte_carlo.h"
 #include "hosted/files/input_error.h"
+#include "statistics/monte_carlo.h"
 
 namespace condyle::host {
 namespace {
@@ -105,10 +105,7 @@ RecordingReport compare_recording(const std::string& source, const ComparisonPla
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
   const RecordingInfo& info = facebow.info();
   check_recording(source, info, plan);
-  firmware::RunSettings settings;
-  settings.followed = plan.choice.followed;
-  settings.expects_drive = info.has_drive;
-  settings.nominal_step_ns = facebow.expected_step_ns();
+  const firmware::RunSettings settings = facebow.run_settings(plan.choice.followed);
 
   RecordingReport report;
   report.step_s = seconds(settings.nominal_step_ns);
@@ -189,7 +186,7 @@ void check_recordings(const std::vector<std::string>& sources, const ComparisonP
     }
   }
   for (const std::string& source : sources) {
-    if (std::filesystem::is_fifo(source)) continue;  // a pipe is read once
+    if (std::filesystem::is_fifo(source_of(source).file)) continue;  // a pipe is read once
     check_recording(source, open_recording(source, plan.choice.reading)->info(), plan);
   }
 }

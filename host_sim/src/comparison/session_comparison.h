@@ -30,7 +30,7 @@
 #include <vector>
 
 #include "comparison/compared_recording.h"
-#include "evaluation/chi_square.h"
+#include "statistics/chi_square.h"
 
 namespace condyle::host {
 

@@ -39,7 +39,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "evaluation/chi_square.h"
+#include "statistics/chi_square.h"
 
 namespace condyle::host {
 

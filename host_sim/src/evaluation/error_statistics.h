@@ -17,8 +17,8 @@
 #include <cstdint>
 
 #include "condyle/estimator/provenance.h"
-#include "evaluation/chi_square.h"
-#include "evaluation/moments.h"
+#include "statistics/chi_square.h"
+#include "statistics/moments.h"
 
 namespace condyle::host {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "evaluation/evaluation_run.h"
-#include "evaluation/monte_carlo.h"
 #include "evaluation/response_slope.h"
+#include "statistics/monte_carlo.h"
 
 namespace condyle::host {
 

@@ -6,8 +6,10 @@
 #include <utility>
 
 #include "condyle/estimator/math/innovation_monitor.h"
-#include "condyle/estimator/sensors/driven_sensor.h"
 #include "condyle/estimator/sensors/published_sensor.h"
+#include "condyle/firmware/run_loop.h"
+#include "condyle/firmware/sensor_choice.h"
+#include "condyle/hal/clock.h"
 #include "estimation/estimate_row.h"
 
 namespace condyle::host {
@@ -101,42 +103,74 @@ class RunComparison {
   Moments friction_, mass_;  // true ones
 };
 
+// A simulated subject's facebow, and the truth of its samples. `add_drive(time_ns, force_N)` takes
+// the drive, before the samples that it leads to.
+template <class AddDrive>
+class SimulatedFacebow final : public hal::Facebow {
+ public:
+  SimulatedFacebow(const Scenario& scenario, std::uint64_t seed, AddDrive add_drive)
+      : simulation_(scenario, seed), add_drive_(add_drive) {}
+
+  hal::Status open() override { return hal::Status::ok; }
+  hal::Status read(TimeNs, Sample& sample) override {
+    while (used_ == data_.samples.size()) {
+      data_.clear();
+      used_ = 0;
+      if (!simulation_.advance(data_)) return hal::Status::end;
+      for (const Reading& reading : data_.drive) add_drive_(reading.time_ns, reading.values[0]);
+    }
+    last_truth_ = data_.truths.back();
+    truths_.push_back(last_truth_);
+    sample = data_.samples[used_++];
+    return hal::Status::ok;
+  }
+  void close() override {}
+
+  // Of the first sample whose truth was not taken yet.
+  SubjectTruth take_truth() {
+    const SubjectTruth truth = truths_.front();
+    truths_.pop_front();
+    return truth;
+  }
+  // Of the last sample.
+  const SubjectTruth& last_truth() const { return last_truth_; }
+
+ private:
+  Simulation simulation_;
+  AddDrive add_drive_;
+  SimulatedData data_;
+  std::size_t used_ = 0;
+  std::deque<SubjectTruth> truths_;
+  SubjectTruth last_truth_;
+};
+
 // One run of `scenario` through `sensor`. `row_of_step(sample, estimate)` gives a row, or none
 // while a lag fills. `last_truth` becomes that of the last sample.
 template <class Sensor, class RowOfStep>
 EvaluationRun run_through(const Scenario& scenario, std::uint64_t seed, double nominal_step_s,
                           const std::function<bool()>& should_stop, Sensor& sensor,
                           const RowOfStep& row_of_step, SubjectTruth& last_truth) {
-  Simulation simulation(scenario, seed);
-  SampleChecker checker(nanoseconds(nominal_step_s));
+  SimulatedFacebow facebow(
+      scenario, seed, [&sensor]([[maybe_unused]] TimeNs time_ns, [[maybe_unused]] double drive_N) {
+        if constexpr (requires { sensor.add_drive(TimeNs{}, 0.0); })
+          sensor.add_drive(time_ns, drive_N);
+      });
   RunComparison comparison(scenario.duration_s);
-  std::deque<SubjectTruth> truths;  // of the samples whose estimates are still to come
-  const auto compare = [&](const Sample& sample, const typename Sensor::Estimate& estimate) {
-    const std::optional<EstimateRow> row = row_of_step(sample, estimate);
-    if (!row) return;
-    comparison.add(*row, truths.front());
-    truths.pop_front();
-  };
-  SimulatedData data;
-  while (simulation.advance(data)) {
-    if (should_stop && should_stop()) break;
-    if constexpr (requires { sensor.add_drive(TimeNs{}, 0.0); }) {
-      for (const Reading& reading : data.drive)
-        sensor.add_drive(reading.time_ns, reading.values[0]);
-    }
-    for (const Sample& sample : data.samples) {
-      last_truth = data.truths.back();
-      truths.push_back(last_truth);
-      compare(sample, sensor.process(sample, checker.check(sample)));
-    }
-    data.clear();
-  }
-  typename Sensor::Estimate waiting;
-  while (sensor.drain(waiting)) compare({}, waiting);
+  hal::ManualClock clock;
+  firmware::RunSettings settings;
+  settings.nominal_step_ns = nanoseconds(nominal_step_s);
+  firmware::RunCounts counts;
+  (void)firmware::run(
+      facebow, clock, sensor, settings, counts,
+      [&](const Sample& sample, const typename Sensor::Estimate& estimate) {
+        const std::optional<EstimateRow> row = row_of_step(sample, estimate);
+        if (row) comparison.add(*row, facebow.take_truth());
+      },
+      [&] { return should_stop && should_stop(); });
+  last_truth = facebow.last_truth();
   return std::move(comparison).result();
 }
 
-template <int kAxes>
 EvaluationRun run_recommended(const Scenario& scenario, std::uint64_t seed,
                               const RecommendedSettings& settings,
                               const std::function<bool()>& should_stop) {
@@ -154,11 +188,13 @@ EvaluationRun run_recommended(const Scenario& scenario, std::uint64_t seed,
         },
         last_truth);
   };
-  if (scenario.drive.rate_Hz > 0) {
-    return run(DrivenSensor<double, kAxes>(settings.parameters, settings.lag, {},
-                                           kAxes == 3 ? static_cast<int>(scenario.axis) : 0));
-  }
-  return run(RecommendedSensor<double, kAxes>(settings.parameters, settings.lag));
+  const SampleKind kind =
+      scenario.facebow.gives_points ? SampleKind::three_points : SampleKind::one_axis;
+  return firmware::with_recommended_sensor<double>(
+      {kind, scenario.drive.rate_Hz > 0, settings.parameters, settings.lag, {}, scenario.axis},
+      [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
+        return run(Sensor(arguments...));
+      });
 }
 
 EvaluationRun run_published(const Scenario& scenario, std::uint64_t seed,
@@ -195,10 +231,7 @@ EvaluationRun evaluate_run(const Scenario& scenario, std::uint64_t seed,
   if (const auto* published = std::get_if<PublishedParameters>(&settings)) {
     return run_published(scenario, seed, *published, should_stop);
   }
-  const auto& recommended = std::get<RecommendedSettings>(settings);
-  return scenario.facebow.gives_points
-             ? run_recommended<3>(scenario, seed, recommended, should_stop)
-             : run_recommended<1>(scenario, seed, recommended, should_stop);
+  return run_recommended(scenario, seed, std::get<RecommendedSettings>(settings), should_stop);
 }
 
 }  // namespace condyle::host

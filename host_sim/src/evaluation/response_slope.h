@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "evaluation/chi_square.h"
+#include "statistics/chi_square.h"
 
 namespace condyle::host {
 

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fake/fake_arguments.h"
 #include "options/command_line.h"
+#include "options/recording_choice.h"
 
 namespace condyle::host::fake {
 
 void add_arguments(CommandLine command, FakeOptions& options) {
   command.add_option("--motion", options.motion,
-                     "Recording whose rows the reports hold, or synth:SCENARIO.toml; a simulated "
+                     "Recording whose rows the reports hold, or sim:SCENARIO.toml; a simulated "
                      "subject unless given");
+  add_reading_options(command.group("How the motion is read"), options.reading);
   command.add_flag("--no-repeat", options.stops_at_end, "Stop where the motion ends");
   command.add_option("--rate-Hz", options.rate_Hz, "Reports a second; the motion's unless given")
       .number_in({0.1, 8000});

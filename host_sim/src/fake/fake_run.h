@@ -9,7 +9,7 @@
 #include "fake/facebow_device.h"
 #include "fake/fault_script.h"
 #include "fake/transport.h"
-#include "simulation/random.h"
+#include "statistics/random.h"
 
 namespace condyle::host::fake {
 

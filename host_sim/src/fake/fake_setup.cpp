@@ -13,9 +13,9 @@ constexpr double kNominalRate_Hz = 500;
 
 Motion::Opener opener_of(const FakeOptions& options) {
   if (!options.motion.empty()) {
-    return [source = options.motion] {
-      return open_recording(source, {.faults = FaultPolicy::event});
-    };
+    RecordingOptions reading = options.reading;
+    reading.faults = FaultPolicy::event;
+    return [source = options.motion, reading] { return open_recording(source, reading); };
   }
   Scenario scenario;
   scenario.name = "a simulated subject";

@@ -9,11 +9,13 @@
 #include "fake/facebow_device.h"
 #include "fake/fake_run.h"
 #include "fake/fault_script.h"
+#include "recordings/recording.h"
 
 namespace condyle::host::fake {
 
 /// What the user asked of the fake facebow.
 struct FakeOptions {
+  RecordingOptions reading;       ///< of the motion
   std::string motion;             ///< a recording, as open_recording takes it; empty: a simulation
   bool stops_at_end = false;      ///< of the motion; else it repeats
   std::optional<double> rate_Hz;  ///< absent: the motion's

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "simulation/random.h"
+#include "statistics/random.h"
 
 namespace condyle::host::fake {
 

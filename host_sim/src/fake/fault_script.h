@@ -21,7 +21,7 @@
 #include <string_view>
 #include <vector>
 
-#include "condyle/estimator/published/parameters.h"
+#include "condyle/estimator/parameter_range.h"
 #include "condyle/estimator/sample.h"
 
 namespace condyle::host::fake {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/published/parameters.h"
+#include "condyle/estimator/parameter_range.h"
 #include "options/command_text.h"
 
 namespace CLI {

@@ -22,10 +22,11 @@ void EstimatorOption::add_to(CommandLine line) {
   command.add_option("--parameters=FILE", parameters, "TOML file with its parameters");
 }
 
-void EstimatorOption::refuse_if_published(const char* option, bool given) const {
+void EstimatorOption::refuse_if_published(const char* option, bool given,
+                                          const char* chosen_by) const {
   if (!is_published() || !given) return;
-  throw InputError(option, "is not supported by --estimator published",
-                   "leave it out, or give --estimator recommended");
+  throw InputError(option, fmt::format("is not supported by {} published", chosen_by),
+                   fmt::format("leave it out, or give {} recommended", chosen_by));
 }
 
 LoadedParameters EstimatorOption::load_published() const {

@@ -22,8 +22,9 @@ struct EstimatorOption {
 
   bool is_published() const { return name == "published"; }
   /// An InputError where `option`, which only the recommended estimator has, is `given` to the
-  /// published cascade.
-  void refuse_if_published(const char* option, bool given) const;
+  /// published cascade. `chosen_by`: the option that chose it.
+  void refuse_if_published(const char* option, bool given,
+                           const char* chosen_by = "--estimator") const;
 
   /// The parameters, each for its estimator.
   LoadedParameters load_published() const;

@@ -4,23 +4,38 @@
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/sample.h"
 #include "options/command_line.h"
+#include "recordings/followed_choice.h"
 #include "recordings/recording.h"
 
 namespace condyle::host {
 
+/// What --profile means in every command.
+inline constexpr const char* kProfileMeaning =
+    "TOML file that describes the device: what its reports mean";
+
+/// Whether a command can follow points of the jaw beside those of the instrument.
+enum class JawPoints { no, yes };
+
+/// Gives `command` --point, --axis and --jaw-point-mm, which fill `choice`; it must outlive them.
+void add_followed_options(CommandLine command, FollowedChoice& choice,
+                          JawPoints jaw_points = JawPoints::yes);
+
+/// Gives `command` --ignore-column, --profile, --unit and --movement, which fill `reading`; it must
+/// outlive them.
+void add_reading_options(CommandLine command, RecordingOptions& reading);
+
 /// How a command reads recordings and what of them it follows, as its options say.
-struct RecordingChoice {
-  FollowedCoordinate followed;
-  bool axis_given = false;
+struct RecordingChoice : FollowedChoice {
   RecordingOptions reading;
 
-  /// Gives `command` --point, --axis, --faults, --ignore-column, --profile, --unit and --movement,
-  /// which fill this; it must outlive them.
-  void add_to(CommandLine command);
+  /// Gives `command` the options above and --faults, --ignore-column, --profile, --unit and
+  /// --movement, which fill this; it must outlive them.
+  void add_to(CommandLine command, JawPoints jaw_points = JawPoints::yes);
   /// An InputError where the recording `source` does not have what is to be followed.
-  void check(const std::string& source, const RecordingInfo& info) const;
+  void check(const std::string& source, const RecordingInfo& info) const {
+    FollowedChoice::check(source, info.kind);
+  }
 };
 
 /// An InputError where two of `sources` are one recording.

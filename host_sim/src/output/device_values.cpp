@@ -7,11 +7,11 @@
 #include <memory>
 
 #include "condyle/hal/hid/profile_check.h"
-#include "condyle/hal/log/session_log_source.h"
 #include "condyle/hal/report/device_facebow.h"
 #include "hosted/config/device_profile_file.h"
 #include "hosted/devices/device_words.h"
-#include "hosted/files/byte_reader.h"
+#include "hosted/devices/log_device.h"
+#include "hosted/devices/source_spec.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/number_text.h"
 #include "recordings/device_recording.h"
@@ -88,23 +88,12 @@ void write_captured_values(const std::string& capture, const std::string& profil
 void write_logged_values(const std::string& log, const std::string& profile_path,
                          const std::string& folder, std::vector<std::unique_ptr<OutputFile>>& files,
                          std::vector<std::string>& notes) {
-  std::size_t sources = 1;
-  for (std::size_t i = 0; i < sources; ++i) {
-    hal::SessionLogSource source(log, i);
-    if (source.open() != hal::Status::ok) throw InputError(log, source.problem(), "");
-    sources = source.header().sources.size();
-    const hal::SessionSource& device = source.header().sources[i];
-    if (!hal::is_device(device)) continue;
-    hal::DeviceProfile profile =
-        i == 0 && !profile_path.empty()
-            ? load_device_profile(profile_path)
-            : parse_device_profile(log + ": the profile of " + device.name, device.profile_toml);
-    if (!has_values(profile)) continue;
-    complete_profile(profile, device.report_descriptor, log);
-    write_file(source, profile, folder, device.name, files, notes);
-    if (source.not_recorded() > 0) {
+  for (auto device = open_log_device(log, 0, profile_path, has_values); device;
+       device = open_log_device(log, device->index + 1, profile_path, has_values)) {
+    write_file(*device->reports, device->profile, folder, device->recorded().name, files, notes);
+    if (device->reports->not_recorded() > 0) {
       notes.back() += fmt::format("; the recorder had no room for {} reports and events",
-                                  source.not_recorded());
+                                  device->reports->not_recorded());
     }
   }
   const std::vector<SessionMarker> markers = read_markers(log);
@@ -122,21 +111,19 @@ std::vector<std::string> write_device_values(const std::string& recording,
                                              const std::string& profile_path,
                                              const std::string& folder,
                                              std::vector<std::unique_ptr<OutputFile>>& files) {
-  constexpr std::string_view file = "file:";
-  const std::string path = recording.starts_with(file) ? recording.substr(file.size()) : recording;
+  const std::string path = source_of(recording).file;
   std::vector<std::string> notes;
-  ByteReader reader(path);
-  const std::string_view start = reader.peek(8);
-  if (looks_like_capture(start)) {
-    write_captured_values(path, profile_path, folder, files, notes);
-  } else if (looks_like_session_log(start)) {
-    write_logged_values(path, profile_path, folder, files, notes);
-  }
-  const bool may_hold_values = looks_like_capture(start) || looks_like_session_log(start);
-  if (!may_hold_values) {
-    throw InputError(
-        path, "holds no value but position",
-        "leave --values out; a drive or auxiliary fields are in the profile of a device");
+  switch (report_file_at(path)) {
+    case ReportFile::capture:
+      write_captured_values(path, profile_path, folder, files, notes);
+      break;
+    case ReportFile::session_log:
+      write_logged_values(path, profile_path, folder, files, notes);
+      break;
+    case ReportFile::none:
+      throw InputError(
+          path, "holds no value but position",
+          "leave --values out; a drive or auxiliary fields are in the profile of a device");
   }
   if (files.empty()) notes.emplace_back("it holds no value but position: --values wrote no file");
   return notes;

@@ -1,116 +1,178 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output/estimates_file.h"
 
-#include <fmt/format.h>
+#include <array>
 
+#include "hosted/estimates/estimate_fields.h"
 #include "hosted/files/number_text.h"
 
 namespace condyle::host {
 namespace {
 
-std::string header(int axis_count, bool has_joint) {
-  std::string line =
-      "time_s,position_m,velocity_m_s,force_N,friction_Ns_m,mass_kg,position_sd_m,velocity_sd_m_s,"
-      "force_sd_N,friction_sd_Ns_m,mass_sd_kg,motion_nis,friction_nis,mass_nis,force_provenance,"
-      "friction_provenance,mass_provenance,events";
-  if (axis_count > 0) {
-    line +=
-        ",position_provenance,velocity_provenance,acceleration_provenance,acceleration_m_s2,"
-        "acceleration_sd_m_s2,"
-        "innovation_m,innovation_sd_m,noise_sd_m,jerk_density_m2_s5";
+// Columns after the time, with what `row` has in them: `number(name, value)` or `word(name, text)`.
+// `name()` gives the name, which a row does not need.
+template <class Visitor>
+class Columns {
+ public:
+  explicit Columns(Visitor& visitor) : visitor_(visitor) {}
+
+  void visit(const EstimateRow& row, int axis_count, bool has_joint) {
+    visit_leading(row);
+    visitor_.events([] { return "events"; }, row.events);
+    if (axis_count > 0) visit_followed(row);
+    for (int axis = 0; axis_count == 3 && axis < 3; ++axis) {
+      visit_axis("xyz"[axis], row.axes[axis]);
+    }
+    if (has_joint) visit_joint(row.joint);
   }
-  for (int axis = 0; axis_count == 3 && axis < 3; ++axis) {
-    line += fmt::format(
-        ",{0}_position_m,{0}_velocity_m_s,{0}_acceleration_m_s2,{0}_position_sd_m,"
-        "{0}_velocity_sd_m_s,{0}_acceleration_sd_m_s2,{0}_position_provenance,"
-        "{0}_velocity_provenance,{0}_acceleration_provenance",
-        "xyz"[axis]);
+
+ private:
+  struct Named {
+    QuantityName name;
+    const Quantity<double>* quantity;
+  };
+  using List = std::array<Named, 3>;
+
+  void value(const Named& of, const std::string& prefix = "") {
+    visitor_.number([&] { return prefix + of.name.value(); }, of.quantity->value);
   }
-  if (has_joint) {
-    line +=
-        ",friction_limit,mass_limit,stiffness_N_m,stiffness_sd_N_m,stiffness_provenance,offset_N,"
-        "offset_sd_N,offset_provenance,coulomb_N,coulomb_sd_N,coulomb_provenance,drive_delay_s,"
-        "drive_delay_sd_s,drive_delay_provenance";
+  void deviation(const Named& of, const std::string& prefix = "") {
+    visitor_.number([&] { return prefix + of.name.standard_deviation(); },
+                    of.quantity->standard_deviation);
   }
-  return line + '\n';
-}
+  void provenance(const Named& of, const std::string& prefix = "") {
+    visitor_.word([&] { return prefix + of.name.provenance(); },
+                  provenance_name(of.quantity->provenance));
+  }
+  static List motion_of(const AxisEstimate<double>& axis) {
+    List list{};
+    std::size_t count = 0;
+    visit_motion(axis, [&](QuantityName name, const Quantity<double>& quantity) {
+      list[count++] = {name, &quantity};
+    });
+    return list;
+  }
+
+  void visit_leading(const EstimateRow& row) {
+    // Position and velocity of any estimator; the acceleration comes later.
+    const List motion = motion_of(row.followed);
+    Named leading[] = {{motion[0].name, &row.position_m},
+                       {motion[1].name, &row.velocity_m_s},
+                       {kForceName, &row.force_N},
+                       {},
+                       {}};
+    std::size_t count = 3;
+    visit_friction_and_mass(row.friction_Ns_m, row.mass_kg,
+                            [&](QuantityName name, const Quantity<double>& quantity) {
+                              leading[count++] = {name, &quantity};
+                            });
+    for (const Named& of : leading) value(of);
+    for (const Named& of : leading) deviation(of);
+    visitor_.number([] { return "motion_nis"; }, row.motion_nis);
+    visitor_.number([] { return "friction_nis"; }, row.friction_nis);
+    visitor_.number([] { return "mass_nis"; }, row.mass_nis);
+    for (std::size_t i = 2; i < count; ++i) provenance(leading[i]);
+  }
+
+  void visit_followed(const EstimateRow& row) {
+    List motion = motion_of(row.followed);
+    motion[0].quantity = &row.position_m;
+    motion[1].quantity = &row.velocity_m_s;
+    for (const Named& of : motion) provenance(of);
+    value(motion[2]);
+    deviation(motion[2]);
+    visitor_.number([] { return kInnovationName; }, row.followed.innovation_m);
+    visitor_.number([] { return "innovation_sd_m"; }, row.followed.innovation_sd_m);
+    visitor_.number([] { return kNoiseName; }, row.followed.noise_sd_m);
+    visitor_.number([] { return "jerk_density_m2_s5"; }, row.followed.jerk_density_m2_s5);
+  }
+
+  void visit_axis(char letter, const AxisEstimate<double>& axis) {
+    const std::string prefix = {letter, '_'};
+    const List motion = motion_of(axis);
+    for (const Named& of : motion) value(of, prefix);
+    for (const Named& of : motion) deviation(of, prefix);
+    for (const Named& of : motion) provenance(of, prefix);
+  }
+
+  void visit_joint(const JointEstimate<double>& joint) {
+    visit_friction_and_mass(joint.friction_Ns_m, joint.mass_kg,
+                            [&](QuantityName name, const IdentifiedValue<double>& identified) {
+                              visitor_.word([&] { return name.limit(); },
+                                            limit_name(identified.limit));
+                            });
+    visit_identified_beside(joint,
+                            [&](QuantityName name, const IdentifiedValue<double>& identified) {
+                              const Named of{name, &identified.quantity};
+                              value(of);
+                              deviation(of);
+                              provenance(of);
+                            });
+  }
+
+  Visitor& visitor_;
+};
+
+// Collects the names.
+struct Header {
+  std::string line = "time_s";
+
+  template <class Name>
+  void number(const Name& name, double) {
+    (line += ',') += name();
+  }
+  template <class Name>
+  void word(const Name& name, const char*) {
+    (line += ',') += name();
+  }
+  template <class Name>
+  void events(const Name& name, EventSet) {
+    (line += ',') += name();
+  }
+};
+
+// Appends what is in the columns.
+struct Row {
+  std::string& line;
+
+  template <class Name>
+  void number(const Name&, double value) {
+    append_number(line += ',', value);
+  }
+  template <class Name>
+  void word(const Name&, const char* text) {
+    (line += ',') += text;
+  }
+  template <class Name>
+  void events(const Name&, EventSet events) {
+    line += ',';
+    bool first = true;
+    for (std::size_t i = 0; i < kEventCount; ++i) {
+      const auto event = static_cast<Event>(i);
+      if (!events.has(event)) continue;
+      if (!first) line += '|';
+      line += event_name(event);
+      first = false;
+    }
+  }
+};
 
 }  // namespace
 
 EstimatesFile::EstimatesFile(const std::string& path, int axis_count, bool has_joint)
     : file_(path), axis_count_(axis_count), has_joint_(has_joint) {
-  file_.write(header(axis_count, has_joint));
-}
-
-void EstimatesFile::append_field(double value) {
-  row_ += ',';
-  append_number(row_, value);
-}
-
-void EstimatesFile::append_field(const char* word) {
-  row_ += ',';
-  row_ += word;
+  Header header;
+  Columns<Header>(header).visit({}, axis_count, has_joint);
+  file_.write(header.line + '\n');
 }
 
 void EstimatesFile::write_row(const EstimateRow& row) {
   row_.clear();
   if (row.time_ns) append_time_s(row_, *row.time_ns);
-  const Quantity<double>* const quantities[] = {&row.position_m, &row.velocity_m_s, &row.force_N,
-                                                &row.friction_Ns_m, &row.mass_kg};
-  for (const Quantity<double>* quantity : quantities) append_field(quantity->value);
-  for (const Quantity<double>* quantity : quantities) append_field(quantity->standard_deviation);
-  append_field(row.motion_nis);
-  append_field(row.friction_nis);
-  append_field(row.mass_nis);
-  for (const Quantity<double>* quantity : {&row.force_N, &row.friction_Ns_m, &row.mass_kg}) {
-    append_field(provenance_name(quantity->provenance));
-  }
-  row_ += ',';
-  bool first = true;
-  for (std::size_t i = 0; i < kEventCount; ++i) {
-    const auto event = static_cast<Event>(i);
-    if (!row.events.has(event)) continue;
-    if (!first) row_ += '|';
-    row_ += event_name(event);
-    first = false;
-  }
-  if (axis_count_ > 0) append_axes(row);
-  if (has_joint_) append_joint(row.joint);
+  Row fields{row_};
+  Columns<Row>(fields).visit(row, axis_count_, has_joint_);
   row_ += '\n';
   file_.write(row_);
-}
-
-void EstimatesFile::append_axes(const EstimateRow& row) {
-  append_field(provenance_name(row.position_m.provenance));
-  append_field(provenance_name(row.velocity_m_s.provenance));
-  append_field(provenance_name(row.followed.acceleration_m_s2.provenance));
-  append_field(row.followed.acceleration_m_s2.value);
-  append_field(row.followed.acceleration_m_s2.standard_deviation);
-  append_field(row.followed.innovation_m);
-  append_field(row.followed.innovation_sd_m);
-  append_field(row.followed.noise_sd_m);
-  append_field(row.followed.jerk_density_m2_s5);
-  if (axis_count_ < 3) return;
-  for (const AxisEstimate<double>& axis : row.axes) {
-    const Quantity<double>* const quantities[] = {&axis.position_m, &axis.velocity_m_s,
-                                                  &axis.acceleration_m_s2};
-    for (const Quantity<double>* quantity : quantities) append_field(quantity->value);
-    for (const Quantity<double>* quantity : quantities) append_field(quantity->standard_deviation);
-    for (const Quantity<double>* quantity : quantities) {
-      append_field(provenance_name(quantity->provenance));
-    }
-  }
-}
-
-void EstimatesFile::append_joint(const JointEstimate<double>& joint) {
-  append_field(limit_name(joint.friction_Ns_m.limit));
-  append_field(limit_name(joint.mass_kg.limit));
-  for (const IdentifiedValue<double>* value :
-       {&joint.stiffness_N_m, &joint.offset_N, &joint.coulomb_N, &joint.delay_s}) {
-    append_field(value->quantity.value);
-    append_field(value->quantity.standard_deviation);
-    append_field(provenance_name(value->quantity.provenance));
-  }
 }
 
 }  // namespace condyle::host

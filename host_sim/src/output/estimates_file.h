@@ -22,11 +22,6 @@ class EstimatesFile {
   void commit() { file_.commit(); }
 
  private:
-  void append_field(double value);
-  void append_field(const char* word);
-  void append_axes(const EstimateRow& row);
-  void append_joint(const JointEstimate<double>& joint);
-
   OutputFile file_;
   int axis_count_;
   bool has_joint_;

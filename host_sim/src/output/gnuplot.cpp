@@ -21,9 +21,8 @@ namespace condyle::host {
 namespace {
 
 void note_failure(const std::string& problem) {
-  defer_problem(InputError(
-      "gnuplot", "cannot draw the figures: " + problem,
-      "install it (Debian package gnuplot-nox) or leave out --figures; all else was written"));
+  defer_problem(InputError("gnuplot", "cannot draw the figures: " + problem,
+                           "install it (Debian package gnuplot-nox); all else was written"));
 }
 
 // The absolute path of a program; empty where there is none. Relative folders of PATH are left

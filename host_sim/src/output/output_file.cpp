@@ -11,6 +11,7 @@
 #include <cstring>
 #include <system_error>
 
+#include "hosted/devices/source_spec.h"
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 
@@ -97,13 +98,6 @@ std::string commit_all(const std::vector<std::unique_ptr<OutputFile>>& files) {
 
 void refuse_same_files(const std::vector<std::string>& inputs,
                        const std::vector<std::string>& outputs) {
-  // A source may be named by its kind, as in synth:FILE.
-  const auto without_kind = [](const std::string& name) {
-    for (const char* const kind : {"file:", "synth:", "hid:", "usb:"}) {
-      if (name.starts_with(kind)) return name.substr(std::string_view(kind).size());
-    }
-    return name;
-  };
   const auto is_same = [](const std::string& a, const std::string& b) {
     std::error_code missing;
     return std::filesystem::equivalent(a, b, missing) ||
@@ -114,7 +108,7 @@ void refuse_same_files(const std::vector<std::string>& inputs,
     if (outputs[i].empty()) continue;
     for (const std::string& input : inputs) {
       if (!input.empty() &&
-          (is_same(input, outputs[i]) || is_same(without_kind(input), outputs[i]))) {
+          (is_same(input, outputs[i]) || is_same(source_of(input).file, outputs[i]))) {
         throw InputError(outputs[i], "is also an input", "write to another file");
       }
     }

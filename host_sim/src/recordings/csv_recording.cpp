@@ -29,25 +29,6 @@ struct Column {
   std::string name;
 };
 
-std::string_view unquote(std::string_view text) {
-  text = trim(text);
-  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') {
-    text = text.substr(1, text.size() - 2);
-  }
-  return text;
-}
-
-// Fields of a row, into `fields`, whose memory is used again from row to row.
-void split(std::string_view line, std::vector<std::string_view>& fields) {
-  fields.clear();
-  while (true) {
-    const std::size_t comma = line.find(',');
-    fields.push_back(unquote(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return;
-    line.remove_prefix(comma + 1);
-  }
-}
-
 // "p2_y_mm" to point 1, axis 1, unit "mm"; false for other names.
 bool parse_point_column(std::string_view name, std::size_t& coordinate, std::string_view& unit) {
   if (name.size() < 6 || name[0] != 'p' || name[1] < '1' || name[1] > '3' || name[2] != '_' ||
@@ -66,6 +47,7 @@ class CsvRecording final : public Recording {
         rows_(*reader_),
         rule_(options.faults),
         reads_drive_alone_(options.reads_drive_alone),
+        may_lack_ignored_(options.may_lack_ignored),
         drive_column_(options.drive_column) {
     read_header(options.ignored_columns);
   }
@@ -97,7 +79,7 @@ class CsvRecording final : public Recording {
       throw InputError(place(), "columns are not separated by commas",
                        "separate columns by commas and write decimals with points");
     }
-    split(line, fields_);
+    split_row(line, fields_);
     double first_value = 0;
     if (parse_number(fields_[0], first_value) != NumberStatus::not_a_number) {
       throw InputError(place(), "the first line does not name the columns",
@@ -105,6 +87,7 @@ class CsvRecording final : public Recording {
     }
     for (const std::string_view name : fields_) add_column(name, ignored);
     for (const std::string& name : ignored) {
+      if (may_lack_ignored_) break;
       if (std::find(fields_.begin(), fields_.end(), name) == fields_.end()) {
         throw InputError(place(), fmt::format("no column {} to ignore", quote(name)),
                          "check the name given to --ignore-column");
@@ -138,9 +121,11 @@ class CsvRecording final : public Recording {
       column.role = Column::Role::coordinate;
       seen_[column.coordinate] = true;
     } else {
-      throw InputError(fmt::format("{}: column {}", place(), quote(name)),
-                       "the column is not known",
-                       fmt::format("leave it out with --ignore-column '{}'; {}", name, kColumns));
+      throw InputError(
+          fmt::format("{}: column {}", place(), quote(name)), "the column is not known",
+          reads_drive_alone_
+              ? fmt::format("take it out of the file; {} is read", drive_column_)
+              : fmt::format("leave it out with --ignore-column '{}'; {}", name, kColumns));
     }
     if (unit == "mm") column.units_per_metre = 1000;
     const auto quantity = [](std::string_view full) { return full.substr(0, full.rfind('_')); };
@@ -150,7 +135,8 @@ class CsvRecording final : public Recording {
     if (repeated) {
       throw InputError(fmt::format("{}: column {}", place(), name),
                        "another column gives the same quantity",
-                       "leave one of them out with --ignore-column");
+                       reads_drive_alone_ ? "take one of them out of the file"
+                                          : "leave one of them out with --ignore-column");
     }
     columns_.push_back(column);
   }
@@ -185,7 +171,7 @@ class CsvRecording final : public Recording {
   }
 
   void parse_row(std::string_view line, Sample& sample) {
-    split(line, fields_);
+    split_row(line, fields_);
     if (fields_.size() != columns_.size()) {
       throw InputError(fmt::format("{}: column {}", place(),
                                    columns_[std::min(fields_.size(), columns_.size() - 1)].name),
@@ -233,7 +219,7 @@ class CsvRecording final : public Recording {
   std::unique_ptr<ByteReader> reader_;
   RowReader rows_;
   FaultRule rule_;
-  bool reads_drive_alone_;
+  bool reads_drive_alone_, may_lack_ignored_;
   std::string drive_column_;
   RecordingInfo info_;
   std::vector<Column> columns_;

@@ -3,15 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-
-#include "condyle/hal/hid/descriptor_profile.h"
 #include "condyle/hal/hid/profile_check.h"
-#include "condyle/hal/log/session_log_source.h"
 #include "condyle/hal/log/usbmon_capture.h"
 #include "condyle/hal/report/device_facebow.h"
 #include "hosted/config/device_profile_file.h"
 #include "hosted/devices/device_words.h"
+#include "hosted/devices/log_device.h"
 #include "hosted/files/input_error.h"
 #include "recordings/session_markers.h"
 
@@ -35,27 +32,27 @@ class DeviceRecording : public Recording {
     if constexpr (std::is_same_v<Source, hal::SessionLogSource>) {
       info_.parameters_toml = source_->header().parameters_toml;
     }
-    if (profile.rate_Hz > 0) info_.nominal_step_ns = nanoseconds(1 / profile.rate_Hz);
+    info_.nominal_step_ns = profile.nominal_step_ns();
   }
 
   bool next(Sample& sample) override {
-    for (;;) {
-      const hal::Status status = facebow_.read(hal::kNoDeadline, sample);
-      if (status == hal::Status::ok) {
-        ++samples_;
-        return true;
-      }
-      const bool goes_on =
-          status == hal::Status::bad_report ||
-          (status == hal::Status::disconnected && facebow_.open() == hal::Status::ok);
-      if (goes_on) continue;
-      describe_end();
-      return false;
-    }
+    hal::Status status = read(sample);
+    while (status != hal::Status::ok && status != hal::Status::end) status = read(sample);
+    return status == hal::Status::ok;
+  }
+  hal::Status read(Sample& sample) override {
+    const hal::Status status = facebow_.read(hal::kNoDeadline, sample);
+    if (status == hal::Status::ok) ++samples_;
+    const bool goes_on =
+        status == hal::Status::ok || status == hal::Status::bad_report ||
+        (status == hal::Status::disconnected && facebow_.open() == hal::Status::ok);
+    if (goes_on) return status;
+    describe_end();
+    return hal::Status::end;
   }
   const RecordingInfo& info() const override { return info_; }
   std::string place() const override { return fmt::format("{}: sample {}", path_, samples_); }
-  double progress() const override { return 0; }
+  double progress() const override { return source_->progress(); }
 
  private:
   void describe_end() {
@@ -92,60 +89,23 @@ class DeviceRecording : public Recording {
   bool has_ended_ = false;
 };
 
-template <class Source>
-void open_or_throw(const std::string& path, Source& source) {
-  const hal::Status status = source.open();
-  if (status == hal::Status::ok) return;
-  throw InputError(path, source.problem().empty() ? hal::status_name(status) : source.problem(),
-                   "name a file with the reports of a facebow");
+std::unique_ptr<Recording> recording_of(const std::string& path, LogDevice device) {
+  std::string format = fmt::format("session log of {}", device.profile.name);
+  return std::make_unique<DeviceRecording<hal::SessionLogSource>>(
+      path, std::move(device.reports), device.profile, std::move(format));
 }
 
 }  // namespace
 
-bool looks_like_session_log(std::string_view start) {
-  return start.starts_with("\x89MCAP0\r\n");
-}
-
-bool looks_like_capture(std::string_view start) {
-  // pcap in both byte orders, with micro- and nanoseconds, and pcapng.
-  for (const std::string_view magic : {"\xd4\xc3\xb2\xa1", "\xa1\xb2\xc3\xd4", "\x4d\x3c\xb2\xa1",
-                                       "\xa1\xb2\x3c\x4d", "\x0a\x0d\x0d\x0a"}) {
-    if (start.starts_with(magic)) return true;
-  }
-  return false;
-}
-
 std::unique_ptr<Recording> open_session_log(const std::string& path,
                                             const RecordingOptions& options) {
-  auto source = std::make_unique<hal::SessionLogSource>(path);
-  open_or_throw(path, *source);
-  const hal::SessionSource& device = source->header().sources.front();
-  hal::DeviceProfile profile =
-      options.profile.empty() ? parse_device_profile(path + ": its profile", device.profile_toml)
-                              : load_device_profile(options.profile);
-  require_position(profile, options.profile.empty() ? path + ": its profile" : options.profile);
-  complete_profile(profile, device.report_descriptor, path);
-  std::string format = fmt::format("session log of {}", profile.name);
-  return std::make_unique<DeviceRecording<hal::SessionLogSource>>(path, std::move(source), profile,
-                                                                  std::move(format));
+  return recording_of(path, open_log_facebow(path, options.profile));
 }
 
 std::unique_ptr<Recording> open_logged_drive(const std::string& path) {
-  std::size_t sources = 1;
-  for (std::size_t i = 0; i < sources; ++i) {
-    auto source = std::make_unique<hal::SessionLogSource>(path, i);
-    open_or_throw(path, *source);
-    sources = source->header().sources.size();
-    const hal::SessionSource& device = source->header().sources[i];
-    if (!hal::is_device(device)) continue;
-    hal::DeviceProfile profile =
-        parse_device_profile(path + ": the profile of " + device.name, device.profile_toml);
-    if (!profile.drive_N) continue;
-    complete_profile(profile, device.report_descriptor, path);
-    std::string format = fmt::format("session log of {}", profile.name);
-    return std::make_unique<DeviceRecording<hal::SessionLogSource>>(path, std::move(source),
-                                                                    profile, std::move(format));
-  }
+  auto device = open_log_device(
+      path, 0, "", [](const hal::DeviceProfile& profile) { return profile.drive_N.has_value(); });
+  if (device) return recording_of(path, std::move(*device));
   throw InputError(path, "no device in it measured a drive",
                    "name a session log with a [drive] in one of its profiles");
 }
@@ -158,8 +118,10 @@ std::unique_ptr<hal::UsbmonCapture> open_captured_reports(const std::string& pat
                                                                    .bus = {},
                                                                    .device = {},
                                                                    .endpoint = {}});
-  open_or_throw(path, *source);
-  return source;
+  const hal::Status status = source->open();
+  if (status == hal::Status::ok) return source;
+  throw InputError(path, source->problem().empty() ? hal::status_name(status) : source->problem(),
+                   "name a file with the reports of a facebow");
 }
 
 std::unique_ptr<Recording> open_capture(const std::string& path, const RecordingOptions& options) {

@@ -13,11 +13,6 @@
 
 namespace condyle::host {
 
-/// True where `start`, the beginning of a file, is that of a session log.
-bool looks_like_session_log(std::string_view start);
-/// True where it is that of a capture.
-bool looks_like_capture(std::string_view start);
-
 /// Reads the log's first device, by the profile that it holds or by `options.profile`.
 std::unique_ptr<Recording> open_session_log(const std::string& path,
                                             const RecordingOptions& options);

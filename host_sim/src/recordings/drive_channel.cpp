@@ -6,14 +6,13 @@
 #include <algorithm>
 #include <limits>
 
-#include "hosted/files/byte_reader.h"
 #include "hosted/files/input_error.h"
 #include "recordings/device_recording.h"
 
 namespace condyle::host {
 
 DriveChannel::DriveChannel(std::string path, FaultPolicy faults) : path_(std::move(path)) {
-  if (looks_like_session_log(ByteReader(path_).peek(8))) {
+  if (report_file_at(path_) == ReportFile::session_log) {
     recording_ = open_logged_drive(path_);
     return;
   }

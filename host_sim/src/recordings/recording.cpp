@@ -4,7 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <mutex>
+#include <set>
 
+#include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "recordings/device_recording.h"
 #include "recordings/recording_formats.h"
@@ -23,6 +28,15 @@ bool is_text(std::string_view start) {
     const auto byte = static_cast<unsigned char>(c);
     return (byte < 0x20 && c != '\n' && c != '\r' && c != '\t' && c != '\f') || byte == 0x7f;
   });
+}
+
+// Whether the file is a device's profile, which must name a vendor, as no scenario does.
+bool describes_device(const std::string& path) {
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    if (trim(line).starts_with("vendor_id")) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -53,6 +67,20 @@ bool FaultRule::accept(NumberStatus status, const std::string& place, std::strin
       break;
   }
   return false;
+}
+
+void split_row(std::string_view row, std::vector<std::string_view>& fields) {
+  fields.clear();
+  while (true) {
+    const std::size_t comma = row.find(',');
+    std::string_view field = trim(row.substr(0, comma));
+    if (field.size() >= 2 && field.front() == '"' && field.back() == '"') {
+      field = field.substr(1, field.size() - 2);
+    }
+    fields.push_back(field);
+    if (comma == std::string_view::npos) return;
+    row.remove_prefix(comma + 1);
+  }
 }
 
 bool RowReader::next(std::string_view& row) {
@@ -88,11 +116,42 @@ TimeNs regular_time_ns(TimeNs start_ns, std::uint64_t index, double step_s,
   return start_ns + nanoseconds(since_start_s);
 }
 
+SourceSpec recording_source(const std::string& text) {
+  SourceSpec source = source_of(text);
+  if (source.kind != SourceKind::synth || describes_device(source.file)) return source;
+  source.kind = SourceKind::sim;
+  static std::mutex mutex;
+  static std::set<std::string> noted;
+  const std::lock_guard lock(mutex);
+  if (noted.insert(text).second) {
+    const std::string note = fmt::format(
+        "condyle: note: {} is a scenario; write sim:{}, for synth: takes the profile of a device\n",
+        text, source.file);
+    std::fputs(clean_lines(note).c_str(), stderr);
+  }
+  return source;
+}
+
 std::unique_ptr<Recording> open_recording(const std::string& source,
                                           const RecordingOptions& options) {
-  constexpr std::string_view simulated = "synth:", file = "file:";
-  if (source.starts_with(simulated)) return open_simulation(source.substr(simulated.size()));
-  const std::string path = source.starts_with(file) ? source.substr(file.size()) : source;
+  const SourceSpec spec = recording_source(source);
+  const std::string& path = spec.file;
+  switch (spec.kind) {
+    case SourceKind::file:
+      break;
+    case SourceKind::sim:
+      return open_simulation(path);
+    case SourceKind::hid:
+    case SourceKind::usb:
+      throw InputError(
+          source, "is a device, not a recording",
+          fmt::format("record it first: condyle record --profile {} --backend {} --out "
+                      "session.mcap",
+                      quote(path), backend_of(spec.kind)));
+    case SourceKind::synth:
+      throw InputError(source, "is a made-up device, which never ends",
+                       "name a recording, or a simulated subject with sim:SCENARIO.toml");
+  }
   auto reader = std::make_unique<ByteReader>(path);
   std::string_view start = reader->peek(4096);
   if (start.substr(0, 2) == "\xff\xfe" || start.substr(0, 2) == "\xfe\xff") {
@@ -108,7 +167,9 @@ std::unique_ptr<Recording> open_recording(const std::string& source,
       throw InputError(path, fmt::format("{} goes with {}", option, format), "leave it out");
     }
   };
-  const bool is_log = looks_like_session_log(start), is_capture = looks_like_capture(start);
+  const ReportFile report_file = report_file_of(start);
+  const bool is_log = report_file == ReportFile::session_log;
+  const bool is_capture = report_file == ReportFile::capture;
   only_for(!options.profile.empty() && !is_log && !is_capture, "--profile",
            "session logs and captures");
   if (options.reads_drive_alone && (is_log || is_capture || !is_text(start))) {

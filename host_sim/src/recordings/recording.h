@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "condyle/estimator/sample.h"
+#include "condyle/hal/status.h"
+#include "hosted/devices/source_spec.h"
 
 namespace condyle::host {
 
@@ -22,6 +24,7 @@ enum class FaultPolicy {
 struct RecordingOptions {
   FaultPolicy faults = FaultPolicy::refuse;
   std::vector<std::string> ignored_columns;  ///< CSV columns that are not read
+  bool may_lack_ignored = false;             ///< one of several recordings: not all have them
   std::optional<double> units_per_metre;     ///< 1000: mm; for formats that do not state their unit
   int movement = 1;                          ///< which movement of a Zebris XML file, from 1
   std::string profile;                       ///< TOML file with the profile of a device
@@ -44,8 +47,13 @@ struct RecordingInfo {
 class Recording {
  public:
   virtual ~Recording() = default;
-  /// Next sample; false at the end.
+  /// Next sample; false at the end. What a device did between samples is passed over.
   virtual bool next(Sample& sample) = 0;
+  /// The next sample or what came instead, as it was live: ok, bad_report, disconnected (the next
+  /// call goes on) or end.
+  virtual hal::Status read(Sample& sample) {
+    return next(sample) ? hal::Status::ok : hal::Status::end;
+  }
   virtual const RecordingInfo& info() const = 0;
   /// Where the sample last returned stands: "FILE:LINE", or the like for files without lines.
   virtual std::string place() const = 0;
@@ -53,8 +61,12 @@ class Recording {
   virtual double progress() const = 0;
 };
 
-/// Opens `source`: the path of a recording (also "file:PATH"), recognised by its content, or
-/// "synth:SCENARIO.toml", simulated while it is read.
+/// The source that `text` names (hosted/devices/source_spec.h). synth:SCENARIO, as sim:SCENARIO was
+/// once written, still means that; the error output then says, once for each, how to write it.
+SourceSpec recording_source(const std::string& text);
+
+/// Opens `source`: "PATH" or "file:PATH", a recording, recognised by its content; or
+/// "sim:SCENARIO.toml", simulated while it is read. An InputError for a device.
 std::unique_ptr<Recording> open_recording(const std::string& source,
                                           const RecordingOptions& options);
 

@@ -42,6 +42,10 @@ class RowReader {
   std::uint64_t line_ = 0;
 };
 
+/// Fields of a row of CSV, without spaces and quotes around them, into `fields`, whose memory is
+/// used again from row to row.
+void split_row(std::string_view row, std::vector<std::string_view>& fields);
+
 /// True where `start`, the beginning of a file, has the two header lines of ArtiSynth probe text.
 bool looks_like_probe_text(std::string_view start);
 

@@ -17,27 +17,43 @@ ReplayFacebow::ReplayFacebow(std::string path, RecordingOptions options, double 
     : path_(std::move(path)), options_(std::move(options)), speed_(speed), clock_(clock) {}
 
 hal::Status ReplayFacebow::open() {
+  if (std::exchange(is_away_, false)) return hal::Status::ok;
   close();
   problem_.clear();
   try {
     recording_ = open_recording(path_, options_);
-    Sample sample;
-    while (ahead_.size() < kLookAhead && fetch(sample)) ahead_.push_back(sample);
-    if (ahead_.empty()) {
+    std::size_t samples = 0;
+    while (samples < kLookAhead && fetch()) {
+      if (ahead_.back().status == hal::Status::ok) ++samples;
+    }
+    if (samples == 0) {
       throw InputError(path_, "has no samples", "name a recording with at least one row");
     }
   } catch (const InputError& error) {
     close();
     problem_ = error.what();
-    if (access(path_.c_str(), F_OK) != 0) return hal::Status::not_found;
-    return access(path_.c_str(), R_OK) != 0 ? hal::Status::not_permitted : hal::Status::bad_report;
+    const std::string file = source_of(path_).file;
+    if (access(file.c_str(), F_OK) != 0) return hal::Status::not_found;
+    return access(file.c_str(), R_OK) != 0 ? hal::Status::not_permitted : hal::Status::bad_report;
   }
   find_median_step();
   return hal::Status::ok;
 }
 
-bool ReplayFacebow::fetch(Sample& sample) {
-  if (!recording_->next(sample)) return false;
+// False at the end.
+bool ReplayFacebow::fetch() {
+  Arrival arrival;
+  Sample& sample = arrival.sample;
+  arrival.status = recording_->read(sample);
+  if (arrival.status == hal::Status::end) return false;
+  if (arrival.status != hal::Status::ok) {
+    if (!ahead_.empty() && ahead_.back().status == arrival.status) {
+      ++ahead_.back().times;
+    } else {
+      ahead_.push_back(arrival);
+    }
+    return true;
+  }
   if (sample.time_valid) {
     if (previous_time_ns_ && sample.time_ns < *previous_time_ns_ &&
         options_.faults == FaultPolicy::refuse) {
@@ -48,14 +64,15 @@ bool ReplayFacebow::fetch(Sample& sample) {
     }
     previous_time_ns_ = sample.time_ns;
   }
+  ahead_.push_back(arrival);
   return true;
 }
 
 void ReplayFacebow::find_median_step() {
   std::vector<TimeNs> steps;
   std::optional<TimeNs> previous;
-  for (const Sample& sample : ahead_) {
-    if (!sample.time_valid) continue;
+  for (const auto& [status, sample, times] : ahead_) {
+    if (status != hal::Status::ok || !sample.time_valid) continue;
     if (previous && sample.time_ns > *previous) steps.push_back(sample.time_ns - *previous);
     previous = sample.time_ns;
   }
@@ -68,19 +85,23 @@ void ReplayFacebow::find_median_step() {
 }
 
 hal::Status ReplayFacebow::read(TimeNs deadline_ns, Sample& sample) {
-  if (!recording_) return hal::Status::not_open;
+  if (!recording_ || is_away_) return hal::Status::not_open;
   if (!problem_.empty()) return hal::Status::end;
   if (ahead_.empty()) {
-    Sample fetched;
     try {
-      if (!fetch(fetched)) return hal::Status::end;
+      if (!fetch()) return hal::Status::end;
     } catch (const InputError& error) {
       problem_ = error.what();
       return hal::Status::bad_report;
     }
-    ahead_.push_back(fetched);
   }
-  const Sample& due = ahead_.front();
+  Arrival& arrival = ahead_.front();
+  if (const hal::Status status = arrival.status; status != hal::Status::ok) {
+    if (--arrival.times == 0) ahead_.pop_front();
+    is_away_ = status == hal::Status::disconnected;
+    return status;
+  }
+  const Sample& due = arrival.sample;
   if (speed_ > 0 && due.time_valid) {
     if (!start_ns_) {
       start_ns_ = clock_.now_ns();
@@ -99,8 +120,18 @@ hal::Status ReplayFacebow::read(TimeNs deadline_ns, Sample& sample) {
   return hal::Status::ok;
 }
 
+firmware::RunSettings ReplayFacebow::run_settings(FollowedCoordinate followed) const {
+  firmware::RunSettings settings;
+  settings.followed = followed;
+  settings.expects_drive = info().has_drive;
+  settings.nominal_step_ns = expected_step_ns();
+  settings.reopen_pause_ns = 1;  // it is back at once
+  return settings;
+}
+
 void ReplayFacebow::close() {
   recording_.reset();
+  is_away_ = false;
   ahead_.clear();
   previous_time_ns_.reset();
   start_ns_.reset();

@@ -6,13 +6,15 @@
 #include <optional>
 #include <string>
 
+#include "condyle/firmware/run_loop.h"
 #include "condyle/hal/clock.h"
 #include "condyle/hal/facebow.h"
 #include "recordings/recording.h"
 
 namespace condyle::host {
 
-/// A recording behind the facebow interface.
+/// A recording behind the facebow interface. Bad reports and disconnections of a recorded device
+/// come as they came live; opened after a disconnection, it goes on behind it, else at the start.
 class ReplayFacebow final : public hal::Facebow {
  public:
   /// Samples looked at when opened, to find the recording's median step in bounded memory.
@@ -37,11 +39,20 @@ class ReplayFacebow final : public hal::Facebow {
   TimeNs expected_step_ns() const {
     return (info().is_of_device ? info().nominal_step_ns : median_step_ns_).value_or(0);
   }
+  /// How the run loop is to read it.
+  firmware::RunSettings run_settings(FollowedCoordinate followed) const;
   /// Share of the recording read so far, 0 to 1.
   double progress() const { return recording_ ? recording_->progress() : 0; }
 
  private:
-  bool fetch(Sample& sample);
+  // What the recording gave: a sample, or so many times something else.
+  struct Arrival {
+    hal::Status status = hal::Status::ok;
+    Sample sample;
+    std::uint64_t times = 1;
+  };
+
+  bool fetch();
   void find_median_step();
 
   std::string path_;
@@ -49,7 +60,8 @@ class ReplayFacebow final : public hal::Facebow {
   double speed_;
   hal::Clock& clock_;
   std::unique_ptr<Recording> recording_;
-  std::deque<Sample> ahead_;
+  std::deque<Arrival> ahead_;
+  bool is_away_ = false;  // disconnected was given
   std::optional<TimeNs> median_step_ns_;
   std::optional<TimeNs> previous_time_ns_;
   // Replay's time zero, on the clock and in the recording.

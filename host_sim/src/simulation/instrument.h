@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "condyle/estimator/sample.h"
-#include "simulation/random.h"
 #include "simulation/subject.h"
+#include "statistics/random.h"
 
 namespace condyle::host {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A subject seen by instruments: what `condyle simulate` writes, `synth:` plays live and
+// A subject seen by instruments: what `condyle simulate` writes, `sim:` plays live and
 // `condyle evaluate` repeats over seeds.
 #pragma once
 

@@ -22,8 +22,8 @@
 
 #include "simulation/friction.h"
 #include "simulation/jaw.h"
-#include "simulation/random.h"
 #include "simulation/reference_motion.h"
+#include "statistics/random.h"
 
 namespace condyle::host {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "simulation/random.h"
+#include "statistics/random.h"
 
 namespace condyle::host {
 namespace {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "evaluation/monte_carlo.h"
+#include "statistics/monte_carlo.h"
 
 namespace condyle::host {
 

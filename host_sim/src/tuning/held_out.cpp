@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "condyle/estimator/math/innovation_monitor.h"
-#include "evaluation/moments.h"
+#include "statistics/moments.h"
 
 namespace condyle::host {
 namespace {

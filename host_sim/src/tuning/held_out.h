@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/chi_square.h"
+#include "statistics/chi_square.h"
 #include "tuning/innovation_likelihood.h"
 
 namespace condyle::host {

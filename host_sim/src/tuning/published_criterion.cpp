@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "hosted/files/input_error.h"
-#include "simulation/random.h"
+#include "statistics/random.h"
 #include "tuning/bounded_search.h"
 
 namespace condyle::host {

@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "condyle/estimator/published/parameters.h"
-#include "evaluation/monte_carlo.h"
+#include "statistics/monte_carlo.h"
 #include "tuning/published_judgement.h"
 
 namespace condyle::host {

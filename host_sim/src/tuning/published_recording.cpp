@@ -55,8 +55,9 @@ PublishedRecording read_for_published(const std::string& path, const RecordingCh
   PublishedRecording recording;
   recording.name = path;
   recording.sample_time_s = sample_time_s ? *sample_time_s : seconds(*facebow.median_step_ns());
-  firmware::RunSettings settings;
-  settings.followed = choice.followed;
+  firmware::RunSettings settings = facebow.run_settings(choice.followed);
+  settings.expects_drive = false;  // it takes none
+  settings.nominal_step_ns = 0;    // no gaps are looked for
   PositionKeeper keeper(choice.followed, recording.position_m);
   firmware::RunCounts counts;
   (void)firmware::run(
@@ -70,9 +71,14 @@ PublishedRecording read_for_published(const std::string& path, const RecordingCh
                recording.position_m.size() >= most_samples;
       });
   if (!facebow.problem().empty()) throw InputError(facebow.problem());
-  Sample more;
-  recording.is_cut = recording.position_m.size() >= most_samples &&
-                     facebow.read(clock.now_ns(), more) == hal::Status::ok;
+  if (recording.position_m.size() >= most_samples) {
+    Sample more;
+    hal::Status status = facebow.read(clock.now_ns(), more);
+    while (status == hal::Status::bad_report && facebow.problem().empty()) {
+      status = facebow.read(clock.now_ns(), more);
+    }
+    recording.is_cut = status == hal::Status::ok || status == hal::Status::disconnected;
+  }
   return recording;
 }
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "evaluation/moments.h"
 #include "quality/sixth_differences.h"
+#include "statistics/moments.h"
 
 namespace condyle::host {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "condyle/estimator/math/innovation_monitor.h"
-#include "condyle/estimator/sensors/recommended_sensor.h"
 #include "condyle/firmware/run_loop.h"
+#include "condyle/firmware/sensor_choice.h"
 #include "condyle/hal/clock.h"
 #include "hosted/files/input_error.h"
 #include "options/estimator_option.h"
@@ -72,38 +72,40 @@ class SampleCollector {
   double highest_m_ = std::numeric_limits<double>::quiet_NaN();
 };
 
-template <int kAxes>
 void collect(ReplayFacebow& facebow, hal::Clock& clock, const TuningInput& input,
              const std::string& path, SampleCollector& collector,
              const std::function<void(double)>& show, const std::function<bool()>& should_stop) {
-  firmware::RunSettings settings;
-  settings.followed = input.choice.followed;
-  settings.nominal_step_ns = facebow.expected_step_ns();
+  firmware::RunSettings settings = facebow.run_settings(input.choice.followed);
+  settings.expects_drive = false;  // it takes none
   RecommendedParameters parameters = input.parameters;
   parameters.noise.adaptation = Adaptation::on;
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), path, "its median step",
                    "check the unit of time_s");
-  RecommendedSensor<double, kAxes> sensor(parameters, kHindsight,
-                                          FollowedPoint{.point = input.choice.followed.point});
-  const int axis = kAxes == 3 ? static_cast<int>(input.choice.followed.axis) : 0;
-  firmware::RunCounts counts;
-  (void)firmware::run(
-      facebow, clock, sensor, settings, counts,
-      [&](const Sample&, const RecommendedEstimate<double>& estimate) {
-        collector.add(estimate, axis);
-        show(facebow.progress());
-      },
-      [&] { return should_stop() || !facebow.problem().empty(); });
+  firmware::with_axes(facebow.info().kind, input.choice.followed.axis, [&](auto axes, int axis) {
+    RecommendedSensor<double, decltype(axes)::value> sensor(parameters, kHindsight,
+                                                            input.choice.point());
+    firmware::RunCounts counts;
+    (void)firmware::run(
+        facebow, clock, sensor, settings, counts,
+        [&](const Sample&, const RecommendedEstimate<double>& estimate) {
+          collector.add(estimate, axis);
+          show(facebow.progress());
+        },
+        [&] { return should_stop() || !facebow.problem().empty(); });
+  });
   if (!facebow.problem().empty()) throw InputError(facebow.problem());
 }
 
 // Refuses what nothing can be learned from.
-void check_positions(const TuningRecording& recording, bool has_moved, const std::string& path) {
+void check_positions(const TuningRecording& recording, SampleKind kind, bool has_moved,
+                     const std::string& path) {
+  const std::string other =
+      kind == SampleKind::one_axis ? "" : "follow another axis (--axis) or point (--point), or ";
   if (recording.seen >= kFewestTuned && !has_moved) {
     throw InputError(path,
                      "its position along the followed axis is never there, or never changes: there "
                      "is neither noise nor motion to tune to",
-                     "follow another --point or --axis, or record a jaw that moves");
+                     other + "record a jaw that moves");
   }
   if (recording.innovations < kFewestTuned) {
     throw InputError(
@@ -111,7 +113,7 @@ void check_positions(const TuningRecording& recording, bool has_moved, const std
         fmt::format("has {} usable positions along the followed axis, of {} samples, "
                     "and {} in a row long enough to learn from; tuning needs {}",
                     recording.usable, recording.seen, recording.innovations, kFewestTuned),
-        "record longer, or follow another --point or --axis");
+        other + "record longer");
   }
 }
 
@@ -157,11 +159,7 @@ TuningRecording read_for_tuning(const std::string& path, const TuningInput& inpu
   recording.median_step_s = seconds(*facebow.median_step_ns());
   StretchKeeper keeper(input.most_samples);
   SampleCollector collector(keeper, recording);
-  if (info.kind == SampleKind::one_axis) {
-    collect<1>(facebow, clock, input, path, collector, show, should_stop);
-  } else {
-    collect<3>(facebow, clock, input, path, collector, show, should_stop);
-  }
+  collect(facebow, clock, input, path, collector, show, should_stop);
   recording.seen = keeper.seen();
   recording.samples = keeper.take();
   recording.usable = static_cast<std::size_t>(
@@ -172,7 +170,7 @@ TuningRecording read_for_tuning(const std::string& path, const TuningInput& inpu
                       [&](std::size_t, const Innovation&) { ++recording.innovations; });
   recording.filtered_lag = collector.monitor().filtered_lag();
   recording.neighbours = collector.monitor().noise_correlation(1);
-  if (!should_stop()) check_positions(recording, collector.has_moved(), path);
+  if (!should_stop()) check_positions(recording, info.kind, collector.has_moved(), path);
   return recording;
 }
 

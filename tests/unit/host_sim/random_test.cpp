@@ -2,7 +2,7 @@
 // The generator against its published numbers, and its distributions. Seeds are fixed, so a test
 // either always passes or always fails; each bound states how often a right generator under a
 // random seed would exceed it.
-#include "simulation/random.h"
+#include "statistics/random.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

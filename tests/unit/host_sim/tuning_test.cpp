@@ -8,7 +8,7 @@
 
 #include "condyle/estimator/motion/recommended_estimator.h"
 #include "hosted/files/input_error.h"
-#include "simulation/random.h"
+#include "statistics/random.h"
 #include "support/temporary_folder.h"
 #include "tuning/bounded_search.h"
 #include "tuning/innovation_likelihood.h"

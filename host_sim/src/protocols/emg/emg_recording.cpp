@@ -14,16 +14,6 @@
 namespace condyle::host {
 namespace {
 
-void split(std::string_view line, std::vector<std::string_view>& fields) {
-  fields.clear();
-  while (true) {
-    const std::size_t comma = line.find(',');
-    fields.push_back(trim(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return;
-    line.remove_prefix(comma + 1);
-  }
-}
-
 // Rows of the file as they stand there, times apart.
 class EmgFile {
  public:
@@ -31,7 +21,7 @@ class EmgFile {
       : reader_(path), rows_(reader_), rule_(faults), channels_(muscles.channels) {
     std::string_view line;
     if (!rows_.next(line)) line = {};
-    split(line, fields_);
+    split_row(line, fields_);
     columns_ = fields_.size();
     time_ = find("time_s", "name the column with the time in seconds");
     std::string names;
@@ -46,7 +36,7 @@ class EmgFile {
   bool next(EmgRecording& recording) {
     std::string_view line;
     if (!rows_.next(line)) return false;
-    split(line, fields_);
+    split_row(line, fields_);
     if (fields_.size() != columns_) {
       throw InputError(
           place(),

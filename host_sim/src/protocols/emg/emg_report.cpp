@@ -37,19 +37,6 @@ void append_row(std::string& rows, TimeNs time_ns, const EmgEstimate<double>& es
   rows += '\n';
 }
 
-void check_layout(const Recording& recording, const EmgSource& source) {
-  const RecordingInfo& info = recording.info();
-  if (!is_available(info.kind, source.followed)) {
-    throw InputError(source.recording,
-                     fmt::format("has one point, not point {}", source.followed.point),
-                     "leave out --point");
-  }
-  if (info.kind == SampleKind::one_axis && source.axis_given) {
-    throw InputError(source.recording, "has one axis, so there is none to choose",
-                     "leave out --axis");
-  }
-}
-
 // Why a value is not derived, for the user.
 std::string explain(EmgLimit limit) {
   switch (limit) {
@@ -120,7 +107,8 @@ std::string count_notes(const EmgResult& result) {
   note(result.counts.emg_not_finite, "rows of EMG left out: a value is not known");
   note(result.counts.emg_not_in_order, "rows of EMG left out: not in order of time");
   note(result.counts.emg_gaps, "gaps of the EMG");
-  note(result.counts.out_of_reach, "times out of the jaw's reach; check [jaw], --axis and --point");
+  note(result.counts.out_of_reach,
+       "times out of the jaw's reach; check [jaw] and what is followed");
   note(result.counts.positions_too_early, "positions without EMG");
   note(result.counts.positions_dropped, "positions dropped, waiting for EMG");
   note(result.estimate.restarts, "times the identification started anew");
@@ -136,14 +124,16 @@ EmgResult identify_from_emg(const EmgSource& source, const MuscleFile& muscles) 
   result.emg = read_emg(source.emg, muscles, source.emg_reading);
   const std::vector<EmgRow> rows = std::move(result.emg.rows);
   result.emg_rows = rows.size();
-  const auto recording = open_recording(source.recording, source.reading);
-  check_layout(*recording, source);
+  const auto recording = open_recording(source.recording, source.choice.reading);
+  source.choice.check(source.recording, recording->info());
   EmgTimeline<double> timeline(muscles.identification, muscles.set, -result.emg.delay_s);
   if (source.keeps_rows) result.rows = kRowHeader;
   std::size_t next = 0;
+  FollowedPositions positions(source.choice);
   Sample sample;
   while (recording->next(sample)) {
-    if (!sample.time_valid || !sample.position_valid) {
+    const std::optional<double> position_m = positions.position_m(sample);
+    if (!sample.time_valid || !position_m) {
       ++result.positions_missing;
       continue;
     }
@@ -151,8 +141,7 @@ EmgResult identify_from_emg(const EmgSource& source, const MuscleFile& muscles) 
       timeline.add_emg(rows[next].time_ns, rows[next].excitation);
       ++next;
     }
-    timeline.add_position(sample.time_ns, followed_position_m(sample, source.followed),
-                          source.noise_sd_m);
+    timeline.add_position(sample.time_ns, *position_m, source.noise_sd_m);
     ++result.positions;
     if (source.keeps_rows) append_row(result.rows, sample.time_ns, timeline.estimate());
   }

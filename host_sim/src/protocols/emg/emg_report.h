@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "options/recording_choice.h"
 #include "protocols/emg/emg_recording.h"
 
 namespace condyle::host {
@@ -11,10 +12,8 @@ namespace condyle::host {
 /// What to identify from.
 struct EmgSource {
   std::string recording, emg;
-  RecordingOptions reading;
+  RecordingChoice choice;
   EmgReading emg_reading;
-  FollowedCoordinate followed;
-  bool axis_given = false;
   double noise_sd_m = 5e-5;  ///< of a measured position
   bool keeps_rows = false;   ///< makes EmgResult::rows
 };

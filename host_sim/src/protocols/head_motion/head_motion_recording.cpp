@@ -12,10 +12,11 @@ namespace condyle::host {
 namespace {
 
 constexpr std::size_t kMostSamples = 5'000'000;
+constexpr const char* kColumn = "acceleration_m_s2";
 
 RecordingOptions options_of(const HeadMotionSource& source) {
-  RecordingOptions options = source.reading;
-  options.drive_column = "acceleration_m_s2";
+  RecordingOptions options = source.choice.reading;
+  options.drive_column = kColumn;
   return options;
 }
 
@@ -35,40 +36,37 @@ class Reader {
   void read_positions(bool is_apart) {
     const auto recording = open_recording(source_.recording, options_of(source_));
     const RecordingInfo& info = recording->info();
-    if (!is_available(info.kind, source_.followed)) {
-      throw InputError(source_.recording,
-                       fmt::format("has one point, not point {}", source_.followed.point),
-                       "leave out --point");
-    }
-    if (info.kind == SampleKind::one_axis && source_.axis_given) {
-      throw InputError(source_.recording, "has one axis, so there is none to choose",
-                       "leave out --axis");
-    }
-    if (is_apart == info.has_drive) {
+    source_.choice.check(source_.recording, info);
+    // What a device measured as its drive is a force.
+    const bool has_acceleration = info.has_drive && !info.is_of_device;
+    if (is_apart == has_acceleration) {
       throw InputError(source_.recording,
                        is_apart ? "has an acceleration of its own" : "has no acceleration",
-                       is_apart ? "leave out --acceleration, or its column with --ignore-column"
+                       is_apart ? "leave out --acceleration, or its column with --ignore-column "
+                                  "acceleration_m_s2"
                                 : "give it with --acceleration FILE");
     }
+    FollowedPositions positions(source_.choice);
     Sample sample;
     while (recording->next(sample)) {
       if (!sample.time_valid) continue;
       if (!first_ns_) first_ns_ = sample.time_ns;
-      if (sample.drive_valid) add(*recording, sample, sample.drive_N);
-      if (!sample.position_valid) continue;
+      if (has_acceleration && sample.drive_valid) add(*recording, sample, sample.drive_N);
+      const std::optional<double> position_m = positions.position_m(sample);
+      if (!position_m) continue;
       const double time_s = seconds(sample.time_ns - *first_ns_);
       if (time_s < source_.begin_s.value_or(time_s) || time_s > source_.end_s.value_or(time_s)) {
         continue;
       }
-      append(*recording, time_s, followed_position_m(sample, source_.followed), motion_.time_s,
-             motion_.position_m);
+      append(*recording, time_s, *position_m, motion_.time_s, motion_.position_m);
     }
   }
 
   void read_acceleration() {
-    RecordingOptions options = options_of(source_);
+    RecordingOptions options;  // the others are RECORDING's
+    options.faults = source_.choice.reading.faults;
+    options.drive_column = kColumn;
     options.reads_drive_alone = true;
-    options.ignored_columns.clear();
     const auto recording = open_recording(source_.acceleration, options);
     Sample sample;
     while (recording->next(sample)) {

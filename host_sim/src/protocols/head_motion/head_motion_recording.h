@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "condyle/estimator/impedance/head_motion.h"
-#include "recordings/recording.h"
+#include "options/recording_choice.h"
 
 namespace condyle::host {
 
@@ -15,9 +15,7 @@ namespace condyle::host {
 struct HeadMotionSource {
   std::string recording;
   std::string acceleration;  ///< CSV with time_s and acceleration_m_s2; empty: a column of it
-  RecordingOptions reading;
-  FollowedCoordinate followed;
-  bool axis_given = false;
+  RecordingChoice choice;
   std::optional<double> begin_s, end_s;  ///< from the recording's first time (s)
   double delay_s = 0;                    ///< how late the acceleration is stamped (s)
   std::optional<double> noise_sd_m, acceleration_noise_sd_m_s2;  ///< as stated; only compared

@@ -14,21 +14,14 @@ namespace condyle::host {
 namespace {
 
 void read_all(const ReleaseSource& source, ReleaseStretch& stretch) {
-  const auto recording = open_recording(source.recording, source.reading);
-  const RecordingInfo& info = recording->info();
-  if (!is_available(info.kind, source.followed)) {
-    throw InputError(source.recording,
-                     fmt::format("has one point, not point {}", source.followed.point),
-                     "leave out --point");
-  }
-  if (info.kind == SampleKind::one_axis && source.axis_given) {
-    throw InputError(source.recording, "has one axis, so there is none to choose",
-                     "leave out --axis");
-  }
+  const auto recording = open_recording(source.recording, source.choice.reading);
+  source.choice.check(source.recording, recording->info());
+  FollowedPositions positions(source.choice);
   Sample sample;
   std::optional<TimeNs> first_ns;
   while (recording->next(sample)) {
-    if (!sample.time_valid || !sample.position_valid) continue;
+    const std::optional<double> position_m = positions.position_m(sample);
+    if (!sample.time_valid || !position_m) continue;
     if (!first_ns) first_ns = sample.time_ns;
     const double time_s = seconds(sample.time_ns - *first_ns);
     if (!stretch.all_time_s.empty() && !(time_s > stretch.all_time_s.back())) {
@@ -41,7 +34,7 @@ void read_all(const ReleaseSource& source, ReleaseStretch& stretch) {
                        "cut out the part with the release");
     }
     stretch.all_time_s.push_back(time_s);
-    stretch.all_position_m.push_back(followed_position_m(sample, source.followed));
+    stretch.all_position_m.push_back(*position_m);
   }
 }
 

@@ -6,17 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "condyle/estimator/sample.h"
-#include "recordings/recording.h"
+#include "options/recording_choice.h"
 
 namespace condyle::host {
 
 /// Which stretch of which recording.
 struct ReleaseSource {
   std::string recording;
-  RecordingOptions reading;
-  FollowedCoordinate followed;
-  bool axis_given = false;
+  RecordingChoice choice;
   /// From the recording's first time (s); without a begin it is looked for, without an end it is
   /// kReleaseDuration_s later.
   std::optional<double> begin_s, end_s;

@@ -133,7 +133,7 @@ FittedRelease fit_release(const ReleaseSource& source, const ReleaseSettings& se
     case ReleaseOutcome::no_motion:
       refuse(fmt::format("no motion beyond the noise from {:.3f} to {:.3f} s", times.front(),
                          times.back()),
-             "check --begin-s, --axis and --point, or open wider before letting go");
+             "check --begin-s and what is followed, or open wider before letting go");
       break;
     case ReleaseOutcome::not_converged:
       refuse(fmt::format("the motion from {:.3f} to {:.3f} s determines no damping and stiffness",

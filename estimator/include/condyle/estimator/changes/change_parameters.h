@@ -5,7 +5,7 @@
 
 #include <cstddef>
 
-#include "condyle/estimator/published/parameters.h"
+#include "condyle/estimator/parameter_range.h"
 
 namespace condyle {
 

@@ -4,7 +4,9 @@
 // saving and checking walk it.
 #pragma once
 
-#include "condyle/estimator/published/parameters.h"
+#include <cstddef>
+
+#include "condyle/estimator/parameter_range.h"
 
 namespace condyle {
 

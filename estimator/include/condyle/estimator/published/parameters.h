@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "condyle/estimator/math/arithmetic.h"
+#include "condyle/estimator/parameter_range.h"
 
 namespace condyle {
 
@@ -45,14 +46,6 @@ struct PublishedParameters {
   MotionParameters motion;
   FrictionParameters friction;
   MassParameters mass;
-};
-
-/// The values a field may take, ends included. NaN is in no range.
-struct Range {
-  double lowest;
-  double highest;
-  /// True where `value` is a number in the range.
-  constexpr bool contains(double value) const { return value >= lowest && value <= highest; }
 };
 
 /// Range of a measurement variance: zero would claim a perfect instrument.

@@ -10,10 +10,9 @@
 #include <optional>
 #include <type_traits>
 
-#include "condyle/estimator/sensors/driven_sensor.h"
 #include "condyle/estimator/sensors/published_sensor.h"
-#include "condyle/estimator/sensors/recommended_sensor.h"
 #include "condyle/firmware/run_loop.h"
+#include "condyle/firmware/sensor_choice.h"
 #include "condyle/hal/link/link_end.h"
 #include "condyle/hal/report/device_facebow.h"
 
@@ -149,24 +148,15 @@ class EstimatorNode final : private hal::ReportSource {
       return refuse({Reason::cannot_identify});
     }
     accept(Type::start);
-    const bool has_one_axis = layout_.layout.kind == SampleKind::one_axis;
-    const FollowedPoint point{.point = start_.followed.point, .body_point_m = {}};
     if (start_.estimator == hal::EstimatorChoice::published) {
-      run_with(*new (sensor_) Published(start_.published, start_.followed));
-    } else if (start_.identifies) {
-      if constexpr (kIdentifies) {
-        if (has_one_axis) {
-          run_with(*new (sensor_) Driven<1>(start_.recommended, start_.lag, point, 0));
-        } else {
-          run_with(*new (sensor_) Driven<3>(start_.recommended, start_.lag, point,
-                                            static_cast<int>(start_.followed.axis)));
-        }
-      }
-    } else if (has_one_axis) {
-      run_with(*new (sensor_) Recommended<1>(start_.recommended, start_.lag, point));
-    } else {
-      run_with(*new (sensor_) Recommended<3>(start_.recommended, start_.lag, point));
+      return run_with(*new (sensor_) Published(start_.published, start_.followed));
     }
+    with_recommended_sensor<Scalar, kMostLag, kIdentifies>(
+        {layout_.layout.kind, start_.identifies, start_.recommended, start_.lag,
+         FollowedPoint{.point = start_.followed.point, .body_point_m = {}}, start_.followed.axis},
+        [this]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
+          this->run_with(*new (sensor_) Wrapped<Sensor>(arguments...));
+        });
   }
 
   void answer_health() {
@@ -220,10 +210,6 @@ class EstimatorNode final : private hal::ReportSource {
     accept(Type::finish);
   }
 
-  template <class Sensor>
-  static constexpr bool kIdentifying = requires(Sensor& sensor) {
-    sensor.conclude();
-  };
   // What was drawn since it was last told.
   template <class Sensor>
   void tell_conclusion(Sensor& sensor) {

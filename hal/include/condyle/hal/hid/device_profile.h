@@ -42,6 +42,10 @@ struct DeviceProfile : ReportContent {
   std::optional<AxisConvention> descriptor_axes;
   std::vector<AuxiliaryField> auxiliary;  ///< at most kMaxAuxiliary
 
+  /// Time between reports; none where the profile does not say how many come in a second.
+  std::optional<TimeNs> nominal_step_ns() const {
+    return rate_Hz > 0 ? std::optional(nanoseconds(1 / rate_Hz)) : std::nullopt;
+  }
   /// False of a facebow's companions: force sensors, EMG amplifiers.
   bool measures_position() const { return descriptor_axes || !coordinates.empty(); }
 };

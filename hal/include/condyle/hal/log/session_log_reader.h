@@ -57,6 +57,10 @@ class SessionLogReader {
   McapRead next(SessionEntry& entry);
 
   const SessionLogCondition& condition() const { return condition_; }
+  /// Share of the file read so far, 0 to 1, chunk by chunk; only after open gave ok.
+  double progress() const {
+    return static_cast<double>(mcap_.sound_bytes()) / static_cast<double>(mcap_.size_bytes());
+  }
 
  private:
   std::string take_header();

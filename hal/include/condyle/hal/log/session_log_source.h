@@ -34,6 +34,8 @@ class SessionLogSource final : public ReportSource {
   const SessionLogCondition& condition() const { return reader_.condition(); }
   /// Reports and events of this source that the recorder had no room for, so far.
   std::uint64_t not_recorded() const { return not_recorded_; }
+  /// Share of the log read so far, 0 to 1; after open gave ok.
+  double progress() const { return reader_.progress(); }
   /// What is wrong with the file, with the byte where; empty where nothing is.
   std::string problem() const;
 

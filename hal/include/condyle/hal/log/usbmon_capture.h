@@ -60,6 +60,8 @@ class UsbmonCapture final : public ReportSource {
   void close() override { is_open_ = false; }
   TransportCounts counts() const override { return counts_; }
 
+  /// Share of the file read so far, 0 to 1.
+  double progress() const;
   UsbmonCounts usbmon_counts() const { return usbmon_counts_; }
   /// The chosen endpoint; one more for each address it had later. After open gave ok.
   const std::vector<UsbmonEndpoint>& chosen() const { return chosen_; }

@@ -6,19 +6,20 @@
 #include <string>
 #include <vector>
 
-#include "box/configuration.h"
-#include "box/sources/played_log.h"
-#include "box/sources/synthetic_source.h"
+#include "hosted/devices/played_log.h"
 #include "hosted/devices/session_device.h"
+#include "hosted/devices/source_spec.h"
+#include "hosted/devices/synthetic_source.h"
 
-namespace condyle::box {
+namespace condyle::host {
 
-/// The facebow that the configuration names, and what its reports mean.
+/// A facebow that gives its reports as time passes, and what they mean.
 class FacebowReports {
  public:
-  /// Reads the profile or the log's header; an InputError where that cannot be used. Devices need
-  /// not be there yet.
-  FacebowReports(const SourceSettings& settings, hal::Clock& clock);
+  /// Reads the profile or the log's header; an InputError where that cannot be used. A device need
+  /// not be there yet. A session log is played at the speed it was recorded with. `serial`: of a
+  /// device; empty: any. Of no simulated subject: that gives samples, not reports.
+  FacebowReports(const SourceSpec& spec, const std::string& serial, hal::Clock& clock);
 
   /// Looks for the device, completes the profile from its descriptor, and keeps to its serial
   /// number from here on. An InputError where it is not there or may not be opened.
@@ -30,8 +31,8 @@ class FacebowReports {
   const std::string& profile_text() const { return profile_text_; }
   const std::vector<std::uint8_t>& descriptor() const { return descriptor_; }
   /// Where it is a device; else null.
-  const host::SessionDevice* device() const { return device_.get(); }
-  /// Of a synthetic facebow; null of any other.
+  const SessionDevice* device() const { return device_.get(); }
+  /// Of a made-up facebow; null of any other.
   const SyntheticSource* synthetic() const { return synthetic_.get(); }
 
  private:
@@ -39,9 +40,9 @@ class FacebowReports {
   std::string name_, profile_text_;
   std::vector<std::uint8_t> descriptor_;
   // One of these.
-  std::unique_ptr<host::SessionDevice> device_;
+  std::unique_ptr<SessionDevice> device_;
   std::unique_ptr<PlayedLog> log_;
   std::unique_ptr<SyntheticSource> synthetic_;
 };
 
-}  // namespace condyle::box
+}  // namespace condyle::host

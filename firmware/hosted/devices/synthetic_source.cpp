@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "box/sources/synthetic_source.h"
+#include "hosted/devices/synthetic_source.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "hosted/devices/facebow_report.h"
 
-namespace condyle::box {
+namespace condyle::host {
 namespace {
 
 // Opening and closing, once in 0.8 s, with a little to the side, seen with some noise.
@@ -26,7 +26,7 @@ std::int16_t SyntheticSource::noisy_units(double position_m) {
     sum += random_ / 2147483647.0;
   }
   position_m += kNoise_m * std::numbers::sqrt3 * sum;
-  return static_cast<std::int16_t>(std::lround(position_m / host::fake::kCoordinateUnit_m));
+  return static_cast<std::int16_t>(std::lround(position_m / fake::kCoordinateUnit_m));
 }
 
 hal::Status SyntheticSource::open() {
@@ -51,14 +51,14 @@ hal::Status SyntheticSource::read(TimeNs deadline_ns, hal::RawReport& report) {
   const double phase = 2 * std::numbers::pi * seconds(due - begin_ns_) / kCycle_s;
   const double x = kSideways_m * std::sin(phase);
   const double z = -0.5 * kOpening_m * (1 - std::cos(phase));
-  host::fake::ReportContent content;
+  fake::ReportContent content;
   content.counter = static_cast<std::uint32_t>(counter_);
   content.time_us = static_cast<std::uint32_t>(static_cast<std::uint64_t>(due - begin_ns_) / 1000);
   const double positions_m[] = {x, 0, z, x + kBeside_m, kBehind_m, z, x - kBeside_m, kBehind_m, z};
   for (std::size_t i = 0; i < content.coordinates.size(); ++i) {
     content.coordinates[i] = noisy_units(positions_m[i]);
   }
-  const host::fake::FacebowReport bytes = host::fake::encode(content);
+  const fake::FacebowReport bytes = fake::encode(content);
   std::copy(bytes.begin(), bytes.end(), report.bytes.begin());
   report.size = static_cast<std::uint16_t>(bytes.size());
   report.host_time_ns = now_ns;
@@ -66,4 +66,4 @@ hal::Status SyntheticSource::read(TimeNs deadline_ns, hal::RawReport& report) {
   return hal::Status::ok;
 }
 
-}  // namespace condyle::box
+}  // namespace condyle::host

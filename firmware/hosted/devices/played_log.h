@@ -4,25 +4,24 @@
 #include <string>
 
 #include "condyle/hal/clock.h"
-#include "condyle/hal/log/session_log_source.h"
+#include "hosted/devices/log_device.h"
 
-namespace condyle::box {
+namespace condyle::host {
 
 /// A session log's facebow, played from now on at the speed it was recorded with. Its reports have
 /// the times of the clock it is played on.
 class PlayedLog final : public hal::ReportSource {
  public:
+  /// An InputError where the log cannot be used.
   PlayedLog(const std::string& path, hal::Clock& clock)
-      : clock_(clock), recorded_(clock), log_(path, 0, &recorded_) {}
+      : clock_(clock), recorded_(clock), device_(open_log_facebow(path, {}, &recorded_)) {}
 
-  hal::Status open() override { return log_.open(); }
+  hal::Status open() override { return device_.reports->open(); }
   hal::Status read(TimeNs deadline_ns, hal::RawReport& report) override;
-  void close() override { log_.close(); }
-  hal::TransportCounts counts() const override { return log_.counts(); }
+  void close() override { device_.reports->close(); }
+  hal::TransportCounts counts() const override { return device_.reports->counts(); }
 
-  /// After open.
-  const hal::SessionHeader& header() const { return log_.header(); }
-  std::string problem() const { return log_.problem(); }
+  const LogDevice& device() const { return device_; }
 
  private:
   // The clock of the recording.
@@ -40,8 +39,8 @@ class PlayedLog final : public hal::ReportSource {
 
   hal::Clock& clock_;
   RecordedClock recorded_;
-  hal::SessionLogSource log_;
+  LogDevice device_;
   bool has_begun_ = false;
 };
 
-}  // namespace condyle::box
+}  // namespace condyle::host

@@ -7,7 +7,7 @@
 #include "condyle/hal/clock.h"
 #include "condyle/hal/report/raw_report.h"
 
-namespace condyle::box {
+namespace condyle::host {
 
 /// A jaw that chews for ever, with the reports of condyle's fake facebow, each when its time has
 /// come; so it also shows how late this machine wakes a thread that asked for a time.
@@ -36,4 +36,4 @@ class SyntheticSource final : public hal::ReportSource {
   firmware::LatencyHistogram wake_up_;
 };
 
-}  // namespace condyle::box
+}  // namespace condyle::host

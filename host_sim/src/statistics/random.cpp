@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "simulation/random.h"
+#include "statistics/random.h"
 
 #include <cmath>
 

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace condyle {
+
+/// The values a parameter may take, ends included. NaN is in no range.
+struct Range {
+  double lowest;
+  double highest;
+  /// True where `value` is a number in the range.
+  constexpr bool contains(double value) const { return value >= lowest && value <= highest; }
+};
+
+}  // namespace condyle

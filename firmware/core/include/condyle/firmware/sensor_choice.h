@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which virtual sensor a run takes: of one or three axes, of the recommended estimator without and
+// with a drive. No heap, no exceptions.
+#pragma once
+
+#include <type_traits>
+
+#include "condyle/estimator/sensors/driven_sensor.h"
+#include "condyle/estimator/sensors/recommended_sensor.h"
+
+namespace condyle::firmware {
+
+/// Calls `use(axes, axis)` for samples of `kind`: `axes` is an std::integral_constant, 1 or 3, the
+/// axes of the estimate; `axis` the place of the `followed` one among them. Gives what it gives.
+template <class Use>
+decltype(auto) with_axes(SampleKind kind, Axis followed, Use&& use) {
+  if (kind == SampleKind::one_axis) return use(std::integral_constant<int, 1>(), 0);
+  return use(std::integral_constant<int, 3>(), static_cast<int>(followed));
+}
+
+/// What decides on a sensor of the recommended estimator.
+struct RecommendedChoice {
+  SampleKind kind = SampleKind::one_axis;  ///< of the samples
+  bool identifies = false;                 ///< friction and mass, from a drive along `axis`
+  const RecommendedParameters& parameters;
+  int lag = 0;  ///< samples
+  FollowedPoint point;
+  Axis axis = Axis::z;  ///< followed
+};
+
+/// Calls `use(type, arguments...)` with the sensor that `choice` asks for, an std::type_identity,
+/// and the arguments of its constructor. `kMostLag`: longest lag that there is memory for;
+/// `kIdentifies`: whether there is that for friction and mass.
+template <class Scalar, int kMostLag = 16, bool kIdentifies = true, class Use>
+decltype(auto) with_recommended_sensor(const RecommendedChoice& choice, Use&& use) {
+  return with_axes(choice.kind, choice.axis, [&](auto axes, int axis) -> decltype(auto) {
+    constexpr int kAxes = decltype(axes)::value;
+    if constexpr (kIdentifies) {
+      if (choice.identifies) {
+        return use(std::type_identity<DrivenSensor<Scalar, kAxes, kMostLag>>(), choice.parameters,
+                   choice.lag, choice.point, axis);
+      }
+    }
+    return use(std::type_identity<RecommendedSensor<Scalar, kAxes, kMostLag>>(), choice.parameters,
+               choice.lag, choice.point);
+  });
+}
+
+/// True of sensors that identify friction and mass.
+template <class Sensor>
+inline constexpr bool kIdentifying = requires(Sensor& sensor) {
+  sensor.conclude();
+};
+
+}  // namespace condyle::firmware

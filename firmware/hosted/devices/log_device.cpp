@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hosted/devices/log_device.h"
+
+#include "hosted/config/device_profile_file.h"
+#include "hosted/devices/device_words.h"
+#include "hosted/files/input_error.h"
+
+namespace condyle::host {
+namespace {
+
+// With the log's own profile, or the one in the file `profile`; neither checked nor complete.
+LogDevice open_device(const std::string& log, std::size_t index, const std::string& profile,
+                      hal::Clock* clock) {
+  LogDevice device;
+  device.index = index;
+  device.reports = std::make_unique<hal::SessionLogSource>(log, index, clock);
+  const hal::Status status = device.reports->open();
+  if (status != hal::Status::ok) {
+    const std::string problem = device.reports->problem();
+    throw InputError(log, problem.empty() ? hal::status_name(status) : problem,
+                     "name a session log");
+  }
+  const hal::SessionSource& recorded = device.recorded();
+  if (!hal::is_device(recorded)) return device;
+  const std::string owner = index == 0 ? "its profile" : "the profile of " + recorded.name;
+  device.profile = profile.empty() ? parse_device_profile(log + ": " + owner, recorded.profile_toml)
+                                   : load_device_profile(profile);
+  return device;
+}
+
+}  // namespace
+
+LogDevice open_log_facebow(const std::string& log, const std::string& profile, hal::Clock* clock) {
+  LogDevice device = open_device(log, 0, profile, clock);
+  require_position(device.profile, profile.empty() ? log + ": its profile" : profile);
+  complete_profile(device.profile, device.recorded().report_descriptor, log);
+  return device;
+}
+
+std::optional<LogDevice> open_log_device(
+    const std::string& log, std::size_t first, const std::string& profile,
+    const std::function<bool(const hal::DeviceProfile&)>& is_wanted) {
+  std::size_t sources = first + 1;
+  for (std::size_t i = first; i < sources; ++i) {
+    LogDevice device = open_device(log, i, i == 0 ? profile : "", nullptr);
+    sources = device.reports->header().sources.size();
+    if (!hal::is_device(device.recorded()) || !is_wanted(device.profile)) continue;
+    complete_profile(device.profile, device.recorded().report_descriptor, log);
+    return device;
+  }
+  return std::nullopt;
+}
+
+}  // namespace condyle::host
