@@ -171,6 +171,7 @@ TEST(Box, ServesAPageAndRefusesOtherSites) {
   };
   const std::string host = "Host: localhost\r\n";
   EXPECT_EQ(with("/", host), 200);
+  EXPECT_THAT(get(running.port, "/").head, HasSubstr("frame-ancestors 'none'"));
   EXPECT_EQ(with("/", host + "Sec-Fetch-Site: cross-site\r\nSec-Fetch-Mode: navigate\r\n"), 200);
   for (const char* path : {"/v1/status", "/v1/estimates"}) {
     EXPECT_EQ(with(path, host + "Origin: http://evil.example\r\n"), 403);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program as the service manager runs it.
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
@@ -82,9 +83,14 @@ class Program {
   Program(const std::string& configuration, const std::string& errors,
           const std::string& notify_socket, const std::string& hung_disk = "",
           bool as_nobody = false) {
-    const std::string program = testing_support::program_path("condyle-box");
+    std::string program = testing_support::program_path("condyle-box");
+    if (as_nobody) {  // who may not enter the build folder
+      program = errors + ".program";
+      std::filesystem::copy_file(testing_support::program_path("condyle-box"), program);
+    }
     process_ = fork();
     if (process_ == 0) {
+      std::signal(SIGXFSZ, SIG_DFL);
       (void)std::freopen(errors.c_str(), "w", stderr);
       if (as_nobody && geteuid() == 0 && (setgid(kNobody) != 0 || setuid(kNobody) != 0)) _exit(126);
       setenv("NOTIFY_SOCKET", notify_socket.c_str(), 1);
@@ -238,6 +244,70 @@ TEST(Service, SaysThatMemoryIsShort) {
     EXPECT_THAT(words, HasSubstr("MemoryMax"));
   }
   EXPECT_GT(said, 0);
+}
+
+// Neither its journal nor the log may grow: it says what it cannot do, and does it later.
+TEST(Service, OutlivesAJournalThatTakesNoMoreLines) {
+  const testing_support::TemporaryFolder folder, elsewhere;
+  const std::string configuration = folder.write(
+      "box.toml", "[facebow]\nsource = \"synth:" +
+                      testing_support::source_path("/hal/profiles/condyle_facebow.toml") +
+                      "\"\n[recording]\nfolder = \".\"\n"
+                      "reserve_MB = 1\n[http]\nport = 0\n");
+  Program program(configuration, elsewhere / "errors", elsewhere / "notify");
+  const std::uint16_t port = told_port(elsewhere / "errors");
+  ASSERT_NE(port, 0);
+  const auto start = [port] {
+    return testing_support::post(port, "/v1/session/start", "{}").status;
+  };
+  ASSERT_TRUE(testing_support::wait_for([&] { return start() == 200; }));
+  rlimit before{};
+  const rlim_t size = std::filesystem::file_size(elsewhere / "errors");
+  ASSERT_EQ(prlimit(program.process(), RLIMIT_FSIZE, nullptr, &before), 0);
+  const rlimit small{size, before.rlim_max};
+  ASSERT_EQ(prlimit(program.process(), RLIMIT_FSIZE, &small, nullptr), 0);
+  EXPECT_EQ(testing_support::post(port, "/v1/session/stop", "{}").status, 200);
+  EXPECT_GE(start(), 500);
+  EXPECT_EQ(testing_support::get(port, "/v1/status").status, 200);
+  ASSERT_EQ(prlimit(program.process(), RLIMIT_FSIZE, &before, nullptr), 0);
+  EXPECT_EQ(start(), 200);
+  EXPECT_EQ(program.end(SIGTERM), 0);
+  EXPECT_THAT(testing_support::read_file(elsewhere / "errors"), HasSubstr("<5>session: ended "));
+}
+
+// A disk that fails does not only refuse to write: nothing can be asked of it.
+TEST(Service, StaysPausedWhereTheFolderCannotBeLookedInto) {
+  const testing_support::TemporaryFolder folder, recordings;
+  const std::string profile = folder.write(
+      "profile.toml", testing_support::read_file(
+                          testing_support::source_path("/hal/profiles/condyle_facebow.toml")));
+  const std::string configuration = folder.write(
+      "box.toml", "[facebow]\nsource = \"synth:" + profile + "\"\n[recording]\nfolder = \"" +
+                      recordings.path().string() + "\"\nreserve_MB = 1\n[http]\nport = 0\n");
+  const bool is_root = geteuid() == 0;
+  ASSERT_TRUE(!is_root || chown(recordings.path().c_str(), kNobody, kNobody) == 0);
+  Program program(configuration, folder / "errors", folder / "notify", "", true);
+  const std::uint16_t port = told_port(folder / "errors");
+  ASSERT_NE(port, 0);
+  const auto session = [port]() -> Json {
+    return Json::parse(testing_support::get(port, "/v1/status").body).at("session");
+  };
+  ASSERT_TRUE(testing_support::wait_for(
+      [&] { return testing_support::post(port, "/v1/session/start", "{}").status == 200; }));
+  ASSERT_TRUE(testing_support::wait_for([&] { return session()["reports_written"] > 0; }));
+  std::filesystem::permissions(recordings.path(), std::filesystem::perms::none);
+  rlimit before{};
+  ASSERT_EQ(prlimit(program.process(), RLIMIT_FSIZE, nullptr, &before), 0);
+  const rlimit none{0, before.rlim_max};
+  ASSERT_EQ(prlimit(program.process(), RLIMIT_FSIZE, &none, nullptr), 0);
+  EXPECT_TRUE(testing_support::wait_for([&] { return session()["phase"] == "paused"; }));
+  ASSERT_EQ(prlimit(program.process(), RLIMIT_FSIZE, &before, nullptr), 0);
+  EXPECT_TRUE(testing_support::wait_for([&] {
+    return session()["problem"].get<std::string>().find("Permission denied") != std::string::npos;
+  }));
+  std::filesystem::permissions(recordings.path(), std::filesystem::perms::owner_all);
+  EXPECT_TRUE(testing_support::wait_for([&] { return session()["phase"] == "recording"; }));
+  EXPECT_EQ(program.end(SIGTERM), 0);
 }
 
 // Whoever asks, listens or ends the box waits for no disk.

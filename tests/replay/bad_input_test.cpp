@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "support/command.h"
+#include "support/paths.h"
 #include "support/sanitizer.h"
 #include "support/temporary_folder.h"
 
@@ -147,6 +148,25 @@ TEST_F(BadInput, UnwritableOutput) {
   const CommandResult result = run_condyle({"replay", path, "--figures", in_the_way + "/figures"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.errors, HasSubstr("file/figures: cannot be made"));
+}
+
+// Gnuplot says nothing where it cannot write, and leaves what fitted.
+TEST_F(BadInput, FilesThatMayNotGrow) {
+  const TemporaryFolder results;
+  const CommandOptions limited{.most_file_bytes = 4096};
+  const std::string recording =
+      testing_support::source_path("/host_sim/recordings/chewing_60hz.csv");
+  const CommandResult rows =
+      run_condyle({"replay", recording, "--out", results / "out.csv"}, limited);
+  EXPECT_EQ(rows.exit_code, 2);
+  EXPECT_THAT(rows.errors, AllOf(HasSubstr("out.csv: cannot be written: File too large"),
+                                 HasSubstr("the space on the disk")));
+  const CommandResult figures =
+      run_condyle({"replay", recording, "--figures", results / "figures"}, limited);
+  EXPECT_EQ(figures.exit_code, 2);
+  EXPECT_THAT(figures.errors, AllOf(HasSubstr("gnuplot: cannot draw the figures: "),
+                                    HasSubstr(" is not complete; make room on the disk")));
+  EXPECT_EQ(results.count(), 0);
 }
 
 TEST_F(BadInput, StandardOutputThatTakesNothing) {

@@ -33,6 +33,14 @@ bool can_be_interrupted(pid_t process, Interrupt wanted) {
   return state == 'Z' || (takes_signal && (wanted == Interrupt::once_it_can_be || state == 'S'));
 }
 
+// The command meets the signal for a file that would grow too large as a shell's child does.
+void limit_files(long most_bytes) {
+  const auto most = static_cast<rlim_t>(most_bytes);
+  const rlimit limit{most, most};
+  setrlimit(RLIMIT_FSIZE, &limit);
+  signal(SIGXFSZ, SIG_DFL);
+}
+
 }  // namespace
 
 CommandResult run_condyle(const std::vector<std::string>& arguments,
@@ -58,6 +66,10 @@ CommandResult run_condyle(const std::vector<std::string>& arguments,
     if (!options.search_path.empty()) setenv("PATH", options.search_path.c_str(), 1);
     if (options.as_nobody && geteuid() == 0 && (setgid(65534) != 0 || setuid(65534) != 0))
       _exit(97);
+    if (options.most_file_bytes > 0) {
+      limit_files(options.most_file_bytes);
+      setenv("GCOV_PREFIX", folder.path().c_str(), 1);  // counts of coverage would be cut, too
+    }
     execv(argv[0], argv.data());
     _exit(98);
   }

@@ -26,6 +26,7 @@ struct CommandOptions {
   Interrupt interrupt = Interrupt::never;
   std::string output_to, errors_to;  ///< where they go instead; empty: they are returned
   std::string search_path;           ///< PATH; empty: the tests' own
+  long most_file_bytes = 0;          ///< how far a file may grow (RLIMIT_FSIZE); 0: any
 };
 
 /// Runs `condyle ARGUMENTS...` and waits for its end.

@@ -19,7 +19,8 @@ MHD_Result send(MHD_Connection* connection, int status, const std::string& body,
       body.size(), const_cast<char*>(body.data()), MHD_RESPMEM_MUST_COPY);
   if (response == nullptr) return MHD_NO;
   MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE, type);
-  MHD_add_response_header(response, "Content-Security-Policy", "default-src 'none'");
+  MHD_add_response_header(response, "Content-Security-Policy",
+                          "default-src 'none'; frame-ancestors 'none'");
   MHD_add_response_header(response, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
   MHD_add_response_header(response, "X-Content-Type-Options", "nosniff");
   if (status == MHD_HTTP_UNAUTHORIZED) {

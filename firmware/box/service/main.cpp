@@ -93,7 +93,6 @@ int run(const Arguments& arguments) {
   action.sa_handler = on_signal;
   sigaction(SIGTERM, &action, nullptr);
   sigaction(SIGINT, &action, nullptr);
-  std::signal(SIGPIPE, SIG_IGN);
   const auto should_stop = [] { return stop_signal != 0; };
 
   const box::Configuration configuration = box::load_configuration(arguments.configuration);
@@ -122,6 +121,10 @@ int run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   host::end_with_last_words("condyle-box", kExitFailure);
+  // Where nothing reads, or a file may not grow, the write fails: a journal that takes no more
+  // lines ends no recording.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
   Arguments arguments;
   int exit_code = kExitOk;
   if (!parse(argc, argv, arguments, exit_code)) return exit_code;

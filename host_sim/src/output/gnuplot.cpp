@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <utility>
 
 #include "hosted/files/clean_text.h"
@@ -20,9 +21,18 @@
 namespace condyle::host {
 namespace {
 
-void note_failure(const std::string& problem) {
+void note_failure(const std::string& problem, const char* mend) {
   defer_problem(InputError("gnuplot", "cannot draw the figures: " + problem,
-                           "install it (Debian package gnuplot-nox); all else was written"));
+                           fmt::format("{}; all else was written", mend)));
+}
+
+// Gnuplot ends without an error where it could not write, so its last words are looked for.
+bool is_complete(const std::string& path) {
+  constexpr std::size_t kLast = 16;
+  std::ifstream file(path, std::ios::binary);
+  std::string end(kLast, ' ');
+  file.seekg(-static_cast<std::streamoff>(kLast), std::ios::end).read(end.data(), kLast);
+  return end.find("</svg>") != std::string::npos || end.find("IEND") != std::string::npos;
 }
 
 // The absolute path of a program; empty where there is none. Relative folders of PATH are left
@@ -141,13 +151,14 @@ void Gnuplot::draw(const std::string& name, const std::string& plot, int width, 
 std::vector<std::unique_ptr<OutputFile>> Gnuplot::finish() {
   const int status = wait();
   if (problem_.empty() && status != 0) problem_ = "it failed; its own words stand above";
+  const char* mend = "install it (Debian package gnuplot-nox)";
   for (const auto& file : files_) {
-    std::error_code error;
-    const bool is_empty = std::filesystem::file_size(file->path_while_writing(), error) == 0;
-    if (problem_.empty() && (error || is_empty)) problem_ = file->path() + " was left empty";
+    if (!problem_.empty() || is_complete(file->path_while_writing())) continue;
+    problem_ = file->path() + " is not complete";
+    mend = "make room on the disk";
   }
   if (!problem_.empty()) {
-    note_failure(problem_);
+    note_failure(problem_, mend);
     return {};
   }
   for (const auto& file : files_) file->close();
