@@ -45,7 +45,7 @@ void print_run(const Scenario& scenario) {
       print(row + '\n');
     }
     for (const SubjectTruth& truth : data.truths) print(writer.truth_row(truth));
-    for (const Reading& reading : data.drive) print(writer.drive_row(reading));
+    for (const Reading& reading : data.drive) print(writer.value_row(reading));
     for (const Reading& reading : data.emg) print(writer.emg_row(reading));
     data.clear();
   }

@@ -15,4 +15,5 @@ run(${CMAKE_COMMAND} -S ${source} -B ${work}/outside -G ${generator}
   -D CMAKE_PREFIX_PATH=${work}/installed -D CMAKE_CXX_COMPILER=${compiler} "-DCMAKE_CXX_FLAGS=${flags}")
 run(${CMAKE_COMMAND} --build ${work}/outside)
 run(${work}/outside/outside)
+run(${work}/outside/recommended)
 run(${work}/outside/outside_recorder ${work}/log.mcap)

@@ -2,6 +2,8 @@
 // simulate, friction and sim: as a user runs them.
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
 #include "support/command.h"
 #include "support/paths.h"
 #include "support/table.h"
@@ -36,6 +38,25 @@ TEST(Simulate, WritesWhatReplayReads) {
       run_condyle({"replay", folder / "r.csv", "--out", folder / "e.csv"});
   EXPECT_EQ(replayed.exit_code, 0) << replayed.errors;
   EXPECT_EQ(read_table(folder / "e.csv").rows, 1200U);
+}
+
+// What the head's accelerometer measures gives the ratios of the simulated jaw.
+TEST(Simulate, WritesTheHeadsAccelerationBesideTheRecording) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(
+      run_condyle({"simulate", scenario("nodding_head"), "--out", folder / "r.csv"}).exit_code, 0);
+  EXPECT_EQ(folder.count(), 2);
+  const CommandResult result = run_condyle(
+      {"protocol", "head-motion", folder / "r.csv", "--acceleration", folder / "r.head.csv",
+       "--muscle-share", "0", "--acceleration-delay-sd-ms", "0.2", "--out", folder / "v.json"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const auto values = nlohmann::json::parse(read_file(folder / "v.json"));
+  for (const auto& [name, truth] :
+       {std::pair{"damping_rate_per_s", 8.0}, std::pair{"stiffness_per_mass_per_s2", 400.0}}) {
+    EXPECT_EQ(values[name]["provenance"], "measured") << result.output;
+    EXPECT_LT(values[name]["low_95"], truth);
+    EXPECT_GT(values[name]["high_95"], truth);
+  }
 }
 
 TEST(Simulate, SameSeedSameBytes) {
@@ -109,6 +130,7 @@ TEST(Simulate, RefusesBadInput) {
                   "the forces are so stiff"},
         std::pair{"[task]\namplitude_m = 0.06\n", "the task reaches -61.0 mm, this jaw"},
         std::pair{"[facebow]\njitter_s = 0.01\n", "more than a fifth of the sampling period"},
+        std::pair{"[head]\nrate_Hz = 120\n", "the head's acceleration drives a point_mass only"},
         std::pair{"colour = \"red\"\n", "unknown key 'colour'"}}) {
     const std::string path = folder.write("s.toml", text);
     for (const std::vector<std::string>& arguments :

@@ -39,11 +39,14 @@ int simulate(const SimulateOptions& options) {
       scenario.drive.rate_Hz > 0 ? beside(options.out, "drive") : std::string();
   const std::string emg_path =
       scenario.emg.rate_Hz > 0 ? beside(options.out, "emg") : std::string();
-  if (options.out == "-" && !(drive_path.empty() && emg_path.empty())) {
-    throw InputError("--out -", "the scenario's drive or EMG is written beside the recording",
+  const std::string head_path =
+      scenario.head.rate_Hz > 0 ? beside(options.out, "head") : std::string();
+  if (options.out == "-" && !(drive_path + emg_path + head_path).empty()) {
+    throw InputError("--out -", "the scenario's companions are written beside the recording",
                      "name a file");
   }
-  refuse_same_files({options.scenario}, {options.out, options.truth, drive_path, emg_path});
+  refuse_same_files({options.scenario},
+                    {options.out, options.truth, drive_path, emg_path, head_path});
 
   std::vector<std::unique_ptr<OutputFile>> files;
   const auto open = [&files](const std::string& path) {
@@ -54,11 +57,13 @@ int simulate(const SimulateOptions& options) {
   OutputFile* const truth = options.truth.empty() ? nullptr : open(options.truth);
   OutputFile* const drive = drive_path.empty() ? nullptr : open(drive_path);
   OutputFile* const emg = emg_path.empty() ? nullptr : open(emg_path);
+  OutputFile* const head = head_path.empty() ? nullptr : open(head_path);
   RecordingWriter writer(scenario);
   recording->write(writer.recording_header());
   if (truth != nullptr) truth->write(writer.truth_header());
   if (drive != nullptr) drive->write(writer.drive_header());
   if (emg != nullptr) emg->write(writer.emg_header());
+  if (head != nullptr) head->write(writer.head_header());
 
   Simulation simulation(scenario, seed);
   SimulatedData data;
@@ -71,10 +76,13 @@ int simulate(const SimulateOptions& options) {
         for (const SubjectTruth& state : data.truths) truth->write(writer.truth_row(state));
       }
       if (drive != nullptr) {
-        for (const Reading& reading : data.drive) drive->write(writer.drive_row(reading));
+        for (const Reading& reading : data.drive) drive->write(writer.value_row(reading));
       }
       if (emg != nullptr) {
         for (const Reading& reading : data.emg) emg->write(writer.emg_row(reading));
+      }
+      if (head != nullptr) {
+        for (const Reading& reading : data.head) head->write(writer.value_row(reading));
       }
       samples += data.samples.size();
       data.clear();

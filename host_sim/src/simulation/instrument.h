@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A simulated facebow and its companions (force sensor, EMG amplifier), with the faults real ones
-// have.
+// A simulated facebow and its companions (force sensor, EMG amplifier, accelerometer on the head),
+// with the faults real ones have.
 //
 // The facebow sees the pose of a rigid body on the lower teeth and reports three virtual points of
 // it, (0,0,0), (25,0,30) and (-25,0,30) mm in the body, so that one 6-DoF noise moves all three and
@@ -67,6 +67,16 @@ struct EmgModel {
   double noise = 0.02;
   double gain = 1;
   double missing_share = 0;  ///< of the excitation that the electrodes do not see
+  double delay_s = 0;
+};
+
+/// An accelerometer on the head, along the followed axis. In the moving head the jaw feels the
+/// force that drives it as inertia, so the acceleration is minus that force over the jaw's mass,
+/// and gravity.
+struct HeadModel {
+  double rate_Hz = 0;  ///< 0: none
+  double noise_m_s2 = 0.05;
+  double gain = 1;  ///< what it shows of the true acceleration
   double delay_s = 0;
 };
 

@@ -66,7 +66,7 @@ std::string_view RecordingWriter::truth_row(const SubjectTruth& truth) {
   return row_ += '\n';
 }
 
-std::string_view RecordingWriter::drive_row(const Reading& reading) {
+std::string_view RecordingWriter::value_row(const Reading& reading) {
   row_.clear();
   append_time_s(row_, reading.time_ns);
   append_field(row_, reading.values[0]);

@@ -19,7 +19,9 @@ class RecordingWriter {
   std::string truth_header() const;
   std::string_view truth_row(const SubjectTruth& truth);
   std::string drive_header() const { return "time_s,drive_N\n"; }
-  std::string_view drive_row(const Reading& reading);
+  std::string head_header() const { return "time_s,acceleration_m_s2\n"; }
+  /// Of a companion with one value: the force sensor, the accelerometer.
+  std::string_view value_row(const Reading& reading);
   std::string emg_header() const;
   std::string_view emg_row(const Reading& reading);
 

@@ -210,6 +210,17 @@ void read_instruments(TomlReader& file, Scenario& scenario) {
   file.number("emg", "gain", scenario.emg.gain, "1", {0, 100});
   file.number("emg", "missing_share", scenario.emg.missing_share, "share", kShare);
   file.number("emg", "delay_s", scenario.emg.delay_s, "s", {0, 1});
+  file.number("head", "rate_Hz", scenario.head.rate_Hz, "Hz", {0, 5000});
+  file.number("head", "noise_m_s2", scenario.head.noise_m_s2, "m/s^2", {0, 100});
+  file.number("head", "gain", scenario.head.gain, "1", {-10, 10});
+  file.number("head", "delay_s", scenario.head.delay_s, "s", {0, 1});
+  const bool is_driven_point =
+      scenario.subject.drive == SubjectDrive::force && scenario.subject.jaw.muscles.empty();
+  if (scenario.head.rate_Hz > 0 && !is_driven_point) {
+    throw InputError(file.place("head", "rate_Hz"),
+                     "the head's acceleration drives a point_mass only",
+                     "write motion = \"point_mass\" and drive = \"force\" in [subject]");
+  }
 }
 
 }  // namespace

@@ -52,8 +52,10 @@ Simulation::Simulation(const Scenario& scenario, std::uint64_t seed)
       facebow_(scenario.facebow, scenario.axis, seed),
       drive_noise_(seed, kDriveStream),
       emg_noise_(seed, kEmgStream),
+      head_noise_(seed, kHeadStream),
       drive_{scenario.drive.rate_Hz, scenario.drive.delay_s},
       emg_{scenario.emg.rate_Hz, scenario.emg.delay_s},
+      head_{scenario.head.rate_Hz, scenario.head.delay_s},
       before_(subject_.truth()),
       after_(before_) {}
 
@@ -107,6 +109,14 @@ void Simulation::read_channels(SimulatedData& data) {
       reading.values[n] = std::max(0.0, envelope);
     }
     data.emg.push_back(reading);
+  });
+  read(head_, [&](const SubjectTruth& truth, Reading& reading) {
+    constexpr double kGravity_m_s2 = 9.81;
+    const double drive_N = truth.force_N[static_cast<std::size_t>(Cause::muscle)];
+    const double felt_m_s2 = kGravity_m_s2 - drive_N / scenario_.subject.jaw.mass_kg;
+    reading.values[0] =
+        scenario_.head.gain * felt_m_s2 + scenario_.head.noise_m_s2 * head_noise_.normal();
+    data.head.push_back(reading);
   });
 }
 

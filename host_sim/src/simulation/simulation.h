@@ -25,25 +25,27 @@ struct Scenario {
   FacebowModel facebow;
   DriveModel drive;
   EmgModel emg;
+  HeadModel head;
 };
 
 /// One reading of a companion instrument.
 struct Reading {
   TimeNs time_ns = 0;
-  std::array<double, kMostMuscles> values{};  ///< force (N) first, or the envelopes
+  std::array<double, kMostMuscles> values{};  ///< force (N), envelopes, or acceleration
 };
 
 /// What one advance of a simulation gave.
 struct SimulatedData {
   std::vector<Sample> samples;
   std::vector<SubjectTruth> truths;  ///< at the samples' true instants, lost ones included
-  std::vector<Reading> drive, emg;
+  std::vector<Reading> drive, emg, head;
   /// Forgets the data, keeps the memory.
   void clear() {
     samples.clear();
     truths.clear();
     drive.clear();
     emg.clear();
+    head.clear();
   }
 };
 
@@ -58,7 +60,7 @@ class Simulation {
 
  private:
   // Streams of random numbers beside the facebow's own.
-  static constexpr std::uint64_t kDriveStream = 10, kEmgStream = 11;
+  static constexpr std::uint64_t kDriveStream = 10, kEmgStream = 11, kHeadStream = 12;
   struct Channel {
     double rate_Hz = 0, delay_s = 0;
     std::uint64_t count = 0;
@@ -69,8 +71,8 @@ class Simulation {
   Scenario scenario_;
   SimulatedSubject subject_;
   SimulatedFacebow facebow_;
-  RandomGenerator drive_noise_, emg_noise_;
-  Channel drive_, emg_;
+  RandomGenerator drive_noise_, emg_noise_, head_noise_;
+  Channel drive_, emg_, head_;
   SubjectTruth before_, after_;  // around the present instant
 };
 

@@ -135,7 +135,7 @@ TEST(DeviceProfileFile, LoadsTheShippedProfilesExamples) {
 TEST(DeviceProfileFile, LoadsTheGuidesExample) {
   const std::string guide =
       testing_support::read_file(testing_support::source_path("/hal/profiles/README.md"));
-  const std::string fence = "```toml\n";
+  const std::string fence = "```toml my_facebow.toml\n";
   const std::size_t start = guide.find(fence);
   ASSERT_NE(start, std::string::npos);
   const hal::DeviceProfile p = parse(

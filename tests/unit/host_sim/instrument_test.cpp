@@ -191,6 +191,25 @@ TEST(Companions, ShowForceAndExcitationWithTheirFaults) {
   }
 }
 
+// What the jaw feels as inertia is minus the force that drives it, per mass, and gravity.
+TEST(Companions, ShowTheAccelerationOfTheHead) {
+  Scenario s = load_scenario(testing_support::source_path("/host_sim/scenarios/nodding_head.toml"));
+  s.duration_s = 3;
+  s.subject.jaw.mass_kg = 0.2;
+  s.head = {.rate_Hz = s.facebow.rate_Hz, .noise_m_s2 = 0, .gain = 1.05, .delay_s = 0.004};
+  const SimulatedData data = simulate(s);
+  ASSERT_GE(data.head.size(), data.truths.size() - 1);
+  double least = 1e9, most = -1e9;
+  for (std::size_t i = 0; i + 1 < data.truths.size(); ++i) {
+    ASSERT_NEAR(seconds(data.head[i].time_ns), data.truths[i].time_s + 0.004, 1e-9);
+    const double felt_m_s2 = 9.81 - data.truths[i].drive_N() / 0.2;
+    ASSERT_NEAR(data.head[i].values[0], 1.05 * felt_m_s2, 1e-5);
+    least = std::min(least, felt_m_s2);
+    most = std::max(most, felt_m_s2);
+  }
+  EXPECT_GT(most - least, 0.1);
+}
+
 TEST(Simulation, SaysWhenItBreaksDown) {
   Scenario s = chewing(2);
   s.subject.friction.viscous_Ns_m = 1e4;  // too stiff for the step, which a file would not allow
