@@ -9,6 +9,7 @@
 #include "condyle/firmware/sensor_choice.h"
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/log/recorded_source.h"
+#include "hosted/devices/run_settings.h"
 
 namespace condyle::box {
 namespace {
@@ -137,12 +138,7 @@ void Engine::estimate_run(hal::DeviceFacebow& facebow, Sensor& sensor) {
   while (!has_to_leave() && facebow.open() != hal::Status::ok) {
     clock_.sleep_until(clock_.now_ns() + kPatience_ns);
   }
-  firmware::RunSettings settings;
-  settings.followed = followed_;
-  settings.nominal_step_ns = profile_.nominal_step_ns().value_or(0);
-  settings.expects_drive = profile_.drive_N.has_value();
-  settings.patience_ns = kPatience_ns;
-  settings.reopen_pause_ns = kPatience_ns;
+  const firmware::RunSettings settings = host::run_settings_of(profile_, followed_);
   firmware::RunCounts counts;
   RealTimeSensor<Sensor> watched(sensor);
   std::uint64_t samples = 0;

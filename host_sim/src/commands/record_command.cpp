@@ -15,6 +15,7 @@
 #include "condyle/hal/report/device_facebow.h"
 #include "hosted/config/parameter_file.h"
 #include "hosted/devices/device_words.h"
+#include "hosted/devices/run_settings.h"
 #include "hosted/devices/session_device.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/text_file.h"
@@ -162,12 +163,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
     companions.push_back(std::make_unique<RecordedCompanion>(devices[i], log, i, clock));
     companions.back()->companion.start();
   }
-  firmware::RunSettings settings;
-  settings.followed = options.choice.followed;
-  settings.nominal_step_ns = profile.nominal_step_ns().value_or(0);
-  settings.expects_drive = profile.drive_N.has_value();
-  settings.patience_ns = 20'000'000;
-  settings.reopen_pause_ns = 20'000'000;
+  const firmware::RunSettings settings = run_settings_of(profile, options.choice.followed);
   firmware::RunCounts counts;
   firmware::LatencyHistogram latency;
   Monitor monitor(facebow, devices.front(), companions, clock);

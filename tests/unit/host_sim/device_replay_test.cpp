@@ -65,13 +65,13 @@ struct NoSensor {
   bool drain(Estimate&) { return false; }
 };
 
-struct Run {
+struct Outcome {
   firmware::RunCounts counts;
   std::vector<TimeNs> times_ns;
 };
 
-Run run(hal::Facebow& facebow, hal::Clock& clock, const firmware::RunSettings& settings) {
-  Run result;
+Outcome run_all(hal::Facebow& facebow, hal::Clock& clock, const firmware::RunSettings& settings) {
+  Outcome result;
   NoSensor sensor;
   EXPECT_EQ(firmware::run(
                 facebow, clock, sensor, settings, result.counts,
@@ -100,7 +100,7 @@ TEST(DeviceReplay, CountsWhatTheLiveRunCounted) {
   firmware::RunSettings settings;
   settings.nominal_step_ns = profile.nominal_step_ns().value_or(0);
   settings.reopen_pause_ns = 1'000'000;
-  const Run live = run(facebow, clock, settings);
+  const Outcome live = run_all(facebow, clock, settings);
   ASSERT_EQ(log.close(), hal::SessionLogFailure::none);
   ASSERT_EQ(log.status().reports_lost + log.status().events_lost, 0U);
   EXPECT_EQ(live.counts.disconnections, 6U);
@@ -109,7 +109,7 @@ TEST(DeviceReplay, CountsWhatTheLiveRunCounted) {
   ReplayFacebow replay(folder / "log.mcap", {}, 0, clock);
   for (int round = 0; round < 2; ++round) {
     ASSERT_EQ(replay.open(), Status::ok) << replay.problem();
-    const Run replayed = run(replay, clock, replay.run_settings({}));
+    const Outcome replayed = run_all(replay, clock, replay.run_settings({}));
     EXPECT_EQ(replayed.times_ns, live.times_ns);
     EXPECT_EQ(replayed.counts.samples, live.counts.samples);
     EXPECT_EQ(replayed.counts.bad_reports, live.counts.bad_reports);
