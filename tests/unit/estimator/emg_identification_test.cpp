@@ -82,6 +82,8 @@ TEST(EmgIdentification, FindsAllFromPerfectForces) {
   EXPECT_NEAR(estimate.offset_N.fitted, 0.1, 0.03);
   EXPECT_EQ(estimate.friction_Ns_m.quantity.provenance, Provenance::derived);
   EXPECT_EQ(estimate.gain[0].quantity.provenance, Provenance::derived);
+  EXPECT_EQ(estimate.stiffness_N_m.quantity.provenance, Provenance::derived);
+  EXPECT_EQ(estimate.offset_N.quantity.provenance, Provenance::derived);
   EXPECT_LT(std::abs(estimate.friction_Ns_m.fitted - 2),
             kNormalQuantile95 * estimate.friction_Ns_m.fitted_sd);
   EXPECT_EQ(estimate.mass_kg.provenance, Provenance::assumed) << "nothing measures it";
@@ -96,6 +98,9 @@ TEST(EmgIdentification, WithholdsWhereTheForceMayBeWrong) {
   EXPECT_EQ(estimate.friction_Ns_m.quantity.provenance, Provenance::assumed);
   EXPECT_EQ(estimate.friction_Ns_m.quantity.value, EmgParameters{}.friction_Ns_m.mean);
   EXPECT_GT(estimate.friction_Ns_m.fitted_sd, 10 * estimate.friction_Ns_m.filter_sd);
+  EXPECT_EQ(estimate.offset_N.limit, EmgLimit::scale);
+  EXPECT_EQ(estimate.offset_N.quantity.provenance, Provenance::assumed);
+  EXPECT_EQ(estimate.offset_N.quantity.value, EmgParameters{}.offset_N.mean);
 }
 
 // Friction is proportional to the assumed mass, and its interval says how sure that is.

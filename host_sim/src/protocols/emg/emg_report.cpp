@@ -60,6 +60,10 @@ std::string explain(EmgLimit limit) {
     case EmgLimit::force:
       return "too uncertain; most of it is what the muscles' force gets wrong, which no longer "
              "recording averages out";
+    case EmgLimit::scale:
+      return "no muscle's gain is known, and errors of the muscles' force draw this value towards "
+             "0 "
+             "with the gains";
   }
   return "";
 }

@@ -30,15 +30,18 @@ enum class EmgLimit : std::uint8_t {
   mass,         ///< likewise; most of it is the assumed mass's uncertainty,
   lag,          ///< that of the force's lag behind the EMG,
   force,        ///< or what the muscles' force gets wrong
+  scale,        ///< of stiffness and offset: no gain is known, and errors of the force draw all of
+                ///< them towards 0 alike
 };
 
 /// Number of limits.
-inline constexpr std::size_t kEmgLimits = 9;
+inline constexpr std::size_t kEmgLimits = 10;
 
 /// Name of a limit as it stands in files and summaries.
 constexpr const char* limit_name(EmgLimit limit) {
   constexpr const char* names[kEmgLimits] = {
-      "", "no_emg", "too_early", "model", "information", "resolution", "mass", "lag", "force"};
+      "",           "no_emg", "too_early", "model", "information",
+      "resolution", "mass",   "lag",       "force", "scale"};
   return names[static_cast<int>(limit)];
 }
 

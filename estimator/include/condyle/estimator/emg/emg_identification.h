@@ -34,7 +34,8 @@
 //   E^2 = (error_share rms F)^2 + (sigma_lag rms F')^2
 // F' is taken for what the motion needs: rms F' = (w^2 + |kappa|) rms v + |lambda| rms a,
 // w^2 = mean a^2 / mean v^2. The same error draws gains and friction towards 0 (errors in
-// variables), at most by themselves, which is covered where error_share is true.
+// variables), at most by themselves, which is covered where error_share is true. It draws stiffness
+// and offset along, beyond their own intervals: they are shown only where a gain is.
 #pragma once
 
 #include "condyle/estimator/emg/coherent_error.h"
@@ -130,13 +131,22 @@ class EmgIdentification {
     const Granted granted = what_is_granted();
     estimate.friction_Ns_m = value(lambda, parameters_.friction_Ns_m,
                                    Scalar(parameters_.friction_resolution_Ns_m), granted);
-    estimate.stiffness_N_m =
-        value(kappa, parameters_.stiffness_N_m, half_known(parameters_.stiffness_N_m), granted);
-    estimate.offset_N = value(c, parameters_.offset_N, half_known(parameters_.offset_N), granted);
+    bool is_scale_known = false;
     for (int n = 0; n < muscles_; ++n) {
-      estimate.gain[static_cast<std::size_t>(n)] =
-          value(g + n, parameters_.gain, Scalar(parameters_.gain_resolution), granted);
+      EmgValue<Scalar>& gain = estimate.gain[static_cast<std::size_t>(n)];
+      gain = value(g + n, parameters_.gain, Scalar(parameters_.gain_resolution), granted);
+      is_scale_known = is_scale_known || gain.limit == EmgLimit::none;
     }
+    const auto scaled = [&](int i, const EmgPrior& prior) {
+      EmgValue<Scalar> of = value(i, prior, half_known(prior), granted);
+      if (of.limit == EmgLimit::none && !is_scale_known) {
+        of.limit = EmgLimit::scale;
+        of.quantity = {Scalar(prior.mean), Scalar(prior.sd), Provenance::assumed};
+      }
+      return of;
+    };
+    estimate.stiffness_N_m = scaled(kappa, parameters_.stiffness_N_m);
+    estimate.offset_N = scaled(c, parameters_.offset_N);
     return estimate;
   }
 

@@ -21,27 +21,8 @@ class PointConclusion {
   PointConclusion(const PointRegression<Scalar>& regression, const JointParameters& parameters)
       : regression_(regression), parameters_(parameters), setup_(regression.setup()) {}
 
-  JointEstimate<Scalar> draw() const {
-    JointEstimate<Scalar> estimate = nothing_known();
-    const std::size_t size = regression_.has_begun() ? regression_.blocks().size() : 0;
-    if (size < kFewestBlocks) return estimate;
-    const internal::PointJudgement<Scalar> all(regression_.blocks(), setup_, parameters_, 0);
-    all.write(estimate);
-    if (!has_walk(parameters_)) return estimate;
-    for (const std::size_t first : {size / 2, size - size / 4}) {
-      if (size - first < kFewestBlocks) break;
-      JointEstimate<Scalar> recent = nothing_known();
-      const internal::PointJudgement<Scalar> later(regression_.blocks(), setup_, parameters_,
-                                                   first);
-      later.write(recent);
-      take_better(recent.friction_Ns_m, estimate.friction_Ns_m);
-      take_better(recent.mass_kg, estimate.mass_kg);
-      take_better(recent.stiffness_N_m, estimate.stiffness_N_m);
-      take_better(recent.offset_N, estimate.offset_N);
-      take_better(recent.coulomb_N, estimate.coulomb_N);
-    }
-    return estimate;
-  }
+  /// Long, and called once a second: compiled apart from who calls it.
+  [[gnu::noinline]] JointEstimate<Scalar> draw() const;
 
  private:
   JointEstimate<Scalar> nothing_known() const {
@@ -72,5 +53,32 @@ class PointConclusion {
   const JointParameters& parameters_;
   RegressionSetup setup_;
 };
+
+template <class Scalar>
+JointEstimate<Scalar> PointConclusion<Scalar>::draw() const {
+  JointEstimate<Scalar> estimate = nothing_known();
+  const std::size_t size = regression_.has_begun() ? regression_.blocks().size() : 0;
+  if (size < kFewestBlocks) return estimate;
+  const internal::PointJudgement<Scalar> all(regression_.blocks(), setup_, parameters_, 0);
+  all.write(estimate);
+  if (!has_walk(parameters_)) return estimate;
+  for (const std::size_t first : {size / 2, size - size / 4}) {
+    if (size - first < kFewestBlocks) break;
+    JointEstimate<Scalar> recent = nothing_known();
+    const internal::PointJudgement<Scalar> later(regression_.blocks(), setup_, parameters_, first);
+    later.write(recent);
+    take_better(recent.friction_Ns_m, estimate.friction_Ns_m);
+    take_better(recent.mass_kg, estimate.mass_kg);
+    take_better(recent.stiffness_N_m, estimate.stiffness_N_m);
+    take_better(recent.offset_N, estimate.offset_N);
+    take_better(recent.coulomb_N, estimate.coulomb_N);
+  }
+  return estimate;
+}
+
+#ifdef CONDYLE_SENSORS_COMPILED  // once, in a library
+extern template class PointConclusion<double>;
+extern template class PointConclusion<float>;
+#endif
 
 }  // namespace condyle

@@ -22,7 +22,7 @@ decltype(auto) with_axes(SampleKind kind, Axis followed, Use&& use) {
 struct RecommendedChoice {
   SampleKind kind = SampleKind::one_axis;  ///< of the samples
   bool identifies = false;                 ///< friction and mass, from a drive along `axis`
-  const RecommendedParameters& parameters;
+  const DrivenParameters& parameters;
   int lag = 0;  ///< samples
   FollowedPoint point;
   Axis axis = Axis::z;  ///< followed
