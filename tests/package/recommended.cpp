@@ -11,7 +11,7 @@ constexpr double kRate_Hz = 60, kPi = 3.14159265358979323846;
 
 void print(const char* name, const condyle::Quantity<double>& quantity, const char* unit) {
   if (quantity.provenance == condyle::Provenance::not_computed) return;
-  std::printf("  %s %.4f, sd %.4f %s, %s\n", name, quantity.value, quantity.standard_deviation,
+  std::printf("  %s %.4g, sd %.2g %s, %s\n", name, quantity.value, quantity.standard_deviation,
               unit, condyle::provenance_name(quantity.provenance));
 }
 
