@@ -12,13 +12,9 @@
 //   d         discrepancy: what another fit tells of the value
 //
 // Known mass: a has no column, and these are fitted to u - m_0 a.
-// Mass:       (1 - w) m_P + w m_E. P may be wrong by D = m_E - m_P, E by half of that:
-//             d^2 = (1 - w)^2 D^2 + w^2 D^2 / 4. V = V_P + w^2 (V_E - V_P), as P is the better one
-//             where nothing else acts (J. A. Hausman, Econometrica 46 (1978) 1251). Their sum is
-//             smallest at w = D^2 / (V_E - V_P + 5/4 D^2). Where one of the two is not known, the
-//             other, with D or D / 2.
-// Candidates: the other values have some. The one with the smallest sum of V, d^2 and the delay's
-// part is taken:
+// Candidates: each value has some. The one with the smallest sum of V, d^2 and the delay's part is
+// taken:
+//   mass      P: d = m_E - m_P.  E: d = (m_P - m_E) / 2
 //   friction  P0: d = kv_S - kv_P.  S: d = 0. Either with 0.1 f and the correction for noise, and
 //             with half of kv_E + f - kv where the delay is fitted. Where Coulomb friction is
 //             fitted, E0 alone: kv is then the viscous part
@@ -132,21 +128,6 @@ class PointColumns {
   const JointParameters& parameters_;
 };
 
-/// A share `w` of the way from one fit's value to another's, with this variance.
-inline FittedValue between(const FittedValue& one, const FittedValue& other, double w,
-                           double variance) {
-  using std::sqrt;
-  const auto at = [w](double from, double to) { return from + w * (to - from); };
-  FittedValue fit;
-  fit.value = at(one.value, other.value);
-  fit.sd = sqrt(variance);
-  fit.per_delay = at(one.per_delay, other.per_delay);
-  fit.per_delay2 = at(one.per_delay2, other.per_delay2);
-  fit.per_known_mass = at(one.per_known_mass, other.per_known_mass);
-  fit.correction = at(one.correction, other.correction);
-  return fit;
-}
-
 /// The values that are taken.
 struct PointCandidates {
   Candidate mass, friction, stiffness, offset, coulomb, delay;
@@ -161,18 +142,11 @@ inline const Candidate& better(const Candidate& one, const Candidate& other, dou
 template <class Scalar>
 Candidate mass_candidate(const RegressionFit<Scalar>& P, const RegressionFit<Scalar>& E,
                          double delay_sd_s) {
-  const Candidate plain{P.fitted(kAccelerationColumn)};
-  Candidate shaped{E.fitted(kAccelerationColumn)};
-  const double d2 = square(shaped.fit.value - plain.fit.value);
-  if (!plain.fit.is_known() || !shaped.fit.is_known()) {
-    shaped.discrepancy2 = d2 / 4;
-    return better({plain.fit, d2}, shaped, delay_sd_s);
-  }
-  const double excess = square(shaped.fit.sd) - square(plain.fit.sd),
-               more2 = excess > 0 ? excess : 0;  // V_E - V_P
-  const double w = d2 > 0 ? d2 / (more2 + 1.25 * d2) : 0;
-  return {between(plain.fit, shaped.fit, w, square(plain.fit.sd) + square(w) * more2),
-          square(1 - w) * d2 + square(w) * d2 / 4};
+  Candidate plain{P.fitted(kAccelerationColumn)}, shaped{E.fitted(kAccelerationColumn)};
+  const double apart = shaped.fit.value - plain.fit.value;
+  plain.discrepancy2 = square(apart);
+  shaped.discrepancy2 = square(apart / 2);
+  return better(plain, shaped, delay_sd_s);
 }
 
 /// Friction and Coulomb friction, by P0, S and E0. `velocity2` and `sliding`: sums of v^2, q_s v.

@@ -15,8 +15,7 @@
 //   mass      sigma_m dtheta/dm_0
 //   smoothing where the noise of the positions is not white, what a square second of u''
 //             adds, times what the test of dynamics leaves open: the root of u''^2 + V
-//   noise     0.1 and what |R - 1| has beyond its chance s_R, times the correction for noise; 0.25
-//             where it is not white
+//   noise     (0.1 + |R - 1|) times the correction for noise, 0.25 where it is not white
 // Measured: standard deviation, all of it, at most half the resolution that the user asks for.
 #pragma once
 
@@ -129,13 +128,6 @@ class PointJudgement {
     }
   }
 
-  // Of the residual.
-  double beyond_chance() const {
-    using std::abs;
-    const double apart = abs(residual_ - 1) - chance_of_residual(data_);
-    return apart > 0 ? apart : 0;
-  }
-
   // `per_N`: what a force of 1 N rms in phase adds to the value.
   void write(const Candidate& candidate, const JointPrior& prior, double resolution, double per_N,
              IdentifiedValue<Scalar>& value) const {
@@ -162,7 +154,7 @@ class PointJudgement {
         {candidate.delay2(columns_.delay_sd_s()), JointLimit::delay},
         {square(stated_.missing_N() * per_N), JointLimit::missing},
         {smoothing_s4_ * square(fit.per_delay2), JointLimit::smoothing},
-        {square(((is_noise_white_ ? 0.1 : 0.25) + beyond_chance()) * fit.correction),
+        {square(((is_noise_white_ ? 0.1 : 0.25) + abs(residual_ - 1)) * fit.correction),
          JointLimit::excitation},
         {square(prior.walk_per_root_s) * T / 3, JointLimit::changing}};
     double sum = 0;

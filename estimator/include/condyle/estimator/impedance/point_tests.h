@@ -3,10 +3,9 @@
 //
 //   R         the smallest residual of the fits (regression_fit.h)
 //   T, w_c    duration, and the frequency up to which the kernel passes
-//   s_R       sqrt(2 / (T w_c / 3.55)): what R strays by, of noise alone
 //
 // A delay within its statement fails none:
-//   noise              R beyond 1.25 + 3 s_R
+//   noise              R beyond 1.25 + 3 sqrt(2 / (T w_c / 3.55))
 //   drive_reversed     m below -3; implausible_mass: m beyond 3 outside the stated range
 //   mass_stated        where the mass is known: m of P or E with its column beyond 3 from it
 //   dynamics           u'' added to E, beyond 3 standard deviations
@@ -45,13 +44,6 @@ struct PointMotion {
     return rms;
   }
 };
-
-/// s_R.
-template <class Scalar>
-double chance_of_residual(const RegressionData<Scalar>& data) {
-  using std::sqrt;
-  return sqrt(2 * 3.55 / (data.duration_s() * data.setup().cutoff_rad_s));
-}
 
 /// What is stated of the drive and of a known mass.
 class PointStatement {
@@ -103,9 +95,10 @@ class PointTests {
     const double curvature_sd = sqrt(Candidate{curvature}.all2(columns_.delay_sd_s()));
     curvature_s4_ = curvature.is_known() ? square(curvature.value) + square(curvature_sd)
                                          : FittedValue::kUnbounded;
+    const double independent = data.duration_s() * data.setup().cutoff_rad_s / 3.55;
     failure_ = of_mass();
     if (failure_ != JointLimit::none) return;
-    if (residual < FittedValue::kUnbounded && residual > 1.25 + 3 * chance_of_residual(data)) {
+    if (residual < FittedValue::kUnbounded && residual > 1.25 + 3 * sqrt(2 / independent)) {
       failure_ = JointLimit::noise;
     } else if (curvature.is_known() && beyond(curvature.value, kDynamics * curvature_sd)) {
       failure_ = JointLimit::dynamics;
