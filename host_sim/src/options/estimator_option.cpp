@@ -63,7 +63,7 @@ PublishedParameters load_published_for(const EstimatorOption& estimator,
   return loaded.values;
 }
 
-void refuse_long_step(const RecommendedParameters& parameters, double step_s,
+void refuse_long_step(const MotionEstimatorParameters& parameters, double step_s,
                       const std::string& source, const char* step, const char* mend) {
   const double longest_gap_s = parameters.outliers.longest_gap_s;
   if (step_s <= longest_gap_s) return;

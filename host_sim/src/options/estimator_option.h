@@ -43,7 +43,7 @@ PublishedParameters load_published_for(const EstimatorOption& estimator,
 
 /// An InputError where a step of `step_s` is so long that each sample would lose the state. It
 /// names `source` and what of it is `step`; `mend` is one way out beside a longer gap.
-void refuse_long_step(const RecommendedParameters& parameters, double step_s,
+void refuse_long_step(const MotionEstimatorParameters& parameters, double step_s,
                       const std::string& source, const char* step, const char* mend);
 
 }  // namespace condyle::host

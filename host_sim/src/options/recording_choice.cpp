@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "options/recording_choice.h"
 
+#include <fmt/format.h>
+
 #include <sys/stat.h>
 
 #include <set>
@@ -59,7 +61,7 @@ void add_reading_options(CommandLine command, RecordingOptions& reading) {
                   "CSV column to leave unread; may be given several times")
       .one_value_each();
   command.add_option("--profile=FILE", reading.profile,
-                     std::string(kProfileMeaning) + "; a capture needs it, a session log has one");
+                     fmt::format("{}; a capture needs it, a session log has one", kProfileMeaning));
   const auto take_unit = [&reading](const std::string& unit) {
     reading.units_per_metre = unit == "mm" ? 1000 : 1;
   };
