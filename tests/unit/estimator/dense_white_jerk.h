@@ -80,7 +80,7 @@ struct AxisSample {
 /// sample is beyond the gate.
 class DenseTwin {
  public:
-  explicit DenseTwin(const RecommendedParameters& parameters) : parameters_(parameters) {
+  explicit DenseTwin(const MotionEstimatorParameters& parameters) : parameters_(parameters) {
     filter_.R = std::pow(static_cast<Real>(parameters.noise.position_sd_m), 2);
     filter_.q = parameters.noise.jerk_density_m2_s5;
   }
@@ -152,7 +152,7 @@ class DenseTwin {
     taken_ns_ = sample.time_ns;
   }
 
-  RecommendedParameters parameters_;
+  MotionEstimatorParameters parameters_;
   DenseFilter filter_;
   std::vector<Instant> instants_;
   bool started_ = false, has_started_ = false;
