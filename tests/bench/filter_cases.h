@@ -122,7 +122,7 @@ struct DenseChecked {
 template <class T, int kAxes, int kLag>
 struct RecommendedCase {
   using Scalar = T;
-  RecommendedEstimator<Scalar, kAxes> estimator{RecommendedParameters{}, kLag};
+  RecommendedEstimator<Scalar, kAxes> estimator{MotionEstimatorParameters{}, kLag};
   RecommendedEstimate<Scalar> last;
   TimeNs time_ns = 0;
   void step(Scalar z, Scalar step_s) {

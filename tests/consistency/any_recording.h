@@ -35,7 +35,7 @@ struct Recording {
 };
 
 inline Estimates run(const Recording& recording, double rate_Hz) {
-  Sensor sensor(RecommendedParameters{});
+  Sensor sensor(MotionEstimatorParameters{});
   SampleChecker checker(nanoseconds(1 / rate_Hz));
   Estimates estimates;
   for (const Sample& sample : recording.samples) {

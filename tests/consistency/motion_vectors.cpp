@@ -95,8 +95,8 @@ MotionVector read_motion(const std::string& name, double scale) {
 }
 
 template <class Scalar>
-std::vector<RecommendedEstimate<Scalar>> estimate_motion(const RecommendedParameters& parameters,
-                                                         int lag, const MotionVector& motion) {
+std::vector<RecommendedEstimate<Scalar>> estimate_motion(
+    const MotionEstimatorParameters& parameters, int lag, const MotionVector& motion) {
   RecommendedEstimator<Scalar, 1> estimator(parameters, lag);
   std::vector<RecommendedEstimate<Scalar>> estimates;
   estimates.reserve(motion.size());
@@ -140,10 +140,10 @@ WhiteJerkFit best_white_jerk_fit(const MotionVector& motion, double from_s) {
   return best;
 }
 
-template std::vector<RecommendedEstimate<double>> estimate_motion(const RecommendedParameters&, int,
-                                                                  const MotionVector&);
-template std::vector<RecommendedEstimate<float>> estimate_motion(const RecommendedParameters&, int,
-                                                                 const MotionVector&);
+template std::vector<RecommendedEstimate<double>> estimate_motion(const MotionEstimatorParameters&,
+                                                                  int, const MotionVector&);
+template std::vector<RecommendedEstimate<float>> estimate_motion(const MotionEstimatorParameters&,
+                                                                 int, const MotionVector&);
 template double velocity_error(const MotionVector&, const std::vector<RecommendedEstimate<double>>&,
                                double, const std::vector<bool>&);
 template double velocity_error(const MotionVector&, const std::vector<RecommendedEstimate<float>>&,

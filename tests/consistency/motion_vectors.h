@@ -54,8 +54,8 @@ MotionVector read_motion(const std::string& name, double scale = 1);
 
 /// Estimates of all samples in their order, whatever the lag.
 template <class Scalar>
-std::vector<RecommendedEstimate<Scalar>> estimate_motion(const RecommendedParameters& parameters,
-                                                         int lag, const MotionVector& motion);
+std::vector<RecommendedEstimate<Scalar>> estimate_motion(
+    const MotionEstimatorParameters& parameters, int lag, const MotionVector& motion);
 
 /// Velocity error (m/s, rms) of `estimates` from `from_s` on, where `counts` is empty or says so.
 template <class Scalar>

@@ -90,7 +90,7 @@ struct Outcome {
 };
 
 Outcome run(const Series& truth_m, const Series& measured_m, double rate_Hz) {
-  RecommendedSensor<double, 1> sensor(RecommendedParameters{}, 0);
+  RecommendedSensor<double, 1> sensor(MotionEstimatorParameters{}, 0);
   Outcome outcome;
   int judged = 0, held = 0;
   for (std::size_t i = 0; i < truth_m.size(); ++i) {

@@ -26,8 +26,8 @@ constexpr std::size_t kSteps = 300;
 constexpr double kDensity_m2_s5 = 10, kNoise_m = 1e-4;
 
 // Of the motion, also what the estimator is told unless it is spoilt.
-RecommendedParameters true_parameters() {
-  RecommendedParameters parameters;
+MotionEstimatorParameters true_parameters() {
+  MotionEstimatorParameters parameters;
   parameters.noise.adaptation = Adaptation::off;
   parameters.noise.position_sd_m = kNoise_m;
   parameters.noise.jerk_density_m2_s5 = kDensity_m2_s5;
@@ -94,7 +94,7 @@ std::array<Quantity<double>, 3> quantities(const RecommendedEstimate<double>& es
   return {axis.position_m, axis.velocity_m_s, axis.acceleration_m_s2};
 }
 
-Run run(const RecommendedParameters& parameters, const std::vector<TimeNs>& times,
+Run run(const MotionEstimatorParameters& parameters, const std::vector<TimeNs>& times,
         std::uint64_t seed) {
   const Motion motion = simulate(times, seed);
   RecommendedEstimator<double, 1> prompt(parameters), late(parameters, kLag);
@@ -132,7 +132,7 @@ struct Statistics {
   std::array<ErrorStatistics, 3> all, settled, late;
 };
 
-Statistics evaluate(const RecommendedParameters& parameters, Times kind) {
+Statistics evaluate(const MotionEstimatorParameters& parameters, Times kind) {
   const auto times = sample_times(kind, kSteps);
   Statistics statistics;
   run_monte_carlo(
@@ -187,14 +187,14 @@ TEST_P(RecommendedConsistency, ErrorsOfSomeSamplesAgoAreAsClaimed) {
 // So the tests above can fail.
 TEST_P(RecommendedConsistency, ASpoiltFilterIsFoundOut) {
   for (const double R_factor : {1.5, 1 / 1.5}) {
-    RecommendedParameters parameters = true_parameters();
+    MotionEstimatorParameters parameters = true_parameters();
     parameters.noise.position_sd_m *= std::sqrt(R_factor);
     const auto nis = evaluate(parameters, GetParam()).nis.report(kConfidence);
     EXPECT_FALSE(nis.inside) << nis.mean;
     EXPECT_EQ(nis.mean<1, R_factor> 1);
   }
   for (const double q_factor : {4.0, 0.25}) {
-    RecommendedParameters parameters = true_parameters();
+    MotionEstimatorParameters parameters = true_parameters();
     parameters.noise.jerk_density_m2_s5 *= q_factor;
     const Statistics statistics = evaluate(parameters, GetParam());
     EXPECT_FALSE(statistics.nis.report(kConfidence).inside);

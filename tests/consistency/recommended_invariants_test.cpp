@@ -162,7 +162,7 @@ TEST(InvariantsOfTheBank, TheSameMotionLiesInsideTheBankAtAnyRate) {
     const auto course = any_chewing(random);
     const double noise_m = log_between(random, 3e-6, 100e-6);
     for (const double rate_Hz : {50.0, 100.0, 200.0, 400.0}) {
-      RecommendedEstimator<double, 1> estimator(RecommendedParameters{});
+      RecommendedEstimator<double, 1> estimator(MotionEstimatorParameters{});
       RecommendedEstimate<double> estimate;
       for (TimeNs i = 0; i < static_cast<TimeNs>(10 * rate_Hz); ++i) {
         const double t = static_cast<double>(i) / rate_Hz;

@@ -19,7 +19,7 @@ std::string name_of(const testing::TestParamInfo<MotionFile>& info) {
 }
 INSTANTIATE_TEST_SUITE_P(Files, RecommendedMotion, testing::ValuesIn(kMotionFiles), name_of);
 
-double error(const RecommendedParameters& parameters, int lag, const MotionVector& motion,
+double error(const MotionEstimatorParameters& parameters, int lag, const MotionVector& motion,
              double from_s = kSettled_s) {
   return velocity_error(motion, estimate_motion<double>(parameters, lag, motion), from_s);
 }
@@ -32,7 +32,7 @@ TEST_P(RecommendedMotion, KnowingNoiseAndDensityIsAsGoodAsTheGridBest) {
   const MotionVector motion = read_motion(GetParam().name);
   const WhiteJerkFit best = best_white_jerk_fit(motion, kSettled_s);
   EXPECT_NEAR(best.error_m_s / GetParam().error_m_s[0], 1, 0.01);
-  RecommendedParameters parameters;
+  MotionEstimatorParameters parameters;
   parameters.noise.adaptation = Adaptation::off;
   parameters.noise.position_sd_m = GetParam().noise_sd_m;
   parameters.noise.jerk_density_m2_s5 = best.ratio * std::pow(GetParam().noise_sd_m, 2);
@@ -72,7 +72,7 @@ TEST_P(RecommendedMotion, AWrongFirstGuessOfTheNoiseIsForgottenAfterFiveSeconds)
   const MotionVector motion = read_motion(GetParam().name);
   const double best = best_white_jerk_fit(motion, 5).error_m_s;
   for (const double factor : {0.1, std::sqrt(0.1), std::sqrt(10.0), 10.0}) {
-    RecommendedParameters parameters;
+    MotionEstimatorParameters parameters;
     parameters.noise.position_sd_m = factor * GetParam().noise_sd_m;
     const double ratio = error(parameters, 0, motion, 5) / best;
     EXPECT_LE(ratio, 1.1) << factor;

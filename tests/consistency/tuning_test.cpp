@@ -79,7 +79,7 @@ struct VelocityErrors {
 
 VelocityErrors velocity_errors(const KnownMotion& known, const NoiseModel& model) {
   constexpr std::size_t kSettled = 200;
-  RecommendedParameters parameters;
+  MotionEstimatorParameters parameters;
   parameters.noise.adaptation = Adaptation::off;
   parameters.noise.position_sd_m = model.position_sd_m;
   parameters.noise.jerk_density_m2_s5 = model.jerk_density_m2_s5;

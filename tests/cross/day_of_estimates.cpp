@@ -98,7 +98,7 @@ int test_program(int count, const char* const* arguments) {
     static PublishedSensor<float> sensor(parameters());
     print_hashes(sensor, hashes, samples);
   } else {
-    static RecommendedSensor<float, 1, 0> sensor{RecommendedParameters()};
+    static RecommendedSensor<float, 1, 0> sensor{MotionEstimatorParameters()};
     print_hashes(sensor, hashes, samples);
   }
   return 0;

@@ -80,7 +80,7 @@ bool write_recommended(const char* input, const char* folder, const char* name, 
   return write_run<Sensor>(input, folder, name, [lag](void* memory, const EstimateHeader&) {
     FollowedPoint followed;
     if constexpr (kAxes == 3) followed.body_point_m = Eigen::Vector3d(0.05, 0.03, 0.09);
-    return new (memory) Sensor(RecommendedParameters{}, lag, followed);
+    return new (memory) Sensor(MotionEstimatorParameters{}, lag, followed);
   });
 }
 

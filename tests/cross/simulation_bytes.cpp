@@ -23,8 +23,8 @@ void print_run(const Scenario& scenario) {
   PublishedCascade<double> cascade(parameters);
   FollowedPoint condyle_point;
   if (scenario.facebow.gives_points) condyle_point.body_point_m = Eigen::Vector3d(0.05, 0.03, 0.09);
-  RecommendedSensor<double, 3> recommended(RecommendedParameters{}, 3, condyle_point);
-  RecommendedSensor<float, 3> in_float(RecommendedParameters{});
+  RecommendedSensor<double, 3> recommended(MotionEstimatorParameters{}, 3, condyle_point);
+  RecommendedSensor<float, 3> in_float(MotionEstimatorParameters{});
   SampleChecker checker(nanoseconds(parameters.sample_time_s));
   SimulatedData data;
   while (simulation.advance(data)) {

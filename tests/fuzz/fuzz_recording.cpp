@@ -40,10 +40,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto recording = condyle::host::open_recording(file.path(), options);
     condyle::PublishedSensor<double> published(condyle::PublishedParameters{});
     const int lag = data[0] >> 4U;
-    condyle::RecommendedSensor<double, 1> along_one_axis(condyle::RecommendedParameters{}, lag);
+    condyle::RecommendedSensor<double, 1> along_one_axis(condyle::MotionEstimatorParameters{}, lag);
     condyle::FollowedPoint followed;
     if ((data[0] & 4U) != 0) followed.body_point_m = Eigen::Vector3d(0.01, 0.02, 0.09);
-    condyle::RecommendedSensor<double, 3> along_three(condyle::RecommendedParameters{}, lag,
+    condyle::RecommendedSensor<double, 3> along_three(condyle::MotionEstimatorParameters{}, lag,
                                                       followed);
     condyle::SampleChecker checker(16'666'667);
     condyle::Sample sample;

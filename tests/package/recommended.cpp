@@ -18,7 +18,7 @@ void print(const char* name, const condyle::Quantity<double>& quantity, const ch
 }  // namespace
 
 int main() {
-  const condyle::RecommendedParameters parameters;           // the defaults need no tuning
+  const condyle::MotionEstimatorParameters parameters;       // the defaults need no tuning
   condyle::RecommendedSensor<double, 1> sensor(parameters);  // along one axis
   condyle::SampleChecker checker(condyle::nanoseconds(1 / kRate_Hz));
   condyle::RecommendedEstimate<double> estimate;

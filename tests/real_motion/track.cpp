@@ -30,7 +30,8 @@ std::vector<Sample> samples_of(const MotionRecording& recording) {
 template <int kAxes>
 std::vector<Track> recommended(const MotionRecording& recording) {
   std::vector<Track> tracks(kAxes, Track(recording.size()));
-  const auto sensor = std::make_unique<RecommendedSensor<double, kAxes>>(RecommendedParameters{});
+  const auto sensor =
+      std::make_unique<RecommendedSensor<double, kAxes>>(MotionEstimatorParameters{});
   SampleChecker checker(nanoseconds(recording.step_s()));
   for (const Sample& sample : samples_of(recording)) {
     const auto estimate = sensor->process(sample, checker.check(sample));

@@ -13,8 +13,8 @@ using testing_support::DenseTwin;
 using testing_support::Far;
 using testing_support::troubled_samples;
 
-RecommendedParameters known_noise() {
-  RecommendedParameters parameters;
+MotionEstimatorParameters known_noise() {
+  MotionEstimatorParameters parameters;
   parameters.noise.adaptation = Adaptation::off;
   return parameters;
 }
@@ -39,7 +39,7 @@ void expect_is(const RecommendedEstimate<double>& estimate, const DenseTwin& twi
   }
 }
 
-bool revokes(const RecommendedParameters& parameters, const std::vector<AxisSample>& samples) {
+bool revokes(const MotionEstimatorParameters& parameters, const std::vector<AxisSample>& samples) {
   RecommendedEstimator<double, 1> estimator(parameters);
   bool does = false;
   for (const AxisSample& sample : samples) {
@@ -50,7 +50,7 @@ bool revokes(const RecommendedParameters& parameters, const std::vector<AxisSamp
 
 // Every estimate, those of the samples after the last included.
 RC_GTEST_PROP(FixedLag, IsTheFixedIntervalSmootherOverItsWindow, ()) {
-  RecommendedParameters parameters = known_noise();
+  MotionEstimatorParameters parameters = known_noise();
   parameters.outliers.gate_sd = 1000;  // what is beyond the gate: below
   const int lag = *rc::gen::inRange(0, 17);
   const auto samples = *troubled_samples(parameters.noise.position_sd_m, Far::left_out);
@@ -161,8 +161,9 @@ RC_GTEST_PROP(FixedLag, EstimatesAreTheSamplesInOrder, ()) {
   const int lag = *rc::gen::inRange(0, 17);
   const auto samples = *troubled_samples(1e-4, Far::drawn);
   const bool adapts = *rc::gen::arbitrary<bool>();
-  RecommendedEstimator<double, 1> estimator(adapts ? RecommendedParameters{} : known_noise(), lag),
-      prompt(adapts ? RecommendedParameters{} : known_noise());
+  RecommendedEstimator<double, 1> estimator(adapts ? MotionEstimatorParameters{} : known_noise(),
+                                            lag),
+      prompt(adapts ? MotionEstimatorParameters{} : known_noise());
   std::vector<RecommendedEstimate<double>> rows, prompt_rows;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     auto sample = measurement(samples[i]);

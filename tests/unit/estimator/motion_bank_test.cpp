@@ -48,14 +48,14 @@ double difference(const FilteredStep<double, kAxes>& step, int axis, double R,
   return worst;
 }
 
-RecommendedParameters fixed_parameters() {
-  RecommendedParameters parameters;
+MotionEstimatorParameters fixed_parameters() {
+  MotionEstimatorParameters parameters;
   parameters.noise.adaptation = Adaptation::off;
   return parameters;
 }
 
 RC_GTEST_PROP(MotionBank, WithoutAdaptationIsTheTextbooksFilterInMetres, ()) {
-  RecommendedParameters parameters = fixed_parameters();
+  MotionEstimatorParameters parameters = fixed_parameters();
   const double sd = std::pow(10, *number_between(-5, -3));
   parameters.noise.jerk_density_m2_s5 = std::pow(10, *number_between(-1, 3));
   MotionBank<double, 1> bank(parameters);
@@ -93,7 +93,7 @@ RC_GTEST_PROP(MotionBank, WithoutAdaptationIsTheTextbooksFilterInMetres, ()) {
 
 // One filter for each axis' own noise: what it says of that axis alone is used.
 RC_GTEST_PROP(MotionBank, WithoutAdaptationEachAxisHasItsOwnNoise, ()) {
-  const RecommendedParameters parameters = fixed_parameters();
+  const MotionEstimatorParameters parameters = fixed_parameters();
   const double sd[] = {2e-5, 1e-4, 5e-4};
   MotionBank<double, 3> bank(parameters);
   ASSERT_EQ(bank.member_count(), 3);
@@ -137,7 +137,7 @@ void take_ratios(const MotionBank<double, kAxes>& bank,
 }
 
 RC_GTEST_PROP(MotionBank, EachMemberIsTheTextbooksFilterInUnitsOfTheNoise, ()) {
-  const RecommendedParameters parameters;
+  const MotionEstimatorParameters parameters;
   const double sd[] = {3e-4, 5e-5, 1e-4}, least = 5e-5;
   MotionBank<double, 3> bank(parameters);
   ASSERT_EQ(bank.member_count(), kMembers);
@@ -170,7 +170,8 @@ constexpr double kHighestIndexLog10 = 10;
 // What the headers say of noise and weights, written down as sums over all samples so far.
 class NoiseByDefinition {
  public:
-  explicit NoiseByDefinition(const RecommendedParameters& parameters) : parameters_(parameters) {
+  explicit NoiseByDefinition(const MotionEstimatorParameters& parameters)
+      : parameters_(parameters) {
     R_.fill(std::pow(parameters.noise.position_sd_m, 2));
     double sum = 0;
     for (std::size_t i = 0; i < kMembers; ++i) {
@@ -261,7 +262,7 @@ class NoiseByDefinition {
  private:
   double highest_R() const { return std::pow(parameters_.noise.highest_position_sd_m, 2); }
 
-  RecommendedParameters parameters_;
+  MotionEstimatorParameters parameters_;
   double n_ = 5, mean_step_s_ = 0;
   int fresh_ = 3, repeats_ = 0;
   double last_z_ = 0;
@@ -270,7 +271,7 @@ class NoiseByDefinition {
 };
 
 RC_GTEST_PROP(MotionBank, NoiseWeightsAndMixtureAreAsDefined, ()) {
-  RecommendedParameters parameters;
+  MotionEstimatorParameters parameters;
   parameters.noise.memory_s = *number_between(0.5, 20);
   MotionBank<double, 1> bank(parameters);
   bank.start_noise({parameters.noise.position_sd_m});
@@ -310,7 +311,7 @@ RC_GTEST_PROP(MotionBank, NoiseWeightsAndMixtureAreAsDefined, ()) {
 // Half decades below; above them up to a tracking index that the sample time sets.
 TEST(MotionBank, ItsRatiosReachAsFarAtAnySampleTime) {
   for (const double T : {1e-3, 2.5e-3, 5e-3, 0.01, 1 / 60.0, 0.033}) {
-    MotionBank<double, 1> bank(RecommendedParameters{});
+    MotionBank<double, 1> bank(MotionEstimatorParameters{});
     bank.start_noise({5e-5});
     bank.start_motion({0}, 1);
     for (int i = 0; i < 50; ++i) {
@@ -328,7 +329,7 @@ TEST(MotionBank, ItsRatiosReachAsFarAtAnySampleTime) {
 
 // However many there are: what they say of the members is nothing.
 RC_GTEST_PROP(MotionBank, SamplesThatNoMemberExpectsLeaveTheWeights, ()) {
-  MotionBank<double, 1> bank(RecommendedParameters{});
+  MotionBank<double, 1> bank(MotionEstimatorParameters{});
   bank.start_noise({5e-5});
   bank.start_motion({0}, 1);
   const double T = *number_between(1e-3, 0.02);
@@ -354,7 +355,7 @@ RC_GTEST_PROP(MotionBank, SamplesThatNoMemberExpectsLeaveTheWeights, ()) {
 
 TEST(MotionBank, HoldsTheNoiseAboveThatOfRounding) {
   const double T = 0.01, lowest = 3e-5 * 3e-5;
-  MotionBank<double, 1> bank(RecommendedParameters{});
+  MotionBank<double, 1> bank(MotionEstimatorParameters{});
   bank.start_noise({5e-5});
   bank.start_motion({0}, 1);
   bank.hold_noise_above(0, lowest);
@@ -368,7 +369,7 @@ TEST(MotionBank, HoldsTheNoiseAboveThatOfRounding) {
 
 // A coordinate that does not change shows a step larger than the noise.
 TEST(MotionBank, ARunOfOneValueTeachesNoNoise) {
-  MotionBank<double, 1> bank(RecommendedParameters{});
+  MotionBank<double, 1> bank(MotionEstimatorParameters{});
   bank.start_noise({5e-5});
   bank.start_motion({0}, 1);
   const auto take = [&bank] {
@@ -384,7 +385,7 @@ TEST(MotionBank, ARunOfOneValueTeachesNoNoise) {
 }
 
 TEST(MotionBank, HoldsTheNoiseBetweenFloorAndCeiling) {
-  RecommendedParameters parameters;
+  MotionEstimatorParameters parameters;
   parameters.noise.lowest_position_sd_m = 2e-5;
   parameters.noise.highest_position_sd_m = 4e-4;
   for (const double guess : {1e-8, 2e-4, 0.1}) {

@@ -28,7 +28,7 @@ double swing_m(TimeNs time_ns) {
 }
 
 // An estimator that has followed a swing for `count` samples, the last at (count - 1) steps.
-Estimator after_swing(TimeNs count, const RecommendedParameters& parameters = {}) {
+Estimator after_swing(TimeNs count, const MotionEstimatorParameters& parameters = {}) {
   Estimator estimator(parameters);
   for (TimeNs i = 0; i < count; ++i) {
     EXPECT_TRUE(estimator.step(at(i * kStep_ns, swing_m(i * kStep_ns))).is_ready);
@@ -106,7 +106,7 @@ TEST(RecommendedEstimator, ATimeBeforeTheLastIsNotTaken) {
 }
 
 TEST(RecommendedEstimator, ARepeatedTimeIsASecondMeasurementOfTheSameInstant) {
-  RecommendedParameters parameters;
+  MotionEstimatorParameters parameters;
   parameters.noise.adaptation = Adaptation::off;
   Estimator estimator = after_swing(50, parameters);
   double sd = 1;
@@ -121,7 +121,7 @@ TEST(RecommendedEstimator, ARepeatedTimeIsASecondMeasurementOfTheSameInstant) {
 }
 
 TEST(RecommendedEstimator, NothingIsKnownAfterTheLongestGap) {
-  const RecommendedParameters parameters;
+  const MotionEstimatorParameters parameters;
   Estimator estimator = after_swing(50);
   TimeNs time_ns = 49 * kStep_ns;
   const TimeNs lost_ns = time_ns + nanoseconds(parameters.outliers.longest_gap_s);
@@ -157,7 +157,7 @@ TEST(RecommendedEstimator, AMeasurementRightAfterTheGapStartsAnew) {
 
 // A rejected sample is no measurement: the gap goes on.
 TEST(RecommendedEstimator, RejectedSamplesDoNotKeepTheStateAlive) {
-  RecommendedParameters parameters;
+  MotionEstimatorParameters parameters;
   parameters.outliers.reset_after = 1000;
   parameters.outliers.longest_gap_s = 0.1;
   Estimator estimator = after_swing(50, parameters);
@@ -290,7 +290,7 @@ void expect_whole(const Quantity<Scalar>& quantity) {
 
 template <class Scalar>
 void expect_whole(const RecommendedEstimate<Scalar>& estimate, int axes,
-                  const RecommendedParameters& parameters) {
+                  const MotionEstimatorParameters& parameters) {
   RC_ASSERT(!std::isnan(estimate.nis) == !std::isnan(estimate.axes[0].innovation_m));
   for (int axis = 0; axis < axes; ++axis) {
     const AxisEstimate<Scalar>& one = estimate.axes[axis];
@@ -319,7 +319,7 @@ bool is_positive_definite(const SymmetricMatrix3<Scalar>& P) {
 enum class Covariance { is_checked, may_round };
 
 template <class Scalar, int kAxes>
-void expect_survival(const RecommendedParameters& parameters,
+void expect_survival(const MotionEstimatorParameters& parameters,
                      Covariance covariance = Covariance::is_checked) {
   const int lag = *rc::gen::element(0, 0, 1, 3, 16);
   RecommendedEstimator<Scalar, kAxes> estimator(parameters, lag);
@@ -347,8 +347,8 @@ void expect_survival(const RecommendedParameters& parameters,
   while (estimator.drain(estimate)) expect_whole(estimate, kAxes, parameters);
 }
 
-RecommendedParameters default_or_fixed() {
-  RecommendedParameters parameters;
+MotionEstimatorParameters default_or_fixed() {
+  MotionEstimatorParameters parameters;
   if (*rc::gen::arbitrary<bool>()) parameters.noise.adaptation = Adaptation::off;
   return parameters;
 }
@@ -370,8 +370,8 @@ RC_GTEST_PROP(RecommendedEstimator, SurvivesAnythingOnThreeAxesInFloat, ()) {
 
 // Parameters anywhere in their ranges. A prior that is 1e8 times as wide as the noise, with steps
 // that make the most of it, leaves less of a variance than rounding does.
-RecommendedParameters any_parameters() {
-  RecommendedParameters parameters = default_or_fixed();
+MotionEstimatorParameters any_parameters() {
+  MotionEstimatorParameters parameters = default_or_fixed();
   visit_recommended_fields(parameters, [](const char*, const char*, double* values, std::size_t,
                                           const char*, Range range) {
     const double lowest = std::max(range.lowest, 1e-9);

@@ -31,7 +31,7 @@ constexpr auto kMeasured = Provenance::measured, kDerived = Provenance::derived,
 
 TEST(RecommendedProvenance, OnePositionMeasuresAPositionAlone) {
   for (const Adaptation adaptation : {Adaptation::on, Adaptation::off}) {
-    RecommendedParameters parameters;
+    MotionEstimatorParameters parameters;
     parameters.noise.adaptation = adaptation;
     Estimator estimator(parameters);
     const Provenance position = adaptation == Adaptation::on ? kAssumed : kMeasured;
@@ -69,7 +69,7 @@ TEST(RecommendedProvenance, AGuessThatIsFarTooLowIsDoubtedLonger) {
 
 // The threshold is the one that provenance.h documents, on the values that are reported.
 TEST(RecommendedProvenance, MeasuredIsHalfOfThePriorsVariance) {
-  RecommendedParameters parameters;
+  MotionEstimatorParameters parameters;
   parameters.noise.adaptation = Adaptation::off;
   Estimator estimator(parameters);
   bool was_assumed = false, was_measured = false;
@@ -101,7 +101,7 @@ TEST(RecommendedProvenance, WhatWasNotTakenIsDerived) {
 
 // The longer nothing is measured, the less is known, until only the prior is left.
 TEST(RecommendedProvenance, WithoutMeasurementsItBecomesAssumed) {
-  RecommendedParameters parameters;
+  MotionEstimatorParameters parameters;
   parameters.outliers.longest_gap_s = 10;
   parameters.noise.adaptation = Adaptation::off;
   Estimator estimator(parameters);
@@ -121,7 +121,7 @@ TEST(RecommendedProvenance, ALaterLookMeasuresWhatTheInstantDidNot) {
 }
 
 TEST(RecommendedProvenance, ForceIsTheAssumedMassTimesTheAcceleration) {
-  RecommendedParameters parameters;
+  MotionEstimatorParameters parameters;
   parameters.assumed_mass_kg = 0.4;
   Estimator estimator(parameters);
   for (TimeNs i = 0; i < 50; ++i) {

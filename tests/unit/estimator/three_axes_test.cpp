@@ -36,7 +36,7 @@ void expect_same(const AxisEstimate<double>& a, const AxisEstimate<double>& b, d
 TEST(ThreeAxes, TheSamePositionsGiveTheSameAsAlongOne) {
   for (const Adaptation adaptation : {Adaptation::on, Adaptation::off}) {
     for (const int lag : {0, 5}) {
-      RecommendedParameters parameters;
+      MotionEstimatorParameters parameters;
       parameters.noise.adaptation = adaptation;
       // Beyond, three axes know more than one.
       parameters.outliers.huber_sd = parameters.outliers.gate_sd = 100;
@@ -83,7 +83,7 @@ TEST(ThreeAxes, EachAxisNoiseIsLearnedByItself) {
 }
 
 TEST(ThreeAxes, GivenNoiseIsThatOfItsAxis) {
-  RecommendedParameters parameters;
+  MotionEstimatorParameters parameters;
   parameters.noise.adaptation = Adaptation::off;
   const double sd[] = {20e-6, 50e-6, 200e-6};
   Estimator three(parameters);
@@ -105,7 +105,7 @@ TEST(ThreeAxes, GivenNoiseIsThatOfItsAxis) {
 TEST(ThreeAxes, AGlitchOrAMissingValueAlongOneAxisIsTheWholeSamples) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const double bad : {0.05, std::nan("")}) {
-      Estimator with(RecommendedParameters{}), without(RecommendedParameters{});
+      Estimator with(MotionEstimatorParameters{}), without(MotionEstimatorParameters{});
       Random random(3);
       for (TimeNs i = 0; i <= 200; ++i) {
         TimedPosition<double, 3> measurement{i * kStep_ns, true, {}, {}};

@@ -143,10 +143,10 @@ Replayed replay(const Format& format, const Rows& rows) {
   PublishedSensor<double> published{PublishedParameters()};
   run(published, content, replayed);
   if (format.coordinates == 1) {
-    RecommendedSensor<double, 1> recommended{RecommendedParameters(), 0};
+    RecommendedSensor<double, 1> recommended{MotionEstimatorParameters(), 0};
     run(recommended, content, replayed);
   } else {
-    RecommendedSensor<double, 3> recommended{RecommendedParameters(), 0};
+    RecommendedSensor<double, 3> recommended{MotionEstimatorParameters(), 0};
     run(recommended, content, replayed);
   }
   return replayed;
