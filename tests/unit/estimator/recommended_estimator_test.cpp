@@ -372,7 +372,7 @@ RC_GTEST_PROP(RecommendedEstimator, SurvivesAnythingOnThreeAxesInFloat, ()) {
 // that make the most of it, leaves less of a variance than rounding does.
 MotionEstimatorParameters any_parameters() {
   MotionEstimatorParameters parameters = default_or_fixed();
-  visit_recommended_fields(parameters, [](const char*, const char*, double* values, std::size_t,
+  visit_motion_fields(parameters, [](const char*, const char*, double* values, std::size_t,
                                           const char*, Range range) {
     const double lowest = std::max(range.lowest, 1e-9);
     *values = *number_between(std::log(lowest), std::log(range.highest));
