@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "box/running_box.h"
+#include "box/stream_reader.h"
 
 namespace condyle::box {
 namespace {
