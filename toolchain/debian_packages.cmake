@@ -43,6 +43,14 @@ foreach(page ${pages})
     COMPONENT common EXCLUDE_FROM_ALL)
 endforeach()
 
+# What they hold, without the tests.
+add_custom_target(packaged)
+foreach(target condyle condyle_manual condyle-box)
+  if(TARGET ${target})
+    add_dependencies(packaged ${target})
+  endif()
+endforeach()
+
 set(CPACK_GENERATOR DEB)
 set(CPACK_COMPONENTS_ALL common)
 if(CONDYLE_BUILD_COMMAND)
