@@ -8,18 +8,21 @@
 namespace condyle::host {
 namespace {
 
+std::unique_ptr<hal::SessionLogSource> open_reports(const std::string& log, std::size_t index,
+                                                    hal::Clock* clock) {
+  auto reports = std::make_unique<hal::SessionLogSource>(log, index, clock);
+  const hal::Status status = reports->open();
+  if (status == hal::Status::ok) return reports;
+  const std::string problem = reports->problem();
+  throw InputError(log, problem.empty() ? hal::status_name(status) : problem, "name a session log");
+}
+
 // With the log's own profile, or the one in the file `profile`; neither checked nor complete.
 LogDevice open_device(const std::string& log, std::size_t index, const std::string& profile,
                       hal::Clock* clock) {
   LogDevice device;
   device.index = index;
-  device.reports = std::make_unique<hal::SessionLogSource>(log, index, clock);
-  const hal::Status status = device.reports->open();
-  if (status != hal::Status::ok) {
-    const std::string problem = device.reports->problem();
-    throw InputError(log, problem.empty() ? hal::status_name(status) : problem,
-                     "name a session log");
-  }
+  device.reports = open_reports(log, index, clock);
   const hal::SessionSource& recorded = device.recorded();
   if (!hal::is_device(recorded)) return device;
   const std::string owner = index == 0 ? "its profile" : "the profile of " + recorded.name;
@@ -40,10 +43,9 @@ LogDevice open_log_facebow(const std::string& log, const std::string& profile, h
 std::optional<LogDevice> open_log_device(
     const std::string& log, std::size_t first, const std::string& profile,
     const std::function<bool(const hal::DeviceProfile&)>& is_wanted) {
-  std::size_t sources = first + 1;
+  const std::size_t sources = open_reports(log, 0, nullptr)->header().sources.size();
   for (std::size_t i = first; i < sources; ++i) {
     LogDevice device = open_device(log, i, i == 0 ? profile : "", nullptr);
-    sources = device.reports->header().sources.size();
     if (!hal::is_device(device.recorded()) || !is_wanted(device.profile)) continue;
     complete_profile(device.profile, device.recorded().report_descriptor, log);
     return device;

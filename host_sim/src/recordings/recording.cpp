@@ -145,9 +145,9 @@ std::unique_ptr<Recording> open_recording(const std::string& source,
     case SourceKind::usb:
       throw InputError(
           source, "is a device, not a recording",
-          fmt::format("record it first: condyle record --profile {} --backend {} --out "
+          fmt::format("record it first: condyle record --profile '{}' --backend {} --out "
                       "session.mcap",
-                      quote(path), backend_of(spec.kind)));
+                      path, backend_of(spec.kind)));
     case SourceKind::synth:
       throw InputError(source, "is a made-up device, which never ends",
                        "name a recording, or a simulated subject with sim:SCENARIO.toml");

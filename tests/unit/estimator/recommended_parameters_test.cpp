@@ -6,12 +6,14 @@
 #include <cmath>
 
 #include "condyle/estimator/motion/recommended_estimator.h"
+#include "condyle/estimator/sensors/cycle_sensor.h"
+#include "condyle/estimator/sensors/driven_sensor.h"
 
 namespace condyle {
 namespace {
 
 // Says nothing but that the parameters are invalid, however long one waits.
-void expect_nothing_computed(const RecommendedParameters& parameters, int lag) {
+void expect_nothing_computed(const MotionEstimatorParameters& parameters, int lag) {
   RecommendedEstimator<double, 1> estimator(parameters, lag);
   for (TimeNs i = 0; i < 20; ++i) {
     const auto estimate = estimator.step({i * 10'000'000, true, {0.001}, {}});
@@ -31,6 +33,19 @@ void expect_nothing_computed(const RecommendedParameters& parameters, int lag) {
   EXPECT_FALSE(estimator.drain(left));
 }
 
+// A sensor looks at all that it uses.
+void expect_sensors_refuse(const RecommendedParameters& parameters) {
+  const MotionEstimatorParameters& motion = parameters;
+  const DrivenParameters& driven = parameters;
+  if (!is_valid(motion)) expect_nothing_computed(motion, 0);
+  const Sample sample;
+  const auto says = [&sample](auto&& sensor) {
+    return sensor.process(sample, {}).events.has(Event::parameters_invalid);
+  };
+  EXPECT_EQ(says(DrivenSensor<double, 1>(driven, 0, {}, 0)), !is_valid(driven));
+  EXPECT_TRUE(says(CycleSensor<double, 1>(parameters, {}, 0)));
+}
+
 TEST(RecommendedParameters, DefaultsAreValid) {
   EXPECT_TRUE(is_valid(RecommendedParameters{}));
 }
@@ -47,7 +62,7 @@ TEST(RecommendedParameters, EveryFieldIsChecked) {
          {range.lowest - 1e-3, 2 * range.highest, std::nan(""), HUGE_VAL, -HUGE_VAL}) {
       *values = bad;
       EXPECT_FALSE(is_valid(parameters)) << section << "." << key << " = " << bad;
-      expect_nothing_computed(parameters, 0);
+      expect_sensors_refuse(parameters);
     }
     *values = good;
     ++fields;

@@ -57,7 +57,7 @@ template <class Scalar, int kAxes>
 CycleSensor<Scalar, kAxes>::CycleSensor(const RecommendedParameters& parameters,
                                         const FollowedPoint& followed, int axis)
     : axis_(axis),
-      motion_(parameters, 0, followed),
+      motion_(parameters, is_valid(parameters) ? 0 : kUnusableLag, followed),
       timeline_(parameters.joint, parameters.changes) {}
 
 template <class Scalar, int kAxes>

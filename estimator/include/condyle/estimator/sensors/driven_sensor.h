@@ -58,7 +58,9 @@ class DrivenSensor {
 template <class Scalar, int kAxes, int kMostLag>
 DrivenSensor<Scalar, kAxes, kMostLag>::DrivenSensor(const DrivenParameters& parameters, int lag,
                                                     const FollowedPoint& followed, int axis)
-    : axis_(axis), motion_(parameters, lag, followed), identification_(parameters.joint) {}
+    : axis_(axis),
+      motion_(parameters, is_valid(parameters) ? lag : kUnusableLag, followed),
+      identification_(parameters.joint) {}
 
 template <class Scalar, int kAxes, int kMostLag>
 void DrivenSensor<Scalar, kAxes, kMostLag>::add_drive(TimeNs time_ns, double drive_N) {

@@ -105,6 +105,9 @@ class RecommendedSensor {
   Estimator estimator_;
 };
 
+/// A lag that no sensor has: each estimate says `parameters_invalid`.
+inline constexpr int kUnusableLag = -1;
+
 template <class Scalar, int kAxes, int kMostLag>
 RecommendedSensor<Scalar, kAxes, kMostLag>::RecommendedSensor(
     const MotionEstimatorParameters& parameters, int lag, const FollowedPoint& followed)
