@@ -13,8 +13,8 @@
 #include <string>
 #include <thread>
 
-#include "hosted/devices/synthetic_source.h"
 #include "condyle/hal/log/session_log.h"
+#include "hosted/devices/synthetic_source.h"
 #include "support/paths.h"
 
 namespace {

@@ -8,8 +8,8 @@
 
 #include "box/running_box.h"
 #include "box/socket_node.h"
-#include "hosted/devices/synthetic_source.h"
 #include "box/stream_reader.h"
+#include "hosted/devices/synthetic_source.h"
 #include "support/command.h"
 #include "support/session.h"
 #include "support/table.h"

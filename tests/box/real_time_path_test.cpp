@@ -15,8 +15,8 @@
 #include <mutex>
 
 #include "box/realtime/engine.h"
-#include "hosted/devices/synthetic_source.h"
 #include "hosted/config/device_profile_file.h"
+#include "hosted/devices/synthetic_source.h"
 #include "support/allocation_counter.h"
 #include "support/paths.h"
 #include "support/session.h"

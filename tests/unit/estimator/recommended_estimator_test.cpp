@@ -373,7 +373,7 @@ RC_GTEST_PROP(RecommendedEstimator, SurvivesAnythingOnThreeAxesInFloat, ()) {
 MotionEstimatorParameters any_parameters() {
   MotionEstimatorParameters parameters = default_or_fixed();
   visit_motion_fields(parameters, [](const char*, const char*, double* values, std::size_t,
-                                          const char*, Range range) {
+                                     const char*, Range range) {
     const double lowest = std::max(range.lowest, 1e-9);
     *values = *number_between(std::log(lowest), std::log(range.highest));
     *values = std::clamp(std::exp(*values), range.lowest, range.highest);

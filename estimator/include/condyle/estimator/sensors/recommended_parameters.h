@@ -36,22 +36,20 @@ constexpr void visit_recommended_fields(Parameters& parameters, Visitor&& visit)
 /// True where is_valid holds of the motion's, and every other field lies in its range.
 constexpr bool is_valid(const DrivenParameters& parameters) {
   bool valid = is_valid(static_cast<const MotionEstimatorParameters&>(parameters));
-  visit_joint_fields(parameters.joint,
-                     [&valid](const char*, const char*, const double* values, std::size_t,
-                              const char*, Range range) {
-                       valid = valid && range.contains(*values);
-                     });
+  visit_joint_fields(parameters.joint, [&valid](const char*, const char*, const double* values,
+                                                std::size_t, const char*, Range range) {
+    valid = valid && range.contains(*values);
+  });
   return valid;
 }
 
 /// Likewise.
 constexpr bool is_valid(const RecommendedParameters& parameters) {
   bool valid = is_valid(static_cast<const DrivenParameters&>(parameters));
-  visit_change_fields(parameters.changes,
-                      [&valid](const char*, const char*, const double* values, std::size_t,
-                               const char*, Range range) {
-                        valid = valid && range.contains(*values);
-                      });
+  visit_change_fields(parameters.changes, [&valid](const char*, const char*, const double* values,
+                                                   std::size_t, const char*, Range range) {
+    valid = valid && range.contains(*values);
+  });
   return valid;
 }
 
