@@ -21,8 +21,13 @@ class PointConclusion {
   PointConclusion(const PointRegression<Scalar>& regression, const JointParameters& parameters)
       : regression_(regression), parameters_(parameters), setup_(regression.setup()) {}
 
-  /// Long, and called once a second: compiled apart from who calls it.
-  [[gnu::noinline]] JointEstimate<Scalar> draw() const;
+  /// The conclusion from all that the regression has by now.
+#ifdef CONDYLE_SENSORS_COMPILED  // long, and called once a second: not compiled again in its
+                                 // callers
+  [[gnu::noinline]]
+#endif
+  JointEstimate<Scalar>
+  draw() const;
 
  private:
   JointEstimate<Scalar> nothing_known() const {
