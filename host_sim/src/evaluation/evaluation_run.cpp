@@ -150,11 +150,11 @@ template <class Sensor, class RowOfStep>
 EvaluationRun run_through(const Scenario& scenario, std::uint64_t seed, double nominal_step_s,
                           const std::function<bool()>& should_stop, Sensor& sensor,
                           const RowOfStep& row_of_step, SubjectTruth& last_truth) {
-  SimulatedFacebow facebow(
-      scenario, seed, [&sensor]([[maybe_unused]] TimeNs time_ns, [[maybe_unused]] double drive_N) {
-        if constexpr (requires { sensor.add_drive(TimeNs{}, 0.0); })
-          sensor.add_drive(time_ns, drive_N);
-      });
+  SimulatedFacebow facebow(scenario, seed,
+                           [&]([[maybe_unused]] TimeNs time_ns, [[maybe_unused]] double drive_N) {
+                             if constexpr (requires { sensor.add_drive(TimeNs{}, 0.0); })
+                               sensor.add_drive(time_ns, drive_N);
+                           });
   RunComparison comparison(scenario.duration_s);
   hal::ManualClock clock;
   firmware::RunSettings settings;
