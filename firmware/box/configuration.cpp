@@ -25,10 +25,15 @@ using host::TomlReader;
 constexpr std::size_t kShortestToken = 16, kLongestToken = 256;
 constexpr int kMostLag = 16;
 
+// inet_pton stops at a NUL and accepts what stands before it.
+bool read_address(int family, const std::string& text, void* address) {
+  return text.find('\0') == std::string::npos && inet_pton(family, text.c_str(), address) == 1;
+}
+
 bool is_address(const std::string& text) {
   in_addr v4{};
   in6_addr v6{};
-  return inet_pton(AF_INET, text.c_str(), &v4) == 1 || inet_pton(AF_INET6, text.c_str(), &v6) == 1;
+  return read_address(AF_INET, text, &v4) || read_address(AF_INET6, text, &v6);
 }
 
 class Reader {
@@ -221,9 +226,9 @@ class Reader {
 bool is_loopback(std::string_view address) {
   const std::string text(address);
   in_addr v4{};
-  if (inet_pton(AF_INET, text.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24U) == 127;
+  if (read_address(AF_INET, text, &v4)) return (ntohl(v4.s_addr) >> 24U) == 127;
   in6_addr v6{};
-  return inet_pton(AF_INET6, text.c_str(), &v6) == 1 && IN6_IS_ADDR_LOOPBACK(&v6) != 0;
+  return read_address(AF_INET6, text, &v6) && IN6_IS_ADDR_LOOPBACK(&v6) != 0;
 }
 
 Configuration load_configuration(const std::string& path) {

@@ -113,6 +113,7 @@ TEST_F(ConfigurationFile, SaysWhatIsWrongAndWhere) {
        "no serial port has 250000 baud; give one of 9600, 19200,"},
       {source_ + "[estimator]\nnode_late_ms = 0\n", "node_late_ms"},
       {source_ + "[udp]\naddress = \"localhost\"\n", "is no address"},
+      {source_ + "[udp]\naddress = \"127.0.0.1\\u0000x\"\n", "is no address"},
       {source_ + "[udp]\nport = 65536\n", "port"},
       {source_ + "[http]\naddress = \"0.0.0.0\"\n", "without a token"},
       {source_ + "[http]\nadress = \"::1\"\n", "adress"},
@@ -143,6 +144,10 @@ TEST(Loopback, IsWhatNoOtherMachineReaches) {
   }
   for (const char* address : {"", "0.0.0.0", "128.0.0.1", "::", "localhost", "127.1", "fe80::1"}) {
     EXPECT_FALSE(is_loopback(address)) << address;
+  }
+  using namespace std::string_view_literals;
+  for (const std::string_view address : {"127.0.0.1\0.example.org"sv, "::1\0O"sv, "::1\0"sv}) {
+    EXPECT_FALSE(is_loopback(address)) << address.data();
   }
 }
 
