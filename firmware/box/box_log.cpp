@@ -24,7 +24,7 @@ void BoxLog::say(Level level, std::string_view kind, const std::string& text) {
     if (static_cast<unsigned char>(letter) < 0x20) letter = ' ';
   }
   if (counted.withheld > 0) {
-    line += fmt::format(" ({} such lines were withheld before)", counted.withheld);
+    line += fmt::format(" ({} similar lines were suppressed)", counted.withheld);
     counted.withheld = 0;
   }
   std::fputs((line + "\n").c_str(), out_);

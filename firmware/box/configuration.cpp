@@ -74,12 +74,12 @@ class Reader {
     const bool has_colon = text.find(':') != std::string::npos;
     const auto spec = host::parse_source(has_colon ? text : text + ":");
     if (!spec || spec->kind == Kind::sim) {
-      throw InputError(toml_.place(section, "source"), "\"" + text + "\" is no source",
+      throw InputError(toml_.place(section, "source"), "\"" + text + "\" is not a source",
                        "write hid:PROFILE, usb:PROFILE, file:LOG or synth:PROFILE");
     }
     if (spec->file.empty()) {
-      throw InputError(toml_.place(section, "source"), "\"" + text + "\" names no file",
-                       "write it behind the colon");
+      throw InputError(toml_.place(section, "source"), "\"" + text + "\" does not name a file",
+                       "write the file after the colon");
     }
     source.kind = spec->kind;
     source.file = file(spec->file);
@@ -94,24 +94,23 @@ class Reader {
     for (const std::string& name : toml_.sections_in("companion")) {
       if (!hal::is_subject_code(name) || name.empty() || name == "facebow" ||
           name == hal::kMarkerSource) {
-        throw InputError(toml_.place("companion", name),
-                         "\"" + name + "\" is no name for a companion",
-                         "use at most 32 letters, digits, - and _; facebow and markers are taken");
+        throw InputError(
+            toml_.place("companion", name), "\"" + name + "\" is not a valid companion name",
+            "use at most 32 letters, digits, - and _; facebow and markers are reserved");
       }
       SourceSettings companion;
       companion.name = name;
       read_source("companion." + name, companion);
       if (companion.kind != SourceSettings::Kind::hid &&
           companion.kind != SourceSettings::Kind::usb) {
-        throw InputError(toml_.place("companion." + name, "source"), "a companion is a device",
+        throw InputError(toml_.place("companion." + name, "source"), "a companion must be a device",
                          "use hid: or usb:");
       }
       result_.companions.push_back(companion);
     }
     // Facebow and markers have a place in the log too.
     if (result_.companions.size() > 6) {
-      throw InputError(toml_.place("companion", ""), "there are too many companions",
-                       "a log has room for 6");
+      throw InputError(toml_.place("companion", ""), "too many companions", "give at most 6");
     }
   }
 
@@ -139,7 +138,7 @@ class Reader {
     toml_.integer("estimator", "node_baud", baud, rates.front(), rates.back());
     if (std::find(rates.begin(), rates.end(), static_cast<unsigned>(baud)) == rates.end()) {
       throw InputError(toml_.place("estimator", "node_baud"),
-                       fmt::format("no serial port has {} baud", baud),
+                       fmt::format("serial ports do not support {} baud", baud),
                        fmt::format("give one of {}", fmt::join(rates, ", ")));
     }
     toml_.number("estimator", "node_late_ms", late_ms, "ms", {1, 60'000});
@@ -149,8 +148,9 @@ class Reader {
     const std::size_t colon = node.find(':');
     const std::string kind = node.substr(0, colon);
     if ((kind != "serial" && kind != "unix") || colon + 1 >= node.size()) {
-      throw InputError(toml_.place("estimator", "node"), "\"" + node + "\" is no line",
-                       "write serial:/dev/ttyACM0 or the like, or unix:SOCKET");
+      throw InputError(toml_.place("estimator", "node"),
+                       "\"" + node + "\" is not a line to a microcontroller",
+                       "write serial:DEVICE, such as serial:/dev/ttyACM0, or unix:SOCKET");
     }
     const std::string name = file(node.substr(colon + 1));
     result_.node = kind == "unix" ? "unix:" + name : name;
@@ -166,8 +166,9 @@ class Reader {
 
   void read_address(const std::string& section, std::string& address) {
     if (toml_.text(section, "address", address) && !is_address(address)) {
-      throw InputError(toml_.place(section, "address"), "\"" + address + "\" is no address",
-                       "write numbers, such as 127.0.0.1 or ::1");
+      throw InputError(toml_.place(section, "address"),
+                       "\"" + address + "\" is not a numeric address",
+                       "write an address such as 127.0.0.1 or ::1");
     }
   }
 
@@ -195,14 +196,14 @@ class Reader {
     if (result_.token.empty() && !is_loopback(result_.http_address)) {
       throw InputError(toml_.place("http", "address"),
                        "other machines could reach " + result_.http_address + " without a token",
-                       "name a file with one as token_file, or use 127.0.0.1");
+                       "set token_file, or use 127.0.0.1");
     }
   }
 
   void read_token(const std::string& path) {
     struct stat status {};
     if (stat(path.c_str(), &status) == 0 && (status.st_mode & (S_IRWXO | S_IWGRP)) != 0) {
-      throw InputError(path, "others may read the token or change it", "chmod 640 " + path);
+      throw InputError(path, "other users can read or change the token", "chmod 640 " + path);
     }
     const std::string token = host::read_text_line(path);
     const bool is_printable =
@@ -210,7 +211,7 @@ class Reader {
             "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~+/=") ==
         std::string::npos;
     if (token.size() < kShortestToken || token.size() > kLongestToken || !is_printable) {
-      throw InputError(path, "holds no usable token",
+      throw InputError(path, "does not contain a usable token",
                        "write one line of 16 to 256 letters, digits and -._~+/=");
     }
     result_.token = token;

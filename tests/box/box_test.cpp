@@ -37,7 +37,7 @@ TEST(Box, SaysHowItDoes) {
   ASSERT_TRUE(running.is_estimating());
   const Json status = running.status();
   EXPECT_EQ(status["format"], "condyle-box-status-1");
-  EXPECT_THAT(status["note"].get<std::string>(), HasSubstr("no diagnosis"));
+  EXPECT_THAT(status["note"].get<std::string>(), HasSubstr("not a diagnosis"));
   EXPECT_EQ(status["device"]["name"], "condyle fake facebow");
   EXPECT_EQ(status["device"]["connected"], true);
   EXPECT_GT(status["device"]["reports_received"], 0);

@@ -93,27 +93,28 @@ TEST_F(ConfigurationFile, SaysWhatIsWrongAndWhere) {
   }();
   const std::pair<std::string, const char*> cases[] = {
       {"", "give one, such as"},
-      {"[facebow]\nsource = \"serial:x\"\n", "box.toml:2:10: \"serial:x\" is no source"},
-      {"[facebow]\nsource = \"hid:\"\n", "names no file"},
-      {"[facebow]\nsource = \"hid\"\n", "names no file"},
+      {"[facebow]\nsource = \"serial:x\"\n", "box.toml:2:10: \"serial:x\" is not a source"},
+      {"[facebow]\nsource = \"hid:\"\n", "does not name a file"},
+      {"[facebow]\nsource = \"hid\"\n", "does not name a file"},
       {"[facebow]\nsource = \"synth:x\"\nserial = \"1\"\n", "only devices have a serial number"},
       {source_ + "point = 4\n", "point"},
-      {source_ + "[companion.a]\nsource = \"file:x\"\n", "a companion is a device"},
+      {source_ + "[companion.a]\nsource = \"file:x\"\n", "a companion must be a device"},
       {source_ + many, "too many companions"},
-      {source_ + "[companion.markers]\nsource = \"hid:x\"\n", "is no name for a companion"},
-      {source_ + "[companion.\"left masseter\"]\nsource = \"hid:x\"\n", "is no name"},
+      {source_ + "[companion.markers]\nsource = \"hid:x\"\n", "is not a valid companion name"},
+      {source_ + "[companion.\"left masseter\"]\nsource = \"hid:x\"\n",
+       "is not a valid companion name"},
       {source_ + "[http]\nmost_listeners = 101\n", "most_listeners"},
       {source_ + "[estimator]\nlag_samples = 17\n", "lag_samples"},
       {source_ + "[estimator]\npriority = 99\n", "priority"},
       {source_ + "[estimator]\nnode = \"/dev/ttyACM0\"\n",
-       "\"/dev/ttyACM0\" is no line; write ser"},
-      {source_ + "[estimator]\nnode = \"serial:\"\n", "is no line"},
+       "\"/dev/ttyACM0\" is not a line to a microcontroller; write ser"},
+      {source_ + "[estimator]\nnode = \"serial:\"\n", "is not a line"},
       {source_ + "[estimator]\nnode_baud = 300\n", "node_baud"},
       {source_ + "[estimator]\nnode_baud = 250000\n",
-       "no serial port has 250000 baud; give one of 9600, 19200,"},
+       "serial ports do not support 250000 baud; give one of 9600, 19200,"},
       {source_ + "[estimator]\nnode_late_ms = 0\n", "node_late_ms"},
-      {source_ + "[udp]\naddress = \"localhost\"\n", "is no address"},
-      {source_ + "[udp]\naddress = \"127.0.0.1\\u0000x\"\n", "is no address"},
+      {source_ + "[udp]\naddress = \"localhost\"\n", "is not a numeric address"},
+      {source_ + "[udp]\naddress = \"127.0.0.1\\u0000x\"\n", "is not a numeric address"},
       {source_ + "[udp]\nport = 65536\n", "port"},
       {source_ + "[http]\naddress = \"0.0.0.0\"\n", "without a token"},
       {source_ + "[http]\nadress = \"::1\"\n", "adress"},
@@ -134,7 +135,7 @@ TEST_F(ConfigurationFile, TakesOnlyATokenThatOthersCannotRead) {
   EXPECT_EQ(load(text).token, "0123456789abcdef");
   for (const char* wrong : {"", "short", "0123456789abcdef\nmore", "0123456789 abcdef"}) {
     (void)folder_.write("token", wrong);
-    EXPECT_THAT(problem(text), HasSubstr("no usable token")) << wrong;
+    EXPECT_THAT(problem(text), HasSubstr("does not contain a usable token")) << wrong;
   }
 }
 

@@ -105,7 +105,7 @@ TEST(BoxLog, SaysTheSameThingSeldom) {
   EXPECT_THAT(said, HasSubstr("<4>device: away 4\n"));
   EXPECT_THAT(said, testing::Not(HasSubstr("away 5")));
   EXPECT_THAT(said, HasSubstr("<6>session: two lines\n"));
-  EXPECT_THAT(said, HasSubstr("<4>device: away again (995 such lines were withheld before)\n"));
+  EXPECT_THAT(said, HasSubstr("<4>device: away again (995 similar lines were suppressed)\n"));
 }
 
 }  // namespace

@@ -129,7 +129,7 @@ TEST(Requests, BeginNoSessionBeforeTheClockIsSet) {
   ASSERT_TRUE(running.is_estimating());
   const auto answer = post(running.port, "/v1/session/start", "{}");
   EXPECT_EQ(answer.status, 503);
-  EXPECT_THAT(answer.body, HasSubstr("the clock of this machine stands before 1970; set it"));
+  EXPECT_THAT(answer.body, HasSubstr("this machine's clock is before 1970; set it"));
   running.wall_offset_ns = 0;
   EXPECT_EQ(post(running.port, "/v1/session/start", "{}").status, 200);
 }
@@ -145,7 +145,8 @@ TEST(Requests, MarkWithOneLineOfTextOnly) {
     const auto answer =
         post(running.port, "/v1/session/marker", std::string(R"({"text":")") + text + "\"}");
     EXPECT_EQ(answer.status, 400) << text;
-    EXPECT_THAT(answer.body, HasSubstr("a marker is one line of UTF-8 without control characters"));
+    EXPECT_THAT(answer.body,
+                HasSubstr("a marker must be one line of UTF-8 without control characters"));
   }
   EXPECT_EQ(post(running.port, "/v1/session/marker", R"({"text":"Bi\u00df, \"hart\""})").status,
             200);

@@ -215,7 +215,7 @@ TEST(Service, ChecksItsConfigurationAndMeasuresItsLatency) {
   const std::string node = folder.write(
       "node.toml", testing_support::read_file(good) + "[estimator]\nnode = \"unix:nobody\"\n");
   ASSERT_EQ(run("--latency-test 0.2 --config " + node), 0);
-  EXPECT_THAT(testing_support::read_file(out), HasSubstr("[estimator] node is left out"));
+  EXPECT_THAT(testing_support::read_file(out), HasSubstr("the test does not use [estimator] node"));
 }
 
 // However little memory there is, it says so and ends, or it works. A core would hold what was
@@ -332,18 +332,18 @@ TEST(Service, GoesOnWhereTheDiskHangs) {
   testing_support::EventStream stream(port);
   testing_support::EventStream::Event event;
   ASSERT_TRUE(testing_support::wait_for([&] {
-    return stream.next(event) &&
-           status()["session"]["problem"].get<std::string>().find("the disk has not answered") == 0;
+    return stream.next(event) && status()["session"]["problem"].get<std::string>().find(
+                                     "the disk has not responded") == 0;
   }));
   for (int i = 0; i < 500; ++i) ASSERT_TRUE(stream.next(event));
   const auto stopped = testing_support::post(port, "/v1/session/stop", "{}");
   EXPECT_EQ(stopped.status, 503);
-  EXPECT_THAT(stopped.body, HasSubstr("the disk does not answer"));
+  EXPECT_THAT(stopped.body, HasSubstr("the disk does not respond"));
   EXPECT_EQ(testing_support::get(port, "/v1/status").status, 200);
   stream.end();
   EXPECT_EQ(program.end(SIGTERM), 1);
   EXPECT_THAT(testing_support::read_file(elsewhere / "errors"),
-              HasSubstr("the disk does not answer: what waits for it is lost"));
+              HasSubstr("the disk does not respond: unwritten data are lost"));
 }
 
 // The command that waited is carried out once the disk is back.

@@ -104,7 +104,7 @@ TEST_P(Record, AReplayIsTheLiveRunAgain) {
     expect_every_report_accounted_for(played);
     EXPECT_EQ(number_before(played.text, "too short") +
                   number_before(played.text, "with a wrong checksum") +
-                  number_before(played.text, "of another number"),
+                  number_before(played.text, "with another report id"),
               played.account_count("delivered_altered"))
         << played.text;
     expect_same_estimates();
@@ -114,7 +114,7 @@ TEST_P(Record, AReplayIsTheLiveRunAgain) {
 TEST_P(Record, CountsEachKindOfDamagedReport) {
   const Played played = record(600, {"--by-consumption", "--faults", kAllFaults});
   expect_every_report_accounted_for(played);
-  for (const char* words : {"1 too short", "2 with a wrong checksum", "1 of another number"}) {
+  for (const char* words : {"1 too short", "2 with a wrong checksum", "1 with another report id"}) {
     EXPECT_THAT(played.text, testing::HasSubstr(words));
   }
   expect_same_estimates();
@@ -160,7 +160,7 @@ TEST_P(Record, ACounterThatStartsAnew) {
   const std::int64_t received = number_before(played.text, "reports received");
   EXPECT_LE(received, played.account_count("made")) << played.text;
   EXPECT_GE(received, played.account_count("delivered_intact") - 64 * 3) << played.text;
-  EXPECT_EQ(number_before(played.text, "reconnections that began a new count"),
+  EXPECT_EQ(number_before(played.text, "reconnections that restarted the counter"),
             played.account_count("plugged_in") - 1)
       << played.text;
   EXPECT_THAT(played.text, testing::Not(testing::HasSubstr("gaps of unknown length")));

@@ -248,7 +248,7 @@ TEST(Recommended, RefusesWhatIsNotItsOwn) {
   expect_refused({"--lag", "2", "--estimator", "published"},
                  "--lag: is not supported by --estimator published");
   expect_refused(parameters("sample_time_s = 0.02\n"),
-                 "p.toml:1:17: belongs to the published estimator's parameters; name it for the "
+                 "p.toml:1:17: belongs to the published estimator's parameters; use it with the "
                  "published estimator only");
   expect_refused(parameters("[motion]\n"), "belongs to the published estimator's parameters");
   expect_refused({"--estimator", "published", "--parameters",

@@ -208,7 +208,7 @@ TEST_F(Capture, TwoLikeDevicesAtOnceAreNotTakenForOne) {
   for (std::uint32_t i = 0; i < 6; ++i) file.add(report_packet(i, i % 2 == 0 ? 5 : 8));
   auto capture = open(file, fake_);
   EXPECT_EQ(capture.open(), Status::bad_report);
-  EXPECT_THAT(capture.problem(), HasSubstr("more than one endpoint fits"));
+  EXPECT_THAT(capture.problem(), HasSubstr("more than one endpoint matches"));
 }
 
 TEST_F(Capture, ACaptureOfNothingButCutReportsIsRefused) {

@@ -10,8 +10,8 @@ namespace {
 
 constexpr const char* kPage =
     "<!DOCTYPE html><html lang=\"en\"><meta charset=\"utf-8\"><title>condyle box</title>"
-    "<h1>condyle box</h1><p>It records and estimates jaw motion. Research use only; this is no "
-    "diagnosis.</p><p>Its state is at <code>/v1/status</code>, its estimates at "
+    "<h1>condyle box</h1><p>It records and estimates jaw motion. Research use only; not "
+    "a diagnosis.</p><p>Its state is at <code>/v1/status</code>, its estimates at "
     "<code>/v1/estimates</code>.</p></html>\n";
 
 MHD_Result send(MHD_Connection* connection, int status, const std::string& body, const char* type) {

@@ -11,7 +11,7 @@ namespace condyle::box {
 namespace {
 
 constexpr std::size_t kBlock = 16 * 1024;
-constexpr const char* kDisclaimer = "research use only; this is no diagnosis";
+constexpr const char* kDisclaimer = "research use only; not a diagnosis";
 
 }  // namespace
 

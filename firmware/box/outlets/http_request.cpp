@@ -83,24 +83,24 @@ HttpRouting route_estimates(const HttpRequest& request) {
   const std::string asked = request.after ? *request.after : request.last_event_id;
   if (!request.after && asked.empty()) return routing;
   routing.after = number(asked);
-  if (!routing.after) return refusal(400, "after and Last-Event-ID are numbers of estimates");
+  if (!routing.after) return refusal(400, "after and Last-Event-ID must be numbers of estimates");
   return routing;
 }
 
 // The text that the body's one key holds.
 HttpRouting route_command(const HttpRequest& request, HttpAction action, const char* key,
                           bool is_needed) {
-  if (request.is_too_long) return refusal(413, "a request has at most 4096 bytes");
+  if (request.is_too_long) return refusal(413, "a request may have at most 4096 bytes");
   if (!is_json(request.content_type)) {
     return refusal(415, "send JSON, with Content-Type: application/json");
   }
   const nlohmann::json json = nlohmann::json::parse(request.body, nullptr, false);
-  if (!json.is_object()) return refusal(400, "the body is no JSON object");
+  if (!json.is_object()) return refusal(400, "the body is not a JSON object");
   HttpRouting routing{.action = action, .status = 200, .words = {}, .text = {}, .after = {}};
   for (const auto& [name, value] : json.items()) {
     if (name != key || !value.is_string()) {
       HttpRouting wrong = refusal(400, "");
-      wrong.words = std::string("the body may hold ") +
+      wrong.words = std::string("the body may contain ") +
                     (key[0] == '\0' ? "nothing" : std::string("one text, \"") + key + "\"");
       return wrong;
     }
@@ -117,11 +117,11 @@ HttpRouting route_command(const HttpRequest& request, HttpAction action, const c
 }  // namespace
 
 HttpRouting route(const HttpRequest& request, const HttpAccess& access) {
-  if (request.hosts > 1) return refusal(400, "a request has one Host");
+  if (request.hosts > 1) return refusal(400, "a request must have exactly one Host header");
   const bool is_page = request.path == "/" && request.method == "GET";
   const bool is_navigation = is_page && request.origin.empty() && request.fetch_mode == "navigate";
   if (is_of_another_site(request) && !is_navigation) {
-    return refusal(403, "a page of another site may not ask the box");
+    return refusal(403, "pages of other sites may not use the box");
   }
   if (is_page && (!access.token.empty() || names_this_machine(request.host))) {
     return {.action = HttpAction::page, .status = 200, .words = {}, .text = {}, .after = {}};
@@ -131,7 +131,7 @@ HttpRouting route(const HttpRequest& request, const HttpAccess& access) {
       return refusal(401, "send the box's token as Authorization: Bearer TOKEN");
     }
   } else if (!names_this_machine(request.host)) {
-    return refusal(403, "the Host is not this machine");
+    return refusal(403, "the Host header does not name this machine");
   }
   const bool is_get = request.method == "GET", is_post = request.method == "POST";
   const std::string& path = request.path;
@@ -139,7 +139,8 @@ HttpRouting route(const HttpRequest& request, const HttpAccess& access) {
       path == "/v1/session/start" || path == "/v1/session/stop" || path == "/v1/session/marker";
   if (path != "/v1/status" && path != "/v1/estimates" && !is_command) {
     return refusal(
-        404, "there is /v1/status, /v1/estimates, and /v1/session/ with start, stop and marker");
+        404,
+        "not found; use /v1/status, /v1/estimates, or /v1/session/ with start, stop or marker");
   }
   if (is_command ? !is_post : !is_get) {
     return refusal(405, is_command ? "use POST" : "use GET");

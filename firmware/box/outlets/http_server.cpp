@@ -52,8 +52,9 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
     if (lengths > 1) {
       ++state.requests;
       ++state.refused;
-      return send_json(connection, MHD_HTTP_BAD_REQUEST,
-                       answer_json({MHD_HTTP_BAD_REQUEST, "a request has one length"}));
+      return send_json(
+          connection, MHD_HTTP_BAD_REQUEST,
+          answer_json({MHD_HTTP_BAD_REQUEST, "a request must have exactly one length"}));
     }
     // Refused before it is sent, where it says so.
     const std::string length = header(connection, MHD_HTTP_HEADER_CONTENT_LENGTH);
@@ -63,7 +64,7 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
       ++state.refused;
       return send_json(
           connection, MHD_HTTP_CONTENT_TOO_LARGE,
-          answer_json({MHD_HTTP_CONTENT_TOO_LARGE, "a request has at most 4096 bytes"}));
+          answer_json({MHD_HTTP_CONTENT_TOO_LARGE, "a request may have at most 4096 bytes"}));
     }
     return MHD_YES;
   }
@@ -167,9 +168,9 @@ HttpServer::HttpServer(const Configuration& configuration, const EstimateHistory
     close(listening);
     throw host::InputError(
         fmt::format("http address {} port {}", configuration.http_address, configuration.http_port),
-        fmt::format("cannot be listened to: {}", std::strerror(error)),
+        fmt::format("cannot listen: {}", std::strerror(error)),
         error == EADDRINUSE ? "choose a port that no other program uses"
-        : error == EACCES   ? "choose a port from 1024 on"
+        : error == EACCES   ? "choose a port of 1024 or above"
                             : "check the address");
   };
   if (listening < 0 || ::listen(listening, kBacklog) != 0) fail(errno);
@@ -198,7 +199,7 @@ void HttpServer::tick() {
   for (const int descriptor : ending) shutdown(descriptor, SHUT_RDWR);
   state_->waiting.remove_if([now_ns](const State::Waiting& one) {
     if (now_ns - one.since_ns < kPatience_ns) return false;
-    one.pending->answer = {503, "the disk does not answer; the command waits for it"};
+    one.pending->answer = {503, "the disk does not respond; the command is waiting for it"};
     MHD_resume_connection(one.connection);
     return true;
   });
@@ -217,7 +218,7 @@ void HttpServer::stop() {
     const std::lock_guard lock(state_->mutex);
     state_->is_stopping = true;
     for (const State::Waiting& one : state_->waiting) {
-      one.pending->answer = {503, "the box is ending"};
+      one.pending->answer = {503, "the box is shutting down"};
       MHD_resume_connection(one.connection);
     }
     state_->waiting.clear();

@@ -37,7 +37,7 @@ int connected_socket(const std::string& address, std::uint16_t port) {
   const int error = errno;
   if (socket >= 0) ::close(socket);
   throw host::InputError("udp address " + address,
-                         std::string("cannot be sent to: ") + std::strerror(error),
+                         std::string("cannot send: ") + std::strerror(error),
                          "name one that this machine has a route to");
 }
 

@@ -23,7 +23,7 @@ constexpr TimeNs kStale_ns = 2 * kNanosecondsPerSecond;
 const char* mend_of(hal::Status status) {
   return status == hal::Status::not_permitted
              ? "join the group dialout; as a service: SupplementaryGroups=dialout and DeviceAllow= "
-               "by systemctl edit, as box.toml says"
+               "by systemctl edit, as box.toml describes"
              : "plug it in, or name another line";
 }
 
@@ -91,7 +91,7 @@ void NodeEstimator::do_run() {
   outlet_run_ = run_;
   next_health_ns_ = clock_.now_ns() + kHealthPeriod_ns;
   std::string words = host::greeting_words(client.greeting());
-  if (client.fault()) words += "; it had stopped: " + host::fault_words(*client.fault());
+  if (client.fault()) words += "; its last run ended with: " + host::fault_words(*client.fault());
   {
     const std::lock_guard lock(mutex_);
     const bool is_new = !state_.is_connected;
@@ -177,7 +177,7 @@ void NodeEstimator::publish(const host::NodeClient& client) {
   const hal::LinkFrame& frame = client.frame();
   if (frame.type != static_cast<std::uint8_t>(message.kType) ||
       hal::get(frame.payload, message).reason != hal::RefusalReason::none) {
-    throw host::InputError(port_, "sends an estimate that cannot be read",
+    throw host::InputError(port_, "sent an unreadable estimate",
                            "load an image of this version of condyle");
   }
   const TimeNs arrival_ns = client.answered_host_time_ns();
@@ -205,7 +205,7 @@ void NodeEstimator::watch(host::NodeClient& client) {
     next_absence_ns_ = now_ns;
     if (is_silent) {
       outlet_.forget();
-      log_.say(BoxLog::Level::warning, "node", port_ + ": owes an answer for a second");
+      log_.say(BoxLog::Level::warning, "node", port_ + ": has not answered for a second");
     }
     const std::lock_guard lock(mutex_);
     state_.is_silent = is_silent;

@@ -58,7 +58,7 @@ void SessionKeeper::post(std::function<Answer()> run, Then then) {
       return;
     }
   }
-  then({503, "too many commands wait for the disk"});
+  then({503, "too many commands are waiting for the disk"});
 }
 
 void SessionKeeper::check() {
@@ -131,8 +131,8 @@ SessionState SessionKeeper::state() const {
   const TimeNs busy_ns = busy_since_ns_ != 0 ? clock_.now_ns() - busy_since_ns_ : 0;
   if (busy_ns > kHung_ns) {
     state.problem = fmt::format(
-        "the disk has not answered for {:.0f} s; estimates go on, and reports wait in memory as "
-        "long as there is room",
+        "the disk has not responded for {:.0f} s; estimates continue, and reports wait in memory "
+        "while there is room",
         seconds(busy_ns));
   }
   return state;

@@ -73,8 +73,8 @@ SessionRecorder::SessionRecorder(const Configuration& configuration,
   }
   host::refuse_twins(companions_);
   if (!configuration.folder.empty() && !std::filesystem::is_directory(configuration.folder)) {
-    throw host::InputError(configuration.folder, "is no folder to record into",
-                           "make it, or name another as [recording] folder");
+    throw host::InputError(configuration.folder, "is not a folder",
+                           "create it, or set another [recording] folder");
   }
 }
 
@@ -88,16 +88,16 @@ void SessionRecorder::attach(Engine& engine) {
 
 SessionRecorder::Answer SessionRecorder::start(const std::string& subject) {
   if (configuration_.folder.empty()) {
-    return {409, "this box records nothing; name a [recording] folder in its configuration"};
+    return {409, "recording is off; set [recording] folder in the box's configuration"};
   }
   if (!hal::is_subject_code(subject)) {
-    return {400, "the subject is a pseudonym of at most 32 letters, digits, - and _"};
+    return {400, "the subject must be a pseudonym of at most 32 letters, digits, - and _"};
   }
   if (state_.phase != SessionState::Phase::idle)
     return {409, "a session is being recorded; stop it first"};
   if (engine_ == nullptr) return {503, "the facebow has not been found yet"};
   if (wall_ns_() < 0) {
-    return {503, "the clock of this machine stands before 1970; set it, then start again"};
+    return {503, "this machine's clock is before 1970; set it, then start again"};
   }
   const TimeNs starts_ns = std::max(starts_free_ns_, clock_.now_ns()) + kPerStart_ns;
   if (starts_ns > clock_.now_ns() + kMostStarts * kPerStart_ns) {
@@ -228,13 +228,13 @@ hal::SessionLogFailure SessionRecorder::close_part(Part& part) {
   if (is_lost) {
     box_log_.say(
         BoxLog::Level::error, "session",
-        fmt::format("{} is gone, and {} reports with it", state_.file, log.reports_written));
+        fmt::format("{} has disappeared, with {} reports in it", state_.file, log.reports_written));
   }
   state_.events_written += log.events_written;
   state_.events_lost += log.events_lost;
   if (failure != hal::SessionLogFailure::none) {
     state_.problem = state_.file + ": " + hal::session_log_failure_name(failure) +
-                     "; what reached the disk before is whole";
+                     "; everything written before is intact";
     box_log_.say(BoxLog::Level::error, "session", state_.problem);
   }
   return failure;
@@ -260,16 +260,16 @@ SessionRecorder::Answer SessionRecorder::stop() {
 
 SessionRecorder::Answer SessionRecorder::mark(const std::string& text) {
   if (text.empty() || text.size() > hal::kMaxEventText) {
-    return {400, fmt::format("a marker has 1 to {} bytes of text", hal::kMaxEventText)};
+    return {400, fmt::format("a marker must have 1 to {} bytes of text", hal::kMaxEventText)};
   }
   if (host::clean_line(text) != text) {
-    return {400, "a marker is one line of UTF-8 without control characters"};
+    return {400, "a marker must be one line of UTF-8 without control characters"};
   }
   if (state_.phase == SessionState::Phase::paused) return {409, state_.problem};
   if (!part_) return {409, "no session is being recorded"};
   if (!part_->log.write_event(part_->marker_source, clock_.now_ns(), hal::SessionEvent::note,
                               text)) {
-    return {503, "the recording has no room for a marker just now"};
+    return {503, "the recording has no room for a marker now; try again"};
   }
   ++state_.markers;
   return {200, fmt::format("marker {}", state_.markers)};
@@ -302,7 +302,7 @@ void SessionRecorder::check() {
     const Answer answer = begin_part();
     if (answer.status == 200) {
       state_.paused_ns += clock_.now_ns() - paused_since_ns_;
-      box_log_.say(BoxLog::Level::notice, "session", "recording goes on in " + state_.file);
+      box_log_.say(BoxLog::Level::notice, "session", "recording continues in " + state_.file);
     } else {
       state_.problem = "recording is paused: " + answer.words;
     }
@@ -316,9 +316,9 @@ void SessionRecorder::watch_companions() {
     const bool is_there = part_->companions[i]->companion.is_open();
     if (is_there == part_->were_there[i]) continue;
     part_->were_there[i] = is_there;
-    box_log_.say(
-        is_there ? BoxLog::Level::notice : BoxLog::Level::warning, "companion",
-        configuration_.companions[i].name + (is_there ? " is back" : " went away; looking for it"));
+    box_log_.say(is_there ? BoxLog::Level::notice : BoxLog::Level::warning, "companion",
+                 configuration_.companions[i].name +
+                     (is_there ? " is connected again" : " was disconnected; looking for it"));
   }
 }
 

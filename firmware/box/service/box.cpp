@@ -100,7 +100,7 @@ void Box::run(const std::function<bool()>& should_stop) {
     is_held_by_disk_ = true;
     log_.say(
         BoxLog::Level::error, "session",
-        "the disk does not answer: what waits for it is lost; what reached it before is whole");
+        "the disk does not respond: unwritten data are lost; everything written before is intact");
   }
   if (engine_) engine_->stop();
   if (node_) node_->stop();
@@ -139,8 +139,9 @@ void Box::watch_device() {
   const bool is_open = source_->is_open();
   if (is_open == was_open_ || engine_->has_ended()) return;
   was_open_ = is_open;
-  log_.say(is_open ? BoxLog::Level::notice : BoxLog::Level::warning, "device",
-           is_open ? "the facebow is back" : "the facebow went away; looking for it");
+  log_.say(
+      is_open ? BoxLog::Level::notice : BoxLog::Level::warning, "device",
+      is_open ? "the facebow is connected again" : "the facebow was disconnected; looking for it");
 }
 
 void Box::watch_wall_clock() {
@@ -151,7 +152,8 @@ void Box::watch_wall_clock() {
   last_clock_step_s_ = seconds(step_ns);
   ++clock_steps_;
   log_.say(BoxLog::Level::notice, "clock",
-           fmt::format("the wall clock was set by {:+.3f} s; estimates go by another and go on",
+           fmt::format("the wall clock was adjusted by {:+.3f} s; estimates use the monotonic "
+                       "clock and are unaffected",
                        seconds(step_ns)));
 }
 

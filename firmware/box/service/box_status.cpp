@@ -150,7 +150,7 @@ std::string status_json(const BoxStatus& status) {
   Json json;
   json["format"] = "condyle-box-status-1";
   json["software"] = "condyle " CONDYLE_VERSION;
-  json["note"] = "research use only; this is no diagnosis";
+  json["note"] = "research use only; not a diagnosis";
   json["running_s"] = seconds(status.running_ns);
   json["device"] = device_json(status);
   json["estimator"] = estimator_json(status);

@@ -74,7 +74,7 @@ std::string test_latency(const Configuration& configuration, double duration_s, 
       "condyle {}: thread {}, memory {}, {} reports, {} estimates dropped\n", CONDYLE_VERSION,
       engine->scheduling(), memory, engine->counts().received, engine->outlet().ring().dropped());
   if (!configuration.node.empty()) {
-    text += "the estimates are the box's own: [estimator] node is left out of this test\n";
+    text += "the box makes these estimates: the test does not use [estimator] node\n";
   }
   if (facebow.synthetic() != nullptr) {
     text += histogram_text("wake-up by the kernel", facebow.synthetic()->wake_up());

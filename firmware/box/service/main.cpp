@@ -23,10 +23,11 @@ constexpr int kExitOk = 0, kExitFailure = 1, kExitBadInput = 2;
 
 constexpr const char* kUsage =
     "usage: condyle-box --config FILE [--check | --latency-test SECONDS]\n"
-    "A facebow's estimates and recordings, unattended. Research use only; this is no diagnosis.\n"
+    "Estimate and record jaw motion from a facebow, unattended. Research use only; not a "
+    "diagnosis.\n"
     "  --config FILE           settings, see box.toml\n"
-    "  --check                 only read them, and say what is wrong\n"
-    "  --latency-test SECONDS  only measure how long this machine takes, with [facebow] as source\n"
+    "  --check                 only read the settings, and report what is wrong\n"
+    "  --latency-test SECONDS  only measure this machine's latency, with [facebow] as source\n"
     "  --version, --help\n";
 
 volatile std::sig_atomic_t stop_signal = 0;
@@ -63,7 +64,7 @@ bool parse(int argc, char** argv, Arguments& arguments, int& exit_code) {
         const auto [place, error] = std::from_chars(optarg, end, arguments.latency_test_s);
         if (error != std::errc() || place != end || !(arguments.latency_test_s > 0) ||
             arguments.latency_test_s > 1e6) {
-          std::fprintf(stderr, "condyle-box: --latency-test wants seconds, above 0 to 1e6\n");
+          std::fprintf(stderr, "condyle-box: --latency-test takes seconds, above 0 to 1e6\n");
           return false;
         }
         break;

@@ -96,11 +96,12 @@ class ProfileReader {
       return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
     });
     fields_.require(!profile_.name.empty(), "", "name", "name the device");
-    fields_.require(is_plain, "", "name", "no control characters: it is shown on terminals");
+    fields_.require(is_plain, "", "name",
+                    "leave out control characters: the name is shown on terminals");
     const bool has_vendor = read_integer("", "vendor_id", profile_.vendor_id, 0, 0xFFFF);
     const bool has_product = read_integer("", "product_id", profile_.product_id, 0, 0xFFFF);
-    fields_.require(has_vendor, "", "vendor_id", "condyle inspect lists the devices");
-    fields_.require(has_product, "", "product_id", "condyle inspect lists the devices");
+    fields_.require(has_vendor, "", "vendor_id", "run condyle inspect to list the devices");
+    fields_.require(has_product, "", "product_id", "run condyle inspect to list the devices");
     read_integer("", "interface_number", profile_.interface_number, 0, 255);
     file_.number("", "rate_Hz", profile_.rate_Hz, "Hz", kRate_Hz);
     file_.boolean("", "restarts_on_reconnect", profile_.restarts_on_reconnect);
@@ -155,7 +156,8 @@ class ProfileReader {
     fields_.require_field("checksum", text, false);
     fields_.require(has_polynomial, "checksum", "polynomial",
                     "give it without its top bit: 0x1021 for CRC-16/CCITT");
-    fields_.require(has_last, "checksum", "last_byte", "say what the checksum is taken over");
+    fields_.require(has_last, "checksum", "last_byte",
+                    "give the last byte that the checksum covers");
     profile_.checksum = sum;
   }
 
@@ -180,7 +182,7 @@ class ProfileReader {
     for (const std::string& name : file_.sections_in("auxiliary")) {
       if (name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") != std::string::npos) {
         throw InputError(file_.place("auxiliary", name), fmt::format("name {}", quote(name)),
-                         "names of auxiliary fields have a to z, 0 to 9 and _");
+                         "use a to z, 0 to 9 and _ in the names of auxiliary fields");
       }
       hal::AuxiliaryField auxiliary;
       auxiliary.name = name;

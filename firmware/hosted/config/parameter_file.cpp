@@ -18,7 +18,7 @@ void refuse_other_estimator(const TomlReader& file, const char* section, const c
   if (!file.has(section, key)) return;
   throw InputError(
       file.place(section, key), fmt::format("belongs to the {} estimator's parameters", estimator),
-      fmt::format("name it for the {} estimator only, or give another file", estimator));
+      fmt::format("use it with the {} estimator only, or give another file", estimator));
 }
 
 }  // namespace
@@ -69,7 +69,7 @@ RecommendedParameters read_recommended(TomlReader& file) {
   }
   if (!(parameters.noise.lowest_position_sd_m < parameters.noise.highest_position_sd_m)) {
     throw InputError(file.place("noise", "lowest_position_sd_m"),
-                     "lowest_position_sd_m is not below highest_position_sd_m", "make it so");
+                     "lowest_position_sd_m is not below highest_position_sd_m", "make it smaller");
   }
   if (parameters.outliers.huber_sd > parameters.outliers.gate_sd) {
     throw InputError(file.place("outliers", "huber_sd"), "huber_sd is above gate_sd",

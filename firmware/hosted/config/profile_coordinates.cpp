@@ -32,7 +32,7 @@ hal::AxisConvention read_axes(TomlReader& file) {
     if (is_taken[axis]) {
       throw InputError(file.place("coordinates", "axes"),
                        fmt::format("axes names {} twice", kPointNames[axis]),
-                       "name the device's axis behind condyle's x, y and z, each once");
+                       "name the device's axes for condyle's x, y and z, each once");
     }
     is_taken[axis] = true;
     axes[i] = {static_cast<Axis>(axis), choices[i] % 2 == 1};
@@ -79,7 +79,7 @@ class CoordinateReader {
     }
     if (std::vector<bool> seen(names.size()); !is_permutation(order, seen)) {
       throw InputError(file_.place(section, "order"), "order names a coordinate twice",
-                       "name each once, as they follow each other in the report");
+                       "name each once, in the order of the report");
     }
     for (std::size_t i = 0; i < names.size(); ++i) {
       const std::string own = fmt::format("{}.{}", section, names[order[i]]);

@@ -113,10 +113,11 @@ void ProfileFieldReader::read_scale(const std::string& section, FieldText& text,
 
 void ProfileFieldReader::require_field(const std::string& section, const FieldText& text,
                                        bool needs_unit) {
-  require(text.has_offset, section, "offset_bytes", "say where the field starts (or offset_bits)");
-  require(text.has_width, section, "width_bits", "say how wide the field is, 1 to 64 bits");
+  require(text.has_offset, section, "offset_bytes",
+          "give the byte at which the field starts (or offset_bits)");
+  require(text.has_width, section, "width_bits", "give the width of the field, 1 to 64 bits");
   require(text.has_type, section, "type", "give \"unsigned\", \"signed\" or \"float\"");
-  require(!needs_unit || text.unit != nullptr, section, "unit", "say in what unit the values are");
+  require(!needs_unit || text.unit != nullptr, section, "unit", "give the unit of the values");
 }
 
 void ProfileFieldReader::require(bool is_given, const std::string& section, const std::string& key,

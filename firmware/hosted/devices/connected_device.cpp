@@ -42,13 +42,13 @@ void ConnectedDevice::open(const std::function<bool()>& stop) {
       "device " + id_words(choice_.address.vendor_id, choice_.address.product_id);
   switch (status) {
     case hal::Status::not_permitted:
-      throw InputError(name, "may not be opened by this user", "condyle doctor says what to do");
+      throw InputError(name, "this user may not open it", "run condyle doctor to see what to do");
     case hal::Status::bad_report:
       throw InputError(name, "has no HID interface with an interrupt input",
                        "check the interface number");
     default:
       throw InputError(name, "is not plugged in, or another program holds it",
-                       "plug it in; condyle inspect lists what is there");
+                       "plug it in; condyle inspect lists the connected devices");
   }
 }
 

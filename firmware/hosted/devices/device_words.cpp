@@ -22,12 +22,11 @@ std::string reports_words(const hal::DeviceProfile& profile, const hal::ReportCo
   add(reports.wrong_checksum, "with a wrong checksum");
   add(reports.counter_out_of_range, "with a counter out of range");
   add(reports.duplicated, "sent twice");
-  add(reports.other_reports, "of another number");
+  add(reports.other_reports, "with another report id");
   add(reports.unknown_losses - reports.unknown_reconnections, "gaps of unknown length");
   add(reports.unknown_reconnections,
-      "reconnections that began a new count (unknown, what was lost there: at most what waited in "
-      "the "
-      "kernel's queue and what came before it was read again)");
+      "reconnections that restarted the counter (reports lost there: unknown, at most those in the "
+      "kernel's queue and those sent before reading resumed)");
   add(reports.sequence_restarts, "restarts of the counter");
   add(reports.clock_jumps, "jumps of the device's clock");
   add(transport.disconnections, "disconnections");
@@ -47,13 +46,13 @@ std::string clock_words(const hal::ClockFit& fit) {
   }
   if (fit.seconds_fitted() < 3 && fit.steps() > 0) {
     return fmt::format(
-        "device clock: does not keep the host's time, {} steps apart so far; check its unit and "
+        "device clock: it does not keep the host's time ({} steps so far); check its unit and "
         "width "
         "in the profile",
         fit.steps());
   }
   if (fit.seconds_fitted() < 3) {
-    return "device clock: too short a run to compare it with the host's";
+    return "device clock: the run is too short to compare it with the host's";
   }
   std::string text = fmt::format(
       "device clock {:.1f} ppm {} than the host's, +-{:.1f} (2 standard deviations); earliest "
@@ -67,8 +66,8 @@ std::string clock_words(const hal::ClockFit& fit) {
 
 void require_position(const hal::DeviceProfile& profile, const std::string& where) {
   if (profile.measures_position()) return;
-  throw InputError(where, "has no coordinates: it is the profile of a facebow's companion",
-                   "give a facebow's, and this one to condyle record --companion");
+  throw InputError(where, "has no coordinates: it describes a companion, not a facebow",
+                   "give the profile of a facebow, and this one to condyle record --companion");
 }
 
 void complete_profile(hal::DeviceProfile& profile, std::span<const std::uint8_t> descriptor,

@@ -36,7 +36,7 @@ FacebowReports::FacebowReports(const SourceSpec& spec, const std::string& serial
       profile_ = device_->profile;
       break;
     case SourceKind::sim:
-      throw InputError("sim:" + spec.file, "a simulated subject sends no reports",
+      throw InputError("sim:" + spec.file, "a simulated subject does not send reports",
                        "name a device or a session log");
   }
   require_position(profile_, name_);

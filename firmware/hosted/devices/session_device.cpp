@@ -33,8 +33,8 @@ void refuse_twins(const SessionDevice& first, const SessionDevice& second) {
                           a.interface_number != b.interface_number) ||
                          (!a.serial.empty() && !b.serial.empty() && a.serial != b.serial);
   if (are_apart) return;
-  throw InputError(second.name, "may mean the same device as " + first.name,
-                   "give both a serial number");
+  throw InputError(second.name, "may be the same device as " + first.name,
+                   "give a serial number for both");
 }
 
 void refuse_twins(const std::vector<SessionDevice>& devices) {

@@ -17,7 +17,8 @@ int ending_code = 1;
   int code = ending_code;
   try {
     if (std::current_exception()) std::rethrow_exception(std::current_exception());
-    std::fprintf(stderr, "%s: internal error: it was ended; please report it\n", ending_program);
+    std::fprintf(stderr, "%s: internal error: the program was terminated; please report it\n",
+                 ending_program);
   } catch (const std::exception& error) {
     code = say_last_words(ending_program, error, ending_code);
   } catch (...) {

@@ -10,7 +10,7 @@ std::string read_text_file(const std::string& path) {
   ByteReader reader(path);
   const std::string_view content = reader.peek(ByteReader::kLongestLine);
   if (content.size() == ByteReader::kLongestLine) {
-    throw InputError(path, "is longer than a megabyte", "name a file that people write");
+    throw InputError(path, "is longer than a megabyte", "name a text file of at most a megabyte");
   }
   return std::string(content);
 }

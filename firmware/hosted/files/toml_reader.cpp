@@ -20,7 +20,7 @@ std::string read_text(const std::string& path) {
   ByteReader reader(path);
   std::string text(reader.peek(kLargestFile));
   if (text.size() == kLargestFile) {
-    throw InputError(path, "is larger than 1 MiB", "such a file has a few lines");
+    throw InputError(path, "is larger than 1 MiB", "check that this is the right file");
   }
   return text;
 }
@@ -105,7 +105,7 @@ struct TomlReader::Document {
     const auto value = item.value<std::string_view>();
     const auto found = value ? std::find(choices.begin(), choices.end(), *value) : choices.end();
     if (found == choices.end()) {
-      throw InputError(place(item.source()), fmt::format("{} is none of its values", key),
+      throw InputError(place(item.source()), fmt::format("{} has an unknown value", key),
                        fmt::format("give \"{}\"", fmt::join(choices, "\" or \"")));
     }
     return static_cast<std::size_t>(found - choices.begin());
@@ -188,7 +188,7 @@ TomlReader::TomlReader(const std::string& name, std::string_view text)
     document_->root = toml::parse(text, name);
   } catch (const toml::parse_error& error) {
     throw InputError(document_->place(error.source()), std::string(error.description()),
-                     "the form is TOML: key = number, [section]");
+                     "write TOML: key = number, [section]");
   }
 }
 
@@ -270,8 +270,8 @@ bool TomlReader::boolean(std::string_view section, std::string_view key, bool& v
   if (node == nullptr) return false;
   const auto given = node->is_boolean() ? node->value<bool>() : std::nullopt;
   if (!given) {
-    throw InputError(document_->place(node->source()), fmt::format("{} is yes or no", key),
-                     "give true or false");
+    throw InputError(document_->place(node->source()),
+                     fmt::format("{} is neither true nor false", key), "give true or false");
   }
   value = *given;
   return true;
@@ -286,7 +286,7 @@ bool TomlReader::choices(std::string_view section, std::string_view key,
   if (array == nullptr || array->size() != count) {
     throw InputError(document_->place(node->source()),
                      fmt::format("{} takes an array of {} texts", key, count),
-                     fmt::format("of \"{}\"", fmt::join(choices, "\", \"")));
+                     fmt::format("choose from \"{}\"", fmt::join(choices, "\", \"")));
   }
   indices.clear();
   for (const toml::node& item : *array) {

@@ -49,8 +49,9 @@ void NodeClient::fail(const std::string& what, const std::string& mend) const {
 template <class Message>
 void NodeClient::tell(const Message& message) {
   const hal::Status status = end_.send(message);
-  if (status == hal::Status::bad_report) fail("a value fits no message", "check the parameters");
-  if (status != hal::Status::ok) fail("takes nothing any more", "is it still connected?");
+  if (status == hal::Status::bad_report)
+    fail("a value does not fit into a message", "check the parameters");
+  if (status != hal::Status::ok) fail("no longer accepts data", "check that it is connected");
 }
 
 template <class Message>
@@ -58,8 +59,8 @@ Message NodeClient::read() const {
   Message message;
   const hal::Refusal refusal = hal::get(end_.frame().payload, message);
   if (refusal.reason != hal::RefusalReason::none) {
-    fail(fmt::format("sends a message of type {} that cannot be read, at value {}",
-                     end_.frame().type, refusal.index),
+    fail(fmt::format("sent an unreadable message of type {} (at value {})", end_.frame().type,
+                     refusal.index),
          "load an image of this version of condyle");
   }
   return message;
@@ -74,12 +75,13 @@ void NodeClient::connect(const std::function<bool()>& stop) {
     // A line that never falls silent is left at the deadline, too.
     while (status == hal::Status::ok && clock_.now_ns() < deadline_ns && !stop()) {
       status = end_.receive(deadline_ns);
-      if (status == hal::Status::disconnected) fail("was closed", "is the target still there?");
+      if (status == hal::Status::disconnected)
+        fail("was closed", "check that the microcontroller is connected");
       if (status != hal::Status::ok || end_.type() != hal::MessageType::greeting) continue;
       greeting_ = read<hal::GreetingMessage>();
       if (greeting_.version != hal::kLinkVersion) {
-        fail(fmt::format("speaks version {} of the protocol, this is {}", greeting_.version,
-                         hal::kLinkVersion),
+        fail(fmt::format("uses version {} of the protocol; this program uses version {}",
+                         greeting_.version, hal::kLinkVersion),
              "load an image of this version of condyle");
       }
       if (greeting_.has_fault && end_.receive(deadline_ns) == hal::Status::ok &&
@@ -115,7 +117,7 @@ void NodeClient::refuse_what_it_cannot(const hal::ReportLayout& layout,
     fail("cannot decode these reports", "check the device's profile with condyle inspect");
   }
   if (!is_available(layout.kind, start.followed)) {
-    fail(fmt::format("cannot follow point {}: the reports have one", start.followed.point),
+    fail(fmt::format("cannot follow point {}: the reports have one point", start.followed.point),
          "leave out --point");
   }
   const bool is_recommended = start.estimator == hal::EstimatorChoice::recommended;
@@ -173,10 +175,11 @@ void NodeClient::forget_oldest() {
 NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
   for (;;) {
     if (has_finished_ && clock_.now_ns() - progress_ns_ > kEndPatience_ns) {
-      fail("sends without end", "is an image of condyle on it?");
+      fail("sends without pause", "check that it runs an image of condyle");
     }
     const hal::Status status = end_.receive(deadline_ns);
-    if (status == hal::Status::disconnected) fail("was closed", "is the target still there?");
+    if (status == hal::Status::disconnected)
+      fail("was closed", "check that the microcontroller is connected");
     if (status == hal::Status::ok) {
       last_answer_ns_ = heard_ns_ = clock_.now_ns();
       silent_probes_ = 0;
@@ -186,7 +189,8 @@ NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
     }
     const bool waits = !waiting_.empty() || has_finished_ || !probes_.empty();
     if (!waits || clock_.now_ns() - last_answer_ns_ < kPatience_ns) return NodeAnswer::none;
-    if (++silent_probes_ > kProbes) fail("does not answer any more", "is the target still there?");
+    if (++silent_probes_ > kProbes)
+      fail("no longer answers", "check that the microcontroller is connected");
     last_answer_ns_ = clock_.now_ns();
     // The answer to the one before is late or lost: that matters to reports only.
     if (waiting_.empty()) probes_.clear();
@@ -241,7 +245,7 @@ NodeAnswer NodeClient::take_frame() {
       if (has_finished_ && refused.message == static_cast<std::uint8_t>(hal::MessageType::finish)) {
         return finished();
       }
-      fail(fmt::format("refuses message {} at value {} (reason {})", refused.message,
+      fail(fmt::format("refused message {} at value {} (reason {})", refused.message,
                        refused.refusal.index, static_cast<int>(refused.refusal.reason)),
            "load an image of this version of condyle");
     }
@@ -251,13 +255,13 @@ NodeAnswer NodeClient::take_frame() {
       return NodeAnswer::none;
     case hal::MessageType::greeting: {
       greeting_ = read<hal::GreetingMessage>();
-      std::string what = "the target started again: " + greeting_words(greeting_);
+      std::string what = "the microcontroller started again: " + greeting_words(greeting_);
       if (greeting_.has_fault && end_.receive(clock_.now_ns() + kPatience_ns) == hal::Status::ok &&
           end_.type() == hal::MessageType::fault) {
         fault_ = read<hal::FaultMessage>();
         what += ", after a " + fault_words(*fault_);
       }
-      fail(what, fmt::format("{} reports have no estimate; begin anew", waiting_.size()));
+      fail(what, fmt::format("{} reports have no estimate; start again", waiting_.size()));
     }
     default:
       return NodeAnswer::none;
@@ -281,7 +285,8 @@ std::optional<hal::HealthMessage> NodeClient::health_of_now() {
     const TimeNs deadline_ns = clock_.now_ns() + kPatience_ns / 2;
     while (!health_ && clock_.now_ns() < deadline_ns) {
       const hal::Status status = end_.receive(deadline_ns);
-      if (status == hal::Status::disconnected) fail("was closed", "is the target still there?");
+      if (status == hal::Status::disconnected)
+        fail("was closed", "check that the microcontroller is connected");
       if (status == hal::Status::ok) (void)take_frame();
     }
     if (health_) return health_;

@@ -41,23 +41,24 @@ std::string find_fault(const Candidates& found) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::string name = kAxisNames[axis];
     if (found[axis].empty()) {
-      return "the device describes no " + name + ": say where the coordinates are in the profile";
+      return "the device describes no " + name +
+             ": give the places of the coordinates in the profile";
     }
     if (found[axis].size() > 1) {
       return "the device describes " + std::to_string(found[axis].size()) + " fields as " + name +
-             ": choose a report with [report] id, or say where the coordinates are";
+             ": choose a report with [report] id, or give the places of the coordinates";
     }
     const DescriptorField& field = *found[axis][0].field;
-    if (field.is_relative()) return name + " is relative to the report before: no position";
+    if (field.is_relative()) return name + " is relative to the previous report, not a position";
     if (field.unit.code == 0) {
-      return name + " has no unit: say where the coordinates are and in what unit";
+      return name + " has no unit: give the places and the unit of the coordinates";
     }
     if (!field.unit.scale || field.unit.text != "m") {
-      return name + " is no length (unit " +
+      return name + " is not a length (unit " +
              (field.unit.text.empty() ? "not known" : field.unit.text) + ")";
     }
     if (found[axis][0].report != found[0][0].report) {
-      return name + " comes in another report than X: one sample cannot be made of them";
+      return name + " is in another report than X: a sample needs both in one report";
     }
   }
   return {};

@@ -43,12 +43,12 @@ Words field_words(LayoutFault fault, const ReportField& field, std::size_t size_
     case LayoutFault::width_not_usable:
       return {"is " + width + " bits wide", "give 1 to 64"};
     case LayoutFault::floating_width_not_usable:
-      return {"is a floating-point number of " + width + " bits", "they have 32 or 64"};
+      return {"is a floating-point number of " + width + " bits", "give 32 or 64"};
     case LayoutFault::big_endian_of_broken_bytes:
       return {"is big-endian, but not of whole bytes",
               "make offset and width multiples of 8, or the byte order little"};
     case LayoutFault::on_report_id:
-      return {"lies on the report id, which is byte 0", "start at byte 1 or later"};
+      return {"overlaps the report id, which is byte 0", "start at byte 1 or later"};
     case LayoutFault::beyond_report:
       return {"reaches beyond the report's " + std::to_string(size_bytes) + " bytes",
               "raise the minimum size, or move the field"};
@@ -57,11 +57,10 @@ Words field_words(LayoutFault fault, const ReportField& field, std::size_t size_
     case LayoutFault::offset_not_finite:
       return {"has an offset that is not finite", ""};
     case LayoutFault::missing_value_impossible:
-      return {"never holds the value " + std::to_string(*field.missing) + " (missing)",
-              "its bits hold " + possible()};
+      return {"cannot hold the value " + std::to_string(*field.missing) + " (missing)",
+              "give a value from " + possible()};
     case LayoutFault::range_impossible:
-      return {"has a valid range that its bits never hold",
-              "give the lowest and the highest of " + possible()};
+      return {"has a valid range that its bits cannot hold", "give limits from " + possible()};
     default:
       return {};
   }
@@ -70,21 +69,21 @@ Words field_words(LayoutFault fault, const ReportField& field, std::size_t size_
 Words count_words(LayoutFault fault, const CountingField& counting) {
   switch (fault) {
     case LayoutFault::count_not_unsigned:
-      return {"is not an unsigned integer", "counts are"};
+      return {"is not an unsigned integer", "make it unsigned"};
     case LayoutFault::wraps_beyond_width:
       return {"wraps at more than its bits hold", "leave wraps_at out, or widen the field"};
     case LayoutFault::wraps_too_soon: {
       const std::uint64_t values = counting.wraps_at != 0
                                        ? counting.wraps_at
                                        : std::uint64_t{1} << counting.field.width_bits;
-      return {"starts again after " + std::to_string(values) + " values: nothing can be told",
+      return {"wraps after " + std::to_string(values) + " values, too few to be useful",
               "leave it out"};
     }
     case LayoutFault::tick_not_usable:
       return {"has ticks shorter than a nanosecond or longer than an hour",
               "correct scale and unit"};
     case LayoutFault::clock_wraps_too_soon:
-      return {"starts again before two reports have come: time cannot be told from it",
+      return {"wraps before the second report: it cannot give the time",
               "leave it out, or correct unit, width or rate"};
     default:
       return {};
@@ -179,7 +178,7 @@ ProfileProblem words_of(const LayoutProblem& problem, const DeviceProfile& profi
     case LayoutFault::shares_bits:
       return with(name_of(profile, problem.part, problem.index) + " has bits in common with " +
                       name_of(profile, problem.other_part, problem.other_index),
-                  "each bit belongs to one field");
+                  "give each bit to one field");
     default:
       break;
   }

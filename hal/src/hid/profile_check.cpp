@@ -24,7 +24,7 @@ std::optional<ProfileProblem> check_auxiliary(const DeviceProfile& profile) {
   };
   if (all.size() > kMaxAuxiliary) {
     return problem(kMaxAuxiliary, "too many auxiliary fields",
-                   "at most " + std::to_string(kMaxAuxiliary));
+                   "give at most " + std::to_string(kMaxAuxiliary));
   }
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i].name.empty() || all[i].unit.empty()) {
@@ -44,7 +44,8 @@ std::optional<ProfileProblem> check_auxiliary(const DeviceProfile& profile) {
 std::optional<ProfileProblem> find_problem(const DeviceProfile& profile) {
   if (profile.descriptor_axes && !profile.coordinates.empty()) {
     return ProfileProblem{ProfilePart::coordinates, 0,
-                          "coordinates are given, and asked of the descriptor", "do one of both"};
+                          "coordinates are given and also requested from the descriptor",
+                          "do only one of the two"};
   }
   if (auto problem = check_auxiliary(profile)) return problem;
   const LayoutState state =

@@ -137,7 +137,7 @@ class Parser {
       case report_size_tag:
         if (item.value > kMaxWidthBits) {
           return fail("a report size of " + std::to_string(item.value) + " bits; at most " +
-                      std::to_string(kMaxWidthBits) + " are taken");
+                      std::to_string(kMaxWidthBits) + " are supported");
         }
         global_.report_size = item.value;
         return;
@@ -150,7 +150,7 @@ class Parser {
       case report_count_tag:
         if (item.value > kMaxCount) {
           return fail("a report count of " + std::to_string(item.value) + "; at most " +
-                      std::to_string(kMaxCount) + " are taken");
+                      std::to_string(kMaxCount) + " are supported");
         }
         global_.report_count = item.value;
         return;
@@ -300,7 +300,7 @@ class Parser {
     }
     if (mixes_numbered(direction)) {
       return fail(std::string("numbered and unnumbered ") + direction_name(direction) +
-                  " reports, which nobody could tell apart");
+                  " reports, which cannot be told apart");
     }
     if (depth_ == 0) note("a field outside any collection");
     DescribedReport& report = report_of(direction);

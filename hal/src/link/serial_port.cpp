@@ -64,7 +64,7 @@ Status SerialPort::open_device(const std::string& path, unsigned baud) {
   const auto* const rate =
       std::find_if(std::begin(kRates), std::end(kRates), [&](Rate r) { return r.baud == baud; });
   if (rate == std::end(kRates)) {
-    problem_ = "no serial port has " + std::to_string(baud) + " baud";
+    problem_ = "serial ports do not support " + std::to_string(baud) + " baud";
     return Status::bad_report;
   }
   file_ = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);

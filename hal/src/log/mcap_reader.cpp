@@ -143,10 +143,10 @@ McapReader::Step McapReader::read_head(McapOpcode& opcode, std::uint64_t& length
       is_chunk ? ZSTD_compressBound(limits_.chunk_bytes) + 64 : limits_.record_bytes;
   if (length > limit) {
     return damaged("a record claims " + std::to_string(length) + " bytes, more than the " +
-                   std::to_string(limit) + " that are taken");
+                   std::to_string(limit) + " that are accepted");
   }
   if (length > size_ - sound_ - kMcapRecordHead) {
-    return cut_off("a record of " + std::to_string(length) + " bytes is not all there");
+    return cut_off("a record of " + std::to_string(length) + " bytes is incomplete");
   }
   content_.resize(to_size(length));
   if (std::fread(content_.data(), 1, content_.size(), file_.get()) != content_.size()) {
@@ -162,9 +162,10 @@ McapReader::Step McapReader::next_in_file(McapRecord& record) {
   std::uint64_t length = 0;
   const Step step = read_head(opcode, length);
   if (step == Step::stop) return step;
-  if (!has_header_ && opcode != McapOpcode::header) return damaged("the first record is no header");
+  if (!has_header_ && opcode != McapOpcode::header)
+    return damaged("the first record is not a header");
   if (is_in_summary_ && !is_allowed_in_summary(opcode) && is_known(opcode)) {
-    return damaged("a record of kind " + number_text(opcode) + " may not stand in the summary");
+    return damaged("a record of kind " + number_text(opcode) + " is not allowed in the summary");
   }
   if (opcode == McapOpcode::footer) return take_footer(content_);
   if (opcode == McapOpcode::data_end) return take_data_end(content_);
@@ -192,7 +193,7 @@ McapReader::Step McapReader::take_footer(ByteSpan content) {
   const auto summary_start = parser.number<std::uint64_t>();
   const auto offsets_start = parser.number<std::uint64_t>();
   const auto stored_crc = parser.number<std::uint32_t>();
-  if (content.size() != 20) return damaged("the footer has not the size of one");
+  if (content.size() != 20) return damaged("the footer has the wrong size");
   if (!is_in_summary_ && limits_.is_strict) return damaged("the end of the data is not marked");
   if (is_in_summary_) {
     const bool is_empty = summary_start_ == record_start_;

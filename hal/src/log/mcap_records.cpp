@@ -89,7 +89,7 @@ McapReader::Step McapReader::take(McapOpcode opcode, ByteSpan content, McapRecor
     default:
       // Others' extensions are skipped, as the specification asks.
       return is_known(opcode) ? damaged("a record of kind " + number_text(opcode) +
-                                        " may not stand before the end of the data")
+                                        " is not allowed before the end of the data")
                               : Step::skip;
   }
   return parser.ok() ? Step::record : damaged("a record is shorter than its fields");
@@ -125,7 +125,7 @@ McapReader::Step McapReader::take_chunk(ByteSpan content) {
   if (size > limits_.chunk_bytes) {
     return damaged("a chunk claims " + std::to_string(size) +
                    " bytes uncompressed, more than the " + std::to_string(limits_.chunk_bytes) +
-                   " that are taken");
+                   " that are accepted");
   }
   chunk_.resize(to_size(size));
   if (compression == "zstd") {
@@ -135,10 +135,10 @@ McapReader::Step McapReader::take_chunk(ByteSpan content) {
                                                       records.data(), records.size());
     if (ZSTD_isError(got) != 0 || got != size) return damaged("a chunk cannot be uncompressed");
   } else if (compression.empty()) {
-    if (records.size() != size) return damaged("a chunk has not the size it claims");
+    if (records.size() != size) return damaged("a chunk does not have the size it claims");
     std::copy(records.begin(), records.end(), chunk_.begin());
   } else {
-    return damaged("a chunk is compressed in a way that is not read here");
+    return damaged("a chunk has an unsupported compression");
   }
   if (!is_right(stored_crc, extend_crc(0, chunk_))) {
     return damaged("the checksum of a chunk is wrong");
@@ -154,7 +154,7 @@ McapReader::Step McapReader::next_in_chunk(McapRecord& record) {
   if (!parser.ok()) return damaged("a record in a chunk is longer than the chunk");
   if (opcode != McapOpcode::schema && opcode != McapOpcode::channel &&
       opcode != McapOpcode::message) {
-    return damaged("a record of kind " + number_text(opcode) + " may not stand in a chunk");
+    return damaged("a record of kind " + number_text(opcode) + " is not allowed in a chunk");
   }
   const Step step = take(opcode, content, record);
   chunk_rest_ = parser.rest();

@@ -46,7 +46,7 @@ class PairParser {
     Number value{};
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if ((error != std::errc() || end != digits.data() + digits.size()) && problem_.empty()) {
-      problem_ = "the session's \"" + std::string(key) + "\" is no number in range";
+      problem_ = "the session's \"" + std::string(key) + "\" is not a number in range";
     }
     return value;
   }
@@ -77,7 +77,7 @@ std::string header_problem(const SessionHeader& header) {
     return "the software version must have 1 to 64 letters";
   }
   if (header.parameters_toml.size() > kMaxTextBytes) return "the parameters are longer than 1 MiB";
-  if (header.start_wall_ns < 0) return "the start lies before 1970";
+  if (header.start_wall_ns < 0) return "the start is before 1970";
   if (header.sources.empty() || header.sources.size() > kMaxSessionSources) {
     return "a session has 1 to 8 sources";
   }
@@ -134,9 +134,9 @@ std::string parse_session_pairs(const McapPairs& pairs, SessionHeader& header) {
   }
   const std::string stored = parser.text(kCrcKey);
   if (!parser.problem().empty()) return parser.problem();
-  if (!parser.is_at_end()) return "the session says more than is known of";
+  if (!parser.is_at_end()) return "the session has unknown keys";
   if (stored != checksum(McapPairs(pairs.begin(), pairs.end() - 1))) {
-    return "the checksum of the session's facts is wrong";
+    return "the checksum of the session's header is wrong";
   }
   return header_problem(header);
 }

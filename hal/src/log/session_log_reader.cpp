@@ -61,8 +61,7 @@ std::string SessionLogReader::take_header() {
   const auto attachment = [&](const std::string& name, auto& content) -> std::string {
     if (std::string problem = next(); !problem.empty()) return problem;
     const auto* found = std::get_if<McapAttachment>(&record);
-    if (found == nullptr || found->name != name)
-      return "it has no \"" + name + "\" where it should";
+    if (found == nullptr || found->name != name) return "it lacks \"" + name + "\"";
     content.assign(found->data.begin(), found->data.end());
     return {};
   };
@@ -70,7 +69,7 @@ std::string SessionLogReader::take_header() {
   if (std::string problem = next(); !problem.empty()) return problem;
   const auto* metadata = std::get_if<McapMetadata>(&record);
   if (metadata == nullptr || metadata->name != kSessionMetadata) {
-    return "it is an MCAP file, but no session log";
+    return "it is an MCAP file, but not a session log";
   }
   if (std::string problem = parse_session_pairs(metadata->pairs, header_); !problem.empty()) {
     return problem;
@@ -93,7 +92,7 @@ McapRead SessionLogReader::next(SessionEntry& entry) {
     if (const auto* message = std::get_if<McapMessage>(&record)) {
       if (!take(*message, entry)) {
         return stop(McapRead::damaged,
-                    "a message is none of a session log, or one before is missing");
+                    "a message does not belong to a session log, or the one before is missing");
       }
       if (!entry.is_event) condition_.last_report_time_ns = entry.report.host_time_ns;
       return McapRead::record;
@@ -101,7 +100,7 @@ McapRead SessionLogReader::next(SessionEntry& entry) {
     const auto* schema = std::get_if<McapSchema>(&record);
     const auto* channel = std::get_if<McapChannel>(&record);
     if ((schema == nullptr || !take(*schema)) && (channel == nullptr || !take(*channel))) {
-      return stop(McapRead::damaged, "a record is none of a session log");
+      return stop(McapRead::damaged, "a record does not belong to a session log");
     }
   }
 }

@@ -58,7 +58,7 @@ Status UsbmonCapture::begin() {
     }
     status = choose_endpoint(survey.endpoints(), choice_, chosen_, problem_);
     if (survey.has_overflowed()) {
-      problem_ = "the capture has more endpoints than are followed";
+      problem_ = "the capture has more endpoints than can be followed";
       status = Status::bad_report;
     }
     if (status != Status::ok) {

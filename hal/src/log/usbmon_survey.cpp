@@ -157,11 +157,11 @@ Status choose_endpoint(const std::vector<UsbmonEndpoint>& endpoints, const Usbmo
     add_where([](const UsbmonEndpoint&) { return true; });
   }
   if (chosen.empty()) {
-    problem = "no endpoint fits what was asked for; " + list(endpoints);
+    problem = "no endpoint matches the request; " + list(endpoints);
     return Status::not_found;
   }
   if (chosen.size() > 1 && !is_one_device(chosen)) {
-    problem = "more than one endpoint fits; name bus, device and endpoint; " + list(chosen);
+    problem = "more than one endpoint matches; name bus, device and endpoint; " + list(chosen);
     return Status::bad_report;
   }
   const bool has_reports = std::any_of(chosen.begin(), chosen.end(),

@@ -252,7 +252,7 @@ TEST(DeviceProfileFile, NamesPlaceProblemAndMendOfKeys) {
   EXPECT_TRUE(parse(changed("name = \"n\"", "name = \"n\"\nrestarts_on_reconnect = true"))
                   .restarts_on_reconnect);
   EXPECT_THAT(problem_of("name = \"n\"", "name = \"n\"\nrestarts_on_reconnect = 1"),
-              HasSubstr("restarts_on_reconnect is yes or no"));
+              HasSubstr("restarts_on_reconnect is neither true nor false"));
 }
 
 TEST(DeviceProfileFile, NamesPlaceProblemAndMendOfParts) {
@@ -264,7 +264,7 @@ TEST(DeviceProfileFile, NamesPlaceProblemAndMendOfParts) {
               HasSubstr("p.toml:14:1: offset_bytes is missing in [sequence]"));
   EXPECT_THAT(problem_with("[sequence]\ntype = \"signed\"\n"), HasSubstr("unknown key 'type'"));
   EXPECT_THAT(problem_with("[coordinates.y]\nmissing = 8388608\n"),
-              HasSubstr("p.toml:14:1: condyle's y never holds the value 8388608"));
+              HasSubstr("p.toml:14:1: condyle's y cannot hold the value 8388608"));
   EXPECT_THAT(problem_with("[device_time]\noffset_bytes = 11\nwidth_bits = 32\n"),
               HasSubstr("unit is missing in [device_time]"));
   EXPECT_THAT(problem_with("[checksum]\noffset_bytes = 18\nwidth_bits = 16\nlast_byte = 17\n"),

@@ -107,8 +107,9 @@ TEST(DescriptorProfile, RefusesToGuess) {
   EXPECT_THAT(with([](auto& f) { f.flags = kPadding; }), HasSubstr("no X"));
   EXPECT_THAT(with([](auto& f) { f.flags = 0; }), HasSubstr("no X")) << "an array";
   EXPECT_THAT(with([](auto& f) { f.unit = {}; }), HasSubstr("X has no unit"));
-  EXPECT_THAT(with([](auto& f) { f.unit.text = "rad"; }), HasSubstr("X is no length (unit rad)"));
-  EXPECT_THAT(with([](auto& f) { f.unit.scale = {}; }), HasSubstr("X is no length"));
+  EXPECT_THAT(with([](auto& f) { f.unit.text = "rad"; }),
+              HasSubstr("X is not a length (unit rad)"));
+  EXPECT_THAT(with([](auto& f) { f.unit.scale = {}; }), HasSubstr("X is not a length"));
   EXPECT_THAT(with([](auto& f) { f.unit.scale = NAN; }), HasSubstr("not finite"));
   EXPECT_THAT(with([](auto& f) { f.width_bits = 72; }), HasSubstr("72 bits wide"));
   EXPECT_THAT(with([](auto& f) { f.offset_bits = 100; }), HasSubstr("beyond the report's 14"));
@@ -129,7 +130,7 @@ TEST(DescriptorProfile, ChoosesAmongReportsOnlyWhereTold) {
   split.reports[0].fields[1].usages = {{0x0001'0030, 0x0001'0031}, {0, 0}};
   split.reports.push_back(device().reports[0]);
   split.reports[1].fields[1].usages = {{0x0001'0032, 0x0001'0032}, {0, 0}};
-  EXPECT_THAT(reason_of(split), HasSubstr("Z comes in another report"));
+  EXPECT_THAT(reason_of(split), HasSubstr("Z is in another report"));
 }
 
 TEST(DescriptorProfile, KeepsWhatTheFileSays) {

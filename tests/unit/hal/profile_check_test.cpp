@@ -51,15 +51,15 @@ TEST(ProfileCheck, FindsProblemsOfFields) {
   expect_field([](auto& f) { f.width_bits = 65; }, "65 bits wide");
   expect_field([](auto& f) { f.offset_bits = 29 * 8 - 15; }, "beyond the report's 29 bytes");
   expect_field([](auto& f) { f.offset_bits = 0xFFFF'FFFF; }, "beyond the report's 29 bytes");
-  expect_field([](auto& f) { f.offset_bits = 7; }, "lies on the report id");
+  expect_field([](auto& f) { f.offset_bits = 7; }, "overlaps the report id");
   expect_field([](auto& f) { f.type = FieldType::floating_point; }, "floating-point number of 16");
   expect_field([](auto& f) { f.byte_order = ByteOrder::big, f.width_bits = 12; }, "whole bytes");
   expect_field([](auto& f) { f.scale = 0; }, "scale that is zero");
   expect_field([](auto& f) { f.scale = NAN; }, "zero or not finite");
   expect_field([](auto& f) { f.offset = INFINITY; }, "offset that is not finite");
-  expect_field([](auto& f) { f.missing = 32768; }, "never holds the value 32768");
-  expect_field([](auto& f) { f.range = {5, 4}; }, "valid range that its bits never hold");
-  expect_field([](auto& f) { f.range = {-40000, 4}; }, "valid range that its bits never hold");
+  expect_field([](auto& f) { f.missing = 32768; }, "cannot hold the value 32768");
+  expect_field([](auto& f) { f.range = {5, 4}; }, "valid range that its bits cannot hold");
+  expect_field([](auto& f) { f.range = {-40000, 4}; }, "valid range that its bits cannot hold");
   expect([](auto& p) { p.coordinates[8].field.offset_bits -= 1; }, ProfilePart::coordinates,
          "condyle's z3 has bits in common with condyle's y3");
   expect([](auto& p) { p.sequence->field.width_bits = 33; }, ProfilePart::device_time,
@@ -93,18 +93,18 @@ TEST(ProfileCheck, FindsProblemsOfCoordinates) {
   expect([](auto& p) { p.coordinates[3].index = 0; }, part, "condyle's x1 is given twice");
   expect([](auto& p) { p.coordinates[3].index = 9; }, part, "no such coordinate");
   expect([](auto& p) { p.kind = SampleKind::one_point; }, part, "no such coordinate");
-  expect([](auto& p) { p.descriptor_axes = kSameAxes; }, part, "asked of the descriptor");
+  expect([](auto& p) { p.descriptor_axes = kSameAxes; }, part, "requested from the descriptor");
 }
 
 TEST(ProfileCheck, FindsProblemsOfCountsAndClocks) {
   const ProfilePart sequence = ProfilePart::sequence, time = ProfilePart::device_time;
   expect([](auto& p) { p.sequence->field.type = FieldType::signed_integer; }, sequence,
          "the sequence is not an unsigned integer");
-  expect([](auto& p) { p.sequence->field.width_bits = 1; }, sequence, "nothing can be told");
+  expect([](auto& p) { p.sequence->field.width_bits = 1; }, sequence, "too few to be useful");
   expect([](auto& p) { p.sequence->wraps_at = 0x1'0000'0001; }, sequence, "more than its bits");
   expect([](auto& p) { p.device_time->field.scale = -1e-6; }, time, "ticks shorter");
   expect([](auto& p) { p.device_time->field.scale = 1e-12; }, time, "ticks shorter");
-  expect([](auto& p) { p.device_time->wraps_at = 3999; }, time, "before two reports");
+  expect([](auto& p) { p.device_time->wraps_at = 3999; }, time, "before the second report");
   expect([](auto& p) { p.rate_Hz = -1; }, ProfilePart::rate, "negative or not finite");
 }
 

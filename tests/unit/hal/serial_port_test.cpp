@@ -108,7 +108,7 @@ TEST(SerialPort, HasTheSpeedAskedFor) {
     EXPECT_EQ(cfgetospeed(&settings), speed) << baud;
   }
   EXPECT_EQ(port.open(other.name(), 9601), Status::bad_report);
-  EXPECT_EQ(port.problem(), "no serial port has 9601 baud");
+  EXPECT_EQ(port.problem(), "serial ports do not support 9601 baud");
 }
 
 // Many a board resets when DTR drops.
