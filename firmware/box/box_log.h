@@ -12,16 +12,17 @@
 
 namespace condyle::box {
 
-/// Lines for the journal, on the error output. Of each kind at most five in a minute are said; how
-/// many were not is said with the next. Any thread but the real-time one.
+/// Lines for the journal, on the error output. At most five lines of a kind are written in a
+/// minute; the next one contains the number of those suppressed. Call it from any thread but the
+/// real-time one.
 class BoxLog {
  public:
   explicit BoxLog(hal::Clock& clock, std::FILE* out = stderr) : clock_(clock), out_(out) {}
 
-  /// Priorities as the journal takes them (sd-daemon(3)).
+  /// Priorities as in sd-daemon(3).
   enum class Level : std::uint8_t { error = 3, warning = 4, notice = 5, info = 6 };
 
-  /// `kind`: what is counted together, such as "device".
+  /// `kind`: lines of one kind are counted together, such as "device".
   void say(Level level, std::string_view kind, const std::string& text);
 
  private:

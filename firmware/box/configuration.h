@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the user sets in the box's one file. box.toml documents it.
+// The settings in the box's configuration file. box.toml documents them.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@
 
 namespace condyle::box {
 
-/// Where reports come from: any source but a simulated subject; a recording is a session log,
-/// played at the speed it was recorded with.
+/// Where reports come from: any source except a simulated subject. A recording must be a session
+/// log; it is played at its recorded speed.
 struct SourceSettings {
   using Kind = host::SourceKind;
   std::string name;  ///< "facebow", or a companion's
   Kind kind = Kind::synth;
   std::string file;
-  std::string serial;  ///< of a device; empty: any
+  std::string serial;  ///< of a device; empty: any device
 };
 
 /// All settings, with their defaults.
@@ -35,24 +35,24 @@ struct Configuration {
   int lag = 0;                  ///< samples
   std::string node;             ///< line to the microcontroller that estimates; empty: the box does
   unsigned node_baud = 1'000'000;
-  TimeNs node_late_ns = 100'000'000;  ///< an estimate that is later is said to be late
+  TimeNs node_late_ns = 100'000'000;  ///< a later estimate counts as late
 
   int priority = 50;  ///< SCHED_FIFO; 0: an ordinary thread
 
-  std::string folder;                         ///< for recordings; empty: there are none
-  std::uint64_t reserve_bytes = 256'000'000;  ///< of the disk that are never filled
-  hal::SessionLogOptions log;  ///< not in the file: for a test with a clock of its own
+  std::string folder;                         ///< for recordings; empty: recording is off
+  std::uint64_t reserve_bytes = 256'000'000;  ///< of disk space that are never used
+  hal::SessionLogOptions log;                 ///< not in the file: for tests with their own clock
 
   std::string udp_address = "127.0.0.1";
   std::uint16_t udp_port = 0;  ///< 0: nothing is sent
   std::string http_address = "127.0.0.1";
   std::uint16_t http_port = 8750;     ///< 0: any that is free
-  std::string token;                  ///< empty: none is asked for
+  std::string token;                  ///< empty: no token is required
   std::uint16_t most_listeners = 16;  ///< to estimates over HTTP, at the same time
 };
 
-/// Reads a configuration; an InputError names place, problem and mend. Files it names are taken
-/// from the folder it is in.
+/// Reads a configuration. An InputError contains place, problem and remedy. Relative file names are
+/// resolved against the folder of the configuration file.
 Configuration load_configuration(const std::string& path);
 
 /// True for numeric addresses that no other machine can reach.

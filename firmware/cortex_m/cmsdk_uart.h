@@ -6,7 +6,7 @@
 
 namespace condyle::cortex_m {
 
-/// The one at `kBase`, run by a clock of `kInput_Hz`.
+/// The UART at `kBase`, clocked with `kInput_Hz`.
 template <std::uint32_t kBase, std::uint32_t kInput_Hz>
 struct CmsdkUart {
   static void start(std::uint32_t bits_per_s) {

@@ -11,7 +11,7 @@ struct CmsdkWatchdog {
   static void start(std::uint32_t period_ms) {
     reg(kAddress + kLock) = 0x1ACCE551;
     reg(kAddress + kLoad) = kClock_Hz / 1000 * period_ms;
-    reg(kAddress + kControl) = 3;  // first its interrupt; unanswered, a reset
+    reg(kAddress + kControl) = 3;  // first an interrupt; if that is not served, a reset
   }
   static void feed() { reg(kAddress + kFeed) = 1; }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faults, and what is known after a restart of why it came.
+// Handles faults, and reports after a restart what caused it.
 #include "faults.h"
 
 #include <type_traits>
@@ -10,9 +10,9 @@
 namespace condyle::cortex_m {
 namespace {
 
-// In memory that no startup clears.
+// In memory that startup does not clear.
 struct KeptMemory {
-  static constexpr std::uint32_t kMagic = 0x636F6E64;  // else it is what power-on left there
+  static constexpr std::uint32_t kMagic = 0x636F6E64;  // any other value is random, from power-on
   std::uint32_t magic;
   ResetCause next_cause;
   std::uint32_t starts;  // since power-on
@@ -79,7 +79,7 @@ void restart() {
 extern "C" {
 extern const std::uint32_t stack_begin[], stack_end[];
 
-// `frame`: what the core has pushed: r0-r3, r12, lr, pc, psr.
+// `frame`: the registers that the core has pushed: r0-r3, r12, lr, pc, psr.
 [[noreturn, gnu::used]] void keep_fault(const std::uint32_t* frame, std::uint32_t exception) {
   using namespace condyle::cortex_m;
   // After a stack overflow there is no frame.
@@ -91,7 +91,7 @@ extern const std::uint32_t stack_begin[], stack_end[];
   reset(is_watchdog ? ResetCause::watchdog : ResetCause::fault);
 }
 
-// The stack it came with may be exhausted: the rest runs on all of it, for nothing returns.
+// The present stack may be exhausted: start again at its top, because nothing returns.
 [[gnu::naked]] void fault_handler() {
   asm volatile(
       "mov r0, sp\n"

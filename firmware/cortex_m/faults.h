@@ -4,13 +4,13 @@
 
 namespace condyle::cortex_m {
 
-/// Reads what the run before left; once, at startup.
+/// Reads the record that the previous run left; call it once, at startup.
 void begin_run();
 
 }  // namespace condyle::cortex_m
 
 extern "C" {
-/// Of every exception that has no handler of its own: keeps a record and restarts.
+/// Handles every exception without its own handler: keeps a record and restarts.
 void fault_handler();
 void systick_handler();
 void uart_handler();

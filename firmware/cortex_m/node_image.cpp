@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The estimator as an image: reports in, estimates out, over the board's UART. Numbers are of the
-// type that the core computes with, CONDYLE_SCALAR. A late estimate waits for at most
-// CONDYLE_MOST_LAG samples, for which the board must have the memory; CONDYLE_IDENTIFIES: whether
-// it has that for friction and mass too, and a core that computes with double.
+// The estimator as an image: reports in, estimates out, over the board's UART. CONDYLE_SCALAR: type
+// of the numbers, as the core's FPU computes. CONDYLE_MOST_LAG: longest lag in samples for which
+// the board has memory. CONDYLE_IDENTIFIES: whether the board has the memory for friction and mass,
+// and a core that computes with double.
 //
-// CONDYLE_FAILS_AT: the image of a test, whose filter fails at that sample, as its fail_node does;
-// where that comes back, the filter says of its estimate what is not so.
+// CONDYLE_FAILS_AT: for a test, the filter fails at that sample, as in fail_node; if that returns,
+// the filter's estimate is wrong.
 #include <type_traits>
 
 #include "condyle/cortex_m/board.h"
@@ -28,7 +28,7 @@ class UartStream final : public hal::ByteStream {
       while (count < bytes.size() && uart_read(bytes[count])) ++count;
       if (count > 0) return hal::Status::ok;
       if (now_ns() >= deadline_ns) return hal::Status::timeout;
-      uart_wait();  // SysTick ends it too, ten times a second
+      uart_wait();  // SysTick ends the wait too, ten times a second
     }
   }
   hal::Status write(std::span<const std::uint8_t> bytes) override {
@@ -53,7 +53,7 @@ hal::ResetCause words_of(ResetCause cause) {
   return hal::ResetCause::unknown;
 }
 
-// Faults that have no handler of their own arrive as a hard fault; CFSR says what they were.
+// Faults without their own handler arrive as a hard fault; CFSR gives their kind.
 hal::FaultKind kind_of(const FaultRecord& record) {
   constexpr std::uint32_t kMemoryManagement = 0xFF, kBus = 0xFF00, kStacking = 0x1010,
                           kNonMaskable = 2;

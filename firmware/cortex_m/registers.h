@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Registers of the core, and how a register is reached.
+// Registers of the core, and access to registers.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,10 @@ inline constexpr std::uint32_t kSystCsr = 0xE000E010, kSystRvr = 0xE000E014, kSy
                                kNvicIser = 0xE000E100, kIcsr = 0xE000ED04, kAircr = 0xE000ED0C,
                                kCfsr = 0xE000ED28, kHfsr = 0xE000ED2C, kBfar = 0xE000ED38;
 
-/// Instead of an interrupt's number: the one that cannot be masked; none.
+/// Special values instead of an interrupt's number: non-maskable; none.
 inline constexpr int kIsNmi = -14, kHasNone = -15;
 
-/// Lets interrupt `number` through.
+/// Enables interrupt `number`.
 inline void enable_interrupt(int number) {
   if (number < 0) return;
   const auto bit = static_cast<std::uint32_t>(number);

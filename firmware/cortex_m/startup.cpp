@@ -6,7 +6,7 @@
 #include "device.h"
 #include "faults.h"
 
-// C++ allows nobody to call `main` by its name.
+// C++ forbids calling `main` by its name.
 int image_main() asm("main");
 
 extern "C" {
@@ -32,8 +32,8 @@ extern const Constructor init_array_begin[], init_array_end[];
   condyle::cortex_m::restart();
 }
 
-// Paints the stack, all of it, before anything is on it. The FPU is on before any C++: a function
-// may save FPU registers first of all.
+// Fills the stack with a pattern before it is used. Enables the FPU before any C++, because a
+// function may save FPU registers first.
 [[gnu::naked]] void reset_handler() {
   asm volatile(
       "ldr r0, =0xE000ED88\n"  // CPACR

@@ -15,7 +15,7 @@ constexpr TimeNs kCommon = std::gcd(kNanosecondsPerSecond, TimeNs{kClock_Hz});
 constexpr TimeNs kTickNumerator = kNanosecondsPerSecond / kCommon,
                  kTickDenominator = kClock_Hz / kCommon;
 static_assert(kTickNumerator <= 1000 && kPeriod_ticks < 1U << 24U);
-constexpr std::uint32_t kPending = 1U << 26U;  // of ICSR: the period is over, not yet counted
+constexpr std::uint32_t kPending = 1U << 26U;  // of ICSR: the period is over, but not counted yet
 
 constinit volatile std::uint32_t g_periods = 0;
 
@@ -39,7 +39,7 @@ TimeNs now_ns() {
       ++periods;
     }
   } while (before != g_periods);
-  // The count runs 0, kPeriod_ticks - 1, ..., 1; a period begins, and is announced, with 0.
+  // The counter runs 0, kPeriod_ticks - 1, ..., 1; a period begins, and is signalled, at 0.
   const std::uint32_t ticks = left == 0 ? 0 : kPeriod_ticks - left;
   return (TimeNs{periods} * kPeriod_ticks + ticks) * kTickNumerator / kTickDenominator;
 }

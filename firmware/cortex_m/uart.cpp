@@ -35,7 +35,7 @@ UartLosses uart_losses() {
   return {static_cast<std::uint32_t>(g_received.dropped()), g_overruns};
 }
 
-// Masked, an interrupt still ends the sleep: none comes between the look and the sleep.
+// A masked interrupt still ends the sleep, so none is missed between the check and the sleep.
 void uart_wait() {
   asm volatile("cpsid i" ::: "memory");
   if (g_received.empty()) asm volatile("dsb\n wfi" ::: "memory");

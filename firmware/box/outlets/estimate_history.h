@@ -10,23 +10,23 @@
 
 namespace condyle::box {
 
-/// The latest estimates as lines of JSON, numbered from 1 on for as long as the service runs, for
-/// readers that each keep a place of their own.
+/// The latest estimates as lines of JSON, numbered from 1 since the service started, for readers
+/// that each keep their own place.
 class EstimateHistory {
  public:
   explicit EstimateHistory(std::size_t most_lines) : most_lines_(most_lines) {}
 
   void add(std::string line);
 
-  /// Number of the newest line; 0: none.
+  /// Number of the newest line; 0: there is none.
   std::uint64_t newest() const;
 
   struct Line {
-    std::uint64_t number = 0;  ///< 0: there is none newer
-    std::uint64_t missed = 0;  ///< lines after the asked place that are gone already
+    std::uint64_t number = 0;  ///< 0: there is no newer line
+    std::uint64_t missed = 0;  ///< lines after the requested place that are no longer kept
     std::shared_ptr<const std::string> text;
   };
-  /// The line after number `place`, or the oldest there is.
+  /// The line after number `place`, or the oldest one that is kept.
   Line after(std::uint64_t place) const;
 
  private:

@@ -7,10 +7,10 @@
 
 namespace condyle::box {
 
-/// An estimate as one line of JSON, without the line's end. Numbers are written so that reading
-/// them gives the same bits; what is not known is null. Every value has its standard deviation and
-/// says whether it is measured, derived or assumed. Of a microcontroller's it says how late it is;
-/// that there is none is a line too.
+/// An estimate as one line of JSON, without the line's end. Numbers read back to the same bits;
+/// unknown values are null. Every value has its standard deviation and its provenance. A
+/// microcontroller's estimate includes its delay; if the microcontroller is away, a line states
+/// that.
 std::string estimate_line(const BoxEstimate& estimate);
 
 }  // namespace condyle::box

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is sent over HTTP, and the headers of what was.
+// Sends HTTP answers and reads the headers of requests.
 #pragma once
 
 #include <microhttpd.h>
@@ -10,9 +10,9 @@
 
 namespace condyle::box {
 
-/// A header of the request; empty where it was not sent.
+/// A header of the request; empty if it was not sent.
 std::string header(MHD_Connection* connection, const char* name);
-/// How often it was sent.
+/// How many times it was sent.
 int count_headers(MHD_Connection* connection, const char* name);
 
 MHD_Result send_json(MHD_Connection* connection, int status, const std::string& body);

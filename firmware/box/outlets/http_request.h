@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the box understands over HTTP, without the network.
+// The box's HTTP interface, without the network.
 //
-//   GET  /                   a page that says what this is
-//   GET  /v1/status          how the box does (box_status.h)
+// GET  /                   a page that describes the box
+// GET  /v1/status          the state of the box (box_status.h)
 //   GET  /v1/estimates       estimates as server-sent events, from now on; ?after=N or the header
 //                            Last-Event-ID: from line N on, as far as it is still kept
 //   POST /v1/session/start   {"subject": "CODE"}, or {}
@@ -17,10 +17,10 @@
 
 namespace condyle::box {
 
-/// Longest body taken.
+/// Longest body accepted.
 inline constexpr std::size_t kLongestBody = 4096;
 
-/// As it came in; what was not sent is empty.
+/// A request as received; what was not sent is empty.
 struct HttpRequest {
   std::string method, path;
   std::string host, authorization, content_type, last_event_id;
@@ -28,29 +28,29 @@ struct HttpRequest {
   int hosts = 1;                               ///< Host headers
   std::optional<std::string> after;
   std::string body;
-  bool is_too_long = false;  ///< the body, of which the rest was thrown away
+  bool is_too_long = false;  ///< the body; the rest of it was discarded
 };
 
-/// Who may ask.
+/// What a request must satisfy.
 struct HttpAccess {
-  std::string token;  ///< empty: everybody on this machine
+  std::string token;  ///< empty: any user of this machine has access
 };
 
 enum class HttpAction : std::uint8_t { refuse, page, status, estimates, start, stop, mark };
 
-/// What is to be done.
+/// What to do.
 struct HttpRouting {
   HttpAction action = HttpAction::refuse;
   int status = 200;                    ///< of a refusal: 4xx
   std::string words;                   ///< why
-  std::string text;                    ///< the subject, or the marker
+  std::string text;                    ///< the subject, or the text of the marker
   std::optional<std::uint64_t> after;  ///< absent: the newest
 };
 
-/// Without a token only requests that name this machine are taken, so that no page in a browser can
-/// reach the box through a name of its own. What a page of another site sends is refused by what
-/// the browser says of it (Origin, Sec-Fetch-Site), but for a navigation to the box's own page. A
-/// POST must be JSON, which such a page cannot send unasked.
+/// Without a token, only requests whose Host names this machine are accepted, so that no web page
+/// can reach the box through a domain name of its own. Requests from pages of other sites are
+/// refused by Origin and Sec-Fetch-Site, except for navigation to the box's own page. A POST must
+/// be JSON, which such a page cannot send without permission.
 HttpRouting route(const HttpRequest& request, const HttpAccess& access);
 
 }  // namespace condyle::box

@@ -13,21 +13,21 @@
 
 namespace condyle::box {
 
-/// What became of requests.
+/// Counts of requests.
 struct HttpCounts {
   std::uint64_t requests = 0, refused = 0;
   std::uint64_t listeners = 0;  ///< to estimates, now
-  std::uint64_t missed = 0;     ///< estimates that were gone before a slow listener took them
+  std::uint64_t missed = 0;     ///< estimates that a slow listener missed
 };
 
-/// The box's HTTP interface (http_request.h), on a thread of its own. A listener who does not read
-/// is left behind, told what it missed, and dropped after 10 s; nobody waits for it. A connection
-/// has 10 s for a request, however slowly it comes (connection_table.h).
+/// The box's HTTP interface (http_request.h), on its own thread. A slow listener never delays the
+/// others: it skips estimates, is sent their number, and is dropped after 10 s. A connection must
+/// complete a request within 10 s (connection_table.h).
 class HttpServer {
  public:
   using Answer = SessionKeeper::Answer;
   using Then = SessionKeeper::Then;
-  /// What it is asked for; called on its thread, which must not wait: commands answer later.
+  /// The handlers, called on the server's thread. They must not wait: commands answer later.
   struct Service {
     std::function<std::string()> status;
     std::function<void(const std::string&, Then)> start;
@@ -35,16 +35,16 @@ class HttpServer {
     std::function<void(const std::string&, Then)> mark;
   };
 
-  /// An InputError where it cannot listen.
+  /// Throws an InputError if it cannot listen.
   HttpServer(const Configuration& configuration, const EstimateHistory& history, Service service,
              BoxLog& log);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
-  /// Sends listeners what is new; to be called every few milliseconds.
+  /// Sends new estimates to the listeners; call it every few milliseconds.
   void tick();
-  /// Ends all connections. May be called twice; tick may go on being called.
+  /// Ends all connections. May be called twice; tick may still be called afterwards.
   void stop();
 
   std::uint16_t port() const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the parts of the HTTP server share.
+// State that the parts of the HTTP server share.
 #pragma once
 
 #include <microhttpd.h>
@@ -26,15 +26,15 @@ inline constexpr unsigned kTimeout_s = 10;
 inline constexpr std::size_t kMostOfAnAddress = 32;
 inline constexpr TimeNs kDeadline_ns = kTimeout_s * kNanosecondsPerSecond;
 
-/// Between the calls for one request.
+/// Kept between the calls for one request.
 struct Pending {
   std::string body;
   bool is_too_long = false;
-  std::uint64_t number = 0;  // of a command that waits for its answer; 0: none
+  std::uint64_t number = 0;  // of a command that awaits its answer; 0: none
   std::optional<HttpServer::Answer> answer;
 };
 
-/// Of the server's thread, but for what the mutex guards.
+/// Belongs to the server's thread, except what the mutex guards.
 struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
   // A command whose connection is suspended.
   struct Waiting {
@@ -43,12 +43,12 @@ struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
     Pending* pending = nullptr;
     TimeNs since_ns = 0;
   };
-  // Someone who is sent estimates.
+  // A listener to estimates.
   struct Listener {
     State* state = nullptr;
     MHD_Connection* connection = nullptr;
     std::uint64_t place = 0;  // of the last line taken from the history
-    std::string text;         // of it, and how much of it was sent
+    std::string text;         // of that line, and how much of it was sent
     std::size_t sent = 0;
     // Guarded by the mutex:
     bool is_suspended = false, is_to_keep_alive = false;
@@ -80,7 +80,7 @@ struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
     const std::lock_guard lock(state.mutex);
     state.listeners.remove_if([&one](const auto& other) { return other.get() == &one; });
   }
-  // Before the arguments are read.
+  // Called before the arguments are read.
   static void* on_uri(void* self, const char* uri, MHD_Connection* connection);
   [[gnu::format(printf, 2, 0)]] static void on_message(void* self, const char* format,
                                                        va_list arguments) {

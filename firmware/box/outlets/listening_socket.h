@@ -8,11 +8,11 @@
 
 namespace condyle::box {
 
-/// A socket bound to the address, which this machine need not have yet: it may come later, as with
-/// DHCP. Negative, with errno, where that cannot be.
+/// A socket bound to the address, which this machine may get later, as with DHCP. Negative, with
+/// errno set, on failure.
 int open_listener(const std::string& address, std::uint16_t port);
 
-/// The port that it is bound to; 0 where that is not known.
+/// The bound port; 0 if unknown.
 std::uint16_t bound_port(int listening);
 
 /// An address without its port.

@@ -13,25 +13,25 @@
 
 namespace condyle::box {
 
-/// What became of the estimates that were to be sent.
+/// Counts of the estimates to be sent.
 struct PublisherCounts {
   std::uint64_t published = 0, datagrams = 0;
-  std::uint64_t datagrams_failed = 0;  ///< the network took no more, or nobody listens
+  std::uint64_t datagrams_failed = 0;  ///< the network did not accept it, or there is no listener
 };
 
-/// Takes estimates from the ring on a thread of its own, sends each as a UDP datagram with one line
-/// of JSON, and keeps the latest. Nothing here holds up the real-time thread.
+/// Takes estimates from the ring on its own thread, sends each as a UDP datagram with one line of
+/// JSON, and keeps the latest. It never delays the real-time thread.
 class Publisher {
  public:
-  /// `port` 0 sends nothing. An InputError where `address` cannot be sent to.
+  /// `port` 0 sends nothing. Throws an InputError if `address` cannot be sent to.
   Publisher(EstimateHistory& history, const std::string& address, std::uint16_t port,
             hal::Clock& clock);
   ~Publisher();
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
-  /// `tick` is called after the estimates that came were added to the history: every 5 ms, and more
-  /// often where many came.
+  /// `tick` is called after new estimates were added to the history: every 5 ms, and more often if
+  /// many arrived.
   void start(EstimateRing& ring, std::function<void()> tick);
   /// Publishes what is left.
   void stop();
@@ -39,7 +39,7 @@ class Publisher {
   PublisherCounts counts() const;
 
  private:
-  bool take_some();  // true where none are left
+  bool take_some();  // true when none are left
 
   EstimateHistory& history_;
   hal::Clock& clock_;

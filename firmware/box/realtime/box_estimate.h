@@ -8,7 +8,7 @@
 
 namespace condyle::box {
 
-/// What an estimate of a microcontroller's says of its way.
+/// How an estimate from a microcontroller arrived.
 struct NodeMark {
   enum class State : std::uint8_t {
     none,  ///< the box made it itself
@@ -17,15 +17,15 @@ struct NodeMark {
     away,  ///< there is no estimate: the microcontroller is away or silent
   };
   State state = State::none;
-  TimeNs delay_ns = 0;           ///< since the arrival of the report that led to it
-  std::uint64_t connection = 0;  ///< of the microcontroller; its estimator starts anew with each
+  TimeNs delay_ns = 0;           ///< since the arrival of the report it answers
+  std::uint64_t connection = 0;  ///< of the microcontroller; its estimator restarts with each
 };
 
 /// An estimate on its way to the outlets.
 struct BoxEstimate {
-  std::uint64_t run = 0;     ///< the estimator started anew with it; a recording is a run
-  std::uint64_t number = 0;  ///< of the estimate in its run, from 1 on
-  TimeNs arrival_ns = 0;     ///< of the report that led to it
+  std::uint64_t run = 0;     ///< the estimator restarts with each run; a recording is a run
+  std::uint64_t number = 0;  ///< of the estimate in its run, from 1
+  TimeNs arrival_ns = 0;     ///< of the report it answers
   NodeMark node;
   bool has_joint = false;  ///< the facebow measures a drive: `estimate.joint` holds
   DrivenEstimate<double> estimate;

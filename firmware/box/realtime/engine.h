@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real-time thread: from the facebow's reports to estimates in a ring, or to a
+// The real-time thread: turns the facebow's reports into estimates in a ring, or passes them to a
 // microcontroller's feed.
 //
-// From a report in hand to its estimate in the ring the thread takes no lock, no memory and no
-// other input or output; raw reports go into the session log's own ring on the way. All that others
-// want to know is in counters that they read without asking. Only between runs, and while the
-// facebow is away, does the thread do anything else.
+// Between receiving a report and putting its estimate into the ring the thread takes no lock,
+// allocates no memory and does no other input or output. Raw reports go into the session log's own
+// ring on the way. Other threads read its counters without locking. The thread does other work only
+// between runs and while the facebow is away.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@
 
 namespace condyle::box {
 
-/// What became of the reports of all runs.
+/// Counts of the reports of all runs.
 struct EngineCounts {
   std::uint64_t samples = 0, estimates = 0;
   std::uint64_t received = 0, lost = 0, duplicated = 0, unknown_losses = 0, bad = 0;
@@ -39,8 +39,8 @@ struct EngineCounts {
 /// Reads the facebow and estimates, run after run.
 class Engine {
  public:
-  /// `source`, on `clock`, gives the reports that `profile` describes; nobody else reads it. With a
-  /// `feed`, reports go there, and the outlet's estimates come from another thread.
+  /// `source`, on `clock`, delivers the reports that `profile` describes; no other code may read
+  /// it. With a `feed`, reports go there, and the outlet's estimates come from another thread.
   Engine(WatchedSource& source, const hal::DeviceProfile& profile,
          const Configuration& configuration, hal::Clock& clock, NodeFeed* feed = nullptr);
   ~Engine() { stop(); }
@@ -51,9 +51,9 @@ class Engine {
   /// Ends the run and the thread. May be called twice.
   void stop();
 
-  /// Ends the run and begins another with a fresh estimator, whose reports go to `log` as its
-  /// source 0, or nowhere. Returns the number of the new run once the thread has let go of the old
-  /// one's log. One thread at a time.
+  /// Ends the run and begins another with a fresh estimator, whose reports go to source 0 of `log`,
+  /// or nowhere. Returns the number of the new run once the thread no longer uses the old log. One
+  /// thread at a time.
   std::uint64_t begin_run(hal::SessionLogWriter* log);
 
   EstimateOutlet& outlet() { return outlet_; }
@@ -61,11 +61,11 @@ class Engine {
 
   // For any thread:
   EngineCounts counts() const;
-  /// Goes up at least every 50 ms while the thread is well.
+  /// Increases at least every 50 ms while the thread works.
   std::uint64_t heartbeat() const { return heartbeat_.load(std::memory_order_relaxed); }
-  /// "SCHED_FIFO 50", or why not; empty until the thread runs.
+  /// "SCHED_FIFO 50", or why it was refused; empty until the thread runs.
   std::string scheduling() const;
-  /// The source is a recording that has come to its end.
+  /// The source is a recording that has ended.
   bool has_ended() const { return has_ended_.load(std::memory_order_relaxed); }
   std::uint64_t run() const { return run_.load(std::memory_order_acquire); }
   /// Reports received before the run that `begin_run` began.
@@ -95,18 +95,18 @@ class Engine {
   NodeFeed* feed_;
   EstimateOutlet outlet_;
 
-  // Asked of the thread.
+  // Requests to the thread.
   std::atomic<bool> stops_ = false;
   std::atomic<std::uint64_t> wanted_run_ = 1;
   std::atomic<hal::SessionLogWriter*> wanted_log_ = nullptr;
-  // Said by the thread.
+  // Reported by the thread.
   std::atomic<std::uint64_t> run_ = 0, heartbeat_ = 0;
   std::atomic<std::uint64_t> received_before_run_ = 0;  // written before run_
   std::atomic<bool> has_ended_ = false, is_scheduled_ = false;
   std::array<std::atomic<std::uint64_t>, kCounts> counts_{};
   std::string scheduling_;  // written before is_scheduled_
 
-  // The thread's own. What is lost between two runs is lost too: one tracker goes through all.
+  // The thread's own. One tracker goes through all runs, so that losses between two runs count too.
   hal::ReportTracker all_runs_;
   std::uint64_t connections_ = 0;
   EngineCounts totals_, present_;

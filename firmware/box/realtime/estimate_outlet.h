@@ -12,46 +12,46 @@
 
 namespace condyle::box {
 
-/// How the estimator does, by its last estimate.
+/// The estimator's health, from its last estimate.
 struct EstimatorHealth {
-  bool is_ready = false;         ///< there was an estimate in this run
-  double noise_sd_m = 0;         ///< of the followed axis
-  double mean_nis = 0;           ///< per axis, over about the last 200 samples; 1 where all is well
-  std::uint64_t rejected = 0;    ///< outliers, in all runs
-  std::uint64_t not_finite = 0;  ///< states or variances that were unusable, in all runs
+  bool is_ready = false;       ///< there was an estimate in this run
+  double noise_sd_m = 0;       ///< of the followed axis
+  double mean_nis = 0;         ///< per axis, over about the last 200 samples; 1 if the model holds
+  std::uint64_t rejected = 0;  ///< outliers, in all runs
+  std::uint64_t not_finite = 0;  ///< unusable states or variances, in all runs
 };
 
-/// Where the one thread that makes estimates puts them, and what the status tells of them.
+/// Takes the estimates of the one thread that makes them, and keeps what the status shows of them.
 class EstimateOutlet {
  public:
   explicit EstimateOutlet(Axis followed) : followed_(followed) {}
 
-  /// What follows is of run number `run`, whose estimator is fresh.
+  /// From here on, estimates belong to run number `run`, whose estimator is fresh.
   void begin_run(std::uint64_t run) {
     out_ = {};
     out_.run = run;
     forget();
   }
-  /// Nothing is known any more, until the next estimate.
+  /// Marks the health as unknown until the next estimate.
   void forget() {
     is_ready_.store(false, std::memory_order_relaxed);
     mean_nis_.store(1, std::memory_order_relaxed);
   }
-  /// `arrival_ns`: of the report that led to it. `node`: where a microcontroller made it.
+  /// `arrival_ns`: of the report that led to it. `node`: set if a microcontroller made it.
   template <class Estimate>
   void publish(const Estimate& estimate, TimeNs arrival_ns,
                const NodeMark& node = {}) CONDYLE_NONBLOCKING;
-  /// Tells that the microcontroller has no estimate to give in `run`.
+  /// States that the microcontroller has no estimate in `run`.
   void publish_absence(std::uint64_t run) {
     BoxEstimate absence;
     absence.run = run;
     absence.node.state = NodeMark::State::away;
     (void)ring_.push(absence);
   }
-  /// From a report in hand to its estimate in the ring.
+  /// From receiving a report to its estimate in the ring.
   void note_latency(TimeNs latency_ns) { latency_.add(latency_ns); }
 
-  /// For the one thread that publishes.
+  /// For the one publishing thread.
   EstimateRing& ring() { return ring_; }
 
   // For any thread:

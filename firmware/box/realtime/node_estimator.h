@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A microcontroller as the box's estimator: a thread that gives it the facebow's reports and takes
-// its estimates. Nothing here holds up the real-time thread.
+// A microcontroller as the box's estimator: a thread that sends it the facebow's reports and
+// receives its estimates. It never delays the real-time thread.
 #pragma once
 
 #include <atomic>
@@ -20,28 +20,29 @@
 
 namespace condyle::box {
 
-/// How the microcontroller does. Counts are of all runs.
+/// State of the microcontroller. Counts are of all runs.
 struct NodeState {
   bool is_connected = false;
-  bool is_silent = false;  ///< it owes an answer for longer than a second
-  std::string words;       ///< what it says it is
-  std::string problem;     ///< why it is away, or what was wrong the last time
+  bool is_silent = false;  ///< it has not answered for more than a second
+  std::string words;       ///< its greeting
+  std::string problem;     ///< why it is away, or the last problem
   std::uint64_t connections = 0;
   std::uint64_t losses = 0;    ///< how often it went away, failed or started again
-  std::uint64_t silences = 0;  ///< how often it owed an answer for longer than a second
+  std::uint64_t silences = 0;  ///< how often it did not answer for more than a second
   std::uint64_t late = 0;      ///< estimates later than the settings allow
   std::uint64_t not_sent = 0;  ///< reports: it was away, or too slow
   std::uint64_t lost = 0;      ///< reports: on the line, or their estimates, or when it went away
-  std::uint64_t without_estimate = 0;                 ///< reports that it took and that led to none
-  std::uint64_t frames_refused = 0, frames_lost = 0;  ///< of those that it sent
+  std::uint64_t without_estimate = 0;                 ///< reports received that led to no estimate
+  std::uint64_t frames_refused = 0, frames_lost = 0;  ///< of the frames it sent
   std::optional<hal::HealthMessage> health;           ///< its own counts, of the present run
 };
 
-/// Each run of the feed is one of the microcontroller's, with a fresh estimator; so is what follows
-/// when it was away.
+/// Each run of the feed is a run of the microcontroller with a fresh estimator. After the
+/// microcontroller was away, a new run begins too.
 class NodeEstimator {
  public:
-  /// Estimates go to `outlet`, which nobody else may fill; all must outlive this.
+  /// Estimates go to `outlet`, which no other thread may fill; all arguments must outlive this
+  /// object.
   NodeEstimator(const Configuration& configuration, const hal::DeviceProfile& profile,
                 NodeFeed& feed, EstimateOutlet& outlet, hal::Clock& clock, BoxLog& log);
   ~NodeEstimator() { stop(); }
@@ -87,8 +88,8 @@ class NodeEstimator {
   FedReport next_;
   bool has_next_ = false, ends_ = false;
   std::uint64_t run_ = 0, outlet_run_ = 0, not_sent_ = 0;
-  std::uint64_t connection_ = 0;  // of the facebow, as the run's last report; 0: there is none yet
-  NodeState before_;              // the counts up to the present run
+  std::uint64_t connection_ = 0;  // of the facebow, at the run's last report; 0: none yet
+  NodeState before_;              // the counts before the present run
   std::uint64_t estimates_before_ = 0;
   TimeNs pause_ns_ = 0, next_health_ns_ = 0, next_absence_ns_ = 0;
   bool is_silent_ = false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The facebow's reports on their way to a microcontroller that estimates: from the real-time
-// thread, which never waits for it, to the thread that does.
+// Carries the facebow's reports from the real-time thread, which never waits, to the thread of the
+// microcontroller that estimates.
 #pragma once
 
 #include <atomic>
@@ -15,14 +15,14 @@ namespace condyle::box {
 /// A report, as it arrived.
 struct FedReport {
   std::uint64_t run = 0;
-  std::uint64_t connection = 0;  ///< of the facebow; another one: it was away in between
+  std::uint64_t connection = 0;  ///< of the facebow; a new number: it was away in between
   hal::RawReport report;
 };
 
 /// Reports of run after run.
 class NodeFeed {
  public:
-  // The real-time thread's:
+  // For the real-time thread:
   void begin_run(std::uint64_t run) { run_.store(run, std::memory_order_release); }
   void end_run() { run_.store(0, std::memory_order_release); }
   void put(const hal::RawReport& report, std::uint64_t connection) CONDYLE_NONBLOCKING {
@@ -32,13 +32,12 @@ class NodeFeed {
     (void)ring_.push(next_);
   }
 
-  // The node's thread's:
-  /// The run of the reports that are to come, 0: none will; those before it are in the feed
-  /// already.
+  // For the node's thread:
+  /// The run of the next reports; 0: none will come. Those of earlier runs are already in the feed.
   std::uint64_t run() const { return run_.load(std::memory_order_acquire); }
   bool take(FedReport& report) { return ring_.pop(report); }
 
-  /// Reports that had no room; any thread may ask.
+  /// Reports for which there was no room; any thread may ask.
   std::uint64_t dropped() const { return ring_.dropped(); }
 
  private:
@@ -47,10 +46,10 @@ class NodeFeed {
   FedReport next_;
 };
 
-/// Passes the reports of `source` on, all of them, and feeds the node with them.
+/// Passes on all reports of `source`, and feeds the node with them.
 class FedSource final : public hal::ReportSource {
  public:
-  /// `connections` says how often the facebow was connected.
+  /// `connections` gives how often the facebow was connected.
   FedSource(hal::ReportSource& source, const WatchedSource& connections, NodeFeed& feed)
       : source_(source), connections_(connections), feed_(feed) {}
 

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Linux lets a thread have so that nothing else delays it.
+// Linux settings that keep other programs from delaying a thread.
 #pragma once
 
 #include <string>
 
 namespace condyle::box {
 
-/// Makes the calling thread SCHED_FIFO with `priority` (1 to 98), and touches its stack so that no
-/// page of it has to be found later. "SCHED_FIFO 50", or why not.
+/// Makes the calling thread SCHED_FIFO with `priority` (1 to 98), and touches its stack so that
+/// none of its pages is missing later. Returns "SCHED_FIFO 50", or why it was refused.
 std::string become_real_time(int priority);
 
-/// Keeps all memory of the process, now and later, in RAM, and keeps the heap from giving any back.
-/// "locked", or why not.
+/// Locks all present and future memory of the process in RAM, and keeps the heap from returning
+/// memory. Returns "locked", or why not.
 std::string lock_memory();
 
 }  // namespace condyle::box

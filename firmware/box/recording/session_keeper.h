@@ -14,38 +14,38 @@
 
 namespace condyle::box {
 
-/// The session recorder on a thread of its own, which alone touches the disk: who asks how the
-/// session goes, who listens to estimates and who ends the box waits for no disk. Any thread.
+/// Runs the session recorder on its own thread, the only one that touches the disk. So neither
+/// status, listeners nor shutdown wait for the disk. Any thread may call it.
 class SessionKeeper {
  public:
   using Answer = SessionRecorder::Answer;
-  /// Told what a command led to, on the keeper's thread or, where it is refused at once, on the
-  /// caller's.
+  /// Called with the result of a command, on the keeper's thread; on the caller's if the command is
+  /// refused at once.
   using Then = std::function<void(const Answer&)>;
 
   /// As SessionRecorder's.
   SessionKeeper(const Configuration& configuration, const host::FacebowReports& facebow,
                 hal::Clock& clock, BoxLog& log, std::function<TimeNs()> wall_ns);
-  /// Waits for the disk, however long it takes; `finish` first where that may be long.
+  /// Waits for the disk without limit; call `finish` first if that may be long.
   ~SessionKeeper();
   SessionKeeper(const SessionKeeper&) = delete;
   SessionKeeper& operator=(const SessionKeeper&) = delete;
 
-  /// Once the facebow was found; the engine must outlive the keeper's use.
+  /// Call it once the facebow is found; the engine must outlive the keeper's use.
   void attach(Engine& engine);
 
   void start(const std::string& subject, Then then);
   void stop(Then then);
   void mark(const std::string& text, Then then);
-  /// To be called every now and then: pauses, and ends pauses.
+  /// Call it regularly: begins and ends pauses.
   void check();
 
-  /// Ends a session and the thread. False where the disk did not let it within `patience` of the
-  /// machine's time: what waits for the disk is then lost.
+  /// Ends a session and the thread. False if the disk did not respond within `patience` of machine
+  /// time: data waiting for the disk are then lost.
   bool finish(std::chrono::milliseconds patience);
 
-  /// As of the last check or command. Where the disk has not answered for two seconds, its problem
-  /// says so.
+  /// State after the last check or command. If the disk has not responded for two seconds,
+  /// `problem` states that.
   SessionState state() const;
 
  private:
@@ -61,7 +61,7 @@ class SessionKeeper {
 
   hal::Clock& clock_;
   BoxLog& box_log_;
-  SessionRecorder recorder_;  // of the thread alone, once it runs
+  SessionRecorder recorder_;  // used by the thread alone once it runs
   std::string last_error_;    // likewise
 
   mutable std::mutex mutex_;  // never held while the disk is touched
@@ -69,7 +69,7 @@ class SessionKeeper {
   std::deque<Command> commands_;
   bool has_to_check_ = false, stops_ = false, has_ended_ = false;
   SessionState state_;
-  TimeNs busy_since_ns_ = 0;  // 0: it waits for something to do
+  TimeNs busy_since_ns_ = 0;  // 0: it is idle
 
   std::thread thread_;
 };

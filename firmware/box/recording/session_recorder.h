@@ -16,21 +16,21 @@
 
 namespace condyle::box {
 
-/// How the session goes.
+/// State of the session.
 struct SessionState {
   enum class Phase : std::uint8_t { idle, recording, paused };
   Phase phase = Phase::idle;
   std::string subject;
   std::string file;     ///< being written, or written last
-  int part = 0;         ///< of the session; a pause begins another
+  int part = 0;         ///< number of the file in the session; a pause begins a new one
   std::string problem;  ///< why it is paused, or what was wrong with the last file
   std::uint64_t markers = 0;
   std::uint64_t pauses = 0;
-  TimeNs paused_ns = 0;                 ///< of pauses that have ended: what came then is in no file
+  TimeNs paused_ns = 0;  ///< of pauses that have ended; no file has the reports of a pause
   std::uint64_t reports_received = 0;   ///< from the facebow, since the session began
   std::uint64_t reports_in_pauses = 0;  ///< of these, in pauses that have ended
   hal::SessionLogStatus log;            ///< of that file
-  // Of all of the session's files:
+  // Of all files of the session:
   std::uint64_t reports_written = 0, reports_lost = 0, events_written = 0, events_lost = 0;
   std::uint64_t free_bytes = 0;  ///< of the disk
   /// An instrument beside the facebow, while a file is being written.
@@ -41,32 +41,32 @@ struct SessionState {
   std::vector<Beside> companions;
 };
 
-/// Sessions as the user starts and ends them. Each is a run of the engine, so that a replay of its
-/// log gives the same estimates. Where the disk is full the recording pauses; nothing is deleted;
-/// once there is room it goes on in another file. Every six hours another file begins, so that what
-/// is kept in memory of one stays small. Thirty sessions may begin at once, and one every ten
-/// seconds after that, so that a client gone wrong fills no folder. One thread at a time, which may
-/// have to wait for the disk.
+/// Sessions as the user starts and stops them. Each is a run of the engine, so that a replay of its
+/// log gives the same estimates. If the disk is full, the recording pauses and nothing is deleted;
+/// when there is room again, it continues in a new file. A new file also begins every six hours,
+/// which bounds the memory that a file's index takes. Thirty sessions may begin at once, then one
+/// every ten seconds, so that a faulty client cannot fill the folder. One thread at a time, which
+/// may have to wait for the disk.
 class SessionRecorder {
  public:
-  /// What a command led to: an HTTP status, and a sentence for the user.
+  /// The result of a command: an HTTP status and a sentence for the user.
   struct Answer {
     int status = 200;
     std::string words;
   };
 
-  /// An InputError where a companion's profile cannot be used, or it may be the facebow itself.
+  /// Throws an InputError if a companion's profile cannot be used, or may be the facebow itself.
   SessionRecorder(const Configuration& configuration, const host::FacebowReports& facebow,
                   hal::Clock& clock, BoxLog& log, std::function<TimeNs()> wall_ns);
   ~SessionRecorder();
 
-  /// Once the facebow was found; the engine must outlive the recorder's use.
+  /// Call it once the facebow is found; the engine must outlive the recorder's use.
   void attach(Engine& engine);
 
   Answer start(const std::string& subject);
   Answer stop();
   Answer mark(const std::string& text);
-  /// To be called every now and then: pauses, and ends pauses.
+  /// Call it regularly: begins and ends pauses.
   void check();
 
   SessionState state() const;
@@ -97,7 +97,7 @@ class SessionRecorder {
   SessionState state_;
   std::string stem_;  // of the session's files
   TimeNs next_attempt_ns_ = 0, paused_since_ns_ = 0;
-  TimeNs starts_free_ns_ = 0;              // when as many sessions may begin at once as ever
+  TimeNs starts_free_ns_ = 0;  // when the full number of sessions may begin at once again
   std::uint64_t received_before_run_ = 0;  // of the engine's reports
 };
 

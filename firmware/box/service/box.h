@@ -26,20 +26,20 @@ namespace condyle::box {
 /// The service: one facebow, its estimates, its outlets, its recordings.
 class Box {
  public:
-  /// Opens what the configuration names and listens; an InputError where that cannot be. The
-  /// facebow need not be there. `wall_ns` tells the time of day, to notice when that is set.
+  /// Opens what the configuration names, and listens; throws an InputError if that fails. The
+  /// facebow may be absent. `wall_ns` gives the time of day, to notice when it is set.
   Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
       std::function<TimeNs()> wall_ns = host::wall_ns);
   ~Box();
   Box(const Box&) = delete;
   Box& operator=(const Box&) = delete;
 
-  /// Works until `should_stop`, on this thread and others; then ends a session that is being
-  /// recorded, and all else. Call it once.
+  /// Works until `should_stop`, on this thread and others; then ends a running session and
+  /// everything else. Call it once.
   void run(const std::function<bool()>& should_stop);
 
-  /// After `run`: a disk that does not answer holds the last of the session, and would hold the
-  /// destructor. Who sees this ends the program at once.
+  /// After `run`: true if the disk does not respond. The end of the session is then not written,
+  /// and the destructor would wait for it: end the program at once.
   bool is_held_by_disk() const { return is_held_by_disk_; }
 
   std::uint16_t http_port() const { return http_.port(); }
@@ -60,14 +60,14 @@ class Box {
   const std::function<TimeNs()> wall_ns_;
   TimeNs begin_ns_;
   host::FacebowReports facebow_;
-  const std::string device_name_;  // copies, for other threads: finding it changes the profile
+  const std::string device_name_;  // copied: finding the device changes the profile
   const double nominal_rate_Hz_;
   SessionKeeper keeper_;
   EstimateHistory history_;
   Publisher publisher_;
-  // There once the facebow was found.
+  // Set once the facebow is found.
   std::unique_ptr<WatchedSource> source_;
-  std::unique_ptr<NodeFeed> feed_;  // these two where a microcontroller estimates
+  std::unique_ptr<NodeFeed> feed_;  // these two only if a microcontroller estimates
   std::unique_ptr<Engine> engine_;
   std::unique_ptr<NodeEstimator> node_;
   std::atomic<bool> is_found_ = false;
@@ -78,12 +78,12 @@ class Box {
   std::atomic<double> rate_Hz_ = 0, last_clock_step_s_ = 0;
   std::atomic<std::uint64_t> clock_steps_ = 0;
 
-  // Of the thread in run().
+  // Used by the thread in run().
   bool was_open_ = true;
   TimeNs rate_begin_ns_ = 0, next_watchdog_ns_ = 0, wall_offset_ns_ = 0;
   std::uint64_t rate_samples_ = 0, last_heartbeat_ = 0;
 
-  HttpServer http_;  // last: its thread asks all the others
+  HttpServer http_;  // last, because its thread uses all the others
 };
 
 }  // namespace condyle::box

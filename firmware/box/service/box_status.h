@@ -11,16 +11,16 @@
 
 namespace condyle::box {
 
-/// Everything that the status tells, as it was when it was asked for.
+/// A snapshot of everything in the status.
 struct BoxStatus {
   TimeNs running_ns = 0;
   std::string source, device;  ///< kind of the facebow's source, and the profile's name
   bool is_found = false, is_open = false, has_ended = false;
   hal::Status last_status = hal::Status::not_open;
-  std::string problem;  ///< why the facebow was not found yet
+  std::string problem;  ///< why the facebow is not found yet
   std::uint64_t connections = 0;
   double rate_Hz = 0;          ///< of the samples of the last second
-  double nominal_rate_Hz = 0;  ///< as the profile says; 0: it does not
+  double nominal_rate_Hz = 0;  ///< from the profile; 0: not stated
   EngineCounts counts;
   EstimatorHealth health;
   std::uint64_t run = 0, estimates_dropped = 0;
@@ -30,14 +30,14 @@ struct BoxStatus {
   bool records = false;
   PublisherCounts publisher;
   HttpCounts http;
-  std::string node;  ///< line to the microcontroller that estimates; empty: there is none
+  std::string node;  ///< line to the microcontroller that estimates; empty: none
   NodeState node_state;
   std::uint64_t clock_steps = 0;
   double last_clock_step_s = 0;  ///< of the wall clock
 };
 
-/// The status as JSON of the format condyle-box-status-1. A later format may have more fields; one
-/// that changes the meaning of any has another number.
+/// The status as JSON of the format condyle-box-status-1. Later versions may add fields; a change
+/// of meaning gets a new format number.
 std::string status_json(const BoxStatus& status);
 
 }  // namespace condyle::box

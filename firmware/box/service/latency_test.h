@@ -9,10 +9,9 @@
 
 namespace condyle::box {
 
-/// Runs the box's own real-time thread on a synthetic facebow for `duration_s`, or until
-/// `should_stop`, with a reader that empties its ring. Gives, in words, how late this machine woke
-/// the thread, and how long it then took from a report to its estimate, each with a histogram.
-/// A node is left out.
+/// Runs the box's real-time thread on a synthetic facebow for `duration_s`, or until `should_stop`,
+/// with a reader that empties its ring. Returns as text how late this machine woke the thread and
+/// how long it took from a report to its estimate, each with a histogram. Does not use a node.
 std::string test_latency(const Configuration& configuration, double duration_s, hal::Clock& clock,
                          const std::function<bool()>& should_stop);
 

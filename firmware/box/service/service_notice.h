@@ -7,11 +7,11 @@
 
 namespace condyle::box {
 
-/// Tells the service manager `state`, such as "READY=1" (sd_notify(3)); nothing where there is
-/// none.
+/// Sends `state`, such as "READY=1", to the service manager (sd_notify(3)); does nothing if there
+/// is none.
 void notify_service_manager(const std::string& state);
 
-/// How often it wants to hear "WATCHDOG=1", at least; 0: never (sd_watchdog_enabled(3)).
+/// Longest time between two "WATCHDOG=1" (sd_watchdog_enabled(3)); 0: no watchdog.
 TimeNs watchdog_period_ns();
 
 }  // namespace condyle::box

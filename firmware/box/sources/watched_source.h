@@ -9,22 +9,22 @@
 
 namespace condyle::box {
 
-/// The facebow's reports, whoever delivers them, for one thread; any other may look at how it goes.
-/// It stays open from one run to the next. Once a device is away, it is looked for after 20 ms,
-/// then after twice as long each time, up to 2 s.
+/// A source of the facebow's reports for one thread, whose state any thread may read. It stays open
+/// from one run to the next. If a device is away, it is looked for after 20 ms, then after twice as
+/// long each time, up to 2 s.
 class WatchedSource final : public hal::ReportSource {
  public:
   /// `source` reads on `clock`.
   WatchedSource(hal::ReportSource& source, hal::Clock& clock) : source_(source), clock_(clock) {}
 
-  /// ok at once where it is open; not_found without looking where it is too early.
+  /// Returns ok at once if it is open; not_found without looking if it is too early.
   hal::Status open() override;
   hal::Status read(TimeNs deadline_ns, hal::RawReport& report) override;
   void close() override;
   hal::TransportCounts counts() const override { return source_.counts(); }
 
   bool is_open() const { return is_open_.load(std::memory_order_relaxed); }
-  /// What the last attempt to open it, or to read it, ended with.
+  /// Result of the last attempt to open or read it.
   hal::Status last_status() const { return last_status_.load(std::memory_order_relaxed); }
   std::uint64_t connections() const { return connections_.load(std::memory_order_relaxed); }
 

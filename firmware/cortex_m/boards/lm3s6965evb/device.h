@@ -19,7 +19,7 @@ struct Uart {
     reg(kDividerWhole) = divider_64ths / 64;
     reg(kDivider64ths) = divider_64ths % 64;
     reg(kLine) = 3U << 5U | 1U << 4U;           // 8 bits, FIFO
-    reg(kInterruptMask) = 1U << 4U | 1U << 6U;  // received: enough, or some and then nothing
+    reg(kInterruptMask) = 1U << 4U | 1U << 6U;  // receive: level or timeout
     reg(kControl) = 1U << 0U | 1U << 8U | 1U << 9U;
   }
   static bool has_room() { return (reg(kFlags) & 1U << 5U) == 0; }

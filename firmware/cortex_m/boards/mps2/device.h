@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Arm MPS2 board with image AN386 (Cortex-M4) or AN500 (Cortex-M7): CMSDK peripherals.
-// In QEMU, a byte that comes while the last is not taken is lost unless -icount slows the machine.
+// In QEMU, a byte that arrives before the last is taken is lost unless -icount slows the machine.
 #pragma once
 
 #include "cmsdk_uart.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arm MPS2 board with image AN505 (Cortex-M33), whose secure side everything is on.
+// Arm MPS2 board with image AN505 (Cortex-M33); everything runs on its secure side.
 #pragma once
 
 #include "cmsdk_uart.h"

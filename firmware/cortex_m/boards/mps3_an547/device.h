@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arm MPS3 board with image AN547 (Cortex-M55), whose secure side everything is on.
+// Arm MPS3 board with image AN547 (Cortex-M55); everything runs on its secure side.
 #pragma once
 
 #include "cmsdk_uart.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// STMicroelectronics STM32F405 (Cortex-M4F, 1 MB flash, 128 kB RAM) as it leaves reset: 16 MHz from
-// its own oscillator. UART: USART1, transmit on PA9, receive on PA10. Register names and addresses:
-// ST, reference manual RM0090.
+// STMicroelectronics STM32F405 (Cortex-M4F, 1 MB flash, 128 kB RAM) with its settings after reset:
+// 16 MHz from its internal oscillator. UART: USART1, transmit on PA9, receive on PA10. Register
+// names and addresses: ST, reference manual RM0090.
 #pragma once
 
 #include "registers.h"
@@ -14,8 +14,8 @@ inline constexpr int kUartInterrupt = 37, kWatchdogInterrupt = kHasNone;
 /// IWDG, on its own oscillator of about 32 kHz. It resets at once, so a hang leaves no record.
 struct Watchdog {
   static void start(std::uint32_t period_ms) {
-    reg(kKey) = 0xCCCC;   // on, for good
-    reg(kKey) = 0x5555;   // lets the next two through
+    reg(kKey) = 0xCCCC;   // on; cannot be switched off
+    reg(kKey) = 0x5555;   // unlocks the next two writes
     reg(kPrescaler) = 3;  // of 32
     reg(kReload) = period_ms < 4096 ? period_ms : 4095;
     reg(kKey) = kFeed;
@@ -39,7 +39,7 @@ struct Uart {
   }
   static bool has_room() { return (reg(kState) & 1U << 7U) != 0; }
   static bool has_byte() { return (reg(kState) & 1U << 5U) != 0; }
-  /// Reading the data clears it; a byte that waits there is read afterwards anyway.
+  /// Reading the data clears it; a byte waiting there is read afterwards anyway.
   static bool take_overrun() {
     const bool overrun = (reg(kState) & 1U << 3U) != 0;
     if (overrun && !has_byte()) (void)take();

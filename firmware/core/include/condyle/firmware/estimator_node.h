@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The target's side of the line (hal/link/link_messages.h): takes a layout, a start and reports,
-// and answers each report with the estimate it led to, or says that it led to none. Decoder, run
-// loop and filters are those of every other target. No heap, no exceptions.
+// The microcontroller's side of the line (hal/link/link_messages.h). It receives a layout, a start
+// and reports, and answers each report with its estimate or with a message that there is none.
+// Decoder, run loop and filters are those of every other target. No heap, no exceptions.
 #pragma once
 
 #include <algorithm>
@@ -18,16 +18,16 @@
 
 namespace condyle::firmware {
 
-/// What the node has to know of the target it runs on.
+/// What the node needs from its target.
 class NodeTarget {
  public:
-  /// Who it is, and why it started; version and scalar size are the node's to fill in.
+  /// Fills in identity and reason of the start; the node fills in version and scalar size.
   virtual hal::GreetingMessage greeting() = 0;
-  /// What stopped it the last time, until it is told: once for each greeting.
+  /// What stopped it the last time, until it is reported: once for each greeting.
   virtual std::optional<hal::FaultMessage> fault() = 0;
-  /// Fills in what is lost below the frames, and the stack.
+  /// Fills in losses below the frames, and the use of the stack.
   virtual void add_to(hal::HealthMessage& health) = 0;
-  /// To be called at least every kPatience_ns while all is well.
+  /// Called at least every kPatience_ns while the node works.
   virtual void feed_watchdog() = 0;
 
  protected:
@@ -35,8 +35,9 @@ class NodeTarget {
 };
 
 /// The estimator at the end of a line, with numbers of type `Scalar`. `Wrapped<Sensor>` stands for
-/// the sensor: itself, or one that a test makes fail. `kMostLag`: longest lag that the target has
-/// the memory for; `kIdentifies`: whether it has that for friction and mass, some 50 kB with float.
+/// the sensor itself, or for one that a test makes fail. `kMostLag`: longest lag for which the
+/// target has memory. `kIdentifies`: whether it has the memory for friction and mass, about 50 kB
+/// with float.
 template <class Scalar, template <class> class Wrapped = std::type_identity_t,
           int kMostLag = hal::kMaxLinkLag, bool kIdentifies = true>
 class EstimatorNode final : private hal::ReportSource {
@@ -53,7 +54,7 @@ class EstimatorNode final : private hal::ReportSource {
       target_.feed_watchdog();
       const hal::Status status = end_.receive(clock_.now_ns() + kPatience_ns);
       if (status == hal::Status::disconnected) return;
-      // What ended a run is still to be answered.
+      // The message that ended a run still needs an answer.
       for (is_pending_ = status == hal::Status::ok; is_pending_;) {
         is_pending_ = false;
         answer();
@@ -70,7 +71,7 @@ class EstimatorNode final : private hal::ReportSource {
   using Type = hal::MessageType;
   using Reason = hal::RefusalReason;
 
-  // A line that has gone shows itself at the next read.
+  // A closed line shows at the next read.
   template <class Message>
   void send(const Message& message) {
     (void)end_.send(message);
@@ -89,7 +90,7 @@ class EstimatorNode final : private hal::ReportSource {
     if (fault) send(*fault);
   }
 
-  // Reads the present frame's message; false where it was refused.
+  // Reads the present frame's message; false if it was refused.
   template <class Message>
   [[nodiscard]] bool take(Message& message) {
     const hal::Refusal refusal = hal::get(end_.frame().payload, message);
@@ -188,17 +189,17 @@ class EstimatorNode final : private hal::ReportSource {
     settings.nominal_step_ns = start_.nominal_step_ns;
     settings.expects_drive = start_.expects_drive;
     settings.patience_ns = kPatience_ns;
-    settings.reopen_pause_ns = 1;  // the PC says when the device is back, not before
+    settings.reopen_pause_ns = 1;  // the PC reports when the device is back
     (void)firmware::run(
         *facebow_, clock_, sensor, settings, counts_,
         [this, &sensor](const Sample& sample, const auto& estimate) {
-          static_cast<void>(sensor);  // of the others nothing is asked
+          static_cast<void>(sensor);  // other sensors have nothing to report
           if constexpr (kIdentifying<Sensor>) tell_conclusion(sensor);
           this->tell(sample, estimate);
         },
         [this] {
           target_.feed_watchdog();
-          return false;  // the PC says when
+          return false;  // the PC reports when
         });
     reports_ = facebow_->counts();
     facebow_.reset();
@@ -210,7 +211,7 @@ class EstimatorNode final : private hal::ReportSource {
     accept(Type::finish);
   }
 
-  // What was drawn since it was last told.
+  // Conclusions since the last one sent.
   template <class Sensor>
   void tell_conclusion(Sensor& sensor) {
     if (sensor.conclusions() == conclusions_) return;
@@ -236,7 +237,7 @@ class EstimatorNode final : private hal::ReportSource {
   hal::TransportCounts counts() const override { return {}; }
 
   hal::Status read(TimeNs deadline_ns, hal::RawReport& report) override {
-    if (is_unanswered_) accept(Type::report);  // the one before led to no estimate
+    if (is_unanswered_) accept(Type::report);  // the previous one led to no estimate
     is_unanswered_ = false;
     for (;;) {
       target_.feed_watchdog();
@@ -255,7 +256,7 @@ class EstimatorNode final : private hal::ReportSource {
         hal::ReconnectedMessage reconnected;
         if (take(reconnected)) return hal::Status::disconnected;
       } else if (type == Type::hello) {
-        is_pending_ = true;  // a PC that begins anew
+        is_pending_ = true;  // the PC begins a new run
         return hal::Status::end;
       } else if (type == Type::ask_health) {
         answer_health();
@@ -284,13 +285,13 @@ class EstimatorNode final : private hal::ReportSource {
   hal::StartMessage start_;
   bool has_layout_ = false;
   bool has_ended_ = false;                     // by finish
-  bool is_pending_ = false;                    // the present frame is still to be answered
+  bool is_pending_ = false;                    // the present frame still needs an answer
   bool is_unanswered_ = false;                 // the last report is
   std::optional<hal::DeviceFacebow> facebow_;  // during a run
   hal::ReportCounts reports_;                  // of the last run
   RunCounts counts_;
-  std::uint64_t conclusions_ = 0;  // of the run, that were told
-  // The sensor of the run: one at a time, never destroyed (none has anything to give back).
+  std::uint64_t conclusions_ = 0;  // of the run, that were sent
+  // The sensor of the run: one at a time, never destroyed (it owns nothing).
   static constexpr std::size_t kSensorSize = [] {
     std::size_t size =
         std::max({sizeof(Published), sizeof(Recommended<1>), sizeof(Recommended<3>)});

@@ -11,13 +11,13 @@
 
 namespace condyle::firmware {
 
-/// Durations from one thread, for any other to look at, in constant memory. A value is known to
+/// Durations recorded by one thread and read by any, in constant memory. A value is resolved to
 /// 1/16 of itself: each doubling has 16 bins (as in HdrHistogram, https://hdrhistogram.org).
 class LatencyHistogram {
  public:
   static constexpr std::size_t kBins = 16 * 41;  // up to 2^44 ns, five hours
 
-  /// The writer's. Below 0 counts as 0.
+  /// For the writer. Negative durations count as 0.
   void add(TimeNs latency_ns) {
     const auto latency = static_cast<std::uint64_t>(std::max<TimeNs>(latency_ns, 0));
     raise(bins_[bin_of(latency)]);
@@ -31,15 +31,14 @@ class LatencyHistogram {
   TimeNs largest_ns() const { return largest_ns_.load(std::memory_order_relaxed); }
   std::uint64_t in_bin(std::size_t bin) const { return bins_[bin].load(std::memory_order_relaxed); }
 
-  /// Least duration (ns) of `bin`.
+  /// Smallest duration (ns) of `bin`.
   static constexpr TimeNs bin_begin_ns(std::size_t bin) {
     if (bin < 32) return static_cast<TimeNs>(bin);
     const std::size_t octave = bin / 16 - 1;
     return static_cast<TimeNs>((16 + bin % 16) << octave);
   }
 
-  /// Duration (ns) that the share `quantile` does not exceed, to the upper end of its bin; 0 where
-  /// there is none.
+  /// The `quantile` of the durations (ns), as the upper end of its bin; 0 if there are none.
   TimeNs quantile_ns(double quantile) const {
     const double wanted = quantile * static_cast<double>(count());
     double seen = 0;

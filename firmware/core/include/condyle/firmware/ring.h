@@ -8,16 +8,16 @@
 
 namespace condyle::firmware {
 
-/// Values from one thread to one other, in order. Neither ever waits; where the reader is slow,
-/// what has no room is dropped and counted. No heap; `kCapacity` is a power of two. The counts are
-/// of the size that every machine reads in one piece; they may wrap.
+/// Passes values from one thread to one other, in order. Neither ever waits; if the ring is full,
+/// values are dropped and counted. No heap; `kCapacity` is a power of two. Counts have the size
+/// that every machine reads in one piece; they may wrap.
 template <class Value, std::size_t kCapacity>
 class Ring {
   static_assert(kCapacity > 0 && (kCapacity & (kCapacity - 1)) == 0);
   static_assert(std::is_trivially_copyable_v<Value>);
 
  public:
-  /// The writer's: false where `value` had no room.
+  /// For the writer: false if there is no room for `value`.
   bool push(const Value& value) {
     const std::size_t end = end_.load(std::memory_order_relaxed);
     if (end - begin_.load(std::memory_order_acquire) == kCapacity) {
@@ -28,7 +28,7 @@ class Ring {
     end_.store(end + 1, std::memory_order_release);
     return true;
   }
-  /// The reader's: false where there is none.
+  /// For the reader: false if it is empty.
   bool pop(Value& value) {
     const std::size_t begin = begin_.load(std::memory_order_relaxed);
     if (begin == end_.load(std::memory_order_acquire)) return false;
@@ -37,12 +37,12 @@ class Ring {
     return true;
   }
 
-  /// True where the reader has nothing to take; the reader may ask.
+  /// True if the reader has nothing to take; for the reader.
   bool empty() const {
     return begin_.load(std::memory_order_relaxed) == end_.load(std::memory_order_acquire);
   }
 
-  /// Values that had no room; any thread may ask.
+  /// Values dropped for want of room; any thread may ask.
   std::size_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
  private:

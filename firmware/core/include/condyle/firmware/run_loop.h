@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loop from a facebow through a virtual sensor to a sink. Replay, measurement box and bare
-// metal run this one. No heap, no exceptions; the clock is given.
+// The loop from a facebow through a virtual sensor to a sink, for replay, measurement box and bare
+// metal. No heap, no exceptions; the clock is passed in.
 //
-// A virtual sensor has `Estimate` with `events`; `process(sample, events)`, an estimate per sample;
-// and `drain(estimate)`, after the last sample, which gives those that waited for later ones.
+// A virtual sensor has `Estimate` with `events`; `process(sample, events)`, which returns an
+// estimate per sample; and `drain(estimate)`, called after the last sample, which returns the
+// estimates that waited for later samples.
 #pragma once
 
 #include "condyle/estimator/events.h"
@@ -13,13 +14,13 @@
 
 namespace condyle::firmware {
 
-/// What the loop expects.
+/// Settings of the loop.
 struct RunSettings {
-  FollowedCoordinate followed;       ///< the point whose zeros are looked for
+  FollowedCoordinate followed;       ///< the point whose zeros are detected
   TimeNs nominal_step_ns = 0;        ///< for finding gaps; 0 finds none
   bool expects_drive = false;        ///< a sample without drive force is an event
   TimeNs patience_ns = 100'000'000;  ///< longest wait for a sample before looking at `should_stop`
-  TimeNs reopen_pause_ns = 0;  ///< between attempts to open a facebow that went away; 0: makes none
+  TimeNs reopen_pause_ns = 0;  ///< between attempts to reopen a facebow that went away; 0: none
 };
 
 /// What happened in a run.
@@ -31,11 +32,11 @@ struct RunCounts {
   EventCounts events;
 };
 
-/// Reads `facebow` (which is open, on `clock`) and gives each sample with the estimate it led to,
-/// to `sink(sample, estimate)`, until the facebow ends or `should_stop()`; then, with the last
-/// sample, the estimates that waited. Returns why it stopped: `ok` where it was told to, else the
-/// facebow's last status. Timeouts, bad reports and disconnections are counted; after the last,
-/// where `settings` ask for it, the facebow is opened again until it is back.
+/// Reads `facebow` (which is open, on `clock`) and passes each sample with its estimate to
+/// `sink(sample, estimate)`, until the facebow ends or `should_stop()`; then passes the estimates
+/// that waited, with the last sample. Returns `ok` if it was stopped, else the facebow's last
+/// status. Timeouts, bad reports and disconnections are counted. After a disconnection the facebow
+/// is reopened if `settings` ask for it.
 template <class Sensor, class Sink, class Predicate>
 hal::Status run(hal::Facebow& facebow, hal::Clock& clock, Sensor& sensor,
                 const RunSettings& settings, RunCounts& counts, Sink&& sink,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which virtual sensor a run takes: of one or three axes, of the recommended estimator without and
-// with a drive. No heap, no exceptions.
+// Chooses the virtual sensor of a run: one or three axes; recommended estimator with or without a
+// drive. No heap, no exceptions.
 #pragma once
 
 #include <type_traits>
@@ -10,15 +10,16 @@
 
 namespace condyle::firmware {
 
-/// Calls `use(axes, axis)` for samples of `kind`: `axes` is an std::integral_constant, 1 or 3, the
-/// axes of the estimate; `axis` the place of the `followed` one among them. Gives what it gives.
+/// Calls `use(axes, axis)` for samples of `kind`, and returns its result. `axes`: a
+/// std::integral_constant, 1 or 3, the number of axes of the estimate. `axis`: the index of the
+/// `followed` one among them.
 template <class Use>
 decltype(auto) with_axes(SampleKind kind, Axis followed, Use&& use) {
   if (kind == SampleKind::one_axis) return use(std::integral_constant<int, 1>(), 0);
   return use(std::integral_constant<int, 3>(), static_cast<int>(followed));
 }
 
-/// What decides on a sensor of the recommended estimator.
+/// What determines a sensor of the recommended estimator.
 struct RecommendedChoice {
   SampleKind kind = SampleKind::one_axis;  ///< of the samples
   bool identifies = false;                 ///< friction and mass, from a drive along `axis`
@@ -28,9 +29,9 @@ struct RecommendedChoice {
   Axis axis = Axis::z;  ///< followed
 };
 
-/// Calls `use(type, arguments...)` with the sensor that `choice` asks for, an std::type_identity,
-/// and the arguments of its constructor. `kMostLag`: longest lag that there is memory for;
-/// `kIdentifies`: whether there is that for friction and mass.
+/// Calls `use(type, arguments...)` with the sensor for `choice`, as a std::type_identity, and the
+/// arguments of its constructor. `kMostLag`: longest lag for which there is memory. `kIdentifies`:
+/// whether there is memory for friction and mass.
 template <class Scalar, int kMostLag = 16, bool kIdentifies = true, class Use>
 decltype(auto) with_recommended_sensor(const RecommendedChoice& choice, Use&& use) {
   return with_axes(choice.kind, choice.axis, [&](auto axes, int axis) -> decltype(auto) {
