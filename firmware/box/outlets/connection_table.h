@@ -28,8 +28,8 @@ class ConnectionTable {
   ConnectionTable(std::size_t most_of_an_address, TimeNs deadline_ns)
       : most_of_an_address_(most_of_an_address), deadline_ns_(deadline_ns) {}
 
-  /// Adds a connection, which stays at its address until it is `closed`. If its address has too
-  /// many, adds the oldest idle one to `ending`, or the new one if none is idle.
+  /// Adds a connection; the pointer stays valid until it is `closed`. If the client's address has
+  /// too many, adds the oldest idle one to `ending`, or the new one if none is idle.
   Connection* opened(std::string address, int descriptor, TimeNs now_ns, std::vector<int>& ending);
   void closed(const Connection* connection);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The box's HTTP interface, without the network.
 //
-// GET  /                   a page that describes the box
-// GET  /v1/status          the state of the box (box_status.h)
+//   GET  /                   a page that describes the box
+//   GET  /v1/status          the state of the box (box_status.h)
 //   GET  /v1/estimates       estimates as server-sent events, from now on; ?after=N or the header
 //                            Last-Event-ID: from line N on, as far as it is still kept
 //   POST /v1/session/start   {"subject": "CODE"}, or {}

@@ -9,9 +9,9 @@
 
 namespace condyle::host {
 
-/// The profile in a file; an InputError that names place, problem and mend. It is usable
-/// (hal::find_problem); with `descriptor_axes` set once hal::complete_from_descriptor has found the
-/// coordinates.
+/// Reads the profile in a file; an InputError contains place, problem and remedy. The profile is
+/// usable (hal::find_problem); with `descriptor_axes` set, only after hal::complete_from_descriptor
+/// has found the coordinates.
 hal::DeviceProfile load_device_profile(const std::string& path);
 
 /// The same from `text`, which messages call `name`.

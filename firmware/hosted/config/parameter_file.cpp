@@ -12,7 +12,7 @@
 namespace condyle::host {
 namespace {
 
-// A file for the other estimator is said to be one, not a row of unknown keys.
+// A file for the other estimator gets one message, not a list of unknown keys.
 void refuse_other_estimator(const TomlReader& file, const char* section, const char* key,
                             const char* estimator) {
   if (!file.has(section, key)) return;
@@ -92,7 +92,7 @@ RecommendedParameters parse_recommended_parameters(const std::string& name, std:
 
 namespace {
 
-// Keys and values, each section opened when its first key comes.
+// Writes keys and values; opens each section when its first key comes.
 class TomlText {
  public:
   void open(const char* section) {

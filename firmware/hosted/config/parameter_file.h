@@ -9,14 +9,14 @@
 
 namespace condyle::host {
 
-/// Parameters as a file gave them.
+/// Parameters read from a file.
 struct LoadedParameters {
-  PublishedParameters values;      ///< defaults where the file is silent
-  bool gives_sample_time = false;  ///< else the recording's median step is to be used
+  PublishedParameters values;      ///< defaults for what the file does not set
+  bool gives_sample_time = false;  ///< else the recording's median step is used
 };
 
-/// Loads a TOML parameter file of the published cascade. Everything in it must be known and in
-/// range; else an InputError names line, column and mend.
+/// Loads a TOML parameter file of the published cascade. Every key must be known and every value in
+/// range; else an InputError names line, column and remedy.
 LoadedParameters load_parameters(const std::string& path);
 
 /// The same for the recommended estimator.
@@ -24,10 +24,11 @@ RecommendedParameters load_recommended_parameters(const std::string& path);
 /// The same from `text`, which messages call `name`.
 RecommendedParameters parse_recommended_parameters(const std::string& name, std::string_view text);
 
-/// The text of a parameter file that says `parameters`, without sample_time_s unless it
+/// The text of a parameter file with `parameters`, without sample_time_s unless it
 /// `gives_sample_time`.
 std::string parameters_toml(const LoadedParameters& parameters);
-/// The same for the recommended estimator: what differs from the defaults, and all of the noise.
+/// The same for the recommended estimator: all settings of the noise, and others that differ from
+/// their defaults.
 std::string parameters_toml(const RecommendedParameters& parameters);
 
 }  // namespace condyle::host

@@ -14,7 +14,7 @@ const std::vector<std::string_view> kThreePointNames = {"x1", "y1", "z1", "x2", 
                                                         "z2", "x3", "y3", "z3"};
 const std::vector<std::string_view> kQuaternionNames = {"w", "x", "y", "z"};
 
-// Index and sign of a coordinate of condyle's that is one of the device's.
+// Index and sign of the device's coordinate that is a coordinate of condyle's.
 struct Target {
   std::size_t index = 0;
   double sign = 1;
@@ -49,7 +49,7 @@ Target target_of(const hal::AxisConvention& axes, std::size_t axis) {
   return {};
 }
 
-// Of the matrix that the convention is: -1 where it turns a right hand into a left one.
+// Determinant of the matrix of the convention: -1 if it turns a right hand into a left one.
 double determinant(const hal::AxisConvention& axes) {
   double result = 1;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -66,7 +66,7 @@ class CoordinateReader {
   CoordinateReader(TomlReader& file, ProfileFieldReader& fields, hal::DeviceProfile& profile)
       : file_(file), fields_(fields), profile_(profile) {}
 
-  // The device's coordinates `names`, one after the other where they have no place of their own.
+  // Reads the device's coordinates `names`; those without their own place follow each other.
   template <class TargetOf>
   void read(const std::string& section, const std::vector<std::string_view>& names,
             const FieldText& plain, const std::vector<ProfileUnit>& units, TargetOf target_of) {

@@ -15,7 +15,7 @@ namespace condyle::host {
 using CoordinateSections = std::vector<std::string>;
 
 /// Reads kind and coordinates, or the axes for the report descriptor, into `profile`. `plain` holds
-/// what is common to all fields.
+/// what all fields have in common.
 CoordinateSections read_coordinates(TomlReader& file, ProfileFieldReader& fields,
                                     const FieldText& plain, hal::DeviceProfile& profile);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fields of a device profile as they stand in a TOML file. Private to device_profile_file.
+// The fields of a device profile as written in the TOML file. Private to device_profile_file.
 #pragma once
 
 #include <optional>
@@ -12,18 +12,18 @@
 
 namespace condyle::host {
 
-/// A unit of a profile and how many of it make one of SI.
+/// A unit of a profile, and how many of it make one SI unit.
 struct ProfileUnit {
   std::string_view name;
   std::string_view si;
   double per_si;
 };
 
-/// What a section says of a field, its values still in the section's unit.
+/// A field as its section describes it, values still in the section's unit.
 struct FieldText {
   hal::ReportField field;
   bool has_offset = false, has_width = false, has_type = false;
-  const ProfileUnit* unit = nullptr;  ///< absent: none is given
+  const ProfileUnit* unit = nullptr;  ///< null: none is given
   double scale = 1;                   ///< units a count
   double value_offset = 0;            ///< units
   std::uint32_t stride_bits = 0;      ///< 0: the width
@@ -32,32 +32,32 @@ struct FieldText {
   hal::ReportField in_si() const;
 };
 
-/// Reads fields; what is missing is remembered until every unknown key has had its message, because
-/// a misspelt key explains a missing one.
+/// Reads fields. Missing keys are remembered until all unknown keys have been reported, because a
+/// misspelt key explains a missing one.
 class ProfileFieldReader {
  public:
   explicit ProfileFieldReader(TomlReader& file) : file_(file) {}
 
   /// Place, width and byte order.
   void read_place(const std::string& section, FieldText& text);
-  /// Type, offset and the values that say "not measured".
+  /// Type, offset and the values that mean "not measured".
   void read_value(const std::string& section, FieldText& text);
   /// Scale; unit if there are `units`, which must outlive `text`.
   void read_scale(const std::string& section, FieldText& text,
                   const std::vector<ProfileUnit>& units);
   /// Distance from one field to the next.
   void read_stride(const std::string& section, FieldText& text);
-  /// Remembers an InputError where place, width, type or unit is missing.
+  /// Remembers an InputError if place, width, type or unit is missing.
   void require_field(const std::string& section, const FieldText& text, bool needs_unit);
   /// Remembers an InputError unless `is_given`.
   void require(bool is_given, const std::string& section, const std::string& key,
                const std::string& mend);
-  /// Throws the first InputError remembered.
+  /// Throws the first remembered InputError.
   void finish() const;
 
-  /// True where the file has a section (or key) of this path.
+  /// True if the file has a section (or key) of this path.
   bool is_there(const std::string& path) const;
-  /// "FILE:LINE:COLUMN" of a section (or key); of the nearest around it where it is not there.
+  /// "FILE:LINE:COLUMN" of a section (or key), or of the nearest enclosing one that exists.
   std::string place_of(const std::string& path) const;
 
  private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An instrument beside the facebow, with its own rate and clock: a force sensor, an EMG amplifier.
+// An instrument beside the facebow with its own rate and clock, such as a force sensor or an EMG
+// amplifier.
 #pragma once
 
 #include <atomic>
@@ -11,12 +12,12 @@
 
 namespace condyle::host {
 
-/// Reads a companion on a thread of its own, from start to stop, and opens it again when it went
-/// away. Its samples are at times of the same host clock as the facebow's; the facebow's reading
-/// does not wait for it.
+/// Reads a companion on its own thread from start to stop, and reopens it after a disconnection.
+/// The times of its samples are on the same host clock as the facebow's. The facebow's reading
+/// never waits for it.
 class Companion {
  public:
-  /// `source`: on `clock`; nobody else uses it between start and stop.
+  /// `source`: on `clock`; no other code uses it between start and stop.
   Companion(hal::ReportSource& source, const hal::DeviceProfile& profile, hal::Clock& clock)
       : device_(source, hal::layout_of(profile)), clock_(clock) {}
   ~Companion() { stop(); }
@@ -26,9 +27,9 @@ class Companion {
   void start();
   /// May be called twice.
   void stop();
-  /// Whether it could be read when it was last tried; any thread may ask.
+  /// Whether the last attempt to read it succeeded; any thread may ask.
   bool is_open() const { return is_open_; }
-  /// Before start and after stop.
+  /// Call it before start or after stop.
   const hal::DeviceFacebow& device() const { return device_; }
 
  private:

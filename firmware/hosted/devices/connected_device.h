@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A device that is plugged in, behind the back end the user chose.
+// A device that is plugged in, read through the back end that the user chose.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace condyle::host {
 
-/// Which device, and through what.
+/// Which device, and which back end.
 struct DeviceChoice {
   hal::DeviceAddress address;
   std::string backend = "hidapi";  ///< or "libusb"
@@ -27,13 +27,14 @@ class ConnectedDevice {
  public:
   ConnectedDevice(const DeviceChoice& choice, hal::Clock& clock);
 
-  /// Opens it; waits up to 2 s for one that was plugged in just now, or until `stop`. An InputError
-  /// that says why it cannot be had and what to do.
+  /// Opens it; waits up to 2 s for a device that was just plugged in, or until `stop`. Throws an
+  /// InputError with reason and remedy if that fails.
   void open(const std::function<bool()>& stop);
   hal::ReportSource& source();
-  /// From here on the one with this serial number is meant; not while it is open.
+  /// From here on only the device with this serial number is used. Do not call it while the device
+  /// is open.
   void keep_to(const std::string& serial);
-  /// As the device sent it; after open.
+  /// As the device sent it; valid after open.
   std::vector<std::uint8_t> report_descriptor() const;
 
  private:
@@ -41,7 +42,7 @@ class ConnectedDevice {
 
   DeviceChoice choice_;
   hal::Clock& clock_;
-  // One of both.
+  // One of the two.
   std::unique_ptr<hal::HidapiSource> hidapi_;
   std::unique_ptr<hal::LibusbSource> libusb_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said of a device, live and replayed.
+// Summary lines about a device, live and replayed.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,18 @@
 
 namespace condyle::host {
 
-/// "600 reports received, 3 lost, ..."; what did not happen is left out.
+/// "600 reports received, 3 lost, ..."; counts of 0 are left out.
 std::string reports_words(const hal::DeviceProfile& profile, const hal::ReportCounts& reports,
                           const hal::TransportCounts& transport);
 
-/// How the device's clock lies to the host's.
+/// How the device's clock relates to the host's.
 std::string clock_words(const hal::ClockFit& fit);
 
-/// An InputError that begins with `where` if the profile's device measures no position.
+/// Throws an InputError that begins with `where` if the profile has no position.
 void require_position(const hal::DeviceProfile& profile, const std::string& where);
 
-/// Finds the coordinates in the report descriptor where the profile leaves them to it; an
-/// InputError that begins with `where` if they are not to be found.
+/// If the profile leaves the coordinates to the report descriptor, finds them there. Throws an
+/// InputError that begins with `where` if it does not find them.
 void complete_profile(hal::DeviceProfile& profile, std::span<const std::uint8_t> descriptor,
                       const std::string& where);
 

@@ -13,33 +13,33 @@
 
 namespace condyle::host {
 
-/// A facebow that gives its reports as time passes, and what they mean.
+/// A facebow that delivers its reports in real time, and their layout.
 class FacebowReports {
  public:
-  /// Reads the profile or the log's header; an InputError where that cannot be used. A device need
-  /// not be there yet. A session log is played at the speed it was recorded with. `serial`: of a
-  /// device; empty: any. Of no simulated subject: that gives samples, not reports.
+  /// Reads the profile or the log's header; throws an InputError if that cannot be used. The device
+  /// may still be absent. A session log is played at its recorded speed. `serial`: of a device;
+  /// empty: any device. A simulated subject is refused, because it gives samples, not reports.
   FacebowReports(const SourceSpec& spec, const std::string& serial, hal::Clock& clock);
 
-  /// Looks for the device, completes the profile from its descriptor, and keeps to its serial
-  /// number from here on. An InputError where it is not there or may not be opened.
+  /// Looks for the device, completes the profile from its descriptor, and from then on accepts only
+  /// its serial number. Throws an InputError if the device is absent or access is denied.
   void find(const std::function<bool()>& stop);
 
-  /// After find.
+  /// Valid after find.
   hal::ReportSource& source();
   const hal::DeviceProfile& profile() const { return profile_; }
   const std::string& profile_text() const { return profile_text_; }
   const std::vector<std::uint8_t>& descriptor() const { return descriptor_; }
-  /// Where it is a device; else null.
+  /// The device, or null for other sources.
   const SessionDevice* device() const { return device_.get(); }
-  /// Of a made-up facebow; null of any other.
+  /// The synthetic facebow, or null for other sources.
   const SyntheticSource* synthetic() const { return synthetic_.get(); }
 
  private:
   hal::DeviceProfile profile_;
   std::string name_, profile_text_;
   std::vector<std::uint8_t> descriptor_;
-  // One of these.
+  // Exactly one of these is set.
   std::unique_ptr<SessionDevice> device_;
   std::unique_ptr<PlayedLog> log_;
   std::unique_ptr<SyntheticSource> synthetic_;

@@ -17,7 +17,7 @@ std::unique_ptr<hal::SessionLogSource> open_reports(const std::string& log, std:
   throw InputError(log, problem.empty() ? hal::status_name(status) : problem, "name a session log");
 }
 
-// With the log's own profile, or the one in the file `profile`; neither checked nor complete.
+// Uses the log's own profile, or the one in the file `profile`; neither checked nor completed.
 LogDevice open_device(const std::string& log, std::size_t index, const std::string& profile,
                       hal::Clock* clock) {
   LogDevice device;

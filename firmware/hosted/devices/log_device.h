@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The devices of a session log: their reports, and what these mean.
+// The devices of a session log: their reports and profiles.
 #pragma once
 
 #include <functional>
@@ -19,18 +19,18 @@ struct LogDevice {
   hal::DeviceProfile profile;                      ///< checked, complete
   std::unique_ptr<hal::SessionLogSource> reports;  ///< open
 
-  /// As the log has it.
+  /// As recorded in the log.
   const hal::SessionSource& recorded() const { return reports->header().sources[index]; }
 };
 
 /// Opens the facebow of `log`, its first device. `profile`: a file used instead of the log's own;
-/// may be empty. With a `clock`, reports come when their time has come (see SessionLogSource). An
-/// InputError where log or profile cannot be used.
+/// may be empty. With a `clock`, reports come at their recorded pace (see SessionLogSource). Throws
+/// an InputError if log or profile cannot be used.
 LogDevice open_log_facebow(const std::string& log, const std::string& profile = {},
                            hal::Clock* clock = nullptr);
 
-/// Opens the first of the devices of `log` from number `first` on whose profile `is_wanted`; none
-/// where there is no such device. `profile`: for the facebow, as above.
+/// Opens the first device of `log`, from number `first` on, whose profile satisfies `is_wanted`;
+/// none if there is no such device. `profile`: for the facebow, as above.
 std::optional<LogDevice> open_log_device(
     const std::string& log, std::size_t first, const std::string& profile,
     const std::function<bool(const hal::DeviceProfile&)>& is_wanted);

@@ -8,11 +8,11 @@
 
 namespace condyle::host {
 
-/// A session log's facebow, played from now on at the speed it was recorded with. Its reports have
-/// the times of the clock it is played on.
+/// The facebow of a session log, played from now on at its recorded speed. Reports have times of
+/// the clock on which it is played.
 class PlayedLog final : public hal::ReportSource {
  public:
-  /// An InputError where the log cannot be used.
+  /// Throws an InputError if the log cannot be used.
   PlayedLog(const std::string& path, hal::Clock& clock)
       : clock_(clock), recorded_(clock), device_(open_log_facebow(path, {}, &recorded_)) {}
 
@@ -31,7 +31,7 @@ class PlayedLog final : public hal::ReportSource {
     TimeNs now_ns() override { return clock_.now_ns() + ahead_ns; }
     void sleep_until(TimeNs time_ns) override { clock_.sleep_until(time_ns - ahead_ns); }
 
-    TimeNs ahead_ns = 0;  // of the clock it is played on
+    TimeNs ahead_ns = 0;  // of the clock on which it is played
 
    private:
     hal::Clock& clock_;

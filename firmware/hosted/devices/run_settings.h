@@ -6,7 +6,7 @@
 
 namespace condyle::host {
 
-/// How the run loop reads a device that is plugged in, and waits for it where it went away.
+/// How the run loop reads a device, and how it waits for one that went away.
 inline firmware::RunSettings run_settings_of(const hal::DeviceProfile& profile,
                                              FollowedCoordinate followed) {
   firmware::RunSettings settings;

@@ -15,26 +15,27 @@ namespace condyle::host {
 
 /// A device of the session, and what its reports mean.
 struct SessionDevice {
-  std::string name;  ///< in messages: the profile's file
+  std::string name;  ///< used in messages: the profile's file
   std::string profile_text;
   hal::DeviceProfile profile;
   hal::DeviceAddress address;
   std::unique_ptr<ConnectedDevice> device;
-  std::vector<std::uint8_t> descriptor;  ///< once it was described
+  std::vector<std::uint8_t> descriptor;  ///< set once it was described
 };
 
 /// The device that the profile in a file describes, not opened; `serial`: see DeviceAddress.
 SessionDevice name_device(const std::string& profile_path, const std::string& serial,
                           const std::string& backend, hal::Clock& clock);
 
-/// An InputError where both may be the same one, as far as ids, interfaces and serial numbers tell.
+/// Throws an InputError if both may be the same device by ids, interfaces and serial numbers.
 void refuse_twins(const SessionDevice& first, const SessionDevice& second);
 /// The same for any two of `devices`.
 void refuse_twins(const std::vector<SessionDevice>& devices);
 
-/// Asks the device for its descriptor and completes the profile from it; closes it again. From here
-/// on its serial number, where it has one, belongs to the address: another device plugged in later
-/// is not taken for it. See ConnectedDevice::open; an InputError also where several fit.
+/// Reads the device's descriptor, completes the profile from it, and closes the device. From here
+/// on its serial number, if it has one, belongs to the address, so that a device plugged in later
+/// is not mistaken for it. See ConnectedDevice::open; also throws an InputError if several devices
+/// match.
 void describe(SessionDevice& device, const std::function<bool()>& stop);
 
 /// A companion whose reports go into a log.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How sources of reports and samples are written: in every command, and in the box's configuration.
+// The notation of sources of reports and samples, in every command and in the box's configuration.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace condyle::host {
 
-/// What gives the reports or samples.
+/// Kinds of sources.
 enum class SourceKind : std::uint8_t {
   hid,    ///< a device through the kernel's driver; FILE is its profile
   usb,    ///< a device through libusb; FILE is its profile
   file,   ///< FILE is a recording
-  synth,  ///< a made-up device that chews for ever; FILE is its profile
+  synth,  ///< a synthetic device that chews endlessly; FILE is its profile
   sim,    ///< a simulated subject; FILE is a scenario
 };
 
@@ -27,25 +27,24 @@ struct SourceSpec {
 /// "hid", "usb", "file", "synth" or "sim".
 const char* source_kind_name(SourceKind kind);
 
-/// The source that `text` names with its kind; none where it begins with no kind. FILE may be
-/// empty.
+/// Parses `text`; none if it does not begin with a kind. FILE may be empty.
 std::optional<SourceSpec> parse_source(std::string_view text);
-/// The same; text without a kind is the name of a file.
+/// The same; text without a kind is a file name.
 SourceSpec source_of(std::string_view text);
 
 /// The back end for devices of this kind: "hidapi" or "libusb".
 const char* backend_of(SourceKind kind);
 
-/// Files whose reports are a device's.
+/// Files that contain a device's reports.
 enum class ReportFile : std::uint8_t {
   none,         ///< another format, or no file
   session_log,  ///< MCAP
   capture,      ///< of USB traffic: pcap in both byte orders, with micro- or nanoseconds, or pcapng
 };
 
-/// By the first bytes of the file.
+/// From the first bytes of the file.
 ReportFile report_file_of(std::string_view start);
-/// The same of the regular file at `path`; none of anything else. A pipe is left unread.
+/// From the regular file at `path`; none for anything else. Pipes are not read.
 ReportFile report_file_at(const std::string& path);
 
 }  // namespace condyle::host

@@ -10,15 +10,15 @@
 namespace condyle::host {
 namespace {
 
-// Opening and closing, once in 0.8 s, with a little to the side, seen with some noise.
+// Opens and closes once in 0.8 s, with some lateral motion and noise.
 constexpr double kCycle_s = 0.8, kOpening_m = 12e-3, kSideways_m = 2e-3, kNoise_m = 30e-6;
 // Two points behind the incisor, beside each other.
 constexpr double kBehind_m = 40e-3, kBeside_m = 30e-3;
 
 }  // namespace
 
-// Noise of a sum of four uniform numbers, by Lehmer's generator (Park and Miller 1988,
-// doi 10.1145/63039.63042).
+// Noise: the sum of four uniform numbers from Lehmer's generator (Park and Miller 1988, doi
+// 10.1145/63039.63042).
 std::int16_t SyntheticSource::noisy_units(double position_m) {
   double sum = -2;
   for (int i = 0; i < 4; ++i) {

@@ -9,8 +9,8 @@
 
 namespace condyle::host {
 
-/// A jaw that chews for ever, with the reports of condyle's fake facebow, each when its time has
-/// come; so it also shows how late this machine wakes a thread that asked for a time.
+/// A jaw that chews endlessly, with the reports of condyle's fake facebow, each delivered when its
+/// time comes. So it also shows how late this machine wakes a thread.
 class SyntheticSource final : public hal::ReportSource {
  public:
   SyntheticSource(double rate_Hz, hal::Clock& clock) : rate_Hz_(rate_Hz), clock_(clock) {}
@@ -20,7 +20,7 @@ class SyntheticSource final : public hal::ReportSource {
   void close() override { is_open_ = false; }
   hal::TransportCounts counts() const override { return {}; }
 
-  /// From when a report was due to when it was in hand, where the thread slept until then.
+  /// Delay of reports for which the thread slept: from the due time to delivery.
   const firmware::LatencyHistogram& wake_up() const { return wake_up_; }
 
  private:

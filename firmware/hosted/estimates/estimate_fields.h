@@ -9,7 +9,7 @@
 
 namespace condyle::host {
 
-/// What a quantity is called.
+/// Name and unit of a quantity.
 struct QuantityName {
   const char* name;
   const char* unit;
@@ -32,7 +32,7 @@ inline constexpr const char* kInnovationName = "innovation_m";
 inline constexpr const char* kNoiseName = "noise_sd_m";
 
 /// Calls `visit(name, quantity)` for the motion along an axis. `Estimate`: AxisEstimate or another
-/// with these members.
+/// type with these members.
 template <class Estimate, class Visit>
 void visit_motion(const Estimate& axis, Visit&& visit) {
   visit(QuantityName{"position", "m"}, axis.position_m);
@@ -47,7 +47,7 @@ void visit_friction_and_mass(const Value& friction_Ns_m, const Value& mass_kg, V
   visit(QuantityName{"mass", "kg"}, mass_kg);
 }
 
-/// The same for what is identified beside them.
+/// The same for the other identified quantities.
 template <class Scalar, class Visit>
 void visit_identified_beside(const JointEstimate<Scalar>& joint, Visit&& visit) {
   visit(QuantityName{"stiffness", "N_m"}, joint.stiffness_N_m);

@@ -10,7 +10,7 @@
 
 namespace condyle::host {
 
-/// Sequential reader of one file or pipe. Errors are InputErrors that name the file.
+/// Reads one file or pipe in sequence. Errors are InputErrors that name the file.
 class ByteReader {
  public:
   /// Longest line accepted.
@@ -19,7 +19,8 @@ class ByteReader {
   /// Opens `path`.
   explicit ByteReader(const std::string& path);
 
-  /// The next bytes, up to `count` (at most kLongestLine) and to the end of the file, not consumed.
+  /// The next bytes, not consumed: up to `count` (at most kLongestLine), fewer at the end of the
+  /// file.
   std::string_view peek(std::size_t count);
   /// Consumes `count` bytes that were peeked.
   void skip(std::size_t count);

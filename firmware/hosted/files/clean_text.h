@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text from a file, a device, a server or a command line, made fit to be shown.
+// Makes text from a file, a device, a server or a command line safe to show.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@ namespace condyle::host {
 
 namespace internal {
 
-/// Bytes of the UTF-8 character that begins `text`, which is not empty, and its code; 0 where
-/// there is none (too long a form, a surrogate, beyond U+10FFFF, cut short).
+/// Number of bytes of the UTF-8 character at the start of `text`, which must not be empty, and its
+/// code; 0 if it is invalid (overlong, a surrogate, beyond U+10FFFF, or cut short).
 struct Utf8Character {
   std::size_t bytes = 0;
   std::uint32_t code = 0;
@@ -34,7 +34,7 @@ inline Utf8Character first_character(std::string_view text) {
   return {bytes, code};
 }
 
-/// Moves a terminal's cursor, ends a line or turns the direction of writing.
+/// True if it moves a terminal's cursor, ends a line or changes the direction of writing.
 inline bool is_control(std::uint32_t code) {
   return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x061c ||
          (code >= 0x200e && code <= 0x200f) || (code >= 0x2028 && code <= 0x202e) ||
@@ -64,19 +64,19 @@ inline std::string cleaned(std::string_view text, bool keeps_lines) {
 
 }  // namespace internal
 
-/// One line: the bytes of control characters, of such that turn the direction of writing, and of
-/// what is not UTF-8 as \xNN.
+/// One line: control characters, characters that change the direction of writing, and invalid UTF-8
+/// become \xNN.
 inline std::string clean_line(std::string_view text) {
   return internal::cleaned(text, false);
 }
 
-/// Likewise, line feeds kept.
+/// The same, but keeps line feeds.
 inline std::string clean_lines(std::string_view text) {
   return internal::cleaned(text, true);
 }
 
-/// A cell of a CSV file in quotation marks, on one line. What a spreadsheet would take for a
-/// formula begins with an apostrophe.
+/// A CSV cell in quotation marks, on one line. A cell that a spreadsheet would take for a formula
+/// begins with an apostrophe.
 inline std::string csv_cell(std::string_view text) {
   constexpr std::string_view kFormula = "=+-@";
   std::string result = "\"";

@@ -8,11 +8,11 @@
 
 namespace condyle::host {
 
-/// Something the user gave cannot be used: says where, what is wrong and how to mend it. The
-/// command prints it and exits with 2.
+/// Input from the user that cannot be used: states place, problem and remedy. The command prints it
+/// and exits with 2.
 class InputError : public std::runtime_error {
  public:
-  /// A message that has it all.
+  /// A complete message.
   explicit InputError(const std::string& message) : std::runtime_error(clean_line(message)) {}
   /// `where`: "FILE", "FILE:LINE" or "FILE:LINE: column NAME". Control characters, which may come
   /// from the input itself, are shown as \xNN.

@@ -27,7 +27,7 @@ std::string_view trim(std::string_view text) {
 NumberStatus parse_number(std::string_view text, double& value) {
   text = trim(text);
   if (text.empty()) return NumberStatus::empty;
-  // from_chars takes no plus sign.
+  // from_chars accepts no plus sign.
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
   const char* const end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, value);
@@ -35,7 +35,7 @@ NumberStatus parse_number(std::string_view text, double& value) {
     return NumberStatus::not_a_number;
   }
   if (result.ec == std::errc::result_out_of_range) {
-    // Too large or too small: only strtod tells which.
+    // Too large or too small: strtod distinguishes them.
     value = std::strtod(std::string(text).c_str(), nullptr);
     return std::isfinite(value) ? NumberStatus::ok : NumberStatus::overflow;
   }

@@ -5,10 +5,10 @@
 
 namespace condyle::host {
 
-/// All of a file of at most a megabyte; else an InputError that names it.
+/// All of a file of at most a megabyte; throws an InputError with its name otherwise.
 std::string read_text_file(const std::string& path);
 
-/// The same without the ends of lines at its end.
+/// The same without trailing line ends.
 std::string read_text_line(const std::string& path);
 
 }  // namespace condyle::host

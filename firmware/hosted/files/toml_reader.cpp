@@ -27,8 +27,8 @@ std::string read_text(const std::string& path) {
 
 constexpr int kDeepestKey = 32;
 
-// The byte at which a key has more dots than that, or none: the parser recurses once for each, and
-// what comes from outside could exhaust the stack. Dots within strings and comments do not count.
+// The byte at which a key has more dots than allowed, or none. The parser recurses once for each
+// dot, so foreign input could exhaust the stack. Dots within strings and comments do not count.
 std::optional<std::size_t> find_deep_key(std::string_view text) {
   int dots = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -99,7 +99,7 @@ struct TomlReader::Document {
     return find(section, key);
   }
 
-  // The place of a text among `choices`.
+  // The index of a text among `choices`.
   std::size_t find_choice(const toml::node& item, std::string_view key,
                           const std::vector<std::string_view>& choices) const {
     const auto value = item.value<std::string_view>();

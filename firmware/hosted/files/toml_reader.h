@@ -11,9 +11,9 @@
 
 namespace condyle::host {
 
-/// Reads a TOML file field by field into variables that keep their value where the file is silent.
-/// Every problem is an InputError that names line, column and mend; so is, at the end, a key that
-/// nobody asked for. `section` is "" at the top level, "outer.inner" for a section in a section.
+/// Reads a TOML file field by field into variables, which keep their value if the file does not
+/// have the key. Every problem is an InputError that names line, column and remedy; unknown keys
+/// are reported at the end. `section` is "" at the top level, "outer.inner" for a nested section.
 class TomlReader {
  public:
   explicit TomlReader(const std::string& path);
@@ -23,7 +23,7 @@ class TomlReader {
   TomlReader(const TomlReader&) = delete;
   TomlReader& operator=(const TomlReader&) = delete;
 
-  /// One number in `range`. True where the file has it (here and below).
+  /// One number in `range`. True if the file has it (here and below).
   bool number(std::string_view section, std::string_view key, double& value, std::string_view unit,
               Range range);
   /// An array of exactly `count` numbers, each in `range`.
@@ -37,21 +37,22 @@ class TomlReader {
                std::int64_t lowest, std::int64_t highest);
   /// true or false.
   bool boolean(std::string_view section, std::string_view key, bool& value);
-  /// A text that is one of `choices`; its index is given.
+  /// A text that is one of `choices`; returns its index.
   bool choice(std::string_view section, std::string_view key, std::size_t& index,
               const std::vector<std::string_view>& choices);
-  /// An array of `count` texts out of `choices`; their indices are given.
+  /// An array of `count` texts out of `choices`; returns their indices.
   bool choices(std::string_view section, std::string_view key, std::vector<std::size_t>& indices,
                std::size_t count, const std::vector<std::string_view>& choices);
   /// Any text.
   bool text(std::string_view section, std::string_view key, std::string& value);
-  /// True where the file has this key, or with section "" this section. Does not make it known.
+  /// True if the file has this key; with section "", also a section of this name. Does not mark it
+  /// as known.
   bool has(std::string_view section, std::string_view key) const;
   /// Names of the sections in `section`, sorted.
   std::vector<std::string> sections_in(std::string_view section) const;
-  /// Refuses whatever was not asked for.
+  /// Throws an InputError for any key that was not read.
   void finish() const;
-  /// "FILE:LINE:COLUMN" of a key, or the file where it has none.
+  /// "FILE:LINE:COLUMN" of a key, or the file if it lacks the key.
   std::string place(std::string_view section, std::string_view key) const;
 
  private:

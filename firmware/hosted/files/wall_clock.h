@@ -7,8 +7,8 @@
 
 namespace condyle::host {
 
-/// What the wall clock says: since 1970-01-01 UTC. It may be set at any time; for names and headers
-/// only.
+/// Time since 1970-01-01 UTC by the wall clock. That may be set at any time, so use it for names
+/// and headers only.
 inline TimeNs wall_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The PC's side of the line to a target that runs the estimator (hal/link/link_messages.h).
+// The PC's side of the line to a microcontroller that runs the estimator
+// (hal/link/link_messages.h).
 #pragma once
 
 #include <cstdint>
@@ -15,70 +16,69 @@
 
 namespace condyle::host {
 
-/// What became of a report.
+/// The answer to a report.
 enum class NodeAnswer {
   none,         ///< nothing yet
   estimate,     ///< frame() holds one
-  no_estimate,  ///< the report led to none: damaged, twice told, of another number
+  no_estimate,  ///< the report led to none: damaged, duplicated, or with another report id
   conclusion,   ///< frame() holds one; it answers no report
-  finished,     ///< the target has told everything
+  finished,     ///< the microcontroller has sent everything
 };
 
-/// A target at the other end of a line, for one run. What it refuses, and that it is away or has
-/// started again, are InputErrors.
+/// A microcontroller at the other end of a line, for one run. Refusals, disconnections and restarts
+/// are InputErrors.
 class NodeClient {
  public:
-  /// Bytes of reports that may be on their way: what a target's receiver holds.
+  /// Bytes of reports that may be under way: the capacity of a target's receiver.
   static constexpr std::size_t kWindow = 896;
 
   /// `name` of the line, for messages.
   NodeClient(hal::ByteStream& line, hal::Clock& clock, std::string name)
       : end_(line), clock_(clock), name_(std::move(name)) {}
 
-  /// Asks who is there, for a few seconds or until `stop`.
+  /// Asks for a greeting, for a few seconds or until `stop`.
   void connect(const std::function<bool()>& stop);
-  /// After connect: who it is.
+  /// The greeting; valid after connect.
   const hal::GreetingMessage& greeting() const { return greeting_; }
-  /// What stopped it before it last started, if anything did.
+  /// What stopped it before its last start, if anything.
   const std::optional<hal::FaultMessage>& fault() const { return fault_; }
 
-  /// Begins a run, which the target must have the memory for (greeting). What was counted before it
-  /// is not counted in it.
+  /// Begins a run, for which the target must have the memory (greeting). Counts start at zero.
   void begin(const hal::ReportLayout& layout, const hal::StartMessage& start);
-  /// May another report be sent?
+  /// True if another report may be sent.
   bool has_room() const { return !has_finished_ && waiting_bytes_ < kWindow; }
   void send(const hal::RawReport& report);
-  /// The device that the next report is from was away.
+  /// The device was away before the next report.
   void reconnect();
-  /// No report follows.
+  /// Ends the reports.
   void finish();
-  /// The next answer, waited for until `deadline_ns`. Reports that a target, which is there, has
-  /// not answered for two seconds are lost on the line, and counted.
+  /// The next answer, waited for until `deadline_ns`. Reports that a target has not answered for
+  /// two seconds, although it is there, are lost on the line, and counted.
   NodeAnswer receive(TimeNs deadline_ns);
   /// The frame of the last answer.
   const hal::LinkFrame& frame() const { return end_.frame(); }
 
-  /// What the target has counted in the run, once it is finished; absent where it does not say.
+  /// The target's counts of the run, once it is finished; absent if it did not send them.
   std::optional<hal::HealthMessage> ask_health();
-  /// Asks for it during the run, without waiting; health() has it when it has come. A target that
-  /// does not answer is found out as one that does not answer reports.
+  /// Asks for the counts during the run, without waiting; health() returns them once they have
+  /// arrived. A target that does not answer is detected in the same way as for reports.
   void request_health();
-  /// What the target has counted in the run, when it was last asked.
+  /// The target's counts when it was last asked.
   std::optional<hal::HealthMessage> health() const;
-  /// Where it owes an answer: since when nothing has come.
+  /// If an answer is due: since when nothing has arrived.
   std::optional<TimeNs> silent_since_ns() const {
     if (waiting_.empty() && probes_.empty()) return {};
     return heard_ns_;
   }
-  /// Arrival of the report that the last answer is the answer to. Where frames are lost, and until
-  /// that is noticed, of one before it.
+  /// Arrival of the report that the last answer belongs to. If frames are lost, an earlier report
+  /// until the loss is noticed.
   TimeNs answered_host_time_ns() const { return answered_host_time_ns_; }
 
-  /// Also one that the line did not take.
+  /// Includes reports that the line did not accept.
   std::uint64_t reports_sent() const { return reports_sent_; }
   /// Reports that were lost on the line, or whose answers were.
   std::uint64_t reports_lost() const { return reports_lost_; }
-  /// Frames from the target that were refused or lost, in the run.
+  /// Frames from the target that were refused or lost in the run.
   std::uint64_t frames_refused() const { return end_.counts().refused() - before_.refused(); }
   std::uint64_t frames_lost() const { return end_.counts().lost - before_.lost; }
 
@@ -107,18 +107,18 @@ class NodeClient {
   hal::HealthMessage health_before_;
   hal::FrameCounts before_;
   bool has_finished_ = false;
-  bool is_answered_ = false;  // every report that ever will be
-  // Health that was asked for, in order: how many that were sent before it wait still.
+  bool is_answered_ = false;  // every report that will be
+  // Requests for health, in order: how many reports sent before each are still unanswered.
   std::deque<std::size_t> probes_;
   int silent_probes_ = 0;
   struct Waiting {
     std::size_t size = 0;  // on the line
     TimeNs host_time_ns = 0;
   };
-  std::deque<Waiting> waiting_;  // reports that have no answer yet
+  std::deque<Waiting> waiting_;  // reports without an answer so far
   std::size_t waiting_bytes_ = 0;
-  TimeNs progress_ns_ = 0;     // when the last report that waited got its answer, or the end began
-  TimeNs last_answer_ns_ = 0;  // or question, where there was none
+  TimeNs progress_ns_ = 0;     // when the last waiting report got its answer, or the end began
+  TimeNs last_answer_ns_ = 0;  // or question, if no answer was due
   TimeNs heard_ns_ = 0, probed_ns_ = 0, answered_host_time_ns_ = 0;
   std::uint64_t reports_sent_ = 0, reports_lost_ = 0;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A target's estimates as those of this computer, whose numbers are double.
+// Converts a target's estimates to double.
 #pragma once
 
 #include "condyle/estimator/impedance/joint_estimate.h"
