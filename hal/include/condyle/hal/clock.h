@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The clock is given to whoever needs one, so that a replay or a test decides what time it is.
+// The clock is passed in, so that a replay or a test controls the time.
 #pragma once
 
 #include "condyle/estimator/sample.h"
@@ -9,9 +9,9 @@ namespace condyle::hal {
 /// A monotonic clock.
 class Clock {
  public:
-  /// Nanoseconds since an origin that does not move.
+  /// Nanoseconds since a fixed origin.
   virtual TimeNs now_ns() = 0;
-  /// Returns once `time_ns` has come; at once where it has passed.
+  /// Returns once `time_ns` has come; at once if it has passed.
   virtual void sleep_until(TimeNs time_ns) = 0;
 
  protected:
@@ -25,7 +25,7 @@ class SteadyClock final : public Clock {
   void sleep_until(TimeNs time_ns) override;
 };
 
-/// A clock that moves only when told to, or when slept on.
+/// A clock that moves only when it is set or slept on.
 class ManualClock final : public Clock {
  public:
   TimeNs now_ns() override { return now_ns_; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one interface to a facebow. Devices, recordings and simulations implement it; whoever reads
-// samples cannot tell which it is.
+// The one interface to a facebow. Devices, recordings and simulations implement it, and readers of
+// samples cannot distinguish them.
 #pragma once
 
 #include <limits>
@@ -23,7 +23,7 @@ class Facebow {
   /// is written only with ok. After disconnected, end or not_open the source must be opened again.
   virtual Status read(TimeNs deadline_ns, Sample& sample) = 0;
 
-  /// Gives the source back; may be called at any time, also twice.
+  /// Releases the source; may be called at any time, also twice.
   virtual void close() = 0;
 
  protected:

@@ -6,17 +6,17 @@
 
 namespace condyle::hal {
 
-/// Up to `kMost` values one after the other, without heap.
+/// Up to `kMost` values in a row, without heap.
 template <class Value, std::size_t kMost>
 class FixedList {
  public:
-  /// Appends `value`; false where there is no room for it.
+  /// Appends `value`; false if there is no room for it.
   constexpr bool push_back(const Value& value) {
     if (size_ == kMost) return false;
     values_[size_++] = value;
     return true;
   }
-  /// Takes the last one off; there must be one.
+  /// Removes the last value; there must be one.
   constexpr void pop_back() { --size_; }
   constexpr void clear() { size_ = 0; }
 

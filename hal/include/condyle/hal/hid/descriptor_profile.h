@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A profile from a device that describes itself: its report descriptor says where X, Y and Z are
-// and in what unit.
+// Makes a profile for a device that describes itself: its report descriptor gives the places of X,
+// Y and Z and their unit.
 #pragma once
 
 #include <optional>
@@ -11,18 +11,17 @@
 
 namespace condyle::hal {
 
-/// A usable profile, or why there is none.
+/// A usable profile, or the reason why there is none.
 struct DescriptorProfile {
   std::optional<DeviceProfile> profile;
-  std::string reason;  ///< only where there is no profile
+  std::string reason;  ///< set only if there is no profile
 };
 
 /// `base` with the coordinates of one point added: the usages X, Y and Z of the Generic Desktop
-/// page (HID Usage Tables, page 0x01, usages 0x30 to 0x32), each in one absolute field with a unit
-/// of length, all in one input report; turned by `base.descriptor_axes`, as they are where it is
-/// not set. `base.report_id` chooses among several reports. Raw values outside the logical range
-/// say "not measured" (HID 1.11, section 5.10). Refused where the descriptor leaves anything to
-/// guess.
+/// page (HID Usage Tables, page 0x01, usages 0x30 to 0x32). Each must be in one absolute field with
+/// a unit of length, all in one input report. They are turned by `base.descriptor_axes` if it is
+/// set. `base.report_id` chooses among several reports. Raw values outside the logical range mean
+/// "not measured" (HID 1.11, section 5.10). An ambiguous descriptor is refused.
 DescriptorProfile complete_from_descriptor(const DeviceProfile& base,
                                            const ReportDescriptor& descriptor);
 

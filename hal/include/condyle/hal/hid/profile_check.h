@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What makes a device profile usable.
+// Checks that a device profile is usable.
 #pragma once
 
 #include <cstddef>
@@ -20,12 +20,12 @@ struct ProfileProblem {
 };
 
 /// The first problem of `profile`: one of its layout (find_layout_problem), or auxiliary fields
-/// that cannot be told apart. With `descriptor_axes` set, what the descriptor is to supply is not
-/// asked for: the coordinates, and the minimum size where it is 0.
+/// with the same name. With `descriptor_axes` set, what the descriptor is to supply is not checked:
+/// the coordinates, and the minimum size if it is 0.
 std::optional<ProfileProblem> find_problem(const DeviceProfile& profile);
 
-/// What a decoder needs of `profile`. Of one that cannot be used, or not before the descriptor has
-/// supplied its coordinates: a layout that cannot be used either.
+/// The layout of `profile` for a decoder. If the profile is unusable, or the descriptor has not
+/// supplied its coordinates yet, the layout is unusable too.
 ReportLayout layout_of(const DeviceProfile& profile);
 
 /// Name of coordinate `index` of a sample of `kind`: "x", "y2", "qw".

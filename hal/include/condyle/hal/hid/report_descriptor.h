@@ -35,7 +35,7 @@ struct UsageRange {
 struct FieldUnit {
   std::uint32_t code = 0;     ///< HID unit item; 0: none
   std::int32_t exponent = 0;  ///< powers of ten
-  std::string text;           ///< in SI: "m", "m/s^2", "rad", "" where it has none
+  std::string text;           ///< in SI: "m", "m/s^2", "rad"; "" if it has none
   /// SI = logical * scale + offset; absent where no conversion is defined (no unit or, for
   /// temperatures and reserved systems, an affine or unknown one).
   std::optional<double> scale;
@@ -48,26 +48,26 @@ struct DescriptorField {
   std::uint32_t width_bits = 0;
   std::uint32_t count = 0;
   std::uint32_t flags = 0;         ///< the main item's data
-  std::vector<UsageRange> usages;  ///< in order; the last holds for all values after it
+  std::vector<UsageRange> usages;  ///< in order; the last one applies to all values after it
   std::int64_t logical_minimum = 0, logical_maximum = 0;
-  std::int64_t physical_minimum = 0, physical_maximum = 0;  ///< as used: logical where both are 0
+  std::int64_t physical_minimum = 0, physical_maximum = 0;  ///< as used: logical if both are 0
   FieldUnit unit;
 
-  /// Padding: nobody may read a meaning into it.
+  /// Padding: its values have no meaning.
   bool is_constant() const { return (flags & 1U) != 0; }
-  /// One value for each usage; else values are indices into the usages.
+  /// One value for each usage; if false, values are indices into the usages.
   bool is_variable() const { return (flags & 2U) != 0; }
-  /// Relative to the report before.
+  /// Relative to the previous report.
   bool is_relative() const { return (flags & 4U) != 0; }
-  /// A raw value is signed where the logical range reaches below zero.
+  /// A raw value is signed if the logical range extends below zero.
   bool is_signed() const { return logical_minimum < 0; }
-  /// Usage of value `index` of a variable field; 0 where it has none.
+  /// Usage of value `index` of a variable field; 0 if it has none.
   std::uint32_t usage_of(std::uint32_t index) const;
 };
 
-/// One report: what arrives, or is sent, in one piece.
+/// One report, as sent or received in one piece.
 struct DescribedReport {
-  std::optional<std::uint8_t> id;  ///< absent where reports are not numbered
+  std::optional<std::uint8_t> id;  ///< absent if reports are not numbered
   ReportDirection direction = ReportDirection::input;
   std::uint32_t size_bits = 0;  ///< report id included
   std::vector<DescriptorField> fields;
@@ -77,7 +77,7 @@ struct DescribedReport {
 struct ReportDescriptor {
   std::vector<DescribedReport> reports;  ///< in the order in which they first appear
   std::vector<UsageRange> applications;  ///< usages of the application collections
-  std::vector<std::string> notes;        ///< oddities that change nothing in the fields
+  std::vector<std::string> notes;        ///< oddities without effect on the fields
 };
 
 /// Why a descriptor was refused.
@@ -86,16 +86,16 @@ struct DescriptorError {
   std::string reason;
 };
 
-/// A descriptor, or why it is none.
+/// A descriptor, or the reason why it was refused.
 struct DescriptorResult {
   std::optional<ReportDescriptor> descriptor;
-  DescriptorError error;  ///< only where there is no descriptor
+  DescriptorError error;  ///< set only if there is no descriptor
 };
 
-/// Longest descriptor taken (bytes), as in Linux (HID_MAX_DESCRIPTOR_SIZE).
+/// Longest descriptor accepted (bytes), as in Linux (HID_MAX_DESCRIPTOR_SIZE).
 inline constexpr std::size_t kMaxDescriptorSize = 4096;
 
-/// Decodes `bytes`; never throws for any bytes (memory apart).
+/// Decodes `bytes`; never throws because of their values (memory apart).
 DescriptorResult parse_report_descriptor(std::span<const std::uint8_t> bytes);
 
 }  // namespace condyle::hal

@@ -14,8 +14,8 @@ namespace condyle::hal {
 /// One end of a line that carries bytes both ways. One thread uses it at a time.
 class ByteStream {
  public:
-  /// Writes what has come, at least one byte, to the front of `bytes` and its number to `count`;
-  /// waits for it until `deadline_ns` of the clock the stream was built with. ok, timeout, or
+  /// Writes the received bytes, at least one, to the front of `bytes` and their number to `count`;
+  /// waits for them until `deadline_ns` of the clock the stream was built with. ok, timeout, or
   /// disconnected.
   virtual Status read(TimeNs deadline_ns, std::span<std::uint8_t> bytes, std::size_t& count) = 0;
 

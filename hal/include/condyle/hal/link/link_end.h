@@ -20,7 +20,7 @@ class LinkEnd {
  public:
   explicit LinkEnd(ByteStream& line) : line_(line) {}
 
-  /// Sends `message`. ok, disconnected, or bad_report: it has a value that no message can hold.
+  /// Sends `message`. ok, disconnected, or bad_report if it has a value that no message can hold.
   template <class Message>
   Status send(const Message& message) {
     const std::optional<std::size_t> size = put(message, payload_);
@@ -29,8 +29,8 @@ class LinkEnd {
   }
 
   /// Waits for the next good frame until `deadline_ns` of the line's clock. ok, timeout or
-  /// disconnected. Timeout too where 64 KiB came that are no frame: a line that never falls silent
-  /// does not hold the caller.
+  /// disconnected. Also timeout after 64 KiB without a frame, so that a line with constant noise
+  /// does not block the caller.
   Status receive(TimeNs deadline_ns) {
     for (std::size_t noise = 0; noise < kMostNoise;) {
       while (next_ < count_) {
@@ -44,10 +44,10 @@ class LinkEnd {
     return Status::timeout;
   }
 
-  /// The frame received last, until the next call of receive.
+  /// The frame received last; valid until the next call of receive.
   const LinkFrame& frame() const { return decoder_.frame(); }
   MessageType type() const { return static_cast<MessageType>(frame().type); }
-  /// What became of the frames that came.
+  /// Counts of received frames.
   const FrameCounts& counts() const { return decoder_.counts(); }
   /// Bytes on the line of the last message sent.
   std::size_t sent_size() const { return sent_size_; }
@@ -63,7 +63,7 @@ class LinkEnd {
   ByteStream& line_;
   FrameDecoder decoder_;
   FrameEncoder encoder_;
-  std::array<std::uint8_t, 64> bytes_{};  // that have come, of which the decoder has not had all
+  std::array<std::uint8_t, 64> bytes_{};  // received, not all decoded yet
   std::size_t next_ = 0, count_ = 0, sent_size_ = 0;
   std::array<std::uint8_t, kMaxPayload> payload_{};
   std::array<std::uint8_t, kMaxFrameSize> frame_{};

@@ -26,20 +26,20 @@ namespace condyle::hal {
 inline constexpr std::size_t kMaxPayload = 2304;
 /// Bytes of a frame beside its payload.
 inline constexpr std::size_t kFrameOverhead = 5;
-/// Longest frame as it is on the line: a code byte each 254 bytes and one more, and both 0s.
+/// Longest frame on the line: a code byte each 254 bytes and one more, and both 0s.
 inline constexpr std::size_t kMaxFrameSize =
     kMaxPayload + kFrameOverhead + (kMaxPayload + kFrameOverhead) / 254 + 3;
 
 /// The checksum of `bytes`.
 std::uint16_t link_checksum(std::span<const std::uint8_t> bytes);
 
-/// Makes frames for one direction of a line and numbers them: 0, 1, ..., 65535, 1, ... 0 says that
-/// the sender starts anew.
+/// Makes frames for one direction of a line and numbers them: 0, 1, ..., 65535, 1, ... A 0 means
+/// that the sender starts a new sequence.
 class FrameEncoder {
  public:
-  /// Writes a frame with both its 0s to `line`, which kMaxFrameSize bytes are enough for. Returns
-  /// its size; 0, and the number is not used, where `payload` is longer than kMaxPayload or `line`
-  /// too short.
+  /// Writes a frame with both its 0s to `line`, for which kMaxFrameSize bytes suffice. Returns its
+  /// size; 0 if `payload` is longer than kMaxPayload or `line` too short, and the number is then
+  /// not used.
   std::size_t encode(std::uint8_t type, std::span<const std::uint8_t> payload,
                      std::span<std::uint8_t> line);
 
@@ -54,8 +54,8 @@ struct LinkFrame {
   std::span<const std::uint8_t> payload;
 };
 
-/// What became of the frames. One that is refused stands in exactly one of the four counts of
-/// refused ones; the sequence shows it once more as lost, together with those that never came.
+/// Counts of frames. A refused frame is in exactly one of the four counts of refused frames. The
+/// sequence also counts it as lost, together with frames that never arrived.
 struct FrameCounts {
   std::uint64_t accepted = 0;
   std::uint64_t wrong_checksum = 0;
@@ -63,7 +63,7 @@ struct FrameCounts {
   std::uint64_t too_short = 0;     ///< for type, sequence and checksum
   std::uint64_t too_long = 0;      ///< for any payload; skipped
   std::uint64_t lost = 0;          ///< missed, by the sequence
-  std::uint64_t restarts = 0;      ///< the sequence began anew or went back; lost: not known
+  std::uint64_t restarts = 0;      ///< the sequence started again or went back; losses unknown
 
   /// All that were refused.
   constexpr std::uint64_t refused() const {
@@ -71,14 +71,14 @@ struct FrameCounts {
   }
 };
 
-/// Finds frames in the bytes of a line. After any rubbish it takes the next good frame, at its
+/// Finds frames in the bytes of a line. After noise it accepts the next good frame, from its
 /// leading 0.
 class FrameDecoder {
  public:
-  /// The next byte; true where it completes a good frame.
+  /// Takes the next byte; true if it completes a good frame.
   bool take(std::uint8_t byte);
 
-  /// The frame that was completed last. Its payload stands until the next byte is taken.
+  /// The frame completed last. Its payload is valid until the next byte is taken.
   const LinkFrame& frame() const { return frame_; }
   const FrameCounts& counts() const { return counts_; }
 
@@ -91,7 +91,7 @@ class FrameDecoder {
   std::array<std::uint8_t, kMaxPayload + kFrameOverhead> bytes_{};
   std::size_t size_ = 0;
   std::uint8_t code_ = 0;       // of the present block; 0: no block has begun
-  std::uint8_t remaining_ = 0;  // bytes of it that are still to come
+  std::uint8_t remaining_ = 0;  // bytes of it still to come
   bool is_skipping_ = false;    // a frame that is too long, up to its end
   bool has_sequence_ = false;
   std::uint16_t sequence_ = 0;

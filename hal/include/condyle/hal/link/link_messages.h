@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a PC and a target that runs the estimator tell each other, each message in a frame
-// (link_frame.h). Numbers little endian, floating-point numbers as their bits. No heap, no
-// exceptions.
+// The messages between a PC and a target that runs the estimator, each in a frame (link_frame.h).
+// Numbers are little endian, floating-point numbers as their bits. No heap, no exceptions.
 //
 //   PC: hello         target: greeting, and fault where one is on record
 //   PC: layout        target: accepted or refused
@@ -32,7 +31,7 @@
 
 namespace condyle::hal {
 
-/// Version of all that is said here. Both sides must have the same.
+/// Version of this protocol. Both sides must have the same.
 inline constexpr std::uint16_t kLinkVersion = 5;
 
 /// LinkFrame::type.
@@ -56,7 +55,7 @@ enum class MessageType : std::uint8_t {
   conclusion,
 };
 
-/// True of the types above.
+/// True for the types above.
 constexpr bool is_message_type(std::uint8_t type) {
   const auto is_between = [type](MessageType first, MessageType last) {
     return type >= static_cast<std::uint8_t>(first) && type <= static_cast<std::uint8_t>(last);
@@ -65,24 +64,24 @@ constexpr bool is_message_type(std::uint8_t type) {
          is_between(MessageType::greeting, MessageType::conclusion);
 }
 
-/// Why a message is not taken.
+/// Why a message is refused.
 enum class RefusalReason : std::uint8_t {
-  none,           ///< it is
-  wrong_size,     ///< it ends too early, or does not end
+  none,           ///< it is accepted
+  wrong_size,     ///< it ends too early, or is too long
   unknown_value,  ///< of an enumeration, a flag, a text or an event
   out_of_range,
   not_finite,
-  parameters_do_not_fit,    ///< each is in its range, together they are not (is_valid)
+  parameters_do_not_fit,    ///< each is in its range, but the combination is not valid (is_valid)
   wrong_version,            ///< not kLinkVersion
   unknown_type,             ///< of message
-  not_expected,             ///< not now: a report before start, ...
+  not_expected,             ///< not at this point, such as a report before start
   unusable_layout,          ///< find_layout_problem
   coordinate_not_followed,  ///< the layout has no such point
   lag_too_long,             ///< for the target's memory (GreetingMessage)
   cannot_identify  ///< friction and mass: the target has no memory for it, or there is no drive
 };
 
-/// Why and where a message is not taken.
+/// Why a message is refused, and at which value.
 struct [[nodiscard]] Refusal {
   RefusalReason reason = RefusalReason::none;
   std::uint16_t index = 0;  ///< of the value, in the order of the message
@@ -103,21 +102,21 @@ struct LayoutMessage {
 /// Which estimator runs.
 enum class EstimatorChoice : std::uint8_t { published, recommended };
 
-/// Largest lag of the recommended estimator (samples). A target of little memory keeps less.
+/// Largest lag of the recommended estimator (samples). A target with little memory supports less.
 inline constexpr int kMaxLinkLag = 16;
 /// Longest nominal step (ns).
 inline constexpr TimeNs kMaxNominalStepNs = 3600 * kNanosecondsPerSecond;
 
-/// A run begins. The number of axes is that of the layout's kind.
+/// Begins a run. The layout's kind gives the number of axes.
 struct StartMessage {
   static constexpr MessageType kType = MessageType::start;
   EstimatorChoice estimator = EstimatorChoice::recommended;
   std::uint8_t lag = 0;  ///< of the recommended estimator (samples)
   FollowedCoordinate followed;
-  TimeNs nominal_step_ns = 0;  ///< for finding gaps; 0 finds none
+  TimeNs nominal_step_ns = 0;  ///< for detecting gaps; 0: none are detected
   bool expects_drive = false;  ///< a sample without drive force is an event
   bool identifies = false;     ///< friction and mass, from the drive along the followed axis
-  // What the run uses of these is sent; the rest stays as it is.
+  // Only the parameters that the run uses are sent; the rest stay as they are.
   PublishedParameters published;
   DrivenParameters recommended;
 };
@@ -125,21 +124,22 @@ struct StartMessage {
 /// A report as it arrived at the PC.
 struct ReportMessage {
   static constexpr MessageType kType = MessageType::report;
-  TimeNs host_time_ns = 0;              ///< on the PC's monotonic clock
-  std::span<const std::uint8_t> bytes;  ///< at most kMaxReportSize; read: in the payload itself
+  TimeNs host_time_ns = 0;  ///< on the PC's monotonic clock
+  std::span<const std::uint8_t>
+      bytes;  ///< at most kMaxReportSize; when read: in the payload itself
 };
 
-/// No report follows: give the estimates that wait, and stop.
+/// No report follows: send the waiting estimates, and stop.
 struct FinishMessage {
   static constexpr MessageType kType = MessageType::finish;
 };
 
-/// Asks for a HealthMessage.
+/// Requests a HealthMessage.
 struct AskHealthMessage {
   static constexpr MessageType kType = MessageType::ask_health;
 };
 
-/// The device was away and is back: its counter and clock may start anew.
+/// The device was away and is back: its counter and clock may restart.
 struct ReconnectedMessage {
   static constexpr MessageType kType = MessageType::reconnected;
 };
@@ -155,7 +155,7 @@ enum class ResetCause : std::uint8_t {
   fault
 };
 
-/// Answer to hello, and what the target says when it has started.
+/// Answer to hello; a target also sends it when it has started.
 struct GreetingMessage {
   static constexpr MessageType kType = MessageType::greeting;
   std::uint16_t version = kLinkVersion;
@@ -163,33 +163,33 @@ struct GreetingMessage {
   FixedText core_name{};         ///< "Cortex-M7"
   std::uint8_t scalar_size = 8;  ///< of the estimates' numbers (bytes): 4 or 8
   bool identifies = false;       ///< it has the memory to identify friction and mass
-  std::uint8_t longest_lag = 0;  ///< that it has the memory for (samples)
+  std::uint8_t longest_lag = 0;  ///< for which it has the memory (samples)
   std::uint32_t boot_count = 0;  ///< since power was last switched on
   ResetCause reset_cause = ResetCause::unknown;
   bool has_fault = false;  ///< a FaultMessage follows
 };
 
-/// A message was taken and done.
+/// A message was accepted and carried out.
 struct AcceptedMessage {
   static constexpr MessageType kType = MessageType::accepted;
   MessageType message = MessageType::hello;
 };
 
-/// A message was not taken.
+/// A message was refused.
 struct RefusedMessage {
   static constexpr MessageType kType = MessageType::refused;
-  std::uint8_t message = 0;  ///< its type, known or not
+  std::uint8_t message = 0;  ///< its type, even if unknown
   Refusal refusal;
 };
 
-/// The sample after which an estimate was made.
+/// The sample that led to an estimate.
 struct SampleStamp {
   std::uint64_t sequence = 0;
   TimeNs time_ns = 0;  ///< on the PC's clock
   bool time_valid = true;
 };
 
-/// An estimate of the published cascade, bit by bit. `Scalar`: float or double, by the greeting.
+/// An estimate of the published cascade, bit by bit. `Scalar`: float or double, as in the greeting.
 template <class Scalar>
 struct PublishedEstimateMessage {
   static constexpr MessageType kType = MessageType::published_estimate;
@@ -197,7 +197,7 @@ struct PublishedEstimateMessage {
   PublishedEstimate<Scalar> estimate;
 };
 
-/// An estimate of the recommended estimator, likewise.
+/// The same for the recommended estimator.
 template <class Scalar>
 struct RecommendedEstimateMessage {
   static constexpr MessageType kType = MessageType::recommended_estimate;
@@ -205,14 +205,14 @@ struct RecommendedEstimateMessage {
   RecommendedEstimate<Scalar> estimate;
 };
 
-/// What the drive tells of friction and mass, once a second and at the end. `Scalar` likewise.
+/// Friction and mass, as concluded from the drive once a second and at the end. `Scalar` as above.
 template <class Scalar>
 struct ConclusionMessage {
   static constexpr MessageType kType = MessageType::conclusion;
   JointEstimate<Scalar> conclusion;
 };
 
-/// What the target has counted since it started; reports and run: since `start`.
+/// The target's counts since it started; reports and run: since `start`.
 struct HealthMessage {
   static constexpr MessageType kType = MessageType::health;
   FrameCounts frames;  ///< from the PC
@@ -228,7 +228,7 @@ struct HealthMessage {
   TimeNs uptime_ns = 0;
 };
 
-/// What stopped the target before it last started.
+/// What stopped the target before its last start.
 enum class FaultKind : std::uint8_t {
   hard,
   memory_management,
@@ -240,23 +240,23 @@ enum class FaultKind : std::uint8_t {
   assertion
 };
 
-/// The processor as it was then (Armv7-M Architecture Reference Manual, B3.2).
+/// State of the processor then (Armv7-M Architecture Reference Manual, B3.2).
 struct FaultMessage {
   static constexpr MessageType kType = MessageType::fault;
   FaultKind kind = FaultKind::hard;
-  std::uint32_t pc = 0, lr = 0;      ///< where it was, and where that would have returned to
+  std::uint32_t pc = 0, lr = 0;      ///< where it was, and its return address
   std::uint32_t cfsr = 0, hfsr = 0;  ///< fault status, configurable and hard
   std::uint32_t bfar = 0;            ///< address of a bus fault
 };
 
-/// Writes `message`, one of the above, to `payload`, which kMaxPayload bytes are enough for.
-/// Returns its size; none where it does not fit, or has a value that the message cannot hold.
+/// Writes `message`, one of the above, to `payload`, for which kMaxPayload bytes suffice. Returns
+/// its size; none if it does not fit, or has a value that the message cannot hold.
 template <class Message>
 std::optional<std::size_t> put(const Message& message, std::span<std::uint8_t> payload);
 
-/// Reads `message`, one of the above, from the whole of `payload`, whatever its bytes are. Where it
-/// is refused, `message` is not to be used. What is read is in range by itself: layouts are to be
-/// checked by find_layout_problem, versions by the reader.
+/// Reads `message`, one of the above, from the whole of `payload`, for any bytes. Do not use
+/// `message` if it is refused. Each value read is in range by itself; check layouts with
+/// find_layout_problem, and versions in the reader.
 template <class Message>
 Refusal get(std::span<const std::uint8_t> payload, Message& message);
 

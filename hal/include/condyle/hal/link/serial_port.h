@@ -9,7 +9,7 @@
 
 namespace condyle::hal {
 
-/// A serial port of a PC, or a socket in its place (an emulator's line).
+/// A serial port of a PC, or a socket that replaces it (an emulator's line).
 class SerialPort final : public ByteStream {
  public:
   explicit SerialPort(Clock& clock) : clock_(clock) {}
@@ -18,18 +18,18 @@ class SerialPort final : public ByteStream {
   SerialPort& operator=(const SerialPort&) = delete;
 
   /// `name`: a device file, set to 8 data bits, no parity, 1 stop bit, no flow control at `baud`
-  /// symbols per second, whose DTR stays when it is closed; or "unix:PATH", a socket that listens.
-  /// ok, not_found, not_permitted, or bad_report: it is no line, or does not have this rate;
-  /// problem() then says why.
+  /// symbols per second, whose DTR stays set when it is closed; or "unix:PATH", a listening socket.
+  /// ok, not_found, not_permitted, or bad_report if it is not a line or does not support this rate;
+  /// problem() then gives the reason.
   Status open(const std::string& name, unsigned baud);
-  /// What `baud` of a device file may be, ascending.
+  /// Rates that a device file may have, ascending.
   static std::vector<unsigned> rates();
-  /// Takes over one end of a pair of sockets, which does not wait.
+  /// Takes over one end of a pair of non-blocking sockets.
   void adopt(int file);
   void close();
 
   Status read(TimeNs deadline_ns, std::span<std::uint8_t> bytes, std::size_t& count) override;
-  /// disconnected also where the other end takes nothing for two seconds.
+  /// Also disconnected if the other end accepts nothing for two seconds.
   Status write(std::span<const std::uint8_t> bytes) override;
 
   /// Why the last open failed, in the system's words.

@@ -46,7 +46,7 @@ using McapPairs = std::vector<std::pair<std::string, std::string>>;
 
 struct McapHeader {
   std::string_view profile;  ///< well-known conventions the file follows; may be empty
-  std::string_view library;  ///< who wrote it
+  std::string_view library;  ///< the program that wrote it
 };
 
 struct McapSchema {

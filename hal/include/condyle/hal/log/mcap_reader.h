@@ -17,12 +17,12 @@ struct ZSTD_DCtx_s;
 
 namespace condyle::hal {
 
-/// What a reader takes. Memory stays below the sum of both sizes, whatever a file declares.
+/// Limits of a reader. Memory stays below the sum of both sizes, whatever a file declares.
 struct McapLimits {
-  std::size_t record_bytes = std::size_t{16} << 20;  ///< a record that is no chunk
+  std::size_t record_bytes = std::size_t{16} << 20;  ///< a record that is not a chunk
   std::size_t chunk_bytes = std::size_t{64} << 20;   ///< a chunk, uncompressed
-  /// Every checksum must be there; no unknown records, no messages outside chunks. Then a changed
-  /// bit anywhere in the file is noticed.
+  /// Requires every checksum; refuses unknown records and messages outside chunks. A changed bit
+  /// anywhere in the file is then noticed.
   bool is_strict = false;
 };
 
@@ -30,12 +30,12 @@ struct McapLimits {
 using McapRecord =
     std::variant<McapHeader, McapSchema, McapChannel, McapMessage, McapAttachment, McapMetadata>;
 
-/// Outcome of reading on.
+/// Result of reading on.
 enum class [[nodiscard]] McapRead : std::uint8_t{
     record,     ///< the record is there
-    end,        ///< the file ended as it should, all checksums right
-    truncated,  ///< the file is cut off: see problem(); all records before were given
-    damaged,    ///< the file is not what it should be: see problem(); nothing after it is given
+    end,        ///< the file ended correctly, all checksums right
+    truncated,  ///< the file is cut off, see problem(); all earlier records were given
+    damaged,    ///< the file is damaged, see problem(); nothing after it is given
 };
 
 /// What is wrong with a file, and where.
@@ -53,12 +53,12 @@ class McapReader {
   McapReader& operator=(const McapReader&) = delete;
 
   /// Opens a regular file and checks its first bytes: ok, not_found, not_permitted or bad_report
-  /// (problem() says why). An open reader is closed first.
+  /// (problem() gives the reason). An open reader is closed first.
   Status open(const std::string& path);
   void close();
 
-  /// Next record in file order, those inside chunks included; of the data section only. After
-  /// anything but `record` the outcome stays. Allocates for channels and metadata alone.
+  /// Next record of the data section in file order, those inside chunks included. After anything
+  /// but `record` the result stays the same. Allocates only for channels and metadata.
   McapRead next(McapRecord& record);
 
   const McapProblem& problem() const { return problem_; }

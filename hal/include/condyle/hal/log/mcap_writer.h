@@ -19,14 +19,15 @@ namespace condyle::hal {
 class McapIndexStore {
  public:
   virtual ~McapIndexStore() = default;
-  /// Appends after the `offset` bytes that are kept. False: it does not, and need not do so later.
+  /// Appends after the `offset` bytes already stored. If it returns false, it may refuse all later
+  /// calls.
   virtual bool append(std::uint64_t offset, std::span<const std::uint8_t> bytes) = 0;
   virtual bool read(std::uint64_t offset, std::span<std::uint8_t> bytes) = 0;
 };
 
 /// Encodes an MCAP file piece by piece: messages in zstd chunks with message indices, summary with
-/// statistics, all checksums. It does no input or output: whoever uses it writes `pending()` to the
-/// file and calls `discard_pending()`.
+/// statistics, all checksums. It does no input or output: the caller writes `pending()` to the file
+/// and calls `discard_pending()`.
 class McapWriter {
  public:
   /// The `store` outlives the writer; without one, the index grows in memory.
@@ -42,17 +43,17 @@ class McapWriter {
   std::uint16_t add_schema(const McapSchema& schema);
   /// The channel's id; `channel.id` is not used.
   std::uint16_t add_channel(const McapChannel& channel);
-  /// Puts a message into the open chunk; its sequence counts the channel's messages from 0.
+  /// Adds a message to the open chunk; its sequence counts the channel's messages from 0.
   void add_message(std::uint16_t channel_id, std::uint64_t log_time_ns,
                    std::span<const std::uint8_t> data);
 
   /// Uncompressed bytes in the open chunk.
   std::size_t chunk_size() const { return chunk_.size(); }
-  /// Closes the open chunk, where there is one. False: compression failed, the chunk is dropped.
+  /// Closes the open chunk, if there is one. False: compression failed, and the chunk is dropped.
   bool finish_chunk();
-  /// Closes the last chunk and appends end of data, summary and footer; nothing may be added then.
-  /// `write` is called where much is pending: it writes and discards that, or says false. False:
-  /// compression, the store or `write` failed.
+  /// Closes the last chunk and appends end of data, summary and footer; nothing may be added
+  /// afterwards. `write` is called when much is pending: it writes and discards that, or returns
+  /// false. False: compression, the store or `write` failed.
   bool finish(const std::function<bool()>& write = {});
 
   /// Encoded bytes not yet discarded.
@@ -81,8 +82,8 @@ class McapWriter {
 
   std::unique_ptr<ZSTD_CCtx_s, std::size_t (*)(ZSTD_CCtx_s*)> zstd_;
   McapIndexStore* store_;
-  std::uint64_t stored_ = 0;  // bytes of the chunks' index that the store keeps, the first ones
-  std::uint32_t summary_crc_ = 0;  // of what of the summary was discarded already
+  std::uint64_t stored_ = 0;       // bytes of the chunks' index in the store, the first ones
+  std::uint32_t summary_crc_ = 0;  // of the part of the summary already discarded
   Bytes out_;
   std::uint64_t discarded_ = 0;
   std::uint32_t data_crc_ = 0;

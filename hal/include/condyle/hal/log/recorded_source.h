@@ -8,12 +8,12 @@
 
 namespace condyle::hal {
 
-/// Passes a source's reports on and records them on the way, with its connections, disconnections
-/// and faults, so that SessionLogSource gives what the source gave. The log may fail or be full:
-/// reports come all the same, and SessionLogWriter::status tells.
+/// Passes a source's reports on and records them, with its connections, disconnections and faults,
+/// so that SessionLogSource reproduces the source. If the log fails or is full, reports still come,
+/// and SessionLogWriter::status has the failure.
 class RecordedSource final : public ReportSource {
  public:
-  /// `source` is number `source_index` of the log's header. `clock` is the one of its reports.
+  /// `source_index`: of `source` in the log's header. `clock`: the clock of its reports.
   RecordedSource(ReportSource& source, SessionLogWriter& log, std::size_t source_index,
                  Clock& clock);
 

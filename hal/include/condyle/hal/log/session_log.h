@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recording a session: raw reports and transport events of one or more devices, with all that is
-// needed to estimate anew from them. The file is MCAP: Foxglove, PlotJuggler and @mcap/core read
-// it.
+// Records a session: raw reports and transport events of one or more devices, with everything
+// needed to repeat the estimates. The file is MCAP, which Foxglove, PlotJuggler and @mcap/core can
+// read.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ inline constexpr std::size_t kMaxSessionSources = 8;
 /// Longest text of an event in bytes; a longer one is cut and ends in "...".
 inline constexpr std::size_t kMaxEventText = 512;
 
-/// Name of a source that is no device: its events are the session's markers, and it has no profile.
+/// Name of a source that is not a device: its events are the session's markers. It has no profile.
 inline constexpr const char* kMarkerSource = "markers";
 
 /// A recorded device, or the session's markers.
@@ -35,7 +35,7 @@ struct SessionSource {
   std::string name;  ///< "facebow": letters, digits, - and _, 1 to 32 of them
   std::uint16_t vendor_id = 0, product_id = 0;
   std::string profile_toml;                     ///< how its reports are decoded
-  std::vector<std::uint8_t> report_descriptor;  ///< as it sent it; may be empty
+  std::vector<std::uint8_t> report_descriptor;  ///< as the device sent it; may be empty
 };
 
 /// False for the markers.
@@ -43,7 +43,7 @@ inline bool is_device(const SessionSource& source) {
   return !source.profile_toml.empty() || source.name != kMarkerSource;
 }
 
-/// What a log says of its session. Nothing in it names a person, a machine or a user.
+/// The facts about a session in its log. They do not identify a person, a machine or a user.
 struct SessionHeader {
   std::string software_version;
   std::string subject_code;  ///< pseudonym, see is_subject_code
@@ -56,10 +56,10 @@ struct SessionHeader {
 /// True for "" (none given) and up to 32 of letters, digits, - and _.
 bool is_subject_code(std::string_view code);
 
-/// Why `header` cannot be recorded; empty where it can.
+/// Why `header` cannot be recorded; empty if it can.
 std::string header_problem(const SessionHeader& header);
 
-/// What can happen to a device, or to its recording.
+/// Events of a device or of its recording.
 enum class SessionEvent : std::uint8_t {
   connected = 1,
   disconnected,
@@ -70,13 +70,13 @@ enum class SessionEvent : std::uint8_t {
   note,            ///< anything else worth keeping
 };
 
-/// "connected", "stall", ...; "unknown" for what is none.
+/// "connected", "stall", ...; "unknown" for other values.
 const char* session_event_name(SessionEvent event);
 
 /// Why recording stopped or could not begin.
 enum class [[nodiscard]] SessionLogFailure : std::uint8_t{
     none,
-    bad_header,      ///< header_problem says what
+    bad_header,      ///< see header_problem
     already_exists,  ///< a log is never overwritten
     not_found,       ///< the folder is not there
     not_permitted,
@@ -87,8 +87,8 @@ enum class [[nodiscard]] SessionLogFailure : std::uint8_t{
 /// "disk full", ...
 const char* session_log_failure_name(SessionLogFailure failure);
 
-/// How the recording goes. Once closed, every report and event that was given is counted as written
-/// or lost.
+/// Status of the recording. Once it is closed, every report and event that was given counts as
+/// written or lost.
 struct SessionLogStatus {
   SessionLogFailure failure = SessionLogFailure::none;
   int system_error = 0;               ///< errno of the failure
@@ -99,9 +99,9 @@ struct SessionLogStatus {
   std::uint64_t bytes_synchronised = 0;  ///< safe on the disk
 };
 
-/// How much is held back.
+/// Sizes of the buffers.
 struct SessionLogOptions {
-  std::size_t ring_reports = 4096;     ///< that each source's ring holds: 8 s at 500 Hz, 4 MiB
+  std::size_t ring_reports = 4096;     ///< in each source's ring: 8 s at 500 Hz, 4 MiB
   TimeNs chunk_time_ns = 200'000'000;  ///< from a chunk's first report to its writing
 };
 
@@ -109,10 +109,10 @@ struct RingSlot;
 class IndexFile;
 
 /// Writes a session log. One thread for each source calls write and write_event; they only copy
-/// into a ring of fixed size. A thread of the writer's own compresses and writes at least every 250
-/// ms while reports arrive, so that a crash of the program costs no more; another one synchronises
-/// (fdatasync) what was written as soon as the disk lets it, so that a crash of the machine costs
-/// little more.
+/// into a ring of fixed size. The writer's own thread compresses and writes at least every 250 ms
+/// while reports arrive, which limits what a crash of the program loses. Another thread
+/// synchronises (fdatasync) what was written as soon as the disk allows, which limits what a crash
+/// of the machine loses.
 class SessionLogWriter {
  public:
   explicit SessionLogWriter(const SessionLogOptions& options = {});
@@ -121,17 +121,17 @@ class SessionLogWriter {
   SessionLogWriter& operator=(const SessionLogWriter&) = delete;
 
   /// Creates the file `path` (mode 0600, never an existing one) with the header in it, and starts
-  /// the thread. Call it once; nothing is left behind where it fails.
+  /// the thread. Call it once; if it fails, it leaves no file.
   SessionLogFailure open(const std::string& path, const SessionHeader& header);
 
   /// Records `report`. False: it is lost, and counted. Never blocks or allocates.
   bool write(std::size_t source_index, const RawReport& report);
-  /// Records what happened `count` times by `time_ns` of the reports' clock. As write; places of
-  /// the ring are kept free for events.
+  /// Records that something happened `count` times by `time_ns` of the reports' clock. Works like
+  /// write; some places of the ring are reserved for events.
   bool write_event(std::size_t source_index, TimeNs time_ns, SessionEvent kind,
                    std::string_view text, std::uint64_t count = 1);
 
-  /// How it goes; any thread may ask.
+  /// The status; any thread may ask.
   SessionLogStatus status() const;
 
   /// Writes what is left and completes the file. No thread may be in write or write_event; later
@@ -179,7 +179,7 @@ class SessionLogWriter {
   std::atomic<int> system_error_ = 0;
   std::atomic<std::uint64_t> reports_written_ = 0, events_written_ = 0, bytes_written_ = 0,
                              chunks_written_ = 0, bytes_synchronised_ = 0;
-  // Lost elsewhere than in a full ring.
+  // Lost for other reasons than a full ring.
   std::atomic<std::uint64_t> reports_unwritten_ = 0, events_unwritten_ = 0;
 };
 

@@ -25,11 +25,11 @@ struct SessionEventRecord {
 struct SessionEntry {
   std::size_t source_index = 0;
   bool is_event = false;
-  RawReport report;          ///< where it is no event
-  SessionEventRecord event;  ///< where it is one
+  RawReport report;          ///< if it is not an event
+  SessionEventRecord event;  ///< if it is an event
 };
 
-/// How much of a log there is.
+/// How complete a log is.
 struct SessionLogCondition {
   McapRead outcome = McapRead::record;        ///< `record`: not read to the end yet
   McapProblem problem;                        ///< of truncated and damaged
@@ -40,24 +40,26 @@ struct SessionLogCondition {
 /// One line for the user: "complete", or what is lost.
 std::string describe(const SessionLogCondition& condition);
 
-/// Reads a session log from start to end: all sources, one chunk in memory at a time. A log cut off
-/// anywhere after its header gives all of its complete chunks.
+/// Reads a session log from start to end: all sources, one chunk in memory at a time. If a log is
+/// cut off after its header, all of its complete chunks are read.
 class SessionLogReader {
  public:
   SessionLogReader();
 
-  /// Reads the header: ok, not_found, not_permitted or bad_report (condition().problem says why).
+  /// Reads the header: ok, not_found, not_permitted or bad_report (condition().problem has the
+  /// reason).
   Status open(const std::string& path);
   void close();
 
   /// Only after open gave ok.
   const SessionHeader& header() const { return header_; }
 
-  /// Next entry: `record` with one, else why there is none (and from then on). Does not allocate.
+  /// Next entry: `record` with one, else why there is none, now and from then on. Does not
+  /// allocate.
   McapRead next(SessionEntry& entry);
 
   const SessionLogCondition& condition() const { return condition_; }
-  /// Share of the file read so far, 0 to 1, chunk by chunk; only after open gave ok.
+  /// Share of the file read so far, 0 to 1, chunk by chunk; valid after open returned ok.
   double progress() const {
     return static_cast<double>(mcap_.sound_bytes()) / static_cast<double>(mcap_.size_bytes());
   }

@@ -10,33 +10,33 @@
 
 namespace condyle::hal {
 
-/// Replays one source of a session log: the same reports in the same order, and disconnected where
-/// the device went away. Each recorded disconnection ends what open() began; opening again goes on
-/// behind it, and never back to the start.
+/// Replays one source of a session log: the same reports in the same order, and disconnected when
+/// the device went away. Each recorded disconnection ends what open() began; opening again
+/// continues after it, never at the start.
 class SessionLogSource final : public ReportSource {
  public:
-  /// Without a `clock` reports come as fast as they are read. With one, which counts as the
-  /// recording's did, they come when their time has come.
+  /// Without a `clock`, reports come as fast as they are read. With one, which must count as the
+  /// recording's clock did, they come when their time comes.
   explicit SessionLogSource(std::string path, std::size_t source_index = 0, Clock* clock = nullptr);
 
-  /// bad_report also where the log has no such source; problem() says what is wrong.
+  /// Also bad_report if the log has no such source; problem() gives the reason.
   Status open() override;
-  /// Also bad_report, once, where the file is damaged; then end. A log that was cut off ends with
-  /// `end`, and condition() says what is lost.
+  /// Also bad_report, once, if the file is damaged; then end. A log that was cut off ends with
+  /// `end`, and condition() states what is lost.
   Status read(TimeNs deadline_ns, RawReport& report) override;
   void close() override { is_open_ = false; }
-  /// As the recorded events tell.
+  /// From the recorded events.
   TransportCounts counts() const override { return counts_; }
 
-  /// What was recorded with the reports; after open gave ok.
+  /// The header recorded with the reports; valid after open returned ok.
   const SessionHeader& header() const { return reader_.header(); }
-  /// Whether the log is whole; final once read gave end or bad_report.
+  /// Whether the log is complete; final once read returned end or bad_report.
   const SessionLogCondition& condition() const { return reader_.condition(); }
-  /// Reports and events of this source that the recorder had no room for, so far.
+  /// Reports and events of this source for which the recorder had no room, so far.
   std::uint64_t not_recorded() const { return not_recorded_; }
-  /// Share of the log read so far, 0 to 1; after open gave ok.
+  /// Share of the log read so far, 0 to 1; valid after open returned ok.
   double progress() const { return reader_.progress(); }
-  /// What is wrong with the file, with the byte where; empty where nothing is.
+  /// What is wrong with the file, and at which byte; empty if nothing is.
   std::string problem() const;
 
  private:

@@ -11,9 +11,9 @@
 
 namespace condyle::hal {
 
-/// Which endpoint of a capture is wanted; what is absent is found, where only one fits.
+/// Which endpoint of a capture to read; absent values are found if only one endpoint matches.
 struct UsbmonChoice {
-  std::optional<std::uint16_t> vendor_id, product_id;  ///< known where the capture has descriptors
+  std::optional<std::uint16_t> vendor_id, product_id;  ///< known if the capture has descriptors
   std::optional<std::uint16_t> bus;
   std::optional<std::uint8_t> device;    ///< address on the bus, 1 to 127
   std::optional<std::uint8_t> endpoint;  ///< number without the direction, 1 to 15
@@ -29,11 +29,11 @@ struct UsbmonEndpoint {
   std::uint64_t first_packet = 0, last_packet = 0;     ///< with reports, counted from 1
 };
 
-/// What came from the chosen endpoint beside reports, so far.
+/// Counts of other packets from the chosen endpoint, so far.
 struct UsbmonCounts {
   std::uint64_t cut_reports = 0;         ///< shortened by the capture's snapshot length, dropped
   std::uint64_t empty = 0;               ///< completions without data
-  std::uint64_t cancelled = 0;           ///< transfers that the host took back
+  std::uint64_t cancelled = 0;           ///< transfers that the host cancelled
   std::uint64_t unreadable_packets = 0;  ///< of any endpoint: shorter than their own header
 };
 
@@ -51,10 +51,11 @@ class UsbmonCapture final : public ReportSource {
   UsbmonCapture(const UsbmonCapture&) = delete;
   UsbmonCapture& operator=(const UsbmonCapture&) = delete;
 
-  /// Reads the whole file once to find the endpoint. not_found: no such file, or no endpoint fits;
-  /// bad_report: it cannot be read or more than one fits. problem() says why and lists endpoints.
+  /// Reads the whole file once to find the endpoint. not_found: no such file, or no endpoint
+  /// matches; bad_report: the file cannot be read, or several endpoints match. problem() gives the
+  /// reason and lists the endpoints.
   Status open() override;
-  /// Never waits: timeout does not happen. Where the file ends within a packet or is damaged there:
+  /// Never waits, so timeout does not occur. If the file ends within a packet or is damaged there:
   /// bad_report, once, then end.
   Status read(TimeNs deadline_ns, RawReport& report) override;
   void close() override { is_open_ = false; }
@@ -63,9 +64,9 @@ class UsbmonCapture final : public ReportSource {
   /// Share of the file read so far, 0 to 1.
   double progress() const;
   UsbmonCounts usbmon_counts() const { return usbmon_counts_; }
-  /// The chosen endpoint; one more for each address it had later. After open gave ok.
+  /// The chosen endpoint; one more for each later address. Valid after open returned ok.
   const std::vector<UsbmonEndpoint>& chosen() const { return chosen_; }
-  /// What is wrong; empty where nothing is.
+  /// What is wrong; empty if nothing is.
   const std::string& problem() const { return problem_; }
 
  private:
@@ -78,10 +79,10 @@ class UsbmonCapture final : public ReportSource {
   UsbmonChoice choice_;
   std::unique_ptr<PcapFile> file_;
   std::vector<UsbmonEndpoint> chosen_;
-  std::size_t current_ = 0;  // in chosen_: whose reports come now
+  std::size_t current_ = 0;  // in chosen_: the source of the present reports
   bool is_open_ = false, has_ended_ = false;
-  bool is_away_ = false;           // gone, and so said
-  std::optional<RawReport> held_;  // the first after coming back unseen
+  bool is_away_ = false;           // gone, and reported as gone
+  std::optional<RawReport> held_;  // the first after an unseen return
   TransportCounts counts_;
   UsbmonCounts usbmon_counts_;
   std::string problem_;

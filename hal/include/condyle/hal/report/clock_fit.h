@@ -28,24 +28,25 @@
 
 namespace condyle::hal {
 
-/// What a report did to the fit.
+/// Effect of a report on the fit.
 enum class FitOutcome : std::uint8_t {
   started,      ///< the first one, or the first after restart()
-  followed,     ///< the clocks run on
-  ran_ahead,    ///< the device's clock leapt ahead, or the host's stood: fit started anew
-  fell_behind,  ///< the device's clock stood, or the host's leapt ahead: fit started anew
-  went_back,    ///< the device's time is before the last one: fit started anew
+  followed,     ///< the clocks continued together
+  ran_ahead,    ///< the device's clock leapt ahead, or the host's stopped: the fit starts again
+  fell_behind,  ///< the device's clock stopped, or the host's leapt ahead: the fit starts again
+  went_back,    ///< the device's time is before the last one: the fit starts again
 };
 
-/// Name of an outcome as it stands in messages.
+/// Name of an outcome in messages.
 constexpr const char* outcome_name(FitOutcome outcome) {
   constexpr const char* names[] = {"started", "followed", "ran ahead", "fell behind", "went back"};
   return names[static_cast<int>(outcome)];
 }
 
-/// What ties a time to the host's clock.
+/// How a time is tied to the host's clock.
 enum class TimeProvenance : std::uint8_t {
-  host_arrival,  ///< the arrival of the first report, or of an earlier one since: nothing is fitted
+  host_arrival,  ///< the arrival of the first report, or an earlier arrival since: nothing is
+                 ///< fitted
   device_clock,  ///< the fit
 };
 
@@ -53,45 +54,45 @@ enum class TimeProvenance : std::uint8_t {
 /// allocation.
 class ClockFit {
  public:
-  /// Host time of the measurement at `device_ns` that arrived at `arrival_ns`. Never before the one
-  /// before; equal where both have the same device time. Until the fit has its first second, it is
-  /// the first report's arrival and from there the device's own steps, so that the time between
-  /// samples does not jitter from the start.
+  /// Host time of the measurement at `device_ns` that arrived at `arrival_ns`. Never before the
+  /// previous one; equal if both have the same device time. Until the fit has its first second, the
+  /// result is the first report's arrival plus the device's own steps, so that the time between
+  /// samples does not jitter at the start.
   TimeNs add(TimeNs device_ns, TimeNs arrival_ns);
 
-  /// The device's clock was set or started anew: nothing connects its times with those before.
+  /// The device's clock was set or restarted: its times are unrelated to those before.
   void restart() { has_origin_ = false; }
 
-  /// What the last report did.
+  /// Effect of the last report.
   FitOutcome outcome() const { return outcome_; }
-  /// How often the fit found by itself that it had to start anew.
+  /// How often the fit restarted by itself.
   std::uint64_t steps() const { return steps_; }
-  /// What ties the last time to the host's clock.
+  /// How the last time is tied to the host's clock.
   TimeProvenance provenance() const {
     return count_ > 0 ? TimeProvenance::device_clock : TimeProvenance::host_arrival;
   }
-  /// Seconds that the fit rests on, at most 16; 0 while it is only the earliest arrival so far.
+  /// Seconds in the fit, at most 16; 0 while it is only the earliest arrival so far.
   int seconds_fitted() const { return count_; }
-  /// The last time less the device's (ns).
+  /// The last time minus the device's (ns).
   TimeNs offset_ns() const;
   /// Time that passed on the device's clock for each second of the host's, since the first report;
-  /// 0 before two seconds have passed. Far from 1 where the clock's unit is not the one that was
-  /// said, so that nothing it says is true.
+  /// 0 before two seconds have passed. Far from 1 if the profile states the wrong unit for the
+  /// clock; all times are then wrong.
   double pace() const;
   /// How much slower the device's clock runs than the host's, parts per million.
   double drift_ppm() const { return drift_ * 1e6; }
-  /// Of drift_ppm(): one standard deviation, by the spread of the earliest arrivals, and by the
-  /// frames of 1 ms for which reports wait on a full-speed bus (USB 2.0, section 5.7.4). They beat
-  /// with the device's clock, so slowly that their part of the drift cannot be seen. Infinite
-  /// before three seconds are fitted.
+  /// Uncertainty of drift_ppm(): one standard deviation, from the spread of the earliest arrivals
+  /// and from the frames of 1 ms for which reports wait on a full-speed bus (USB 2.0, section
+  /// 5.7.4). The frames beat with the device's clock so slowly that their part of the drift cannot
+  /// be seen. Infinite before three seconds are fitted.
   double drift_uncertainty_ppm() const;
   /// Spread of the earliest arrivals around the fit: one standard deviation (s), robust.
   double residual_s() const { return residual_ns_ * 1e-9; }
-  /// How far the offset in use is still from the fitted one (s).
+  /// Remaining difference between the offset in use and the fitted one (s).
   double pending_s() const { return pending_ns_ * 1e-9; }
-  /// Of the last time, against the instant of measurement plus the least delay: what the spread of
-  /// the earliest arrivals leaves open (one standard deviation), what is pending, and a step that
-  /// is suspected (s). The least delay itself cannot be seen from here.
+  /// Uncertainty of the last time, relative to the instant of measurement plus the least delay (s):
+  /// one standard deviation from the spread of the earliest arrivals, the remaining offset, and a
+  /// suspected step. The least delay itself cannot be seen from here.
   double uncertainty_s() const;
 
  private:
@@ -99,12 +100,12 @@ class ClockFit {
   static constexpr double kSecond_ns = 1e9;  // of device time
   static constexpr double kSlew = 1e-3;
   static constexpr double kStep_ns = 1e8;
-  static constexpr double kWander = 2e-4;  // of drift, while there is nothing to fit
-  static constexpr int kLateSeconds = 4;   // then it was a step
+  static constexpr double kWander = 2e-4;  // of drift, before anything is fitted
+  static constexpr int kLateSeconds = 4;   // in a row: then it was a step
   static constexpr double kFrame_ns = 1e6;
-  static constexpr double kUnseen_ns = 1e6;  // spread assumed of delays that were not seen yet
+  static constexpr double kUnseen_ns = 1e6;  // spread assumed for delays not seen yet
 
-  // When the seconds' earliest arrivals were: their mean, and the sum of squares about it.
+  // The times of the seconds' earliest arrivals: their mean, and the sum of squares about it.
   struct Spread {
     double mean = 0, square = 0;
   };
@@ -121,7 +122,7 @@ class ClockFit {
   bool has_origin_ = false, has_time_ = false;
   FitOutcome outcome_ = FitOutcome::started;
   std::uint64_t steps_ = 0;
-  // Since the very first report, ns; steps and restarts are left out.
+  // Since the very first report, ns; without steps and restarts.
   double device_run_ns_ = 0, host_run_ns_ = 0;
   TimeNs last_arrival_ns_ = 0;
   TimeNs device_origin_ns_ = 0, host_origin_ns_ = 0;  // d_0, h_0
@@ -129,11 +130,11 @@ class ClockFit {
   // The rest (ns) counts from the origin. The second being collected:
   double second_begin_ns_ = 0, least_r_ns_ = 0, least_device_ns_ = 0, largest_r_ns_ = 0;
   TimeNs second_arrival_ns_ = 0;
-  // The complete ones.
+  // The complete seconds.
   std::array<double, kWindow> least_r_{}, least_d_{};
   int count_ = 0, next_ = 0;
   double newest_d_ns_ = 0;
-  // Late ones in a row, and how late they were.
+  // Consecutive late seconds, and how late they were.
   int late_count_ = 0;
   double least_late_ns_ = 0, most_late_ns_ = 0;
   double offset_ns_ = 0, drift_ = 0;  // a, b

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A facebow: reports from a source, read as a layout says, at the times of the host's clock. Live
-// devices, session logs and captures all come through here, so that a replay is the live run again.
+// A facebow: reports from a source, decoded by a layout, with times on the host's clock. Live
+// devices, session logs and captures all pass through here, so that a replay repeats the live run.
 #pragma once
 
 #include "condyle/hal/facebow.h"
@@ -14,26 +14,26 @@ namespace condyle::hal {
 /// See Facebow. Reading allocates nothing.
 class DeviceFacebow final : public Facebow {
  public:
-  /// `source` gives the reports of the device that `layout` describes: layout_of(profile)
-  /// (profile_check.h), where there is a profile.
+  /// `source` delivers the reports of the device that `layout` describes: layout_of(profile)
+  /// (profile_check.h), if there is a profile.
   DeviceFacebow(ReportSource& source, const ReportLayout& layout)
       : source_(source), decoder_(layout), tracker_(layout) {}
 
   Status open() override;
-  /// bad_report where one could not be read as the layout says; last_fault() tells why. Reports of
-  /// other numbers and duplicates are passed over, and counted. Sample::time_ns is the device's
-  /// clock on the host's (clock_fit.h), or the arrival where the layout has no clock.
+  /// bad_report if a report could not be decoded by the layout; last_fault() gives the reason.
+  /// Reports with another id and duplicates are skipped and counted. Sample::time_ns is the
+  /// device's clock on the host's (clock_fit.h), or the arrival if the layout has no clock.
   Status read(TimeNs deadline_ns, Sample& sample) override;
   void close() override { source_.close(); }
 
-  /// What became of the reports so far.
+  /// Counts of the reports so far.
   const ReportCounts& counts() const { return tracker_.counts(); }
   TransportCounts transport_counts() const { return source_.counts(); }
-  /// How the device's clock lies to the host's.
+  /// How the device's clock relates to the host's.
   const ClockFit& clock_fit() const { return clock_fit_; }
   /// Why the last report was refused.
   ReportFault last_fault() const { return last_fault_; }
-  /// The last report taken, with what a sample does not hold.
+  /// The last accepted report, with the values that a sample does not hold.
   const DecodedReport& last_report() const { return report_; }
   /// Its arrival on the host's clock.
   TimeNs last_arrival_ns() const { return raw_.host_time_ns; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What makes a report layout usable. No words here: profile_check.h has them.
+// Checks that a report layout is usable. profile_check.h puts the problems into words.
 #pragma once
 
 #include <cstddef>
@@ -14,12 +14,12 @@ namespace condyle::hal {
 enum class ProfilePart : std::uint8_t {
   rate,
   minimum_size,
-  coordinates,  ///< `index`: in ReportContent::coordinates, if it is in there
+  coordinates,  ///< `index`: in ReportContent::coordinates, if there is one
   device_time,
   sequence,
   checksum,
   drive,
-  auxiliary,  ///< `index`: in the auxiliary fields, if it is in there
+  auxiliary,  ///< `index`: in the auxiliary fields, if there is one
 };
 
 /// What is wrong with a layout.
@@ -38,13 +38,13 @@ enum class LayoutFault : std::uint8_t {
   beyond_report,
   scale_not_usable,  ///< zero or not finite
   offset_not_finite,
-  missing_value_impossible,  ///< its bits never hold it
-  range_impossible,          ///< likewise, or the range is empty
+  missing_value_impossible,  ///< its bits cannot hold it
+  range_impossible,          ///< its bits cannot hold it, or the range is empty
   shares_bits,               ///< with the field at `other_part`, `other_index`
   // A count or clock
   count_not_unsigned,
   wraps_beyond_width,
-  wraps_too_soon,  ///< nothing can be told from so few values
+  wraps_too_soon,  ///< too few values to be useful
   tick_not_usable,
   clock_wraps_too_soon,  ///< before two reports have come
   // A checksum
@@ -56,7 +56,7 @@ enum class LayoutFault : std::uint8_t {
   checksum_covers_itself,
 };
 
-/// Why a layout cannot be used.
+/// Why a layout is unusable.
 struct LayoutProblem {
   ProfilePart part = ProfilePart::coordinates;
   std::size_t index = 0;
@@ -65,23 +65,23 @@ struct LayoutProblem {
   std::size_t other_index = 0;
 };
 
-/// What is known of a report's coordinates and size.
+/// What is given of a report's coordinates and size.
 enum class LayoutState : std::uint8_t {
   complete,
-  awaits_descriptor,  ///< neither is asked for: the report descriptor is to supply them
+  awaits_descriptor,  ///< neither is checked: the report descriptor will supply them
 };
 
-/// The first problem of `layout`: a field outside the report or across another one, coordinates
-/// missing or given twice, a scale of zero, ... A layout without any coordinate is one of another
+/// The first problem of `layout`: a field outside the report or overlapping another, coordinates
+/// missing or given twice, a scale of zero, ... A layout without coordinates belongs to another
 /// instrument, which has a drive or auxiliary fields instead. No heap, no exceptions.
 std::optional<LayoutProblem> find_layout_problem(const ReportLayout& layout,
                                                  LayoutState state = LayoutState::complete);
 
-/// The size that a field of `content` must lie in (bytes): any report's, where the descriptor is to
-/// tell it.
+/// The size in which a field of `content` must lie (bytes): that of any report if the descriptor
+/// will supply it.
 std::size_t size_to_lie_in(const ReportContent& content, LayoutState state);
 
-/// Raw values that `field` can hold; all of int64 where it is as wide.
+/// Raw values that `field` can hold; all of int64 if it is that wide.
 RawRange possible_values(const ReportField& field);
 
 }  // namespace condyle::hal

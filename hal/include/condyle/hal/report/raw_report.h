@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a device sent, before anybody has read a meaning into it, and whoever delivers it. hidapi,
-// libusb, a session log and a capture file are sources of reports; one decoder reads them all.
+// Undecoded reports of a device, whatever their source. hidapi, libusb, a session log and a capture
+// file are sources of reports; one decoder reads them all.
 #pragma once
 
 #include <array>
@@ -13,10 +13,10 @@
 
 namespace condyle::hal {
 
-/// Longest report taken, report id included: a high-speed interrupt packet.
+/// Longest report accepted, report id included: a high-speed interrupt packet.
 inline constexpr std::size_t kMaxReportSize = 1024;
 
-/// One input report as it arrived. Where the device numbers its reports, bytes[0] is the number.
+/// One input report as it arrived. If the device numbers its reports, bytes[0] is the number.
 struct RawReport {
   TimeNs host_time_ns = 0;  ///< arrival, on the host's monotonic clock
   std::uint16_t size = 0;   ///< of `bytes`
@@ -26,7 +26,7 @@ struct RawReport {
   constexpr std::span<const std::uint8_t> data() const { return {bytes.data(), size}; }
 };
 
-/// What went wrong below the reports, counted since the source was made.
+/// Faults below the reports, counted since the source was made.
 struct TransportCounts {
   std::uint64_t stalls = 0;           ///< endpoint halted, and cleared again
   std::uint64_t transfer_errors = 0;  ///< transfers that failed otherwise
@@ -37,8 +37,8 @@ struct TransportCounts {
 /// A source of raw reports. One thread uses it at a time.
 class ReportSource {
  public:
-  /// Makes the source ready. ok, not_found, not_permitted or bad_report (no such source can be
-  /// read). After disconnected it may be called again, until the device is back.
+  /// Makes the source ready. ok, not_found, not_permitted or bad_report (such a source cannot be
+  /// read). After disconnected it may be called again until the device is back.
   virtual Status open() = 0;
 
   /// Next report, waited for until `deadline_ns` of the clock the source was built with. ok,
@@ -46,10 +46,10 @@ class ReportSource {
   /// damaged gives bad_report once, then end.
   virtual Status read(TimeNs deadline_ns, RawReport& report) = 0;
 
-  /// Gives the source back; may be called at any time, also twice.
+  /// Releases the source; may be called at any time, also twice.
   virtual void close() = 0;
 
-  /// What went wrong so far.
+  /// Faults so far.
   virtual TransportCounts counts() const = 0;
 
  protected:

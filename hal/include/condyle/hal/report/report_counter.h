@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A device's counter and clock start again when they are full. Here they become a count and a time
-// that do not.
+// A device's counter and clock wrap. Here they become a count and a time that do not.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +9,7 @@
 
 namespace condyle::hal {
 
-/// What a counter says of a report.
+/// What a counter shows about a report.
 enum class SequenceOutcome : std::uint8_t {
   first,
   next,
@@ -20,15 +19,16 @@ enum class SequenceOutcome : std::uint8_t {
   unknown_loss
 };
 
-/// A report's place among those of its device.
+/// A report's place in the sequence of its device.
 struct SequenceStep {
   SequenceOutcome outcome = SequenceOutcome::first;
-  std::uint64_t sequence = 0;  ///< 0 for the first; lost ones are counted
-  std::uint64_t lost = 0;      ///< missed since the one before
+  std::uint64_t sequence = 0;  ///< 0 for the first; lost reports are counted
+  std::uint64_t lost = 0;      ///< missed since the previous one
 };
 
-/// Unwraps a counter. It tells losses of less than half of its values; a count further ahead is one
-/// that went back. Longer losses are told from the host's time, as unknown, if the rate is known.
+/// Unwraps a counter. It detects losses of less than half of its values; a count further ahead
+/// counts as one that went back. Longer losses are detected from the host's time, with unknown
+/// length, if the rate is known.
 class SequenceCounter {
  public:
   /// `rate_Hz`: of the reports; 0: not known. `restarts_on_reconnect`: see ReportContent.
@@ -49,12 +49,12 @@ class SequenceCounter {
   TimeNs last_host_ns_ = 0;
 };
 
-/// What a clock says of a report.
+/// What a clock shows about a report.
 enum class ClockOutcome : std::uint8_t {
   first,
   next,
-  restarted,     ///< anew after a reconnection: time goes on by the host's clock
-  jumped_back,   ///< went back: time goes on by the host's clock
+  restarted,     ///< restarted after a reconnection: time continues by the host's clock
+  jumped_back,   ///< went back: time continues by the host's clock
   jumped_ahead,  ///< by more than a year, or beyond what TimeNs holds; likewise
 };
 
@@ -64,16 +64,16 @@ struct ClockStep {
   TimeNs time_ns = 0;
 };
 
-/// Turns the ticks of a wrapping clock into nanoseconds that never go back and that start at the
-/// host time of the first report. How often the clock wrapped in between is told by the number of
-/// reports, if that explains the ticks, else by the host's time: that must be right to half the
-/// time after which the clock wraps.
+/// Turns the ticks of a wrapping clock into nanoseconds that never go back and start at the host
+/// time of the first report. The number of reports shows how often the clock wrapped in between, if
+/// it explains the ticks; else the host's time shows it, which must then be right to half the time
+/// in which the clock wraps.
 class DeviceClock {
  public:
   /// `rate_Hz` and `restarts_on_reconnect` as in SequenceCounter.
   DeviceClock(const CountingField& field, double rate_Hz, bool restarts_on_reconnect);
 
-  /// The next reading, below the clock's modulus. `reports`: sent since the one before, this one
+  /// The next reading, below the clock's modulus. `reports`: sent since the previous one, this one
   /// included; 0: not known.
   ClockStep advance(std::uint64_t ticks, TimeNs host_time_ns, std::uint64_t reports);
 
@@ -91,7 +91,7 @@ class DeviceClock {
   bool has_last_ = false, is_new_ = false;
   std::uint64_t last_ = 0;
   TimeNs last_host_ns_ = 0, time_ns_ = 0;
-  // time_ns_ is counted in ticks from here, so that rounding does not add up.
+  // time_ns_ is counted in ticks from here, so that rounding errors do not add up.
   TimeNs anchor_ns_ = 0;
   std::uint64_t ticks_since_anchor_ = 0;
 };

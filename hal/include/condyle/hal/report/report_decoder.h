@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the bytes of a report to what was measured, as a layout says. No heap, no exceptions.
+// From the bytes of a report to measured values, by a layout. No heap, no exceptions.
 #pragma once
 
 #include <array>
@@ -13,24 +13,24 @@
 
 namespace condyle::hal {
 
-/// Why a report gave nothing.
+/// Why a report could not be decoded.
 enum class [[nodiscard]] ReportFault : std::uint8_t{
     none,
-    other_report,          ///< numbered differently; not an error
+    other_report,          ///< another report id; not an error
     too_short,             ///< below the layout's minimum size
     wrong_checksum,        ///< damaged on the way
     counter_out_of_range,  ///< sequence or clock at or beyond its `wraps_at`
-    unusable_profile,      ///< find_layout_problem (layout_check.h) says why
+    unusable_profile,      ///< see find_layout_problem (layout_check.h)
 };
 
-/// Name of a fault as it stands in messages.
+/// Name of a fault in messages.
 constexpr const char* fault_name(ReportFault fault) {
   constexpr const char* names[] = {"none",           "other report",         "too short",
                                    "wrong checksum", "counter out of range", "unusable profile"};
   return names[static_cast<int>(fault)];
 }
 
-/// What one report says.
+/// The content of one report.
 struct DecodedReport {
   SampleKind kind = SampleKind::one_point;
   std::array<double, 9> coordinates{};  ///< as in Sample (m); NaN where not measured
@@ -43,15 +43,14 @@ struct DecodedReport {
   std::array<MeasuredValue, kMaxAuxiliary> auxiliary{};  ///< in the layout's order, SI
 };
 
-/// Reads the reports of one layout. Decoding allocates nothing and changes nothing here.
+/// Decodes the reports of one layout. Decoding allocates nothing and changes nothing here.
 class ReportDecoder {
  public:
-  /// `layout`: layout_of(profile) (profile_check.h), where there is a profile.
+  /// `layout`: layout_of(profile) (profile_check.h), if there is a profile.
   explicit ReportDecoder(const ReportLayout& layout);
 
-  /// Reads `bytes`, whatever they are. `report` is written only with ReportFault::none. A
-  /// quaternion is brought to length 1; where it is off by more than 1 %, the position is not
-  /// valid.
+  /// Decodes any `bytes`. `report` is written only with ReportFault::none. A quaternion is
+  /// normalised; if its length is off by more than 1 %, the position is not valid.
   ReportFault decode(std::span<const std::uint8_t> bytes, DecodedReport& report) const;
 
   /// The layout it was built with.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What became of a device's reports.
+// Counts the reports of a device.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,18 @@
 
 namespace condyle::hal {
 
-/// What became of the reports. A damaged or short report is also one that the counter misses, so it
-/// stands in `lost` too; received + lost = sent, as far as the last report received, unless
-/// sequence_restarts or unknown_losses say otherwise.
+/// Counts of reports. The counter also misses a damaged or short report, so `lost` includes it.
+/// received + lost = sent, up to the last report received, unless there were sequence_restarts or
+/// unknown_losses.
 struct ReportCounts {
-  std::uint64_t received = 0;           ///< decoded, and not seen before
-  std::uint64_t lost = 0;               ///< missed, by the device's own counter
-  std::uint64_t duplicated = 0;         ///< the same count once more; not used
-  std::uint64_t sequence_restarts = 0;  ///< the counter went back; what was lost is not known
-  std::uint64_t unknown_losses = 0;     ///< gaps over which the counter cannot tell what was lost
-  std::uint64_t unknown_reconnections = 0;  ///< of those, where it was unplugged and starts anew
+  std::uint64_t received = 0;               ///< decoded, and not seen before
+  std::uint64_t lost = 0;                   ///< missed, by the device's counter
+  std::uint64_t duplicated = 0;             ///< the same count again; not used
+  std::uint64_t sequence_restarts = 0;      ///< the counter went back; losses unknown
+  std::uint64_t unknown_losses = 0;         ///< gaps whose length the counter cannot give
+  std::uint64_t unknown_reconnections = 0;  ///< of those, after reconnections with a restart
   std::uint64_t clock_jumps = 0;            ///< the device's clock could not be followed
-  std::uint64_t other_reports = 0;          ///< of another report id; no fault
+  std::uint64_t other_reports = 0;          ///< with another report id; not a fault
   std::uint64_t too_short = 0;
   std::uint64_t wrong_checksum = 0;
   std::uint64_t counter_out_of_range = 0;
@@ -30,8 +30,8 @@ struct ReportCounts {
 
 /// A report's place and time.
 struct TrackedReport {
-  SequenceStep sequence;  ///< of a layout without counter: the reports received
-  ClockStep clock;        ///< of a layout without clock: the host's time
+  SequenceStep sequence;  ///< without a counter in the layout: the reports received
+  ClockStep clock;        ///< without a clock in the layout: the host's time
 };
 
 /// Follows counter and clock of one device, and counts.
@@ -39,10 +39,9 @@ class ReportTracker {
  public:
   explicit ReportTracker(const ReportContent& content);
 
-  /// A report that was decoded. A duplicated one keeps the time of the one before and is not to be
-  /// used.
+  /// Takes a decoded report. A duplicate keeps the time of the previous report; do not use it.
   TrackedReport accept(const DecodedReport& report, TimeNs host_time_ns);
-  /// A report that was not.
+  /// Takes a report that could not be decoded.
   void refuse(ReportFault fault);
   /// The device was unplugged and is back.
   void reconnect();

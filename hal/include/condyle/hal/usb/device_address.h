@@ -6,13 +6,13 @@
 
 namespace condyle::hal {
 
-/// Which device is meant: the first that all of this fits.
+/// Selects a device: the first that matches all of these.
 struct DeviceAddress {
   std::uint16_t vendor_id = 0, product_id = 0;
-  int interface_number = -1;  ///< -1: the first HID interface; of a USB device
-  std::string serial;         ///< empty: any
-  /// Where it is, "/dev/hidraw3" (hidapi only), or the USB port it is plugged into, "1-1.4", which
-  /// tells devices without serial number apart; empty: anywhere.
+  int interface_number = -1;  ///< -1: the first HID interface; for USB devices
+  std::string serial;         ///< empty: any device
+  /// Its place: "/dev/hidraw3" (hidapi only), or its USB port, "1-1.4", which distinguishes devices
+  /// without serial number; empty: anywhere.
   std::string path;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The HID devices that are plugged in, without opening any.
+// Lists the HID devices that are plugged in, without opening them.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace condyle::hal {
 /// How a device is connected.
 enum class DeviceBus : std::uint8_t { unknown, usb, bluetooth, i2c, spi };
 
-/// Name of a bus as it stands in messages.
+/// Name of a bus in messages.
 constexpr const char* bus_name(DeviceBus bus) {
   constexpr const char* names[] = {"unknown bus", "USB", "Bluetooth", "I2C", "SPI"};
   return names[static_cast<int>(bus)];
@@ -23,17 +23,17 @@ constexpr const char* bus_name(DeviceBus bus) {
 /// Whether this process may use a device file.
 enum class DeviceAccess : std::uint8_t {
   permitted,
-  not_permitted,  ///< it may not be read and written: see hal/udev
+  not_permitted,  ///< access is denied: see hal/udev
   not_there,      ///< there is no such file
 };
 
-/// Name of an access as it stands in messages.
+/// Name of an access in messages.
 constexpr const char* access_name(DeviceAccess access) {
   constexpr const char* names[] = {"permitted", "not permitted", "not there"};
   return names[static_cast<int>(access)];
 }
 
-/// A HID interface of a device. Texts are UTF-8, empty where the device has none.
+/// A HID interface of a device. Texts are UTF-8, empty if the device has none.
 struct HidDevice {
   std::uint16_t vendor_id = 0, product_id = 0;
   std::uint16_t usage_page = 0, usage = 0;  ///< of its first collection
@@ -47,13 +47,14 @@ struct HidDevice {
   DeviceAccess usb_access = DeviceAccess::not_there;  ///< to `usb_path`
 };
 
-/// The HID devices there are, in the order of their nodes; 0: any vendor or product. A device that
-/// is coming or going may be left out. `hidraw_class`: where sysfs keeps them. Allocates.
+/// The HID devices, in the order of their nodes; 0: any vendor or product. A device that is being
+/// plugged in or unplugged may be missing. `hidraw_class`: folder of sysfs that lists them.
+/// Allocates.
 std::vector<HidDevice> list_hid_devices(
     std::uint16_t vendor_id = 0, std::uint16_t product_id = 0,
     const std::filesystem::path& hidraw_class = "/sys/class/hidraw");
 
-/// Whether `address` means this device.
+/// Whether `address` matches this device.
 bool fits(const DeviceAddress& address, const HidDevice& device);
 
 }  // namespace condyle::hal

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reports through the kernel's own HID driver (hidapi on /dev/hidraw*): the device stays usable by
-// others. The kernel keeps 64 reports for a reader who is slow, then drops the newest; on unplug
-// what it keeps is lost. Only the device's counter tells how many.
+// Reads reports through the kernel's HID driver (hidapi on /dev/hidraw*): other programs can still
+// use the device. The kernel keeps 64 reports for a slow reader, then drops the newest; on unplug
+// it drops what it keeps. Only the device's counter shows how many were lost.
 #pragma once
 
 #include <array>
@@ -16,8 +16,8 @@ struct hid_device_;  // hidapi's
 
 namespace condyle::hal {
 
-/// See ReportSource. Uses the first device that `address` fits. Setting up allocates; reading does
-/// not.
+/// See ReportSource. Uses the first device that `address` matches. Setting up allocates; reading
+/// does not.
 class HidapiSource final : public ReportSource {
  public:
   HidapiSource(DeviceAddress address, Clock& clock);
@@ -27,12 +27,12 @@ class HidapiSource final : public ReportSource {
 
   /// ok, not_found or not_permitted.
   Status open() override;
-  /// A signal ends the wait early, as timeout.
+  /// A signal ends the wait early, with timeout.
   Status read(TimeNs deadline_ns, RawReport& report) override;
   void close() override;
   TransportCounts counts() const override { return counts_; }
 
-  /// The report descriptor of the device opened last; empty where it has gone.
+  /// The report descriptor of the device opened last; empty if it is gone.
   std::vector<std::uint8_t> report_descriptor() const;
   /// "/dev/hidraw3", of the device opened last.
   const std::string& path() const { return path_; }
