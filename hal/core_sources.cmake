@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# What a target without an operating system uses too: no heap, no exceptions, no strings.
+# Sources for targets without an operating system too: no heap, no exceptions, no strings.
 set(condyle_hal_core_sources)
 foreach(name
     link/link_archive

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Items, of which a report descriptor consists.
+// The items of which a report descriptor consists.
 #pragma once
 
 #include <cstddef>
@@ -44,7 +44,7 @@ enum LocalTag : std::uint8_t {
 };
 constexpr std::uint8_t kLongItem = 0xFE;
 
-// Data of a short item, both ways to read it.
+// Data of a short item, read as unsigned and as signed.
 struct Item {
   std::uint8_t type = 0, tag = 0;
   std::size_t size = 0;
@@ -57,7 +57,7 @@ struct Item {
   }
 };
 
-// A range whose maximum is unsigned where its minimum is not negative, as devices use it.
+// A range whose maximum is unsigned if its minimum is not negative, as devices use it.
 struct ItemRange {
   std::int64_t minimum = 0;
   Item maximum_item;

@@ -36,7 +36,7 @@ Candidates find_candidates(const ReportDescriptor& descriptor,
   return found;
 }
 
-// "" where the candidates are one position in metres.
+// "" if the candidates are one position in metres.
 std::string find_fault(const Candidates& found) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::string name = kAxisNames[axis];
@@ -73,7 +73,7 @@ ReportField field_of(const Candidate& candidate, bool is_reversed) {
   field.type = described.is_signed() ? FieldType::signed_integer : FieldType::unsigned_integer;
   field.scale = sign * described.unit.scale.value_or(0);
   field.offset = sign * described.unit.offset.value_or(0);
-  // As in Linux, a range that is none tells nothing.
+  // As in Linux, an invalid range is ignored.
   if (described.logical_minimum < described.logical_maximum) {
     field.range = {described.logical_minimum, described.logical_maximum};
   }

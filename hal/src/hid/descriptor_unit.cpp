@@ -26,7 +26,8 @@ int power_of(std::uint32_t code, int quantity) {
   return nibble < 8 ? nibble : nibble - 16;
 }
 
-// Powers of ten apart from other factors, so that decimal units convert without rounding twice.
+// Powers of ten are kept apart from other factors, so that decimal units convert without rounding
+// twice.
 struct Factor {
   int tens = 0;
   double other = 1;
@@ -72,7 +73,7 @@ std::string text_of(std::uint32_t code) {
 }
 
 double times_ten_to(double value, int exponent) {
-  // Dividing by a positive power is exact where multiplying by its reciprocal is not.
+  // Dividing by a positive power is exact; multiplying by its reciprocal is not.
   return exponent < 0 ? value / std::pow(10.0, -exponent) : value * std::pow(10.0, exponent);
 }
 

@@ -32,7 +32,7 @@ const ReportField& field_of(const DeviceProfile& profile, const LayoutProblem& p
   return profile.coordinates[problem.index].field;
 }
 
-// Of a problem that a field has by itself; "" where it is another's.
+// Words for a problem of a single field; "" for other problems.
 Words field_words(LayoutFault fault, const ReportField& field, std::size_t size_bytes) {
   const std::string width = std::to_string(field.width_bits);
   const auto possible = [&] {

@@ -8,7 +8,7 @@
 namespace condyle::hal {
 namespace {
 
-// Of any profile with at most kMaxAuxiliary auxiliary fields, usable or not.
+// For any profile with at most kMaxAuxiliary auxiliary fields, usable or not.
 ReportLayout bare_layout_of(const DeviceProfile& profile) {
   ReportLayout layout{profile, {}};
   for (const AuxiliaryField& auxiliary : profile.auxiliary) {

@@ -28,7 +28,7 @@ struct GlobalState {
 
 struct LocalUsage {
   UsageRange range;
-  bool is_extended = false;  // gives its own page
+  bool is_extended = false;  // it contains its own page
 };
 
 struct LocalState {
@@ -173,7 +173,7 @@ class Parser {
   }
 
   void read_local(const Item& item) {
-    // Of alternatives, the first is what the device prefers (HID 1.11, 6.2.2.8).
+    // The device prefers the first of alternatives (HID 1.11, 6.2.2.8).
     const bool is_alternative = local_.delimiter_depth > 0 && local_.delimiter_branch > 1;
     switch (item.tag) {
       case usage_tag:
@@ -203,7 +203,7 @@ class Parser {
       case string_index_tag:
       case string_minimum_tag:
       case string_maximum_tag:
-        return;  // names of body parts and strings: nothing is decoded with them
+        return;  // names of body parts and strings are not decoded
       default:
         note("an unknown local item, tag " + std::to_string(item.tag) + ", not read");
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writer, reader and locator of messages have the same functions, so that one list of a message's
-// values serves all. What is longer than a call stands in link_archive.cpp, once: on a target room
-// is short. Library-private.
+// values serves all. Longer functions are in link_archive.cpp, once, because memory is short on a
+// target. Library-private.
 #pragma once
 
 #include <bit>
@@ -26,7 +26,7 @@ class LinkWriter {
 
   explicit LinkWriter(std::span<std::uint8_t> bytes) : bytes_(bytes) {}
 
-  /// `value` as a `Wire`; a value that this cannot hold is not written.
+  /// Writes `value` as a `Wire`; refuses a value that this cannot hold.
   template <class Wire, class Value>
   void integer(const Value& value) {
     ok_ = ok_ && std::in_range<Wire>(value);
@@ -58,11 +58,11 @@ class LinkWriter {
     for (const Value& value : values) exchange(value);
   }
   void rest(const std::span<const std::uint8_t>& bytes, std::size_t most);
-  /// What holds of a message that is read.
+  /// Conditions are checked only when a message is read.
   void require(bool, RefusalReason) {}
   bool ok() const { return ok_; }
 
-  /// Bytes written; none where something did not fit.
+  /// Bytes written; none if something did not fit.
   std::optional<std::size_t> finish() const {
     if (!ok_) return {};
     return size_;
@@ -80,7 +80,7 @@ class LinkWriter {
   bool ok_ = true;
 };
 
-/// Reads values one after the other. From the first that is refused on, all read as zero.
+/// Reads values one after the other. From the first refused value on, all read as zero.
 class LinkReader {
  public:
   static constexpr bool kWrites = false;
@@ -98,14 +98,14 @@ class LinkReader {
     require(read <= 1, RefusalReason::unknown_value);
     value = read == 1;
   }
-  /// One of those up to `highest`.
+  /// An enumerator up to `highest`.
   template <class Enumeration>
   void enumeration(Enumeration& value, Enumeration highest) {
     const auto read = load<std::uint8_t>();
     require(read <= static_cast<std::uint8_t>(highest), RefusalReason::unknown_value);
     value = static_cast<Enumeration>(ok() ? read : 0);
   }
-  /// Any, NaN too.
+  /// Any value, NaN included.
   template <class Number>
   void number(Number& value) {
     value = std::bit_cast<Number>(load<BitsOf<Number>>());
@@ -134,16 +134,16 @@ class LinkReader {
       values.push_back(value);
     }
   }
-  /// All that is left, at most `most` bytes.
+  /// All remaining bytes, at most `most`.
   void rest(std::span<const std::uint8_t>& bytes, std::size_t most);
-  /// Refuses the last value where `condition` does not hold.
+  /// Refuses the last value unless `condition` holds.
   void require(bool condition, RefusalReason reason) {
     if (ok() && !condition) refusal_ = {reason, index_};
   }
 
   bool ok() const { return refusal_.reason == RefusalReason::none; }
 
-  /// Nothing may be left.
+  /// Refuses the message if bytes remain.
   Refusal finish();
 
  private:
@@ -159,7 +159,7 @@ class LinkReader {
   Refusal refusal_;
 };
 
-/// `Value`, const for those who do not change it.
+/// `Value`, const for functions that do not change it.
 template <class Archive, class Value>
 using Exchanged = std::conditional_t<Archive::kWrites, const Value, Value>;
 

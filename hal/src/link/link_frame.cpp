@@ -28,9 +28,9 @@ constexpr std::uint16_t advanced(std::uint16_t sum, std::uint8_t byte) {
   return static_cast<std::uint16_t>(sum >> 8U ^ kTable[(sum ^ byte) & 0xFFU]);
 }
 
-// Two frames whose 0s were lost between them are never taken for one: after the first with its
-// checksum the register is always this, and neither this nor what a 0 in between makes of it is
-// what the second one's checksum began with.
+// Two frames whose separating 0s were lost are never taken for one. After the first frame with its
+// checksum the register always has this value, and neither this value nor what a 0 makes of it is
+// the initial value for the checksum of the second.
 constexpr std::uint16_t kResidue = 0xF0B8;
 static_assert(kResidue != kInitial && advanced(kResidue, 0) != kInitial);
 
@@ -44,7 +44,7 @@ constexpr std::uint16_t number(std::uint8_t low_byte, std::uint8_t high_byte) {
   return static_cast<std::uint16_t>(low_byte | high_byte << 8U);
 }
 
-// Stuffs bytes as they come. Each block is led by its code, which is known at its end.
+// Stuffs bytes as they come. Each block begins with its code, which is known only at its end.
 class Stuffer {
  public:
   explicit Stuffer(std::span<std::uint8_t> line) : line_(line) { begin_block(); }
@@ -127,7 +127,7 @@ bool FrameDecoder::take(std::uint8_t byte) {
     --remaining_;
     return false;
   }
-  // The block before stands for a 0 at its end, unless it was as long as can be.
+  // The previous block stands for a 0 at its end, unless it had the maximum length.
   if (code_ != 0 && code_ != kLargestCode) append(0);
   code_ = byte;
   remaining_ = static_cast<std::uint8_t>(byte - 1);
@@ -144,7 +144,7 @@ void FrameDecoder::append(std::uint8_t byte) {
   bytes_[size_++] = byte;
 }
 
-// Two 0s in a row are no frame at all.
+// Two 0s in a row are not a frame.
 bool FrameDecoder::finish() {
   const bool is_whole = code_ != 0 && !is_skipping_ && check();
   size_ = 0;

@@ -68,7 +68,7 @@ void exchange(Archive& archive, Exchanged<Archive, LayoutMessage>& message) {
   archive.list(layout.auxiliary, part);
 }
 
-// Calls of visit_fields, visit_motion_fields and visit_joint_fields.
+// Called by visit_fields, visit_motion_fields and visit_joint_fields.
 template <class Archive>
 auto field_exchange(Archive& archive) {
   return [&archive](const char*, const char*, auto* values, std::size_t count, const char*,
@@ -202,7 +202,7 @@ void exchange_axis(Archive& archive, Axis& axis) {
   }
 }
 
-// 0 before there is an estimate.
+// 0 before the first estimate.
 constexpr bool is_axis_count(int count) {
   return count == 0 || count == 1 || count == 3;
 }

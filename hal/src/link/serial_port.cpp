@@ -74,7 +74,7 @@ Status SerialPort::open_device(const std::string& path, unsigned baud) {
   if (tcgetattr(file_, &settings) != 0) return fail("serial port", errno);
   cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;
-  // HUPCL would drop DTR when it is closed, which resets many a board.
+  // HUPCL would drop DTR on close, which resets many boards.
   settings.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | CRTSCTS | HUPCL);
   cfsetispeed(&settings, rate->code);
   cfsetospeed(&settings, rate->code);
@@ -103,7 +103,7 @@ void SerialPort::close() {
 Status SerialPort::wait(short events, TimeNs deadline_ns) {
   for (;;) {
     const TimeNs left_ns = std::clamp<TimeNs>(deadline_ns - clock_.now_ns(), 0, kLongestPoll_ns);
-    // Rounded up, so that it does not turn in circles within the last millisecond.
+    // Rounded up, so that it does not spin in the last millisecond.
     const auto left_ms = static_cast<int>((left_ns + 999'999) / 1'000'000);
     pollfd entry{file_, events, 0};
     const int ready = poll(&entry, 1, left_ms);
@@ -129,7 +129,7 @@ Status SerialPort::read(TimeNs deadline_ns, std::span<std::uint8_t> bytes, std::
 
 Status SerialPort::write(std::span<const std::uint8_t> bytes) {
   while (!bytes.empty()) {
-    // A line that was cut is an answer, no signal.
+    // A cut line is reported as a result, not by a signal.
     const ssize_t sent = is_socket_ ? send(file_, bytes.data(), bytes.size(), MSG_NOSIGNAL)
                                     : ::write(file_, bytes.data(), bytes.size());
     if (sent > 0) {
@@ -137,7 +137,7 @@ Status SerialPort::write(std::span<const std::uint8_t> bytes) {
       continue;
     }
     if (sent < 0 && errno != EAGAIN && errno != EINTR) return Status::disconnected;
-    // A signal does not end it: a frame goes out whole.
+    // A signal does not interrupt it: a frame is sent whole.
     const TimeNs deadline_ns = clock_.now_ns() + kWritePatience_ns;
     Status status = Status::timeout;
     while (status == Status::timeout && clock_.now_ns() < deadline_ns) {

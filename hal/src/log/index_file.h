@@ -15,8 +15,8 @@
 
 namespace condyle::hal {
 
-/// The index of a session log in a file without a name, on the log's own disk: it takes no memory,
-/// and a crash leaves nothing of it. Where the disk has no such files, memory keeps the index.
+/// The index of a session log in an unnamed file on the log's disk: it takes no memory, and a crash
+/// leaves nothing of it. If the disk does not support such files, memory holds the index.
 class IndexFile final : public McapIndexStore {
  public:
   explicit IndexFile(const std::string& log) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers and strings as MCAP stores them: little endian, strings led by their uint32 length.
+// Numbers and strings as MCAP stores them: little endian, strings preceded by their uint32 length.
 #pragma once
 
 #include <concepts>
@@ -14,7 +14,7 @@ namespace condyle::hal {
 using Bytes = std::vector<std::uint8_t>;
 using ByteSpan = std::span<const std::uint8_t>;
 
-/// `size` where memory is addressed; it must fit.
+/// `size` as an address in memory; it must fit.
 constexpr std::size_t to_size(unsigned long long size) {
   return static_cast<std::size_t>(size);
 }
@@ -24,7 +24,7 @@ inline ByteSpan bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// The text that `bytes` are.
+/// `bytes` as text.
 inline std::string_view text_of(ByteSpan bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
@@ -55,8 +55,8 @@ inline void append_string(Bytes& out, std::string_view text) {
   append_bytes(out, bytes_of(text));
 }
 
-/// Takes numbers and strings off the front of some bytes. What is not there reads as zero or empty,
-/// and `ok()` is false from then on.
+/// Takes numbers and strings from the front of some bytes. Missing ones read as zero or empty, and
+/// `ok()` is false from then on.
 class ByteParser {
  public:
   explicit ByteParser(ByteSpan bytes) : rest_(bytes) {}

@@ -12,7 +12,7 @@ inline bool is_known(McapOpcode opcode) {
   return opcode >= McapOpcode::header && opcode <= McapOpcode::data_end;
 }
 
-/// The opcode in messages.
+/// The opcode as it appears in messages.
 inline std::string number_text(McapOpcode opcode) {
   return std::to_string(static_cast<int>(opcode));
 }

@@ -59,7 +59,7 @@ Status McapReader::open(const std::string& path) {
     return status;
   };
 
-  // Not blocking: a pipe would wait for its other end.
+  // Non-blocking: opening a pipe would wait for its other end.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {
     const int error = errno;
@@ -92,7 +92,7 @@ Status McapReader::open(const std::string& path) {
   sound_ = magic.size();
   data_crc_ = extend_crc(0, magic);
   zstd_.reset(ZSTD_createDCtx());
-  // All the memory that reading may take; the system gives the pages when they are used.
+  // All the memory that reading may take; the system assigns the pages on first use.
   content_.reserve(to_size(std::min<std::uint64_t>(
       size_, std::max(limits_.record_bytes, ZSTD_compressBound(limits_.chunk_bytes) + 64))));
   chunk_.reserve(limits_.chunk_bytes);
@@ -105,7 +105,7 @@ McapReader::Step McapReader::stop(McapRead outcome, std::uint64_t byte_offset, s
   return Step::stop;
 }
 
-// The bytes end too early: a cut, unless the end of the file is there.
+// The bytes end too early: the file was cut, unless its end is there.
 McapReader::Step McapReader::cut_off(std::string reason) {
   return stop(ends_with_magic_ ? McapRead::damaged : McapRead::truncated, record_start_,
               std::move(reason));
@@ -212,7 +212,7 @@ McapReader::Step McapReader::take_footer(ByteSpan content) {
   return stop(McapRead::end, size_, "");
 }
 
-// True where nothing but zeros follows in the file.
+// True if only zeros follow in the file.
 bool McapReader::rest_is_zero() {
   std::array<std::uint8_t, 65536> block{};
   while (const std::size_t got = std::fread(block.data(), 1, block.size(), file_.get())) {

@@ -87,7 +87,7 @@ McapReader::Step McapReader::take(McapOpcode opcode, ByteSpan content, McapRecor
       parser.sized_bytes();
       return parser.ok() ? Step::skip : damaged("a message index is too short");
     default:
-      // Others' extensions are skipped, as the specification asks.
+      // Foreign extensions are skipped, as the specification requires.
       return is_known(opcode) ? damaged("a record of kind " + number_text(opcode) +
                                         " is not allowed before the end of the data")
                               : Step::skip;

@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view kCompression = "zstd";
 constexpr std::size_t kIndexPiece = 64 * 1024;
 
-// Appends a record's head; end_record sets its length.
+// Appends the head of a record; end_record sets its length.
 std::size_t begin_record(Bytes& out, McapOpcode opcode) {
   const std::size_t begin = out.size();
   out.push_back(static_cast<std::uint8_t>(opcode));
@@ -243,7 +243,7 @@ void McapWriter::append_summary_group(McapOpcode opcode, const Bytes& records, B
   append_offset(opcode, start, offsets);
 }
 
-// Piece by piece, where it is long.
+// Writes piece by piece if it is long.
 bool McapWriter::append_chunk_indices(const std::function<bool()>& write, Bytes& offsets) {
   const std::uint64_t start = position();
   for (std::uint64_t done = 0; done < stored_;) {
@@ -266,7 +266,7 @@ bool McapWriter::finish(const std::function<bool()>& write) {
   const std::size_t end = begin_record(out_, McapOpcode::data_end);
   append_number(out_, data_crc_);
   set_length(out_, end);
-  if (write && !write()) return false;  // so that what is pending is of the summary
+  if (write && !write()) return false;  // so that only the summary is pending
 
   const std::uint64_t summary_start = position();
   const std::size_t summary = out_.size();
@@ -285,7 +285,7 @@ bool McapWriter::finish(const std::function<bool()>& write) {
   append_number(out_, offsets_start);
   append_number<std::uint32_t>(out_, 0);
   set_length(out_, footer);
-  // Of the summary is what is pending, but for what stood before it.
+  // The pending bytes belong to the summary, except those from before it.
   const std::size_t begin = write ? 0 : summary;
   store_little_endian(
       out_.data() + out_.size() - 4,

@@ -27,7 +27,7 @@ Status PcapFile::open(const std::string& path) {
   packets_ = 0;
   has_ended_ = false;
   problem_.clear();
-  // Not blocking: a pipe would wait for its other end.
+  // Non-blocking: opening a pipe would wait for its other end.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {
     const int error = errno;
@@ -91,7 +91,7 @@ PcapFile::Read PcapFile::next(UsbmonPacket& packet) {
       nanosecond >= kNanosecondsPerSecond) {
     return Read::unreadable;
   }
-  // Both headers begin alike, and libpcap has put them into this machine's byte order.
+  // Both headers begin alike, and libpcap has converted them to this machine's byte order.
   pcap_usb_header header;
   std::memcpy(&header, bytes, sizeof(header));
   packet.number = packets_;

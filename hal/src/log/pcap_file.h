@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packets of Linux's usbmon out of a pcap or pcapng file. Sources: the kernel's
+// Reads packets of Linux's usbmon from a pcap or pcapng file. Sources: the kernel's
 // Documentation/usb/usbmon.rst (binary API) and the link types of tcpdump.org.
 #pragma once
 
@@ -15,7 +15,7 @@ struct pcap;
 
 namespace condyle::hal {
 
-/// A packet of usbmon. `data` lives until the next is read.
+/// A packet of usbmon. `data` is valid until the next packet is read.
 struct UsbmonPacket {
   std::uint64_t number = 0;  ///< in the file, from 1
   TimeNs time_ns = 0;        ///< of capture, since 1970
@@ -41,13 +41,13 @@ class PcapFile {
   enum class [[nodiscard]] Read : std::uint8_t{packet, unreadable, end, damaged};
 
   PcapFile();
-  /// ok, not_found, not_permitted or bad_report; problem() says why.
+  /// ok, not_found, not_permitted or bad_report; problem() gives the reason.
   Status open(const std::string& path);
-  /// The next packet; `unreadable` where it is shorter than its header. After `damaged` or `end`
+  /// The next packet; `unreadable` if it is shorter than its header. After `damaged` or `end`
   /// nothing else comes.
   Read next(UsbmonPacket& packet);
   const std::string& problem() const { return problem_; }
-  /// Share of the file read so far, 0 to 1; 0 of a pipe.
+  /// Share of the file read so far, 0 to 1; 0 for a pipe.
   double progress() const;
 
  private:

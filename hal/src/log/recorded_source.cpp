@@ -21,7 +21,7 @@ Status RecordedSource::open() {
 Status RecordedSource::read(TimeNs deadline_ns, RawReport& report) {
   const Status status = source_.read(deadline_ns, report);
   record_faults();
-  // What is lost here the log counts, and says.
+  // The log counts and reports what is lost here.
   if (status == Status::ok) static_cast<void>(log_.write(source_index_, report));
   if (status == Status::disconnected) record(SessionEvent::disconnected, 1);
   return status;

@@ -11,22 +11,23 @@
 
 namespace condyle::hal {
 
-/// What one place in the ring holds: a report, or an event with its text.
+/// The content of one place in the ring: a report, or an event with its text.
 struct RingSlot {
-  RawReport report;              ///< of an event: its time and text
+  RawReport report;              ///< for an event: its time and text
   std::uint8_t event = 0;        ///< SessionEvent; 0: a report
   std::uint64_t count = 1;       ///< how often it happened
   std::uint64_t lost_count = 0;  ///< reports and events lost before this one, since the start
 };
 
-/// A queue of fixed size between one thread that puts and one that takes; neither waits.
+/// A queue of fixed size between one writing and one reading thread; neither waits.
 class ReportRing {
  public:
-  /// `report_places` for anything and `event_places` more for events alone.
+  /// `report_places` for reports or events, and `event_places` more for events only.
   ReportRing(std::size_t report_places, std::size_t event_places)
       : slots_(report_places + event_places), report_places_(report_places) {}
 
-  /// The putting thread: a place to fill, then publish(); nullptr where the ring is full, counted.
+  /// For the writing thread: a place to fill, then call publish(); nullptr, and counted, if the
+  /// ring is full.
   RingSlot* reserve(bool is_event) {
     const std::uint64_t used = put_.load(std::memory_order_relaxed) -  //
                                taken_.load(std::memory_order_acquire);
@@ -43,13 +44,13 @@ class ReportRing {
     put_.store(put_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
   }
 
-  /// The taking thread: the oldest entry, then pop(); nullptr where there is none.
+  /// For the reading thread: the oldest entry, then call pop(); nullptr if there is none.
   const RingSlot* front() const {
     const std::uint64_t taken = taken_.load(std::memory_order_relaxed);
     if (taken == put_.load(std::memory_order_acquire)) return nullptr;
     return &slots_[to_size(taken % slots_.size())];
   }
-  /// The taking thread: entries that are there.
+  /// For the reading thread: number of entries.
   std::uint64_t size() const {
     return put_.load(std::memory_order_acquire) - taken_.load(std::memory_order_relaxed);
   }

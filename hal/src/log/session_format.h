@@ -16,7 +16,7 @@ namespace condyle::hal {
 
 inline constexpr std::string_view kSessionMetadata = "condyle_session";
 inline constexpr std::string_view kSessionFormat = "1";
-/// Uncompressed size of a chunk at which it is closed, and largest that is read.
+/// Uncompressed size at which a chunk is closed, and largest size that is read.
 inline constexpr std::size_t kFullChunkBytes = std::size_t{512} << 10;
 inline constexpr std::size_t kMaxChunkBytes = std::size_t{1} << 20;
 /// Longest profile or parameters text.
@@ -60,14 +60,14 @@ constexpr std::uint16_t event_channel(std::size_t source_index) {
 
 /// The header's short facts, with a checksum over them (MCAP has none for metadata).
 McapPairs session_pairs(const SessionHeader& header);
-/// Reads them back: all but the attachments' texts. Empty, or what is wrong.
+/// Reads them back, without the texts of the attachments. Returns "" or the problem.
 std::string parse_session_pairs(const McapPairs& pairs, SessionHeader& header);
 
 /// Replaces `out` by the message.
 void encode_report(const RawReport& report, Bytes& out);
 void encode_event(TimeNs time_ns, SessionEvent kind, std::uint64_t count, std::string_view text,
                   Bytes& out);
-/// False: the bytes are no such message.
+/// False: the bytes are not such a message.
 bool decode_report(ByteSpan bytes, RawReport& report);
 bool decode_event(ByteSpan bytes, SessionEventRecord& event);
 

@@ -29,7 +29,7 @@ std::string checksum(const McapPairs& pairs) {
   return std::to_string(extend_crc(0, bytes));
 }
 
-// Takes the pairs in their order.
+// Reads the pairs in their order.
 class PairParser {
  public:
   explicit PairParser(const McapPairs& pairs) : pairs_(pairs) {}

@@ -19,12 +19,12 @@
 namespace condyle::hal {
 namespace {
 
-// The new file's entry in its folder is on the disk, too.
+// Also writes the new file's entry in its folder to the disk.
 void synchronise_folder(const std::string& path) {
   std::string folder = std::filesystem::path(path).parent_path().string();
   const int descriptor =
       ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;  // a folder that may be written but not read: nothing to be done
+  if (descriptor < 0) return;  // a folder that can be written but not read: nothing can be done
   static_cast<void>(fsync(descriptor));
   ::close(descriptor);
 }
@@ -80,8 +80,8 @@ SessionLogFailure SessionLogWriter::open(const std::string& path, const SessionH
   }
   if (create(path) != SessionLogFailure::none) return failure_;
 
-  // Signals are for the program's own threads; blocked here, the one for a file grown too large
-  // (SIGXFSZ) leaves it to write() to say so.
+  // Signals are for the program's own threads. The one for a file that is too large (SIGXFSZ) is
+  // blocked, so that write() reports the error.
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);

@@ -49,7 +49,7 @@ Status SessionLogReader::open(const std::string& path) {
   return Status::bad_report;
 }
 
-// The records before the first chunk come in one order: header, facts, attachments.
+// The records before the first chunk have a fixed order: header, facts, attachments.
 std::string SessionLogReader::take_header() {
   McapRecord record;
   const auto next = [&]() -> std::string {
@@ -134,7 +134,7 @@ bool SessionLogReader::take(const McapMessage& message, SessionEntry& entry) {
 McapRead SessionLogReader::stop(McapRead outcome, std::string reason) {
   condition_.outcome = outcome;
   condition_.lost_bytes = mcap_.size_bytes() - mcap_.sound_bytes();
-  // Of a whole record the reader gives only where it ends.
+  // For a whole record the reader gives only its end.
   const McapProblem& problem = mcap_.problem();
   condition_.problem = {problem.reason.empty() ? mcap_.sound_bytes() : problem.byte_offset,
                         std::move(reason)};

@@ -49,7 +49,7 @@ Status SessionLogSource::read(TimeNs deadline_ns, RawReport& report) {
   }
 }
 
-// False where the device went away.
+// False if the device went away.
 bool SessionLogSource::take_event(const SessionEventRecord& event) {
   switch (event.kind) {
     case SessionEvent::disconnected:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the two halves of SessionLogWriter share: its callers' (session_log.cpp) and its thread's
+// Shared by the two halves of SessionLogWriter: its callers' (session_log.cpp) and its threads'
 // (session_log_thread.cpp).
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace condyle::hal {
 
-/// Places of a ring that only events may take.
+/// Places of a ring reserved for events.
 inline constexpr std::size_t kEventPlaces = 64;
 
 struct SessionLogWriter::Source {
@@ -19,7 +19,7 @@ struct SessionLogWriter::Source {
   TimeNs last_time_ns = 0;
 };
 
-/// The failure that errno `error` stands for.
+/// The failure for errno `error`.
 SessionLogFailure failure_of(int error);
 
 }  // namespace condyle::hal

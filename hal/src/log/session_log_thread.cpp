@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The threads of a session log, and the file: one writes, one synchronises, so that a slow disk
-// holds up no more than its own safety from power loss.
+// The threads of a session log, and the file: one thread writes, one synchronises, so that a slow
+// disk delays only the protection against power loss.
 #include <unistd.h>
 
 #include <algorithm>
@@ -73,7 +73,7 @@ void SessionLogWriter::run() {
 void SessionLogWriter::drain() {
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     ReportRing& ring = sources_[i]->ring;
-    // No more than is there now: a fast source must not keep the thread from its other work.
+    // Takes only what is there now: a fast source must not keep the thread from its other work.
     for (std::uint64_t left = ring.size(); left > 0; --left) {
       add(i, *ring.front());
       ring.pop();
@@ -117,7 +117,7 @@ void SessionLogWriter::announce_lost(std::size_t source_index, std::uint64_t los
   source.announced_lost = lost_count;
 }
 
-// MCAP wants one clock for all; the wall clock shows the date. The reports keep their own times.
+// MCAP needs one clock for all; the wall clock shows the date. The reports keep their own times.
 std::uint64_t SessionLogWriter::log_time_ns(TimeNs time_ns) const {
   TimeNs since_start_ns = 0, wall_ns = 0;
   if (__builtin_sub_overflow(time_ns, start_monotonic_ns_, &since_start_ns) ||
@@ -136,7 +136,7 @@ void SessionLogWriter::flush() {
       events_written_ += std::exchange(chunk_events_, 0);
     }
   }
-  // Nothing, where the chunk was written.
+  // Empty if the chunk was written.
   reports_unwritten_ += std::exchange(chunk_reports_, 0);
   events_unwritten_ += std::exchange(chunk_events_, 0);
 }
@@ -154,7 +154,7 @@ bool SessionLogWriter::write_pending() {
   }
   if (error != 0) {
     fail(failure_of(error), error);
-    // Back to the last whole piece; where that fails, readers take the rest as cut off.
+    // Cuts the file back to the last whole piece; if that fails, readers treat the rest as cut off.
     static_cast<void>(::ftruncate(descriptor_, static_cast<off_t>(bytes_written_.load())));
     return false;
   }
@@ -188,7 +188,7 @@ bool SessionLogWriter::synchronise_file() {
 }
 
 void SessionLogWriter::fail(SessionLogFailure failure, int system_error) {
-  if (has_failed_.exchange(true)) return;  // the first one counts
+  if (has_failed_.exchange(true)) return;  // the first failure counts
   system_error_ = system_error;
   failure_.store(failure);
 }

@@ -13,7 +13,7 @@ namespace {
 // Linux's error numbers, whatever machine reads the capture (include/uapi/asm-generic/errno*.h;
 // what they mean for a transfer: Documentation/driver-api/usb/error-codes.rst).
 enum LinuxError : std::int32_t {
-  kNoEntry = -2,      // the host took the transfer back and waited for it
+  kNoEntry = -2,      // the host cancelled the transfer and waited for it
   kNoDevice = -19,    // the device is gone
   kBrokenPipe = -32,  // the endpoint has halted
   kReset = -104,      // the host took the transfer back
@@ -51,7 +51,7 @@ Status UsbmonCapture::begin() {
   UsbmonPacket packet;
   if (status == Status::ok) {
     for (;;) {
-      // Damage is met again, and said, when the reports before it have been read.
+      // Damage is found again, and reported, once the reports before it have been read.
       const PcapFile::Read outcome = file_->next(packet);
       if (outcome == PcapFile::Read::end || outcome == PcapFile::Read::damaged) break;
       if (outcome == PcapFile::Read::packet) survey.add(packet);
@@ -136,7 +136,7 @@ std::optional<Status> UsbmonCapture::take(const UsbmonPacket& packet, RawReport&
       ++counts_.transfer_errors;
       return std::nullopt;
   }
-  // Before and after, the address was another device's.
+  // Before and after, the address belonged to another device.
   if (packet.number < chosen.first_packet || packet.number > chosen.last_packet) {
     return std::nullopt;
   }

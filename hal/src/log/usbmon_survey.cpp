@@ -31,7 +31,7 @@ bool has_wanted_name(const UsbmonEndpoint& endpoint, const UsbmonChoice& choice)
          fits(choice.product_id, *endpoint.product_id);
 }
 
-// One device with one endpoint, at one address after the other.
+// One device with one endpoint, at successive addresses.
 bool is_one_device(const std::vector<UsbmonEndpoint>& endpoints) {
   for (std::size_t i = 1; i < endpoints.size(); ++i) {
     const UsbmonEndpoint &before = endpoints[i - 1], &after = endpoints[i];
@@ -102,7 +102,7 @@ void UsbmonSurvey::add_control(const UsbmonPacket& packet) {
   if (is_another) device.first_endpoint = endpoints_.size();
   device.vendor_id = vendor_id;
   device.product_id = product_id;
-  // The first descriptor also names what came before it.
+  // The first descriptor also identifies the reports before it.
   for (std::size_t i = device.first_endpoint; i < endpoints_.size(); ++i) {
     if (endpoints_[i].bus != packet.bus || endpoints_[i].device != packet.device) continue;
     endpoints_[i].vendor_id = vendor_id;
@@ -150,7 +150,7 @@ Status choose_endpoint(const std::vector<UsbmonEndpoint>& endpoints, const Usbmo
   const bool names = choice.vendor_id || choice.product_id;
   if (names) {
     add_where([&](const UsbmonEndpoint& endpoint) { return has_wanted_name(endpoint, choice); });
-    // A capture begun after the device was plugged in does not tell its name.
+    // A capture that began after the device was plugged in lacks its ids.
     if (chosen.empty())
       add_where([](const UsbmonEndpoint& endpoint) { return !is_named(endpoint); });
   } else {

@@ -12,12 +12,12 @@
 
 namespace condyle::hal {
 
-/// Collects the endpoints that sent reports, and whose they are, from all packets of a capture.
+/// Collects the endpoints that sent reports, and their devices, from all packets of a capture.
 class UsbmonSurvey {
  public:
   void add(const UsbmonPacket& packet);
   const std::vector<UsbmonEndpoint>& endpoints() const { return endpoints_; }
-  /// True where there were more than are kept.
+  /// True if there were more than are kept.
   bool has_overflowed() const { return has_overflowed_; }
 
  private:
@@ -25,7 +25,7 @@ class UsbmonSurvey {
   struct Device {
     std::optional<std::uint16_t> vendor_id, product_id;
     std::optional<std::uint64_t> asked_id;  // of the request for its descriptor
-    std::size_t first_endpoint = 0;         // in endpoints_: earlier ones were another device's
+    std::size_t first_endpoint = 0;  // in endpoints_: earlier ones belonged to another device
   };
 
   void add_control(const UsbmonPacket& packet);
@@ -36,9 +36,9 @@ class UsbmonSurvey {
   bool has_overflowed_ = false;
 };
 
-/// The endpoints that `choice` means: one, or one device's at one address after the other. ok,
-/// not_found (none fits) or bad_report (several fit, or all reports are cut); `problem` says why,
-/// with a list.
+/// The endpoints that match `choice`: one, or one device's at successive addresses. ok, not_found
+/// (none matches) or bad_report (several match, or all reports are cut short); `problem` has the
+/// reason, with a list.
 Status choose_endpoint(const std::vector<UsbmonEndpoint>& endpoints, const UsbmonChoice& choice,
                        std::vector<UsbmonEndpoint>& chosen, std::string& problem);
 

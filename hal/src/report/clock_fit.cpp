@@ -10,14 +10,14 @@ namespace {
 
 constexpr TimeNs kLongestGap_ns = TimeNs{366} * 86'400 * kNanosecondsPerSecond;
 
-// a - b, or the nearest there is.
+// a - b, or the nearest value.
 TimeNs difference(TimeNs a, TimeNs b) {
   TimeNs result = 0;
   if (!__builtin_sub_overflow(a, b, &result)) return result;
   return a < b ? std::numeric_limits<TimeNs>::min() : std::numeric_limits<TimeNs>::max();
 }
 
-// a + b, or the nearest there is.
+// a + b, or the nearest value.
 TimeNs sum(TimeNs a, TimeNs b) {
   TimeNs result = 0;
   if (!__builtin_add_overflow(a, b, &result)) return result;
@@ -60,7 +60,7 @@ TimeNs ClockFit::add(TimeNs device_ns, TimeNs arrival_ns) {
     device = r = 0;
   } else if (device - second_begin_ns_ >= kSecond_ns) {
     if (!complete_second(arrival_ns)) {
-      const double host = device + least_r_ns_;  // the late ones show where the host is now
+      const double host = device + least_r_ns_;  // the late reports show where the host is now
       begin(device_ns, sum(host_origin_ns_, rounded(host)), FitOutcome::fell_behind);
       r = static_cast<double>(difference(arrival_ns, host_origin_ns_));
       device = 0;
@@ -97,7 +97,7 @@ double ClockFit::uncertainty_s() const {
     return (unseen + pending) * 1e-9;
   }
   const auto [mean, square] = seconds_spread();
-  // As of a straight line by least squares, of which medians are nearly as good; 1 more because the
+  // As for a straight line by least squares, of which medians are nearly as good. The added 1: the
   // earliest arrivals are themselves later than the least delay, by about their spread.
   const auto device = static_cast<double>(difference(last_device_ns_, device_origin_ns_));
   const double away = device - mean;
@@ -114,7 +114,7 @@ double ClockFit::pace() const {
 double ClockFit::drift_uncertainty_ppm() const {
   if (count_ < 3) return std::numeric_limits<double>::infinity();
   const double count = count_;
-  // Two of the seconds' freedoms are the line's own.
+  // Two degrees of freedom belong to the line.
   const double spread_ns = arrival_spread_ns() * std::sqrt(count / (count - 2));
   const double of_spread = spread_ns / std::sqrt(seconds_spread().square);
   const auto [first, last] = std::minmax_element(least_d_.begin(), least_d_.begin() + count_);
@@ -137,7 +137,7 @@ double ClockFit::arrival_spread_ns() const {
   return std::sqrt(residual_ns_ * residual_ns_ + unseen * unseen);
 }
 
-// Starts the fit anew, with the device's clock at `device_ns` when the host's was at `host_ns`.
+// Restarts the fit, with the device's clock at `device_ns` when the host's was at `host_ns`.
 void ClockFit::begin(TimeNs device_ns, TimeNs host_ns, FitOutcome outcome) {
   ClockFit fresh;
   fresh.has_time_ = has_time_;
@@ -159,12 +159,12 @@ void ClockFit::begin_second(double device, double r, TimeNs arrival_ns) {
   second_arrival_ns_ = arrival_ns;
 }
 
-// How early a report may be. Nothing was fitted for a while: the drift may have changed.
+// How early a report may be. If nothing was fitted for a while, the drift may have changed.
 double ClockFit::tolerance(double device) const {
   return kStep_ns + kWander * (device - newest_d_ns_);
 }
 
-// Takes the second collected into the fit. False where it shows that the device fell behind.
+// Takes the collected second into the fit. False if it shows that the device fell behind.
 bool ClockFit::complete_second(TimeNs arrival_ns) {
   if (is_late(arrival_ns)) return late_count_ < kLateSeconds;
   const auto next = static_cast<std::size_t>(next_);
@@ -176,8 +176,8 @@ bool ClockFit::complete_second(TimeNs arrival_ns) {
   return true;
 }
 
-// Whether all of the second collected came far too late to be fitted. In a row are those that came
-// at their own pace, not all at once, and late by the same.
+// Whether all reports of the collected second came far too late to be fitted. Seconds count as
+// consecutive if their reports came at their own pace, not all at once, and late by the same.
 bool ClockFit::is_late(TimeNs arrival_ns) {
   const double late_ns = least_r_ns_ - line(least_device_ns_);
   if (count_ == 0 || late_ns <= tolerance(least_device_ns_)) {
@@ -202,7 +202,7 @@ void ClockFit::fit() {
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const double run = least_d_[i] - least_d_[j];
-      // Neighbours lie too near each other to tell a slope.
+      // Neighbours lie too close together to give a slope.
       if (std::abs(run) < 2 * kSecond_ns) continue;
       slopes[static_cast<std::size_t>(slope_count++)] = (least_r_[i] - least_r_[j]) / run;
     }

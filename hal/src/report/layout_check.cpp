@@ -19,13 +19,13 @@ MaybeProblem place(ProfilePart part, const std::optional<LayoutFault>& fault,
   return LayoutProblem{.part = part, .index = index, .fault = *fault};
 }
 
-// A field and where it belongs.
+// A field and the part it belongs to.
 struct Placed {
   const ReportField* field = nullptr;
   ProfilePart part = ProfilePart::coordinates;
   std::size_t index = 0;
 };
-// All of them, and sequence, time, drive and checksum.
+// The most fields: all coordinates and auxiliary fields, and sequence, time, drive and checksum.
 using AllFields = FixedList<Placed, kMaxCoordinates + kMaxAuxiliary + 4>;
 
 AllFields fields_of(const ReportLayout& layout) {
@@ -49,8 +49,8 @@ MaybeProblem check_fields(const ReportLayout& layout, LayoutState state) {
     const auto fault = check_field(*placed.field, layout, state);
     if (fault) return place(placed.part, fault, placed.index);
   }
-  // Not std::stable_sort, which allocates. Fields that start together keep their order as they were
-  // placed: only then is the same one always named first.
+  // Not std::stable_sort, which allocates. Fields with the same start keep their order, so that a
+  // problem always names the same field first.
   for (std::size_t i = 1; i < all.size(); ++i) {
     for (std::size_t j = i; j > 0; --j) {
       if (all[j - 1].field->offset_bits <= all[j].field->offset_bits) break;

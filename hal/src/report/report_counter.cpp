@@ -8,7 +8,7 @@
 namespace condyle::hal {
 namespace {
 
-// A count further ahead than this is no loss of reports, however wide the counter.
+// A count further ahead than this is not a loss of reports, however wide the counter.
 constexpr std::uint64_t kMostLost = std::uint64_t{1} << 31U;
 constexpr double kLongestStep_ns = 366 * 86400e9;
 constexpr double kFurthestTime_ns = 9.2e18;  // TimeNs ends at 9.22e18
@@ -28,7 +28,7 @@ std::uint64_t elapsed_ns(TimeNs from, TimeNs to) {
   return to > from ? static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from) : 0;
 }
 
-// Scales are decimal, so that 1e-6 s is not quite 1000 ns.
+// Scales are decimal, so 1e-6 s is not exactly 1000 ns.
 double nanoseconds_a_tick(double scale_s) {
   const double exact = scale_s * 1e9;
   const double whole = std::round(exact);
@@ -98,20 +98,20 @@ ClockStep DeviceClock::advance(std::uint64_t ticks, TimeNs host_time_ns, std::ui
   if (!(step_ns + wraps * wrap_ns_ <= kLongestStep_ns)) {
     return go_on_by_host(ClockOutcome::jumped_ahead, host_ns);
   }
-  // Below kLongestStep_ns, so neither product leaves 64 bits.
+  // Below kLongestStep_ns, so neither product exceeds 64 bits.
   const std::uint64_t step = ahead + static_cast<std::uint64_t>(wraps) * modulus_;
   if (!move_by(step)) return go_on_by_host(ClockOutcome::jumped_ahead, host_ns);
   return {ClockOutcome::next, time_ns_};
 }
 
-// Whole wraps on top of a step of `step_ns`; -1: the clock went back instead.
+// Whole wraps in addition to a step of `step_ns`; -1: the clock went back instead.
 double DeviceClock::wraps_for(double step_ns, double host_ns, std::uint64_t reports) const {
   const auto nearest = [&](double expected_ns) {
     return std::round((expected_ns - step_ns) / wrap_ns_);
   };
   const double by_reports_ns = static_cast<double>(reports) * period_ns_;
   if (by_reports_ns > 0) {
-    // The host may be late by any time, the device keeps its rate, unless it pauses.
+    // The host may be late by any time; the device keeps its rate unless it pauses.
     const double tolerance_ns = 0.5 * period_ns_ + 0.1 * by_reports_ns;
     const double wraps = nearest(by_reports_ns);
     const bool is_explained = std::abs(step_ns + wraps * wrap_ns_ - by_reports_ns) <= tolerance_ns;
@@ -128,7 +128,7 @@ bool DeviceClock::move_by(std::uint64_t ticks) {
   time_ns_ = anchor_ns_ + static_cast<TimeNs>(total) * static_cast<TimeNs>(whole) +
              static_cast<TimeNs>(std::llround(static_cast<double>(total) * (tick_ns_ - whole)));
   ticks_since_anchor_ = total;
-  // A century from the anchor the products would leave 64 bits.
+  // After a century from the anchor the products would exceed 64 bits.
   if (since_anchor_ns > 100 * kLongestStep_ns) {
     anchor_ns_ = time_ns_;
     ticks_since_anchor_ = 0;
@@ -138,7 +138,7 @@ bool DeviceClock::move_by(std::uint64_t ticks) {
 
 ClockStep DeviceClock::go_on_by_host(ClockOutcome outcome, std::uint64_t host_ns) {
   const std::uint64_t room = elapsed_ns(time_ns_, std::numeric_limits<TimeNs>::max());
-  // Unsigned, because the host's step alone can leave int64.
+  // Unsigned, because the host's step alone can exceed int64.
   if (host_ns <= room) {
     time_ns_ = static_cast<TimeNs>(static_cast<std::uint64_t>(time_ns_) + host_ns);
   }

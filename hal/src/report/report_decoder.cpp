@@ -17,7 +17,7 @@ bool is_intact(const Checksum& checksum, std::span<const std::uint8_t> bytes) {
   return read_raw(checksum.field, bytes) == checksum_of(checksum, covered);
 }
 
-// False where the count is one that the device cannot give.
+// False if the device cannot produce this count.
 bool read_count(const std::optional<CountingField>& counting, std::span<const std::uint8_t> bytes,
                 std::optional<std::uint64_t>& count) {
   if (!counting) return true;
@@ -25,7 +25,7 @@ bool read_count(const std::optional<CountingField>& counting, std::span<const st
   return counting->wraps_at == 0 || *count < counting->wraps_at;
 }
 
-// Rounded components are no unit quaternion; zeros are none at all.
+// Rounded components are not a unit quaternion; zeros are not a quaternion at all.
 bool normalise_quaternion(double* wxyz) {
   const double length =
       std::sqrt(wxyz[0] * wxyz[0] + wxyz[1] * wxyz[1] + wxyz[2] * wxyz[2] + wxyz[3] * wxyz[3]);

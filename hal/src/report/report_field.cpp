@@ -33,7 +33,7 @@ std::uint64_t read_raw(const ReportField& field, std::span<const std::uint8_t> b
     raw |= std::uint64_t{bytes[i]} << 8 * (i - first);
   }
   raw >>= shift;
-  // 64 bits that start inside a byte reach into a ninth one.
+  // 64 bits that start inside a byte extend into a ninth.
   if (last - first == 8) raw |= std::uint64_t{bytes[last]} << (64 - shift);
   return field.width_bits == 64 ? raw : raw & ((std::uint64_t{1} << field.width_bits) - 1);
 }

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Length of the UTF-8 character that `text` starts with; 0: none that a terminal may be sent.
+// Length of the UTF-8 character at the start of `text`; 0: it must not be sent to a terminal.
 std::size_t character_length(std::string_view text) {
   const auto byte = [&](std::size_t i) {
     return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
@@ -31,14 +31,14 @@ std::size_t character_length(std::string_view text) {
     if ((byte(i) & 0xC0U) != 0x80) return 0;
   }
   const unsigned start = byte(0) << 8U | byte(1);
-  // Control characters, what is longer than it need be, surrogates, beyond the last character.
+  // Control characters, overlong forms, surrogates, beyond the last character.
   const bool is_none = (start >= 0xC280 && start < 0xC2A0) || (start >= 0xE080 && start < 0xE0A0) ||
                        (start >= 0xEDA0 && start < 0xEE00) || (start >= 0xF080 && start < 0xF090) ||
                        start >= 0xF490;
   return is_none ? 0 : length;
 }
 
-// A device may call itself anything; no terminal may obey it.
+// A device's name may contain anything; it must not control a terminal.
 std::string clean(std::string_view text) {
   std::string good;
   while (!text.empty()) {
@@ -70,7 +70,7 @@ DeviceAccess access_to(const std::string& path) {
   return access(path.c_str(), F_OK) == 0 ? DeviceAccess::not_permitted : DeviceAccess::not_there;
 }
 
-// All reading below bears that a device goes away under it: what is gone is empty.
+// A device may go away during any of the reading below; what is gone reads as empty.
 
 std::string read_line(const fs::path& file) {
   std::string line;
@@ -86,7 +86,7 @@ int read_number(const fs::path& file, int base) {
   return end != line.c_str() ? static_cast<int>(number) : -1;
 }
 
-// The folder that holds `file`, from `folder` upwards; empty where there is none.
+// The folder that contains `file`, from `folder` upwards; empty if there is none.
 fs::path find_above(fs::path folder, const char* file) {
   std::error_code error;
   while (folder.has_relative_path() && !fs::exists(folder / file, error)) {
@@ -95,7 +95,7 @@ fs::path find_above(fs::path folder, const char* file) {
   return folder.has_relative_path() ? folder : fs::path();
 }
 
-// What the kernel's HID layer says of the device; false where it says nothing.
+// Data of the device from the kernel's HID layer; false if there are none.
 bool read_hid_device(const fs::path& folder, HidDevice& device) {
   std::ifstream stream(folder / "uevent");
   unsigned bus = 0, vendor_id = 0, product_id = 0;
@@ -119,8 +119,8 @@ bool read_hid_device(const fs::path& folder, HidDevice& device) {
   return is_known;
 }
 
-// What the USB device behind it says: .../1-1.4/1-1.4:1.0/0003:1209:0001.0001. A virtual device
-// says that it is on USB and has none.
+// Data of the USB device behind it: .../1-1.4/1-1.4:1.0/0003:1209:0001.0001. A virtual device
+// claims to be on USB but has none.
 void read_usb_device(const fs::path& folder, HidDevice& device) {
   const fs::path usb = find_above(folder, "devnum");
   if (usb.empty()) return;
@@ -164,8 +164,8 @@ std::optional<HidDevice> read_device(const fs::path& hidraw) {
 
 }  // namespace
 
-// Not hidapi's list: hidapi 0.13 ends the program when a HID device, any one, goes away while it
-// reads about it (the uevent file is gone before the node is, and its length is asked for unseen).
+// hidapi's own list is not used: hidapi 0.13 ends the program if any HID device goes away while it
+// is being listed (the uevent file disappears before the node, and its length is used unchecked).
 std::vector<HidDevice> list_hid_devices(std::uint16_t vendor_id, std::uint16_t product_id,
                                         const fs::path& hidraw_class) {
   std::vector<fs::path> nodes;
@@ -190,7 +190,7 @@ std::vector<HidDevice> list_hid_devices(std::uint16_t vendor_id, std::uint16_t p
 }
 
 bool fits(const DeviceAddress& address, const HidDevice& device) {
-  // What is not on USB has no interfaces to choose from.
+  // Devices that are not on USB have no interfaces to choose from.
   const bool is_interface = address.interface_number < 0 || device.interface_number < 0 ||
                             address.interface_number == device.interface_number;
   return address.vendor_id == device.vendor_id && address.product_id == device.product_id &&

@@ -19,14 +19,14 @@
 namespace condyle::hal {
 namespace {
 
-// Held wherever hidapi is initialised or opens a device: hidapi 0.13 keeps one error text for the
-// whole process there, which it frees and replaces. Reading needs no lock.
+// Held whenever hidapi is initialised or opens a device: hidapi 0.13 keeps one error text for the
+// whole process, which it frees and replaces. Reading needs no lock.
 std::mutex& hidapi_mutex() {
   static std::mutex mutex;
   return mutex;
 }
 
-// Milliseconds to wait, rounded up so that the deadline is not missed from before.
+// Milliseconds to wait, rounded up so that the wait does not end before the deadline.
 int wait_ms(TimeNs deadline_ns, TimeNs now_ns) {
   constexpr TimeNs kLongest_ms = 1000;
   if (deadline_ns <= now_ns) return 0;
@@ -45,7 +45,7 @@ class Node {
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
 
-  /// The device's answer; empty where it gives none, which it does once it is unplugged.
+  /// The device's answer; empty if there is none, as after an unplug.
   std::vector<std::uint8_t> report_descriptor() const {
     hidraw_report_descriptor descriptor{};
     int size = 0;
@@ -64,7 +64,7 @@ class Node {
 HidapiSource::HidapiSource(DeviceAddress address, Clock& clock)
     : address_(std::move(address)), clock_(clock) {
   const std::lock_guard lock(hidapi_mutex());
-  hid_init();  // counted by nobody: hidapi's own, for the whole process
+  hid_init();  // never undone: hidapi's state is for the whole process
 }
 
 HidapiSource::~HidapiSource() {
@@ -78,15 +78,15 @@ Status HidapiSource::open() {
   for (const HidDevice& found : list_hid_devices(address_.vendor_id, address_.product_id)) {
     if (!fits(address_, found)) continue;
     path_ = found.path;
-    // hidapi 0.13 uses freed memory where a device can be opened and does not answer, so it is
-    // asked first; kept open over hidapi's own opening, it is not started twice.
+    // hidapi 0.13 uses freed memory if a device can be opened but does not answer, so it is asked
+    // first. It stays open while hidapi opens it, so that it is not started twice.
     const Node node(path_);
     if (!node.report_descriptor().empty()) {
       const std::lock_guard lock(hidapi_mutex());
       device_ = hid_open_path(path_.c_str());
     }
     if (device_ != nullptr) return Status::ok;
-    // hidapi gives no reason that a program could read.
+    // hidapi gives no reason that a program can read.
     if (found.access == DeviceAccess::not_permitted) status = Status::not_permitted;
   }
   return status;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr TimeNs kLongestWait_ns = 1'000'000'000;
 
-// Bytes of the longest input report; 0 where the descriptor does not tell.
+// Bytes of the longest input report; 0 if the descriptor does not give it.
 std::size_t longest_input(const std::vector<std::uint8_t>& bytes) {
   const DescriptorResult result = parse_report_descriptor(bytes);
   std::size_t longest = 0;
@@ -50,8 +50,8 @@ Status LibusbSource::open() {
     interface_ = interface.number;
     endpoint_ = interface.endpoint;
     report_descriptor_ = read_usb_report_descriptor(handle_, interface);
-    // A report of many packets comes in one transfer. Whole packets: a device that sends more than
-    // there is room for would be cut off.
+    // A report of many packets comes in one transfer. Whole packets: data beyond the buffer would
+    // be cut off.
     const std::size_t packet = interface.packet_size_bytes;
     const std::size_t longest = std::min(longest_input(report_descriptor_), kMaxReportSize);
     const std::size_t packets = std::max<std::size_t>(1, (longest + packet - 1) / packet);
@@ -73,10 +73,10 @@ bool LibusbSource::start_transfers(std::size_t length) {
                                    static_cast<int>(length), &LibusbSource::completed, this, 0);
   }
   is_in_flight_.fill(false);
-  return true;  // the first read asks for the first report
+  return true;  // the first read requests the first report
 }
 
-// Asks for reports as long as there is room for them.
+// Requests reports while there is room for them.
 void LibusbSource::submit_idle() {
   for (std::size_t i = 0; i < kTransfers && !is_gone_; ++i) {
     if (is_in_flight_[i]) continue;
@@ -103,7 +103,7 @@ void LibusbSource::complete(libusb_transfer& transfer) {
       store(transfer);
       break;
     case LIBUSB_TRANSFER_STALL:
-      is_halted_ = true;  // cleared outside of the callback, when all transfers are back
+      is_halted_ = true;  // cleared outside the callback, when all transfers are back
       break;
     case LIBUSB_TRANSFER_NO_DEVICE:
       is_gone_ = true;
@@ -130,12 +130,12 @@ void LibusbSource::store(const libusb_transfer& transfer) {
 
 Status LibusbSource::read(TimeNs deadline_ns, RawReport& report) {
   if (handle_ == nullptr) return Status::not_open;
-  TimeNs longest_ns = 0;  // at first, whatever has arrived is taken in, so that nothing grows old
+  TimeNs longest_ns = 0;  // first takes whatever has arrived, so that nothing grows old
   for (;;) {
     submit_idle();
     const bool is_undisturbed = wait(longest_ns);
     if (is_halted_ && !is_gone_) clear_halt();
-    // What was on its way when the device went is still handed over.
+    // Reports under way when the device went are still delivered.
     if (is_gone_ && !is_stopping_) stop_transfers();
     if (pop(report)) return Status::ok;
     if (is_gone_) {
@@ -149,16 +149,17 @@ Status LibusbSource::read(TimeNs deadline_ns, RawReport& report) {
   }
 }
 
-// Handles the library's events until some came, at most so long. False where a signal interrupted.
+// Handles the library's events until some came, for at most this time. False if a signal
+// interrupted.
 bool LibusbSource::wait(TimeNs longest_ns) {
-  // Rounded up, so that a wait of less than a microsecond is one.
+  // Rounded up, so that a wait of less than a microsecond is still a wait.
   const TimeNs longest_us = (longest_ns + 999) / 1000;
   timeval time{};
   time.tv_sec = static_cast<time_t>(longest_us / 1'000'000);
   time.tv_usec = static_cast<suseconds_t>(longest_us % 1'000'000);
   const int failure = libusb_handle_events_timeout_completed(context_, &time, nullptr);
   if (failure == LIBUSB_ERROR_INTERRUPTED) return false;
-  if (failure != 0) {  // no event will come any more
+  if (failure != 0) {  // no further event will come
     ++counts_.transfer_errors;
     is_gone_ = true;
   }
@@ -186,8 +187,8 @@ void LibusbSource::clear_halt() {
   is_halted_ = is_stopping_ = false;
 }
 
-// Cancels what is in flight and waits for its end, for a second or so. False where some never came
-// back. The waits are counted, for a clock that is not the machine's may stand still.
+// Cancels the transfers in flight and waits about a second for their end. False if some never came
+// back. The waits are counted, because a clock other than the machine's may stand still.
 bool LibusbSource::stop_transfers() {
   constexpr int kMostWaits = 100 + 2 * static_cast<int>(kTransfers);
   constexpr TimeNs kWait_ns = 10'000'000;

@@ -33,7 +33,7 @@ std::string port_of(libusb_device* device) {
   return name;
 }
 
-// HID 1.11, section 6.2.1: the class descriptor lists the type and length of each of its own.
+// HID 1.11, section 6.2.1: the class descriptor lists type and length of each of its descriptors.
 std::size_t descriptor_length(const libusb_interface_descriptor& interface) {
   constexpr std::size_t kCountAt = 5, kFirstAt = 6, kEach = 3;
   const auto size = static_cast<std::size_t>(std::max(0, interface.extra_length));
@@ -52,7 +52,7 @@ std::size_t descriptor_length(const libusb_interface_descriptor& interface) {
   return 0;
 }
 
-// USB 2.0, section 9.6.6: bits 11 and 12 say how many packets more come in one (micro)frame.
+// USB 2.0, section 9.6.6: bits 11 and 12 give the number of further packets in one (micro)frame.
 std::size_t packet_size(std::uint16_t field) {
   const std::size_t packets = 1U + (field >> 11U & 3U);
   return std::max<std::size_t>(kSmallestPacket, packets * (field & 0x7FFU));
@@ -122,7 +122,7 @@ Status claim_usb_interface(libusb_device_handle* handle, int number) {
       return Status::ok;
     case LIBUSB_ERROR_ACCESS:
       return Status::not_permitted;
-    default:  // not there yet, or busy: another attempt may find it free
+    default:  // not there yet, or busy: another attempt may succeed
       return Status::not_found;
   }
 }
