@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Named events: everything unusual about a sample or a step is one of these, flagged and counted.
+// Named events: everything unusual about a sample or a step is flagged and counted as one of these.
 #pragma once
 
 #include <cstddef>
@@ -7,10 +7,10 @@
 
 namespace condyle {
 
-/// What can be unusual about a sample (first group) or about the estimator's step (second group).
+/// Unusual properties of a sample (first group) or of the estimator's step (second group).
 enum class Event : std::uint8_t {
   time_missing,      ///< the sample has no time
-  time_reversed,     ///< earlier than the last accepted sample; not given to the estimator
+  time_reversed,     ///< earlier than the last accepted sample; not passed to the estimator
   time_restarted,    ///< the third such sample in a row, in order: the clock was set back; accepted
   time_repeated,     ///< same time as the last accepted sample
   time_gap,          ///< more than 1.5 nominal steps after the last accepted sample
@@ -19,26 +19,26 @@ enum class Event : std::uint8_t {
   drive_missing,     ///< the drive force is empty, NaN or infinite
   not_started,       ///< no position has been measured yet
   update_refused,    ///< an innovation variance was not positive and finite; nothing was updated
-  estimate_not_finite,  ///< a state has left the range of numbers
-  variance_negative,    ///< a variance has become negative
+  estimate_not_finite,  ///< a state is not finite
+  variance_negative,    ///< a variance is negative
   parameters_invalid,   ///< a parameter is out of its range; nothing is computed
   position_repeated,    ///< a position repeated as living devices seldom do; only predicted
   position_frozen,      ///< the device repeats a position; the estimator only predicts
-  points_not_rigid,     ///< the three points have changed their distances; not taken
-  outlier_weighted,     ///< far from what was expected: counts less
-  outlier_rejected,     ///< too far from what was expected: not taken
-  outlier_revoked,      ///< shows that the sample taken before was an outlier: not taken after all
-  state_restarted,      ///< the filter starts anew from this sample
-  state_lost,           ///< no measurement for so long that nothing is known
+  points_not_rigid,     ///< the three points have changed their distances; not used
+  outlier_weighted,     ///< far from the prediction: has less weight
+  outlier_rejected,     ///< too far from the prediction: not used
+  outlier_revoked,      ///< shows that the previous sample was an outlier: its use is revoked
+  state_restarted,      ///< the filter restarts from this sample
+  state_lost,           ///< no measurement for so long that the state is unknown
   noise_at_limit,       ///< the estimated noise is at its floor or ceiling
-  motion_changed,       ///< not as the motion went on, and taken as a change of the motion
-  liveliness_at_limit,  ///< the motion is as lively as the estimator can tell from noise
-  position_out_of_range,  ///< a coordinate is beyond 10 m: stands for a missing value
+  motion_changed,  ///< departs from the motion so far, and is accepted as a change of the motion
+  liveliness_at_limit,    ///< jerk density is at the highest value that can be told from noise
+  position_out_of_range,  ///< a coordinate is beyond 10 m: treated as missing
 };
 /// Number of events.
 inline constexpr std::size_t kEventCount = 25;
 
-/// Name of an event as it stands in files and summaries.
+/// Name of an event in files and summaries.
 constexpr const char* event_name(Event event) {
   constexpr const char* names[kEventCount] = {"time_missing",
                                               "time_reversed",
@@ -71,25 +71,25 @@ constexpr const char* event_name(Event event) {
 /// A set of events.
 class EventSet {
  public:
-  /// Adds `event` where `condition` holds.
+  /// Adds `event` if `condition` holds.
   constexpr void add(Event event, bool condition = true) {
     if (condition) bits_ |= std::uint32_t{1} << static_cast<unsigned>(event);
   }
   /// Adds all events of `other`.
   constexpr void add(EventSet other) { bits_ |= other.bits_; }
-  /// True where `event` is in the set.
+  /// True if `event` is in the set.
   constexpr bool has(Event event) const {
     return ((bits_ >> static_cast<unsigned>(event)) & 1U) != 0;
   }
-  /// True where nothing unusual happened.
+  /// True if nothing unusual happened.
   constexpr bool empty() const { return bits_ == 0; }
 
  private:
   std::uint32_t bits_ = 0;
 };
 
-/// True where a sample was not what the motion had led to expect: an outlier or a change. Its
-/// innovation says nothing of the instrument's noise.
+/// True if a sample departed from the predicted motion: an outlier or a change. Its innovation
+/// gives no information on the instrument's noise.
 constexpr bool is_unexpected(EventSet events) {
   return events.has(Event::outlier_rejected) || events.has(Event::motion_changed);
 }

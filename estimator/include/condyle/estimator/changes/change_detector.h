@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Says when the effective damping of a chewing point has changed. It detects a change in effective
-// damping and diagnoses nothing: joint, muscle, tissue, food, a drive that misses another force or
-// comes later than before look alike. Where the drive is not known in full, neither is a change.
+// Detects a change of the effective damping of a chewing point. It is not a diagnosis: joint,
+// muscle, tissue, food, and a drive that misses another force or has another delay look alike. If
+// the drive is not known in full, a change is not known either.
 //
 //   x, s      a cycle's damping and its standard deviation (Ns/m), cycle_damping.h
 //   b, w      mean of all cycles before, weighted by 1 / s^2, and its weight sum 1 / s^2
@@ -35,8 +35,9 @@
 // Lorden's bound (Ann. Math. Statist. 42 (1971) 1897): no rule with N detects a change of D within
 // fewer than log N / (D^2 / (2 s^2)) cycles on average, to first order.
 //
-// b follows a slow drift, which is therefore not seen: it takes a change within some tens of cycles
-// out of at least baseline_cycles before it. One during these is not seen either.
+// b follows a slow drift, so that it remains undetected: a change must occur within some tens of
+// cycles, after at least baseline_cycles. A change during these first cycles is not detected
+// either.
 #pragma once
 
 #include <cstdint>
@@ -46,43 +47,43 @@
 
 namespace condyle {
 
-/// What the detector says.
+/// State of the detector.
 enum class ChangeState : std::uint8_t {
-  learning,   ///< it has too few cycles to judge one
+  learning,   ///< too few cycles yet
   watching,   ///< nothing has been detected
-  increased,  ///< damping has become more; stays until reset
-  decreased,  ///< damping has become less; stays until reset
+  increased,  ///< damping has increased; stays until reset
+  decreased,  ///< damping has decreased; stays until reset
 };
 
-/// Name of a state as it stands in files and summaries.
+/// Name of a state in files and summaries.
 constexpr const char* change_state_name(ChangeState state) {
   constexpr const char* names[] = {"learning", "watching", "increased", "decreased"};
   return names[static_cast<int>(state)];
 }
 
-/// A mean and the sum of the weights, each 1 / variance, that are in it.
+/// A mean and the sum of its weights, each 1 / variance.
 template <class Scalar>
 struct WeightedMean {
   Scalar mean = 0, weight = 0;
-  /// Takes `x` into it with `of_x` > 0.
+  /// Adds `x` with the weight `of_x` > 0.
   void add(Scalar x, Scalar of_x) {
     weight += of_x;
     mean += of_x / weight * (x - mean);
   }
 };
 
-/// A change that was detected, in Ns/m.
+/// A detected change, in Ns/m.
 template <class Scalar>
 struct DampingChange {
   Scalar before_Ns_m = std::numeric_limits<Scalar>::quiet_NaN();
   Scalar before_sd = std::numeric_limits<Scalar>::quiet_NaN();
   Scalar after_Ns_m = std::numeric_limits<Scalar>::quiet_NaN();
   Scalar after_sd = std::numeric_limits<Scalar>::quiet_NaN();
-  std::int64_t first_after = 0;  ///< cycle from which on it is thought to be; the first is cycle 0
+  std::int64_t first_after = 0;  ///< first cycle after the estimated change; counted from 0
   std::int64_t alarm = 0;        ///< cycle that raised the alarm
 };
 
-/// Judges one cycle after the other. Fixed size, no allocation; see above.
+/// Judges cycles one by one. Fixed size, no allocation; see above.
 template <class Scalar>
 class ChangeDetector {
  public:
@@ -90,7 +91,7 @@ class ChangeDetector {
   explicit ChangeDetector(const ChangeParameters& parameters) : parameters_(parameters) {}
 
   /// The next counted cycle: its damping `x` and standard deviation `s` (Ns/m), both finite, s > 0.
-  /// After an alarm cycles are ignored until reset.
+  /// After an alarm, cycles are ignored until reset.
   ChangeState add(Scalar x, Scalar s) {
     if (is_alarm()) return state_;
     using std::sqrt;
@@ -111,7 +112,7 @@ class ChangeDetector {
     return state_;
   }
 
-  /// Forgets everything, to learn a new baseline.
+  /// Forgets everything and learns a new baseline.
   void reset() { *this = ChangeDetector(parameters_); }
 
   ChangeState state() const { return state_; }
@@ -122,13 +123,13 @@ class ChangeDetector {
   const DampingChange<Scalar>& change() const { return change_; }
   /// Cycles added since the start or reset.
   std::int64_t cycles() const { return cycles_; }
-  /// Root mean square of the residuals, at least 0.5: by how much cycles differ, in their own
-  /// standard deviations. Far from 1, the noises are set wrongly or damping differs by itself.
+  /// Root mean square of the residuals, at least 0.5: scatter of the cycles in units of their own
+  /// standard deviations. Far from 1, the stated noises are wrong or damping varies by itself.
   Scalar spread() const {
     using std::sqrt;
     return square_ > Scalar(0.25) ? sqrt(square_) : Scalar(0.5);
   }
-  /// The larger statistic, and the threshold (0 before the first cycle is judged).
+  /// The larger statistic, and the threshold (0 until a cycle is judged).
   Scalar statistic() const { return up_ > down_ ? up_ : down_; }
   Scalar threshold() const { return threshold_; }
   /// U and V.
@@ -186,7 +187,7 @@ class ChangeDetector {
     }
   }
 
-  // The standard normal variable that is as probable as `t` of Student's distribution.
+  // The standard normal variable with the same probability as `t` of Student's distribution.
   Scalar normal_of(Scalar t) const {
     using std::sqrt;
     const Scalar n = residuals_;
@@ -198,7 +199,7 @@ class ChangeDetector {
 
   Scalar threshold_for(Scalar d_square) const {
     using std::sqrt;
-    constexpr int kRounds = 6;  // each takes the error by a over some ten
+    constexpr int kRounds = 6;  // each reduces the error of a about tenfold
     constexpr Scalar kOvershoot = Scalar(1.166), kOfSquare = Scalar(0.012);
     const Scalar e_to_a = Scalar(parameters_.false_alarm_cycles) * d_square + Scalar(1);
     Scalar a = elementary::log(e_to_a + Scalar(1));

@@ -9,9 +9,9 @@
 
 namespace condyle {
 
-/// What the point was found to be over a baseline period; taken for granted from then on. An error
-/// of it as large as a joint identification over 60 s makes does not matter: the cycle takes the
-/// last three as unknown again, and the detector learns for itself where the first one lies.
+/// Properties of the point found over a baseline period and assumed from then on. Errors as large
+/// as those of an identification over 60 s do not matter: each cycle treats the last three as
+/// unknown again, and the detector learns the level of the first itself.
 struct DampingBaseline {
   double friction_Ns_m = 0.05;
   double mass_kg = 0.25;
@@ -21,28 +21,29 @@ struct DampingBaseline {
 
 /// What counts as a chewing cycle.
 struct CycleParameters {
-  double travel_m = 0.002;        ///< it rises and falls by at least this much (m)
-  double shortest_s = 0.25;       ///< and takes no less time (s)
-  double longest_s = 3;           ///< and no more (s); above 0.3 Hz
-  double longest_gap_s = 0.1;     ///< between samples (s); after a longer one the place is unknown
-  double share_not_taken = 0.1;   ///< of its positions, missing or beyond the gate, at most
-  double largest_sd_Ns_m = 0.25;  ///< of its damping; with less information it does not count
+  double travel_m = 0.002;     ///< it rises and falls by at least this (m)
+  double shortest_s = 0.25;    ///< it takes at least this (s)
+  double longest_s = 3;        ///< and at most this (s); above 0.3 Hz
+  double longest_gap_s = 0.1;  ///< between samples (s); after a longer one the place is unknown
+  double share_not_taken =
+      0.1;  ///< largest share of its positions that are missing or beyond the gate
+  double largest_sd_Ns_m = 0.25;  ///< of its damping; a cycle with a larger one does not count
 };
 
 /// The detector of a change.
 struct ChangeParameters {
-  /// The smallest lasting change that matters (Ns/m), up or down. The default is what the detector
-  /// is best at for the change from 0.022 to 0.088 Ns/m, and not much worse for half or twice it.
+  /// The smallest lasting change that matters (Ns/m), up or down. The default is best for the
+  /// change from 0.022 to 0.088 Ns/m, and not much worse for half or twice that change.
   double change_Ns_m = 0.05;
   /// Cycles between two false alarms, on average. The default is 8 h at 1.3 Hz.
   double false_alarm_cycles = 37440;
-  /// Cycles from which it learns before it judges one; 78 are 60 s at 1.3 Hz. False alarms are as
-  /// rare with any, but with 78 the change from 0.022 to 0.088 Ns/m takes a cycle longer than with
-  /// 390, and one that is smaller than change_Ns_m may be learned rather than detected.
+  /// Cycles for learning before the first is judged; 78 are 60 s at 1.3 Hz. False alarms are as
+  /// rare with any number. With 78 the change from 0.022 to 0.088 Ns/m takes a cycle longer than
+  /// with 390, and a change below change_Ns_m may be learned rather than detected.
   double baseline_cycles = 78;
 };
 
-/// All that a watch for changes takes for granted.
+/// All assumptions of a watch for changes.
 struct WatchParameters {
   /// Time over which the point is identified before the first cycle (s).
   double identification_s = 60;
@@ -65,8 +66,8 @@ constexpr void visit_cycle_fields(Parameters& parameters, Visitor&& visit) {
   one("largest_sd_Ns_m", parameters.largest_sd_Ns_m, "Ns/m", Range{1e-9, 1e6});
 }
 
-/// Likewise for ChangeParameters, without `false_alarm_cycles`: a file cannot know how often a user
-/// bears a false alarm.
+/// The same for ChangeParameters, without `false_alarm_cycles`: how often false alarms are
+/// acceptable depends on the user, not on the file.
 template <class Parameters, class Visitor>
 constexpr void visit_detector_fields(Parameters& parameters, Visitor&& visit) {
   const auto one = [&visit](const char* key, auto& value, const char* unit, Range range) {
@@ -76,7 +77,7 @@ constexpr void visit_detector_fields(Parameters& parameters, Visitor&& visit) {
   one("baseline_cycles", parameters.baseline_cycles, "cycles", Range{10, 1e6});
 }
 
-/// Likewise for WatchParameters, in the order of the file format.
+/// The same for WatchParameters, in the order of the file format.
 template <class Parameters, class Visitor>
 constexpr void visit_change_fields(Parameters& parameters, Visitor&& visit) {
   visit("changes", "identification_s", &parameters.identification_s, std::size_t{1}, "s",
@@ -87,7 +88,7 @@ constexpr void visit_change_fields(Parameters& parameters, Visitor&& visit) {
 
 namespace internal {
 
-// Visits fields, and says whether all of them are in their ranges.
+// Visits fields, and returns whether all of them are in their ranges.
 struct RangeCheck {
   bool valid = true;
   constexpr void operator()(const char*, const char*, const double* values, std::size_t,
@@ -98,25 +99,25 @@ struct RangeCheck {
 
 }  // namespace internal
 
-/// True where every parameter can be used.
+/// True if every parameter is in its range.
 constexpr bool is_valid(const DampingBaseline& baseline) {
   constexpr Range any{-1e6, 1e6};
   return any.contains(baseline.friction_Ns_m) && Range{1e-6, 100}.contains(baseline.mass_kg) &&
          any.contains(baseline.stiffness_N_m) && any.contains(baseline.offset_N);
 }
-/// True where every parameter can be used.
+/// True if every parameter is in its range.
 constexpr bool is_valid(const CycleParameters& parameters) {
   internal::RangeCheck check;
   visit_cycle_fields(parameters, check);
   return check.valid;
 }
-/// True where every parameter can be used.
+/// True if every parameter is in its range.
 constexpr bool is_valid(const ChangeParameters& parameters) {
   internal::RangeCheck check;
   visit_detector_fields(parameters, check);
   return check.valid && Range{100, 1e9}.contains(parameters.false_alarm_cycles);
 }
-/// True where every parameter can be used.
+/// True if every parameter is in its range.
 constexpr bool is_valid(const WatchParameters& parameters) {
   internal::RangeCheck check;
   visit_change_fields(parameters, check);

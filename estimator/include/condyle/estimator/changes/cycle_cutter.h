@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a chewing cycle ends and the next one begins.
+// Finds the ends of chewing cycles.
 //
 //   p, v      position (m), velocity (m/s) along the axis, estimated
 //   d         least travel (m)
 //
 // A cycle goes from one upward zero crossing of v to the next one before which p has risen by at
-// least d and fallen by at least d. Crossings in between do not count. One before p has risen
-// begins the cycle anew, so that a pause, in which noise makes crossings, belongs to no cycle but
-// for its last tenths of a second.
+// least d and fallen by at least d. Crossings in between do not count. A crossing before p has
+// risen restarts the cycle. So a pause, in which noise makes crossings, does not belong to a cycle,
+// except for its last tenths of a second.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@
 
 namespace condyle {
 
-/// What a sample is to the cycles.
+/// The place of a sample in the cycles.
 enum class CyclePlace : std::uint8_t {
   outside,  ///< no cycle has begun
-  begin,    ///< one begins after this sample, and what was of one before it is none
+  begin,    ///< one begins after this sample; an unfinished one before it is dropped
   within,   ///< it is within one
-  end,      ///< one ends with it, the next begins after it
+  end,      ///< one ends with this sample, the next begins after it
 };
 
 /// Cuts a motion into cycles. Fixed size, no allocation; see above.
@@ -54,7 +54,7 @@ class CycleCutter {
     return place;
   }
 
-  /// Forgets the cycle it is in.
+  /// Forgets the current cycle.
   void reset() { *this = CycleCutter(travel_m_); }
 
  private:

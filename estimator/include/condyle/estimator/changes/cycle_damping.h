@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The effective damping of single chewing cycles of a point whose total drive is known, each from
-// its own samples, so that a change can be seen.
+// The effective damping of single chewing cycles of a point whose total drive is known. Each cycle
+// uses only its own samples, so that a change can be seen.
 //
 //   z, u      measured position (m) and drive (N) of a sample
 //   theta     lambda, eta, kappa, c (driven_point.h), at the baseline, which is not updated
@@ -25,9 +25,9 @@
 // follows its model rather than the positions. This is added to the standard deviation. Farther off
 // the positions lie beyond the gate, no cycle counts and the outcome says `lost`.
 //
-// What point_judgement.h takes for granted of the drive shifts each cycle's damping too. Where
-// it is the same in all of them a change is still a change. A drive that is late by tau is not: it
-// adds m w^2 tau, which follows the rhythm w.
+// Errors of the assumptions about the drive (point_judgement.h) shift each cycle's damping too. If
+// they are the same in all cycles, a change is still a change. A drive that is late by tau is an
+// exception: it adds m w^2 tau, which follows the rhythm w.
 #pragma once
 
 #include "condyle/estimator/changes/change_parameters.h"
@@ -39,18 +39,18 @@
 
 namespace condyle {
 
-/// What a sample did to the cycles.
+/// Effect of a sample on the cycles.
 enum class CycleOutcome : std::uint8_t {
   none,        ///< no cycle ended
-  counted,     ///< one did, and its damping is known as well as is said
-  irregular,   ///< one did, too short or too long to be one
-  incomplete,  ///< one did, with too many positions missing or beyond the gate
-  uncertain,   ///< one did, with too little information
+  counted,     ///< a cycle ended, and its damping is known with the stated uncertainty
+  irregular,   ///< a cycle ended that was too short or too long
+  incomplete,  ///< a cycle ended with too many positions missing or beyond the gate
+  uncertain,   ///< a cycle ended with too little information
   lost,        ///< ten positions in a row were beyond the gate: the point slipped, or is no longer
                ///< what the baseline says; if the next cycles end so too, identify it anew
 };
 
-/// Name of an outcome as it stands in files and summaries.
+/// Name of an outcome in files and summaries.
 constexpr const char* cycle_outcome_name(CycleOutcome outcome) {
   constexpr const char* names[] = {"", "counted", "irregular", "incomplete", "uncertain", "lost"};
   return names[static_cast<int>(outcome)];
@@ -63,13 +63,13 @@ struct CycleReport {
   Scalar friction_Ns_m = std::numeric_limits<Scalar>::quiet_NaN();       ///< if counted
   Scalar standard_deviation = std::numeric_limits<Scalar>::quiet_NaN();  ///< if counted (Ns/m)
   Scalar duration_s = 0;
-  /// If counted: rms of the drive and of the acceleration over that of the velocity. A force that
-  /// the drive misses, or its delay, shifts the damping by its share of these.
+  /// If counted: rms of the drive and of the acceleration over that of the velocity. A force
+  /// missing from the drive, or its delay, shifts the damping by its share of these.
   Scalar drive_per_velocity_Ns_m = std::numeric_limits<Scalar>::quiet_NaN();
   Scalar rhythm_rad_s = std::numeric_limits<Scalar>::quiet_NaN();  ///< w
 };
 
-/// The baseline by an identification that ran over it.
+/// The baseline from an identification that ran over it.
 template <class Scalar>
 DampingBaseline baseline_of(const JointEstimate<Scalar>& estimate) {
   return {static_cast<double>(estimate.plain.friction_Ns_m),
@@ -82,7 +82,7 @@ DampingBaseline baseline_of(const JointEstimate<Scalar>& estimate) {
 template <class Scalar>
 class CycleDamping {
  public:
-  /// All must be valid. Of `joint`, the noises and the gate are used.
+  /// All must be valid. Only the noises and the gate of `joint` are used.
   CycleDamping(const DampingBaseline& baseline, const JointParameters& joint,
                const CycleParameters& parameters)
       : parameters_(parameters),
@@ -97,9 +97,9 @@ class CycleDamping {
     force_density_ = square(Scalar(joint.force_noise_N_root_s) * e);
   }
 
-  /// The next sample, `T` s after the one before: its drive `u` (N) and its position `z` (m) with
-  /// noise of standard deviation `sd` (m); NaN: it has none. Without a finite drive, or a time that
-  /// goes on, it is an interruption.
+  /// The next sample, `T` s after the previous one: its drive `u` (N) and its position `z` (m) with
+  /// noise of standard deviation `sd` (m); NaN if there is no position. A drive that is not finite,
+  /// or a time that does not advance, is an interruption.
   CycleReport<Scalar> step(Scalar T, Scalar u, Scalar z, Scalar sd) {
     if (!is_finite(u)) {
       interrupt();
@@ -121,7 +121,7 @@ class CycleDamping {
     return cut();
   }
 
-  /// The drive `u` (N), `T` s after what came before, at an instant at which no position was due.
+  /// The drive `u` (N), `T` s after the previous input, at an instant at which no position was due.
   void drive(Scalar T, Scalar u) {
     if (!is_finite(u) || !(T > Scalar(0) && T <= Scalar(parameters_.longest_gap_s))) {
       interrupt();
@@ -130,7 +130,7 @@ class CycleDamping {
     }
   }
 
-  /// Drops the cycle and forgets where the point is: after a contact, a gap without drive.
+  /// Drops the cycle and forgets the place of the point: after a contact, or a gap without drive.
   void interrupt() {
     is_started_ = false;
     cutter_.reset();
@@ -176,7 +176,7 @@ class CycleDamping {
     bias_.predict(rates_, response_, Scalar(0), Scalar(1), T, force_density_, T);
   }
 
-  // False where the filter has lost the point.
+  // False if the filter has lost the point.
   bool update(Scalar z, Scalar R) {
     constexpr int kMostInARow = 10;
     const SymmetricMatrix<Scalar, 4>& P = bias_.covariance();
@@ -245,8 +245,8 @@ class CycleDamping {
     return G;
   }
 
-  // Takes the first three unknowns out of information and score; false where they cannot be told
-  // from each other, or all of it is not finite.
+  // Eliminates the first three unknowns from information and score; false if they cannot be
+  // separated, or if the result is not finite.
   static bool eliminate(Matrix4& I, Vector4& s) {
     const Scalar rounding = Scalar(100) * std::numeric_limits<Scalar>::epsilon();
     const Vector4 before = I.diagonal();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drive and positions, each at its own times and rate, to the damping of chewing cycles.
+// Turns drive and positions, each with its own times and rate, into the damping of chewing cycles.
 //
 //   1   point_identification.h identifies the point over `identification_s`, and for longer while
 //       a test of it speaks: the baseline, and the drive's delay if that is to be fitted
@@ -29,8 +29,8 @@ struct TimedCycle {
   CycleReport<Scalar> report;
 };
 
-/// Finds the baseline, then gives cycle after cycle. Fixed size, no allocation; see above. Times,
-/// gaps and delays are as in PointRegression.
+/// Finds the baseline, then delivers cycle after cycle. Fixed size, no allocation; see above.
+/// Times, gaps and delays are as in PointRegression.
 template <class Scalar>
 class CycleTimeline {
  public:
@@ -42,8 +42,8 @@ class CycleTimeline {
         longest_gap_ns_(nanoseconds(joint.drive.longest_gap_s)),
         identification_(joint) {}
 
-  /// A measured drive (N), stamped `time_ns`. Each cycle that ends with it goes to `sink(cycle)`, a
-  /// TimedCycle.
+  /// A measured drive (N), stamped `time_ns`. Each cycle that ends with it is passed to
+  /// `sink(cycle)`, as a TimedCycle.
   template <class Sink>
   void add_drive(TimeNs time_ns, Scalar drive_N, Sink&& sink) {
     if (!damping_) identification_.add_drive(time_ns, drive_N);
@@ -72,7 +72,7 @@ class CycleTimeline {
     if (!damping_) begin_watch();
   }
 
-  /// A position (m) with noise of standard deviation `sd_m`; NaN: it was due and is missing. Where
+  /// A position (m) with noise of standard deviation `sd_m`; NaN: it was due and is missing. If
   /// teeth or food may touch (JointParameters), the cycle is dropped.
   template <class Sink>
   void add_position(TimeNs time_ns, Scalar position_m, Scalar sd_m, Sink&& sink) {
@@ -89,11 +89,11 @@ class CycleTimeline {
     }
   }
 
-  /// True once the baseline is known and cycles are given.
+  /// True once the baseline is known and cycles are delivered.
   bool is_watching() const { return damping_.has_value(); }
-  /// What the point was identified to be, so far or when the watch began.
+  /// The properties identified so far, or when the watch began.
   JointEstimate<Scalar> identified() const { return identification_.estimate(); }
-  /// What was not as it should be, in the identification and after it.
+  /// Counts of problems, in the identification and after it.
   DriveCounts counts() const {
     DriveCounts sum = identification_.counts();
     sum.drive_not_in_order += counts_.drive_not_in_order;
@@ -173,7 +173,7 @@ class CycleTimeline {
     if (report.outcome != CycleOutcome::none) sink(TimedCycle<Scalar>{position.time_ns, report});
   }
 
-  // Not before the identification has been judged: a model that does not hold is no baseline.
+  // Only after the identification has been judged: a model that does not hold is not a baseline.
   void begin_watch() {
     using std::sqrt;
     if (seconds(identified_ns_) < watch_.identification_s) return;
@@ -185,7 +185,8 @@ class CycleTimeline {
                              sqrt(1 + static_cast<double>(between_) / static_cast<double>(drives_));
     damping_.emplace(baseline_of(estimate), joint, watch_.cycles);
     start_at(end_ns_);
-    if (joint_.delay == DelayModel::fitted) {  // from here on what was found is taken off as well
+    if (joint_.delay ==
+        DelayModel::fitted) {  // from here on the fitted delay is subtracted as well
       delay_ns_ = nanoseconds(static_cast<double>(estimate.plain.delay_s));
       has_drive_ = false;
     }
@@ -205,7 +206,7 @@ class CycleTimeline {
   std::uint64_t drives_ = 0, between_ = 0;  // samples of the drive, positions between them
   bool has_drive_ = false;
   TimeNs begin_ns_ = 0, end_ns_ = 0;  // of the drive's present interval
-  TimeNs at_ns_ = 0;                  // where damping_ is
+  TimeNs at_ns_ = 0;                  // the time of damping_
   bool is_at_start_ = false;          // no position was taken there
   Scalar begin_N_ = 0, end_N_ = 0;
   std::array<Waiting, kMostWaiting> waiting_{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an error that goes along with the motion does to values that are fitted to it.
+// Effect of an error that follows the motion on values that are fitted to the motion.
 //
 //   y         what the n values multiply
 //   e         error of the fitted sum, of size E = rms e, that follows the motion: no number of
@@ -46,7 +46,8 @@ class CoherentError {
     Vector variances;
     for (int i = 0; i < n; ++i) {
       const Scalar share = inverse(i, i);
-      const bool is_usable = share >= Scalar(0) && share < Scalar(1);  // else nothing is known
+      const bool is_usable =
+          share >= Scalar(0) && share < Scalar(1);  // else the values are unknown
       variances[i] = D[i] * D[i] * (is_usable ? share : Scalar(1));
     }
     return variances;

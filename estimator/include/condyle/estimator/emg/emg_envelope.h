@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Raw EMG to the fraction of a muscle's maximum.
+// Turns raw EMG into the share of a muscle's maximum.
 //
 //   x         raw EMG, any unit
 //   h         x without motion artefacts and offset: high-pass, 20 Hz
@@ -28,17 +28,17 @@
 
 namespace condyle {
 
-/// Of one raw EMG channel.
+/// Settings of one raw EMG channel.
 struct EnvelopeParameters {
   double rate_Hz = 1000;  ///< of the raw samples; above twice the high-pass
   double high_pass_Hz = 20;
   double low_pass_Hz = 6;
-  double saturation = 0;        ///< |x| from which on the amplifier is at its end; 0: not known
+  double saturation = 0;        ///< |x| from which on the amplifier saturates; 0: not known
   double maximum = 1;           ///< y_max, in the unit of x
-  double longest_hold_s = 0.1;  ///< of samples that are not taken
+  double longest_hold_s = 0.1;  ///< longest run of dropped samples
 };
 
-/// True where the filters can be made.
+/// True if the filters can be made.
 constexpr bool is_valid(const EnvelopeParameters& parameters) {
   const Range positive{1e-12, 1e12};
   return positive.contains(parameters.rate_Hz) && positive.contains(parameters.high_pass_Hz) &&
@@ -49,14 +49,14 @@ constexpr bool is_valid(const EnvelopeParameters& parameters) {
          2.1 * parameters.low_pass_Hz < parameters.rate_Hz;
 }
 
-/// What was not as it should be.
+/// Counts of problems.
 struct EnvelopeCounts {
-  std::uint64_t not_finite = 0, saturated = 0;  ///< samples that were not taken
+  std::uint64_t not_finite = 0, saturated = 0;  ///< samples that were dropped
   std::uint64_t restarts = 0;                   ///< of the filters
-  std::uint64_t above_maximum = 0;              ///< excitations above 1: the maximum was none
+  std::uint64_t above_maximum = 0;  ///< excitations above 1: the stated maximum was not one
 };
 
-/// What a sample gave.
+/// Result of a sample.
 template <class Scalar>
 struct EnvelopeEstimate {
   Scalar envelope = 0;    ///< y, in the unit of x
@@ -74,12 +74,12 @@ class EmgEnvelope {
         high_pass_(parameters.high_pass_Hz / parameters.rate_Hz, true),
         low_pass_(parameters.low_pass_Hz / parameters.rate_Hz, false) {}
 
-  /// How much later than the excitation a slow envelope is (s).
+  /// Delay of a slow envelope after the excitation (s).
   static double delay_s(const EnvelopeParameters& parameters) {
     return 0.22507907903927651 / parameters.low_pass_Hz;  // sqrt(2) / (2 pi)
   }
 
-  /// Takes the next raw sample, one sampling interval after the one before.
+  /// Takes the next raw sample, one sampling interval after the previous one.
   EnvelopeEstimate<Scalar> add(Scalar x) {
     const Scalar size = x < Scalar(0) ? -x : x;
     if (!(size < std::numeric_limits<Scalar>::infinity())) {
@@ -110,7 +110,7 @@ class EmgEnvelope {
   const EnvelopeCounts& counts() const { return counts_; }
 
  private:
-  static constexpr double kSettlingTimes = 1.5;  // of the low-pass: 1 % is left
+  static constexpr double kSettlingTimes = 1.5;  // of the low-pass: 1 % remains
 
   // Direct form II transposed.
   class Filter {
@@ -124,7 +124,7 @@ class EmgEnvelope {
       a1_ = Scalar(2 * (k * k - 1) / D);
       a2_ = Scalar((1 - root + k * k) / D);
     }
-    // As after `x` for ever.
+    // The state after a constant `x` without end.
     void rest_at(Scalar x) {
       const Scalar y = x * (b0_ + b1_ + b0_) / (Scalar(1) + a1_ + a2_);
       s2_ = b0_ * x - a2_ * y;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Friction of a point that muscles drive, from its position and the muscles' forces of unknown
-// gains.
+// Friction of a point that muscles drive, from its position and the forces of the muscles, whose
+// gains are unknown.
 //
 //   z         measured position (m)
 //   F_n       force of muscle n along the followed axis at gain 1 (N), muscle_force.h; linear from
@@ -52,20 +52,21 @@ template <class Scalar>
 class EmgIdentification {
  public:
   using Forces = std::array<Scalar, kMostMuscles>;
-  /// Where the point is and how fast.
+  /// Position and velocity of the point.
   struct Place {
     Scalar position_m = 0, velocity_m_s = 0;
     bool is_known = false;
   };
 
-  /// `parameters` must be valid; of `muscles`, at most kMostMuscles, the first forces are given.
+  /// `parameters` must be valid. At most kMostMuscles of `muscles` are used; the first forces are
+  /// given.
   EmgIdentification(const EmgParameters& parameters, std::size_t muscles)
       : parameters_(parameters), muscles_(static_cast<int>(muscles)) {
     set_prior();
   }
 
-  /// The forces are to go from where they are to `F` (N), of gain 1 along the followed axis, `T` s
-  /// later; T > 0, not used for the first ones. The interval before is completed.
+  /// The forces change to `F` (N), of gain 1 along the followed axis, within `T` s; T > 0, not used
+  /// for the first forces. The previous interval is completed.
   void drive(Scalar T, const Forces& F) {
     complete();
     if (has_drive_) {
@@ -79,7 +80,7 @@ class EmgIdentification {
     has_drive_ = true;
   }
 
-  /// Completes the interval; then the place `T` s after its end, if the force stayed as it is.
+  /// Completes the interval; then the state `T` s after its end for constant forces.
   Place complete(Scalar T = Scalar(0)) {
     advance(Scalar(1));
     if (!is_started_) return {};
@@ -87,7 +88,7 @@ class EmgIdentification {
   }
 
   /// A position `z` (m) with noise of standard deviation `sd` (m), measured when the share `share`
-  /// (0 to 1) of the present interval has passed; not earlier than the one before.
+  /// (0 to 1) of the present interval has passed; not earlier than the previous one.
   EmgOutcome measure(Scalar share, Scalar z, Scalar sd) {
     nis_ = std::numeric_limits<Scalar>::quiet_NaN();
     if (!has_drive_) return outcome_ = EmgOutcome::waits;
@@ -107,10 +108,10 @@ class EmgIdentification {
     return outcome_;
   }
 
-  /// Forgets where the point is and what drives it, not what is known of it.
+  /// Forgets position and forces, but not the identified values.
   void interrupt() { is_started_ = has_drive_ = false; }
 
-  /// What is known now.
+  /// The present results.
   EmgEstimate<Scalar> estimate() const {
     using std::sqrt;
     EmgEstimate<Scalar> estimate;
@@ -158,7 +159,7 @@ class EmgIdentification {
   static constexpr int kMostRejected = 3, kMuscles = static_cast<int>(kMostMuscles);
 
   enum { p, v, d, lambda, kappa, c, g, kStates = g + kMuscles };
-  static constexpr int kValues = kStates - lambda;  // what is constant
+  static constexpr int kValues = kStates - lambda;  // the constant ones
   using State = Eigen::Matrix<Scalar, kStates, 1>;
   using Values = typename CoherentError<Scalar, kValues>::Vector;
 
@@ -174,7 +175,7 @@ class EmgIdentification {
     return state == c ? parameters_.offset_N : parameters_.gain;
   }
 
-  // The priors of kv, ks, b, K_n as those of what is per mass: x = k / m has the variance
+  // The priors of kv, ks, b and K_n, converted to values per mass: x = k / m has the variance
   // E[m^-2] var k + k^2 var 1/m.
   void set_prior() {
     x_.setZero();
@@ -235,7 +236,7 @@ class EmgIdentification {
     return square(noise_share_) * (time_s_ > Scalar(0) ? mean_F2_ : force_power(F));
   }
 
-  // To the share `end` of the present interval.
+  // Advances to the share `end` of the present interval.
   void advance(Scalar end) {
     const Scalar T = (end - share_) * interval_s_;
     if (!(T > Scalar(0))) return;
@@ -319,7 +320,7 @@ class EmgIdentification {
     return EmgOutcome::updated;
   }
 
-  // Towards a NIS of 1; what is far off counts as 3 standard deviations.
+  // Steers the NIS towards 1; large deviations count as 3 standard deviations.
   void learn_noise() {
     constexpr Scalar kFirst = Scalar(1) / Scalar(50), kLast = Scalar(1) / Scalar(400);
     const Scalar one = Scalar(1) / (monitor_.count() + Scalar(50));
@@ -354,7 +355,7 @@ class EmgIdentification {
     coherent_.add(y, weight);
   }
 
-  // Variances of what no number of samples averages out, and the two parts of E^2.
+  // Variances of errors that no number of samples averages out, and the two parts of E^2.
   struct Granted {
     Values variance = Values::Zero();
     Scalar force = 0, lag = 0;
@@ -417,7 +418,7 @@ class EmgIdentification {
     return mean_F2_ > Scalar(0) ? sqrt(mean_d2_ / mean_F2_) : Scalar(0);
   }
 
-  // What the muscles' force gets wrong may be less than is stated of it, not more.
+  // The error of the muscles' force may be smaller than stated, but not larger.
   bool model_holds() const {
     const Scalar stated = Scalar(parameters_.error_share);
     return found_error_share() <= stated && noise_share_ <= stated &&
@@ -434,7 +435,8 @@ class EmgIdentification {
   Scalar nis_ = std::numeric_limits<Scalar>::quiet_NaN();
   bool has_drive_ = false, is_started_ = false;
   Forces before_{}, after_{};
-  Scalar interval_s_ = 0, share_ = 1;  // of the forces' interval, what has passed of it
+  Scalar interval_s_ = 0,
+         share_ = 1;  // of the interval of the forces, and the share that has passed
   int rejected_in_a_row_ = 0;
   Scalar positions_ = 0, rejected_ = 0;
   Scalar noise_share_ = kFirstShare;

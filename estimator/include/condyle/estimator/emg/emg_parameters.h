@@ -7,7 +7,7 @@
 
 namespace condyle {
 
-/// A value before any measurement; its unit is the name's.
+/// A value before any measurement; the name contains its unit.
 struct EmgPrior {
   double mean = 0;
   double sd = 1;
@@ -15,23 +15,23 @@ struct EmgPrior {
 
 /// The identification from EMG.
 struct EmgParameters {
-  EmgPrior mass_kg{0.2, 0.04};  ///< at the followed point; assumed, and never fitted
-  /// An sd beyond about the mass / the positions' sampling interval leaves nothing to be found.
+  EmgPrior mass_kg{0.2, 0.04};  ///< at the followed point; assumed, never fitted
+  /// With an sd above about the mass / the positions' sampling interval the value cannot be found.
   EmgPrior friction_Ns_m{0.05, 20};
   EmgPrior stiffness_N_m{0, 50};
   EmgPrior offset_N{0, 5};
   EmgPrior gain{1, 1};  ///< K_n, of each muscle
-  /// rms of what the muscles' force gets wrong, of that force; widens the intervals. EMG-driven
+  /// rms error of the muscles' force, as a share of that force; widens the intervals. EMG-driven
   /// models of the jaw: 0.28 to 0.46.
   double error_share = 0.46;
-  double error_time_s = 0.2;     ///< time over which that error stays alike (s)
-  double lag_s = 0;              ///< of the force behind its EMG, beyond the activation's own (s)
+  double error_time_s = 0.2;     ///< correlation time of that error (s)
+  double lag_s = 0;              ///< of the force behind its EMG, beyond that of the activation (s)
   double lag_sd_s = 0.03;        ///< uncertainty of that (s)
-  double longest_gap_s = 0.05;   ///< of the EMG, beyond which it is not known between (s)
+  double longest_gap_s = 0.05;   ///< of the EMG; it is unknown in a longer one (s)
   double velocity_sd_m_s = 0.1;  ///< of the velocity before the first sample (m/s)
-  double gate_sd = 6;            ///< deviation from which on a position is not taken (sd)
-  /// The smallest differences that matter to the user; a value is shown as derived where its
-  /// standard deviation is at most half of them.
+  double gate_sd = 6;            ///< deviation from which on a position is rejected (sd)
+  /// The smallest differences that matter to the user. A value is shown as derived if its standard
+  /// deviation is at most half of them.
   double friction_resolution_Ns_m = 0.1;
   double gain_resolution = 0.5;
 };
@@ -62,7 +62,7 @@ constexpr void visit_emg_fields(Parameters& parameters, Visitor&& visit) {
   visit("gain_resolution", parameters.gain_resolution, "1", Range{1e-6, 1e6});
 }
 
-/// True where every field of `parameters` lies in its range (see `visit_emg_fields`).
+/// True if every field of `parameters` is in its range (see `visit_emg_fields`).
 constexpr bool is_valid(const EmgParameters& parameters) {
   bool valid = true;
   visit_emg_fields(parameters, [&valid](const char*, const double& value, const char*,

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// EMG and positions, each at its own times and rate, in the order in which they happened.
+// Puts EMG and positions, each with its own times and rate, into order of time.
 //
 //   excitation -> activation -> force along the followed axis (muscle_force.h) -> identification
 //
-// The activation follows the mean of two neighbouring excitations; the force is taken at the
-// identification's own position and velocity, as of the sample's instant. A position waits until
-// the EMG around it is known. Times are of one clock; those of the EMG are put on by the lag of the
-// force first. EMG whose time does not go on, or with a value that is not finite, is left out; a
-// gap in it, or a position that the jaw cannot reach, interrupts the identification.
+// The activation follows the mean of two neighbouring excitations. The force is computed at the
+// identification's own position and velocity at the sample's instant. A position waits until the
+// EMG around it is known. Times are of one clock; the lag of the force is first added to those of
+// the EMG. EMG whose time does not advance, or with a value that is not finite, is left out. A gap
+// in the EMG, or a position that the jaw cannot reach, interrupts the identification.
 #pragma once
 
 #include "condyle/estimator/emg/emg_identification.h"
@@ -22,13 +22,13 @@ struct MuscleSet {
   std::size_t count = 0;
 };
 
-/// What was not as it should be.
+/// Counts of problems.
 struct EmgTimelineCounts {
   std::uint64_t emg_not_in_order = 0;     ///< samples that were left out
   std::uint64_t emg_not_finite = 0;       ///< likewise
   std::uint64_t emg_gaps = 0;             ///< longer than the longest, either way
   std::uint64_t positions_too_early = 0;  ///< before the first EMG, or within a gap
-  std::uint64_t positions_dropped = 0;    ///< too many waited for the EMG
+  std::uint64_t positions_dropped = 0;    ///< too many were waiting for the EMG
   std::uint64_t out_of_reach = 0;         ///< of the jaw
 };
 
@@ -38,8 +38,8 @@ class EmgTimeline {
  public:
   using Excitations = std::array<Scalar, kMostMuscles>;
 
-  /// `parameters` must be valid; `lag_s` more of the force behind the EMG than they say, as of an
-  /// envelope that is late (negative).
+  /// `parameters` must be valid. `lag_s`: further lag of the force behind the EMG, negative for a
+  /// delayed envelope.
   EmgTimeline(const EmgParameters& parameters, const MuscleSet& muscles, double lag_s = 0)
       : muscles_(muscles),
         lag_ns_(nanoseconds(parameters.lag_s + lag_s)),
@@ -94,9 +94,9 @@ class EmgTimeline {
     }
   }
 
-  /// When the force of EMG stamped `time_ns` acts; positions up to then are to come before it.
+  /// When the force of EMG stamped `time_ns` acts; give earlier positions before it.
   TimeNs force_time_ns(TimeNs time_ns) const { return time_ns + lag_ns_; }
-  /// What is known now.
+  /// The present results.
   EmgEstimate<Scalar> estimate() const { return stage_.estimate(); }
   const EmgTimelineCounts& counts() const { return counts_; }
   /// The muscles' latest forces (N) along the followed axis, of gain 1.
@@ -114,7 +114,7 @@ class EmgTimeline {
     return static_cast<Scalar>(seconds(end_ns - begin_ns));
   }
 
-  // Now, `T` s after those before.
+  // Forces now, `T` s after the previous ones.
   const typename EmgIdentification<Scalar>::Forces& forces(Scalar T) {
     auto place = stage_.complete(T);
     if (!place.is_known) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Force of a muscle from its excitation, and what it is along the followed axis.
+// Force of a muscle from its excitation, and its component along the followed axis.
 //
 //   e, a      excitation and activation, share of the maximum
 //   q, q'     coordinate of the jaw: opening angle (rad) of a hinge, displacement (m) of a
@@ -32,13 +32,13 @@
 
 namespace condyle {
 
-/// Most muscles that anything here deals with.
+/// Most muscles supported.
 inline constexpr std::size_t kMostMuscles = 8;
 
-/// How the jaw moves.
+/// Kind of the jaw's motion.
 enum class JawMotion : std::uint8_t { hinge, translation };
 
-/// What turns the jaw's coordinate q into the followed one.
+/// Converts the jaw's coordinate q to the followed one.
 struct JawGeometry {
   JawMotion motion = JawMotion::hinge;
   double incisor_radius_m = 0.089;     ///< R of eq 5
@@ -57,7 +57,7 @@ struct JawGeometry {
     if (motion == JawMotion::translation) return Scalar(1);
     return -Scalar(incisor_radius_m) * elementary::cos(Scalar(incisor_angle_rad) - q);
   }
-  /// q at which the followed coordinate is `position_m`; only where `reaches` says so.
+  /// q at which the followed coordinate is `position_m`; only if `reaches` is true.
   template <class Scalar>
   Scalar coordinate_at(Scalar position_m) const {
     if (motion == JawMotion::translation) return position_m;
@@ -65,7 +65,7 @@ struct JawGeometry {
     for (int i = 0; i < 20; ++i) q -= (this->position_m(q) - position_m) / slope(q);
     return q;
   }
-  /// True where the followed coordinate can be `position_m`, with some lever arm left.
+  /// True if the followed coordinate can be `position_m`, with some lever arm left.
   template <class Scalar>
   bool reaches(Scalar position_m) const {
     if (motion == JawMotion::translation) return position_m - position_m == Scalar(0);
@@ -103,7 +103,7 @@ Scalar force_velocity_factor(const MuscleParameters& muscle, Scalar q_rate) {
   return Scalar(1) + rise * slope * w / (rise + slope * w);
 }
 
-/// Time constant (s) with which an activation goes towards an excitation.
+/// Time constant (s) of an activation that approaches an excitation.
 template <std::floating_point Scalar>
 Scalar activation_time_s(Scalar activation, Scalar excitation) {
   return Scalar(excitation > activation ? 0.010 : 0.040);

@@ -48,7 +48,7 @@ class DriveNoiseBias {
     for (Matrix4& C : C_) C.setZero();
   }
 
-  /// The next interval of the drive begins; its end was measured with this variance (N^2).
+  /// Begins the next interval of the drive; its end was measured with this variance (N^2).
   void drive(Scalar drive_variance) {
     for (Matrix4* matrix : {&M_, &C_[0], &C_[1], &C_[2], &C_[3]}) {
       matrix->row(2) = matrix->row(3);
@@ -60,7 +60,8 @@ class DriveNoiseBias {
     P_(3, 3) = M_(3, 3) = drive_variance;
   }
 
-  /// The point is at a first position, of this variance (m^2) and that of its velocity (m^2/s^2).
+  /// The point is at a first position, with these variances of position (m^2) and velocity
+  /// (m^2/s^2).
   void start(Scalar position_variance, Scalar velocity_variance) {
     for (Matrix4* matrix : {&M_, &C_[0], &C_[1], &C_[2], &C_[3]}) {
       matrix->template topRows<2>().setZero();
@@ -112,7 +113,7 @@ class DriveNoiseBias {
     P_(1, 1) += q * T;
   }
 
-  /// A position is taken. What it adds to the scores of theta, for r^2 = S.
+  /// Uses a position. Returns its contribution to the scores of theta, for r^2 = S.
   Eigen::Matrix<Scalar, kParameters, 1> update(Scalar position_variance) {
     const Scalar S = P_(0, 0) + position_variance;
     Eigen::Matrix<Scalar, 4, 1> K;

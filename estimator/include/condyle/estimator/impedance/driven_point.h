@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A point of the jaw that a known force drives along one axis, held by friction and by a spring.
+// A point of the jaw driven by a known force along one axis, and held by friction and a spring.
 //
 //   p, v      position (m), velocity (m/s)
 //   u         the drive: all of the force but inertia, friction and spring (N); linear from sample
@@ -37,7 +37,7 @@ struct DrivenRates {
   Scalar lambda = 0, eta = 0, kappa = 0, c = 0;
 };
 
-/// What a step answers to: the columns of DrivenResponse.
+/// The inputs of a step: the columns of DrivenResponse.
 enum DrivenCause { kFromPosition, kFromVelocity, kFromDriveBefore, kFromDrive, kDrivenCauses };
 
 /// Position (row 0) and velocity (row 1) after a step for one unit of p0, v0, eta u0 or eta u1, and
@@ -62,7 +62,7 @@ enum DrivenColumn {
   kDrivenColumns
 };
 
-/// Position and velocity after a step, and their derivatives with respect to what they follow from.
+/// Position and velocity after a step, and their derivatives with respect to their inputs.
 template <class Scalar>
 struct DrivenStep {
   using Row = Eigen::Array<Scalar, 1, kDrivenColumns>;
@@ -152,7 +152,7 @@ DrivenStep<Scalar> driven_step(const DrivenRates<Scalar>& rates,
   return {row(0), row(1)};
 }
 
-/// Likewise, of `T` s.
+/// The same for `T` s.
 template <class Scalar>
 DrivenStep<Scalar> driven_step(const DrivenRates<Scalar>& rates, Scalar T, Scalar p, Scalar v,
                                Scalar u0, Scalar u1) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// One measured quantity as the regression reads it: at even steps, with the noise that its own
-// samples show.
+// One measured quantity for the regression: at even steps, with the noise that its own samples
+// show.
 //
 //   T         the median of the first steps; even_grid.h brings what follows to it
 //   s^2       mean of the squares of sixth differences (noise_difference.h)
 //
-// A step longer than 3.5 T, or than stated, ends a segment; what is due within it is interpolated.
-// Samples closer than the least step are averaged first, times and values alike.
+// A step longer than 3.5 T, or than stated, ends a segment; within a segment, missing values are
+// interpolated. Samples closer than the least step are averaged first, both times and values.
 #pragma once
 
 #include "condyle/estimator/impedance/even_grid.h"
@@ -14,13 +14,13 @@
 
 namespace condyle {
 
-/// What a channel did with its samples.
+/// Counts of the samples of a channel.
 struct EvenChannelCounts {
-  std::uint64_t not_in_order = 0;  ///< samples that were left out
+  std::uint64_t not_in_order = 0;  ///< samples that were dropped
   std::uint64_t gaps = 0;          ///< ends of segments, by a gap or a clock set back
 };
 
-/// The samples of the present segment, as many as there is room for. Fixed size, no allocation.
+/// The samples of the present segment, as many as fit. Fixed size, no allocation.
 template <class Scalar, std::size_t kCapacity>
 class EvenChannel {
  public:
@@ -57,11 +57,11 @@ class EvenChannel {
     group_later_ns_ += time_ns - group_ns_;
     group_sum_ += value;
     ++group_count_;
-    // The first of a group that cannot grow goes on at once.
+    // The first sample of a group that cannot grow is passed on at once.
     if (is_learned_ && step_ns_ >= 2 * least_step_ns_) flush_group();
   }
 
-  /// Begins a new segment: what follows is not in a row with what was.
+  /// Begins a new segment: the next samples are not consecutive with the previous ones.
   void interrupt() {
     group_count_ = 0;
     has_newest_ = false;
@@ -75,11 +75,11 @@ class EvenChannel {
   /// True once T is known.
   bool is_learned() const { return is_learned_; }
   Scalar step_s() const { return static_cast<Scalar>(seconds(step_ns_)); }
-  /// Counts the segments, so that a reader sees that one ended.
+  /// Number of segments, so that a reader notices the end of one.
   std::uint64_t segment() const { return segment_; }
   const EvenChannelCounts& counts() const { return counts_; }
 
-  /// Indices of the points there are room for: begin() to end() - 1, all of one segment.
+  /// Range of the stored points: begin() to end() - 1, all of one segment.
   std::uint64_t begin() const { return end_ - begin_ > kCapacity ? end_ - kCapacity : begin_; }
   std::uint64_t end() const { return end_; }
   /// A point; `begin() <= index < end()`.
@@ -90,7 +90,7 @@ class EvenChannel {
     return difference_s<Scalar>(time_ns(index + 1), time_ns(index - 1)) / Scalar(2);
   }
 
-  /// What the samples' differences showed since the last call; either begins anew.
+  /// The noise from the samples' differences since the last call; each call starts again.
   NoiseSums<Scalar> take_noise() {
     const NoiseSums<Scalar> taken = noise_;
     noise_ = {};
@@ -104,7 +104,7 @@ class EvenChannel {
   }
 
  private:
-  static constexpr std::size_t kFirst = 17;  // samples that T is learned from
+  static constexpr std::size_t kFirst = 17;  // samples that determine T
   static constexpr TimeNs kLongestFirstStep_ns = kNanosecondsPerSecond;
 
   TimeNs longest_step_ns() const {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples at any times, brought to even steps.
+// Resamples irregular samples at even steps.
 //
 //   T         step of the grid
 //   t, z      times and values of the last six samples
 //
-// A sample within T / 50 of the next grid point is that point, and the grid goes on from it:
-// samples at even steps pass unchanged. Any other grid point is the polynomial of degree five
-// through the six samples around it (Lagrange), three before and three after where a segment has
-// that many.
+// A sample within T / 50 of the next grid point becomes that point, and the grid continues from it,
+// so that samples at even steps pass unchanged. Any other grid point is the polynomial of degree
+// five through the six samples around it (Lagrange), three before and three after if the segment
+// has that many.
 #pragma once
 
 #include <array>
@@ -25,8 +25,8 @@ class EvenGrid {
 
   TimeNs step_ns() const { return step_ns_; }
 
-  /// Takes a sample after the last one, and gives each grid point that is now known to
-  /// `sink(time_ns, value)`. A sample within T / 5 of the one before is left out: a polynomial
+  /// Takes a sample after the last one, and passes each grid point that is now known to
+  /// `sink(time_ns, value)`. A sample within T / 5 of the previous one is dropped: a polynomial
   /// through both would magnify their noise.
   template <class Sink>
   void add(TimeNs time_ns, Scalar value, Sink&& sink) {
@@ -51,7 +51,7 @@ class EvenGrid {
  private:
   static constexpr std::size_t kSamples = 6;
 
-  // Gives the next grid point where it is known; false where it is not yet.
+  // Passes on the next grid point if it is known; else returns false.
   template <class Sink>
   bool give_next(Sink&& sink) {
     for (std::size_t k = count_; k-- > 0;) {
@@ -67,7 +67,7 @@ class EvenGrid {
     return true;
   }
 
-  // The grid ends where time does.
+  // The grid ends at the limit of TimeNs.
   void step_from(TimeNs time_ns) {
     if (__builtin_add_overflow(time_ns, step_ns_, &next_ns_)) interrupt();
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Damping and stiffness per mass of a relaxed jaw, from the motion of the head: what accelerates
-// the head drives the jaw in it, by a known force per mass.
+// Damping and stiffness per mass of a relaxed jaw from the motion of the head, whose acceleration
+// drives the jaw with a known force per mass.
 //
 //   z, a      measured position of the jaw relative to the head (m); reading along the same axis of
 //             an accelerometer on the facebow (m/s^2), gravity included
@@ -17,25 +17,26 @@
 //              newtons are N/kg, its kv and ks are lambda and kappa. The jaw's own mass cancels: no
 //              mass is ever told. What the motion itself shows of the mass is 1 / g
 //
-// A relaxed jaw is presumed: a muscle that answers to the motion is damping, or stiffness, that
-// nobody can tell from the joint's. The user states the share s that muscles may add to the
-// inertial force -m a (rms, about its mean); 1, the default, is: nobody knows, and nothing is
-// measured. It is the share that the drive misses. The gain and the lever's share are uncertainties
-// of one scale, sigma_g^2 = gain^2 + lever^2.
+// The jaw is assumed to be relaxed: a muscle that responds to the motion acts like damping or
+// stiffness of the joint. The user states the share s that muscles may add to the inertial force -m
+// a (rms, about its mean). The default 1 means unknown, and nothing is measured. s is the share
+// that the drive misses. The uncertainties of the gain and of the lever's share are those of one
+// scale, sigma_g^2 = gain^2 + lever^2.
 #pragma once
 
 #include "condyle/estimator/impedance/point_identification.h"
 
 namespace condyle {
 
-/// What is taken for granted of a head motion.
+/// Assumptions about a head motion.
 struct HeadMotionParameters {
-  double gain_sd = 0.01;      ///< relative uncertainty of the accelerometer's calibration
-  double lever_sd = 0;        ///< of the acceleration, what the head's turning may take off or add
-  double delay_sd_s = 0.005;  ///< of the accelerometer's delay (s); that itself is taken off before
-  double muscle_share = 1;    ///< s, 0 to 1
-  double longest_gap_s = 0.1;  ///< between accelerations, beyond which they are not known between
-  /// Shown, as assumed, where they are not measured.
+  double gain_sd = 0.01;  ///< relative uncertainty of the accelerometer's calibration
+  double lever_sd = 0;    ///< share of the acceleration that the head's turning may add or subtract
+  double delay_sd_s =
+      0.005;  ///< of the accelerometer's delay (s); the delay itself is subtracted before
+  double muscle_share = 1;     ///< s, 0 to 1
+  double longest_gap_s = 0.1;  ///< between accelerations; they are unknown in a longer one
+  /// Shown, as assumed, if they are not measured.
   JointPrior damping_rate_per_s{40, 40};
   JointPrior stiffness_per_mass_per_s2{400, 400};
   /// The smallest differences that matter to the user.
@@ -43,7 +44,7 @@ struct HeadMotionParameters {
   double stiffness_resolution_fraction = 0.1;
 };
 
-/// True where every parameter can be used.
+/// True if every parameter is in its range.
 constexpr bool is_valid(const HeadMotionParameters& parameters) {
   constexpr Range positive{1e-9, 1e6}, share{0, 1};
   const auto fits = [&](const JointPrior& prior) {
@@ -57,14 +58,14 @@ constexpr bool is_valid(const HeadMotionParameters& parameters) {
          positive.contains(parameters.stiffness_resolution_fraction);
 }
 
-/// What is known. Of the limits, `missing` is that muscles may add too much, `mass_stated` that the
-/// motion shows another gain of the accelerometer.
+/// The results. Of the limits, `missing` means that muscles may add too much, and `mass_stated`
+/// that the motion shows another gain of the accelerometer.
 template <class Scalar>
 struct HeadMotionEstimate {
   IdentifiedValue<Scalar> damping_rate_per_s, stiffness_per_mass_per_s2;
-  Scalar gain = 1, gain_sd = 0;  ///< g by the motion itself, and its uncertainty; may be infinite
-  /// What the model leaves over, in what noise makes of it; NaN before the first conclusion, as the
-  /// rest is.
+  Scalar gain = 1, gain_sd = 0;  ///< g from the motion itself, and its uncertainty; may be infinite
+  /// Residual of the model relative to the noise; NaN before the first conclusion, as are the other
+  /// values.
   Scalar residual_ratio = std::numeric_limits<Scalar>::quiet_NaN();
   Scalar acceleration_noise_sd_m_s2 = residual_ratio, position_noise_sd_m = residual_ratio;
   Scalar rms_acceleration_m_s2 = residual_ratio;  ///< of a, about its mean
@@ -79,8 +80,8 @@ class HeadMotionIdentification {
   explicit HeadMotionIdentification(const HeadMotionParameters& parameters)
       : parameters_(parameters), point_(point_of(parameters)) {}
 
-  /// An acceleration of the head (m/s^2) at its true time, in order. To be given no later than the
-  /// first position after it.
+  /// An acceleration of the head (m/s^2) at its true time, in order; no later than the first
+  /// position after it.
   void add_acceleration(TimeNs time_ns, Scalar acceleration_m_s2) {
     point_.add_drive(time_ns, -acceleration_m_s2);
   }
@@ -88,7 +89,7 @@ class HeadMotionIdentification {
   /// A position (m) relative to the head, in order.
   void add_position(TimeNs time_ns, Scalar position_m) { point_.add_position(time_ns, position_m); }
 
-  /// Draws the conclusion of all that was given; else it is drawn once a second.
+  /// Concludes from everything given so far; otherwise this happens once a second.
   void conclude() { point_.conclude(); }
 
   /// The last conclusion.
@@ -120,7 +121,7 @@ class HeadMotionIdentification {
 
  private:
   static JointParameters point_of(const HeadMotionParameters& parameters) {
-    // So small a resolution that it never decides: that of the stiffness is a share of it.
+    // A resolution so small that it never decides: that of the stiffness is a share of it.
     constexpr double kNever = 1e-9;
     JointParameters point;
     point.friction_Ns_m = parameters.damping_rate_per_s;

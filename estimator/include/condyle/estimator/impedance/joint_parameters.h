@@ -1,42 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parameters of the joint identification: what is taken for granted before the first sample, and of
-// the drive. `visit_joint_fields` is the one list of their names and ranges.
+// Parameters of the joint identification: assumptions before the first sample and about the drive.
+// `visit_joint_fields` is the one list of their names and ranges.
 #pragma once
 
 #include "condyle/estimator/published/parameters.h"
 
 namespace condyle {
 
-/// A value before any measurement, and how it may change (its unit is the name's). Where the means
-/// of mass and friction may be wrong by four, choose standard deviations of one to two times these
-/// means: with half of that the filter settles up to nine of its standard deviations off, with
-/// twice that a start at a light point with much friction takes up to 20 s to be given up.
+/// A value before any measurement, and how it may change (its unit is the name's). If the means of
+/// mass and friction may be wrong by a factor of four, choose standard deviations of one to two
+/// times these means. With half of that the filter settles up to nine of its standard deviations
+/// off; with twice that, leaving a start at a light point with much friction takes up to 20 s.
 struct JointPrior {
   double mean = 0;
   double sd = 1;
-  double walk_per_root_s = 0;  ///< standard deviation it may gain in a second; 0: a constant
+  double walk_per_root_s =
+      0;  ///< random walk: standard deviation gained in a second; 0: a constant
 };
 
-/// How the measured drive relates to the true one. What it gets wrong for good enters the intervals
-/// and is never fitted: u = g F + missing has one scale too many for m, kv and g together.
+/// How the measured drive relates to the true one. Systematic errors enter the intervals and are
+/// never fitted: u = g F + missing has one scale too many for m, kv and g together.
 struct DriveParameters {
   double noise_sd_N = 0.01;      ///< white, of each sample (N)
   double gain_sd = 0.01;         ///< relative uncertainty of its calibration
   double position_scale_sd = 0;  ///< relative uncertainty of the scale of the positions
   double axis_angle_sd_rad = 0;  ///< of the angle between its axis and that of the positions (rad)
-  double delay_s = 0;            ///< how much later than the force its samples are stamped (s)
+  double delay_s = 0;            ///< how late the drive's samples are stamped (s)
   double delay_sd_s = 0.005;     ///< uncertainty of that (s)
-  /// Share of the total force that it may miss, 0 to 1. 1, the default: nobody knows, so that
-  /// nothing that needs the total drive is called measured.
+  /// Share of the total force that it may miss, 0 to 1. The default 1 means unknown: nothing that
+  /// needs the total drive is then called measured.
   double missing_share = 1;
-  double longest_gap_s = 0.05;  ///< between its samples, beyond which it is not known between (s)
+  double longest_gap_s = 0.05;  ///< between its samples; it is unknown in a longer one (s)
 };
 
-/// Whether the drive's delay is taken as stated, its uncertainty widening the intervals, or
-/// estimated with the rest, starting from what is stated.
+/// Whether the drive's delay is taken as stated, with its uncertainty widening the intervals, or is
+/// estimated with the other values, starting from the stated one.
 enum class DelayModel { known, fitted };
 
-/// Whether the mass is taken as its prior says, or estimated with the rest.
+/// Whether the mass is the prior's, or is estimated with the other values.
 enum class MassModel { known, fitted };
 
 /// The joint identification.
@@ -46,25 +47,25 @@ struct JointParameters {
   MassModel mass = MassModel::fitted;
   JointPrior stiffness_N_m{0, 50, 0};
   JointPrior offset_N{0, 1, 0};
-  /// Coulomb friction; with sd 0 there is none. For Coulomb friction alone, let the viscous one
-  /// have the mean 0 and the lowest sd.
+  /// Coulomb friction; with sd 0 there is none. For Coulomb friction alone, give the viscous
+  /// friction the mean 0 and the lowest sd.
   JointPrior coulomb_N{0, 0, 0};
-  double coulomb_velocity_m_s = 0.005;  ///< over which it changes its sign, smoothly (m/s)
+  double coulomb_velocity_m_s = 0.005;  ///< range in which it changes its sign, smoothly (m/s)
   DelayModel delay = DelayModel::known;
   double velocity_sd_m_s = 0.1;     ///< of the velocity before the first sample (m/s)
-  double force_noise_N_root_s = 0;  ///< white force that nobody measured (N s^0.5)
-  double gate_sd = 6;               ///< deviation from which on a position is not taken (sd)
-  /// Positions above and below these are not taken: teeth or food may touch there, with a force
-  /// that nobody measures (m, of the followed axis).
+  double force_noise_N_root_s = 0;  ///< white unmeasured force (N s^0.5)
+  double gate_sd = 6;               ///< deviation from which on a position is rejected (sd)
+  /// Positions above and below these are not used: teeth or food may touch there, with an
+  /// unmeasured force (m, of the followed axis).
   double contact_above_m = 1e3, contact_below_m = -1e3;
   double least_velocity_m_s =
       0.002;  ///< rms of a second; a slower point tells its place only (m/s)
-  /// The smallest differences that matter to the user; a value is measured where its standard
+  /// The smallest differences that matter to the user. A value is measured if its standard
   /// deviation is at most half of them.
   double friction_resolution_Ns_m = 0.1;
   double mass_resolution_fraction = 0.05;
-  /// The masses that a jaw, with what is fixed to it, may have (kg). Another one speaks of a wrong
-  /// unit: nothing is measured then.
+  /// The masses that a jaw, with everything fixed to it, may have (kg). Another mass indicates a
+  /// wrong unit, and nothing is measured then.
   double least_mass_kg = 0.03, most_mass_kg = 3;
   DriveParameters drive;
 };
@@ -125,7 +126,7 @@ constexpr void visit_joint_fields(Parameters& parameters, Visitor&& visit) {
   one(section, "most_mass_kg", parameters.most_mass_kg, "kg", Range{1e-6, 1e9});
 }
 
-/// True where every field of `parameters` lies in its range (see `visit_joint_fields`).
+/// True if every field of `parameters` is in its range (see `visit_joint_fields`).
 constexpr bool is_valid(const JointParameters& parameters) {
   bool valid = true;
   visit_joint_fields(

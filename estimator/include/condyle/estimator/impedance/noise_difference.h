@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// White noise on a smooth signal, from the signal itself, and whether it is white.
+// Estimates the white noise on a smooth signal from the signal itself, and checks that it is white.
 //
 //   z_k, t_k   seven samples in a row and their times
 //   T          the median step; scales the times, no more
@@ -22,11 +22,11 @@
 
 namespace condyle {
 
-/// Sums of what the differences of a recording's samples show.
+/// Sums over the differences of a recording's samples.
 template <class Scalar>
 struct NoiseSums {
   Scalar variance = 0;  ///< of D^2
-  Scalar count = 0;     ///< how many
+  Scalar count = 0;     ///< number of differences
 
   template <class Other>
   void add(const NoiseSums<Other>& other) {
@@ -35,7 +35,7 @@ struct NoiseSums {
   }
 };
 
-/// Sums, at each lag from 1 on, of what is about 0 where the noise is white; see above.
+/// Sums, at each lag from 1, whose mean is about 0 for white noise; see above.
 inline constexpr std::size_t kNoiseLags = 16;
 template <class Scalar>
 using NoiseLagSums = std::array<Scalar, kNoiseLags>;
@@ -44,12 +44,12 @@ using NoiseLagSums = std::array<Scalar, kNoiseLags>;
 template <class Scalar>
 class NoiseDifference {
  public:
-  /// `step_s` > 0 is T. Seven samples that span more than 8.5 T say nothing.
+  /// `step_s` > 0 is T. Seven samples that span more than 8.5 T are skipped.
   explicit NoiseDifference(Scalar step_s)
       : step_s_(step_s), longest_span_s_(Scalar(8.5) * step_s) {}
 
-  /// Takes a sample and adds to the sums what it shows. Nothing where there are not seven within
-  /// the span, or two of them share an instant.
+  /// Takes a sample and adds its differences to the sums. Adds nothing if there are not seven
+  /// samples within the span, or if two of them share an instant.
   void add(TimeNs time_ns, Scalar value, NoiseSums<Scalar>& sums, NoiseLagSums<Scalar>& colour) {
     times_ns_[newest_] = time_ns;
     values_[newest_] = value;
@@ -73,7 +73,7 @@ class NoiseDifference {
     if (known_ < kNoiseLags) ++known_;
   }
 
-  /// The next sample is not in a row with those before.
+  /// The next sample is not consecutive with the previous ones.
   void interrupt() { count_ = known_ = 0; }
 
  private:

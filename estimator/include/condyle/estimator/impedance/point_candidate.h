@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fits that the blocks of a recording are judged by, and the values that they offer.
+// The fits by which the blocks of a recording are judged, and the values they offer.
 //
 //   P, P0     the plain fit of m, kv, ks, c (and tau, where the delay is fitted): noise taken out
 //             of all columns, or kept in the even ones (regression_fit.h)
@@ -20,7 +20,8 @@
 //             fitted, E0 alone: kv is then the viscous part
 //   others    stiffness and offset P: d to E. Coulomb friction E0. Delay P: d is half of that to E;
 //             E where Coulomb friction is fitted
-// The delay, known to s, adds s times what a second of delay adds, to second order; by regression.
+// The delay, known to s, adds s times the effect of a second of delay, to second order; by
+// regression.
 #pragma once
 
 #include "condyle/estimator/impedance/joint_parameters.h"
@@ -28,7 +29,7 @@
 
 namespace condyle {
 
-/// True where a parameter was stated to wander.
+/// True if a parameter is stated to wander.
 inline bool has_walk(const JointParameters& parameters) {
   for (const JointPrior* prior :
        {&parameters.friction_Ns_m, &parameters.mass_kg, &parameters.stiffness_N_m,
@@ -44,7 +45,7 @@ inline double square(double value) {
   return value * value;
 }
 
-/// A value of one fit, with what stands beside its scatter.
+/// A value of one fit, with its uncertainties other than scatter.
 struct Candidate {
   FittedValue fit;
   double discrepancy2 = 0;
@@ -65,7 +66,7 @@ class PointColumns {
   bool is_mass_known() const { return parameters_.mass == MassModel::known; }
   bool fits_delay() const { return parameters_.delay == DelayModel::fitted; }
   bool fits_sliding() const { return parameters_.coulomb_N.sd > 0; }
-  /// Of a delay that is not fitted (s).
+  /// A delay that is not fitted (s).
   double delay_sd_s() const { return fits_delay() ? 0 : parameters_.drive.delay_sd_s; }
 
   FitColumns of(bool has_powers, bool has_sign, bool keeps_even_noise) const {
@@ -90,13 +91,13 @@ class PointColumns {
     columns.keeps_even_noise = keeps_even_noise;
     return columns;
   }
-  /// E0 with a delay beside.
+  /// E0 with a delay.
   FitColumns late() const {
     FitColumns late = of(true, true, true);
     if (!fits_delay()) late.add(kDriveSlopeColumn);
     return late;
   }
-  /// E with u'' beside, the mass fitted.
+  /// E with u'', the mass fitted.
   FitColumns curved() const {
     FitColumns curved = of(MassModel::fitted, true, true, false);
     if (fits_delay()) --curved.count;
@@ -128,7 +129,7 @@ class PointColumns {
   const JointParameters& parameters_;
 };
 
-/// The values that are taken.
+/// The selected values.
 struct PointCandidates {
   Candidate mass, friction, stiffness, offset, coulomb, delay;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the sums of a recording to what may be said of the point: what all of it says
-// (point_judgement.h), or its end where that is better.
+// From the sums of a recording to the results for the point: those of the whole recording
+// (point_judgement.h), or of its last part if these are better.
 //
 // Walk:     a value that may wander by q per root second is that of the end, where the mean of T
 //           seconds strays by q^2 T / 3: the last half or quarter is taken where that is better
@@ -10,18 +10,18 @@
 
 namespace condyle {
 
-/// Draws the conclusion of a regression. Fixed size, no allocation; some 10 kB of stack.
+/// Draws the conclusion of a regression. Fixed size, no allocation; about 10 kB of stack.
 template <class Scalar>
 class PointConclusion {
  public:
-  /// Fewest blocks to judge by.
+  /// Fewest blocks for a judgement.
   static constexpr std::size_t kFewestBlocks = 16;
 
   /// `parameters` must be valid; both must live as long as this.
   PointConclusion(const PointRegression<Scalar>& regression, const JointParameters& parameters)
       : regression_(regression), parameters_(parameters), setup_(regression.setup()) {}
 
-  /// The conclusion from all that the regression has by now.
+  /// The conclusion from everything in the regression so far.
 #ifdef CONDYLE_SENSORS_COMPILED  // long, and called once a second: not compiled again in its
                                  // callers
   [[gnu::noinline]]

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Friction and mass of a point from a measured drive: the regression, and what it is known to say,
-// once a second of the recording.
+// Friction and mass of a point from a measured drive: runs the regression and concludes once a
+// second of the recording.
 #pragma once
 
 #include "condyle/estimator/impedance/point_conclusion.h"
 
 namespace condyle {
 
-/// Drive and positions, each at its own times and rate, to a conclusion. Fixed size, no allocation.
+/// Turns drive and positions, each with its own times and rate, into a conclusion. Fixed size, no
+/// allocation.
 template <class Scalar>
 class PointIdentification {
  public:
@@ -17,11 +18,11 @@ class PointIdentification {
     conclude();
   }
 
-  /// A measured drive (N), stamped `time_ns`. In order; of the positions, none may be later than
-  /// the next drive by more than their ring holds (point_regression.h).
+  /// A measured drive (N), stamped `time_ns`, in order. No position may be later than the next
+  /// drive by more than their ring holds (point_regression.h).
   void add_drive(TimeNs time_ns, Scalar drive_N) { regression_.add_drive(time_ns, drive_N); }
 
-  /// A measured position (m). One that is missing or was rejected is left out.
+  /// A measured position (m). Missing and rejected ones are left out.
   void add_position(TimeNs time_ns, Scalar position_m) {
     regression_.add_position(time_ns, position_m);
     TimeNs since_ns = 0;
@@ -34,7 +35,7 @@ class PointIdentification {
     conclude();
   }
 
-  /// Draws the conclusion of all that was given, now.
+  /// Concludes now, from everything given so far.
   void conclude() {
     estimate_ = PointConclusion<Scalar>(regression_, parameters_).draw();
     ++conclusions_;
@@ -42,7 +43,7 @@ class PointIdentification {
 
   /// The last conclusion.
   const JointEstimate<Scalar>& estimate() const { return estimate_; }
-  /// How many were drawn.
+  /// Number of conclusions.
   std::uint64_t conclusions() const { return conclusions_; }
   DriveCounts counts() const { return regression_.counts(); }
 
