@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What some blocks of a recording say of the point: the values of point_candidate.h with all that
-// is not known of them, unless a test of point_tests.h fails.
+// What some blocks of a recording show of the point: the values of point_candidate.h with their
+// full uncertainty, unless a test of point_tests.h fails.
 //
 //   P, P0, E, E0   fits of point_candidate.h
 //   V, d      scatter and discrepancy of the value that is taken
@@ -25,7 +25,7 @@ namespace condyle {
 
 namespace internal {
 
-/// What the blocks from one on say. Fixed size, no allocation; some 10 kB of stack.
+/// The results of the blocks from one on. Fixed size, no allocation; about 10 kB of stack.
 template <class Scalar>
 class PointJudgement {
  public:
@@ -118,7 +118,7 @@ class PointJudgement {
                             (columns_.fits_delay() ? fit.value(kDriveSlopeColumn) : 0));
   }
 
-  // What mass and friction would be known to, were the other of the pair known.
+  // The uncertainty of mass and friction if the other of the pair were known.
   void find_pairs() {
     if (!columns_.is_mass_known()) {
       mass_alone_sd_ = Fit(data_, columns_.without_spring()).fitted(kAccelerationColumn).sd;
@@ -128,7 +128,7 @@ class PointJudgement {
     }
   }
 
-  // `per_N`: what a force of 1 N rms in phase adds to the value.
+  // `per_N`: effect on the value of a force of 1 N rms in phase.
   void write(const Candidate& candidate, const JointPrior& prior, double resolution, double per_N,
              IdentifiedValue<Scalar>& value) const {
     using std::abs;
@@ -163,7 +163,7 @@ class PointJudgement {
       sum += part.variance;
       if (part.variance > largest->variance) largest = &part;
     }
-    if (is_offset) {  // where x is 0, not where the recording began
+    if (is_offset) {  // at x = 0, not at the place where the recording began
       sum = square(sqrt(sum) + abs(data_.setup().place_m) * value_.stiffness.fit.sd);
     }
     value.fitted =
@@ -204,7 +204,7 @@ class PointJudgement {
   PointMotion rms_;
   PointStatement stated_;
   bool is_noise_white_;
-  double smoothing_s4_ = 0;  // of u'': what may be left
+  double smoothing_s4_ = 0;  // of u'': what may remain
   double residual_ = FittedValue::kUnbounded;
   double mass_alone_sd_ = FittedValue::kUnbounded, friction_alone_sd_ = FittedValue::kUnbounded;
   PointValues<Scalar> plain_;

@@ -20,8 +20,8 @@
 //              v_k / sqrt(v_k^2 + v_s^2), v_s = 5 mm/s unless stated
 // Noise:       from the samples (even_channel.h). The drive's stated noise is not used.
 //
-// An instant is used where all of h around it (1.5 h for the positions) was measured: gaps and
-// positions in contact cost what is around them.
+// An instant is used if all of h around it (1.5 h for the positions) was measured; so gaps and
+// positions in contact also cost their surroundings.
 #pragma once
 
 #include "condyle/estimator/impedance/even_channel.h"
@@ -30,20 +30,20 @@
 
 namespace condyle {
 
-/// What was not as it should be.
+/// Counts of problems.
 struct DriveCounts {
-  std::uint64_t drive_not_in_order = 0;    ///< samples of the drive that were left out
+  std::uint64_t drive_not_in_order = 0;    ///< samples of the drive that were dropped
   std::uint64_t drive_gaps = 0;            ///< longer than the longest, either way
   std::uint64_t positions_too_early = 0;   ///< before the first drive, or within a gap
-  std::uint64_t positions_in_contact = 0;  ///< where teeth or food may touch
-  std::uint64_t positions_dropped = 0;     ///< too many waited for the drive
+  std::uint64_t positions_in_contact = 0;  ///< teeth or food may touch there
+  std::uint64_t positions_dropped = 0;     ///< too many were waiting for the drive
 };
 
-/// What the sums were made with.
+/// Settings behind the sums.
 struct RegressionSetup {
   double cutoff_rad_s = 0;      ///< w_c
   double instant_s = 0;         ///< mean time between instants
-  double place_m = 0;           ///< the position that x is counted from
+  double place_m = 0;           ///< origin of x
   KernelGains position, drive;  ///< of the noise of their samples
 };
 
@@ -58,7 +58,7 @@ class PointRegression {
         drive_(kLeastDriveStep_ns, nanoseconds(parameters.drive.longest_gap_s)),
         delay_ns_(nanoseconds(parameters.drive.delay_s)) {}
 
-  /// A measured drive (N), stamped `time_ns`; its stated delay is taken off.
+  /// A measured drive (N), stamped `time_ns`; its stated delay is subtracted.
   void add_drive(TimeNs time_ns, Scalar drive_N) {
     TimeNs force_time_ns = 0;
     if (__builtin_sub_overflow(time_ns, delay_ns_, &force_time_ns)) return;
@@ -80,11 +80,11 @@ class PointRegression {
     advance();
   }
 
-  /// True once the kernel was chosen; the blocks exist from then on.
+  /// True once the kernel is chosen; from then on the blocks exist.
   bool has_begun() const { return has_begun_; }
   /// True once any drive was given.
   bool has_drive() const { return has_drive_; }
-  /// True where samples come too seldom for any kernel.
+  /// True if the rate of the samples is too low for any kernel.
   bool is_too_slow() const { return is_too_slow_; }
   const RegressionBlocks<Scalar>& blocks() const { return blocks_; }
   RegressionSetup setup() const {
@@ -112,7 +112,7 @@ class PointRegression {
   static constexpr double kNoContact_m = 1e3, kCutoffBesideContact_rad_s = 39;
   static constexpr double kLearning_s = 1, kFewestVariances = 24;
 
-  // Samples and the time they took, which gives the true mean step.
+  // Samples and their duration, which give the true mean step.
   struct Span {
     TimeNs time_ns = 0;
     std::uint64_t steps = 0;
@@ -136,7 +136,7 @@ class PointRegression {
     while (take_next_instant()) continue;
   }
 
-  // Chooses the kernel once a second was seen.
+  // Chooses the kernel after the first second.
   bool begin() {
     if (!positions_.is_learned() || !drive_.is_learned()) return false;
     const auto& z = positions_.noise();
@@ -182,7 +182,7 @@ class PointRegression {
   }
 
   // Calls `use(index, distance_s)` for the points of `channel` within `reach_s` of `time_ns`, from
-  // index `from` on. False where the segment does not hold a point beyond either end of them.
+  // index `from` on. False if the segment does not extend beyond both ends of the range.
   template <class Channel, class Use>
   static bool sweep(const Channel& channel, std::uint64_t from, TimeNs time_ns, Scalar reach_s,
                     Use&& use) {
@@ -216,7 +216,7 @@ class PointRegression {
     return static_cast<std::size_t>(index % kPositions);
   }
 
-  // The signs of all points that have half a kernel of positions on either side.
+  // The signs of all points with half a kernel of positions on either side.
   void make_signs() {
     using std::sqrt;
     const Scalar reach_s = sign_kernel_.half_width_s();
@@ -250,7 +250,7 @@ class PointRegression {
     }
   }
 
-  // False where the next instant has to wait.
+  // False if the next instant has to wait.
   bool take_next_instant() {
     if (!has_center_) return false;
     const Scalar reach_s = kernel_.half_width_s();
@@ -316,7 +316,7 @@ class PointRegression {
     blocks_.close_if_full();
   }
 
-  // The steps that the ring holds: near enough to a mean of all, at an instant's cost.
+  // The steps in the ring: close to the mean of all, at the cost of an instant.
   template <class Channel>
   static void note_span(const Channel& channel, Span& span) {
     if (channel.end() - channel.begin() < 2) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tests that withhold all values of a recording; the fits are those of point_candidate.h.
+// The tests that can withhold all values of a recording; the fits are those of point_candidate.h.
 //
 //   R         the smallest residual of the fits (regression_fit.h)
 //   T, w_c    duration, and the frequency up to which the kernel passes
@@ -21,7 +21,7 @@
 
 namespace condyle::internal {
 
-/// rms of the motion and of the drive (SI), as the kernel passes them, their noise taken out.
+/// rms of the motion and of the drive (SI) after the kernel, without their noise.
 struct PointMotion {
   double a = 0, v = 0, x = 0, u = 0;
   double u_about_mean = 0;  ///< x is about its mean, too
@@ -45,7 +45,7 @@ struct PointMotion {
   }
 };
 
-/// What is stated of the drive and of a known mass.
+/// What is stated about the drive and about a known mass.
 class PointStatement {
  public:
   PointStatement(const JointParameters& parameters, const PointMotion& motion)
@@ -70,14 +70,14 @@ class PointStatement {
   double missing_N_ = 0, mass_variance_ = 0;
 };
 
-/// What the tests say.
+/// The results of the tests.
 template <class Scalar>
 class PointTests {
  public:
   using Fit = RegressionFit<Scalar>;
 
-  /// `mass` and `friction` as they would be shown; where the mass is known, `mass` as if it were
-  /// not. `residual`: R so far; lowered.
+  /// `mass` and `friction` as they would be shown; if the mass is known, `mass` as if it were
+  /// unknown. `residual`: R so far; may be lowered.
   PointTests(const RegressionData<Scalar>& data, const JointParameters& parameters,
              const PointMotion& motion, const PointStatement& stated, const Fit& E, const Fit& P0,
              const Candidate& mass, const Candidate& friction, double& residual)
@@ -90,7 +90,7 @@ class PointTests {
     using std::sqrt;
     const Fit late(data, columns_.late());
     residual = late.lower_residual(residual);
-    const FittedValue delay = late.fitted(kDriveSlopeColumn);  // beyond what is stated
+    const FittedValue delay = late.fitted(kDriveSlopeColumn);  // relative to the stated delay
     const FittedValue curvature = Fit(data, columns_.curved()).fitted(kDriveCurvatureColumn);
     const double curvature_sd = sqrt(Candidate{curvature}.all2(columns_.delay_sd_s()));
     curvature_s4_ = curvature.is_known() ? square(curvature.value) + square(curvature_sd)
@@ -114,7 +114,7 @@ class PointTests {
   }
 
   JointLimit failure() const { return failure_; }
-  /// What the test of dynamics leaves open of u'', squared (s^4).
+  /// The part of u'' that the test of dynamics leaves open, squared (s^4).
   double curvature_s4() const { return curvature_s4_; }
 
  private:
@@ -155,7 +155,7 @@ class PointTests {
     return sqrt(friction_.all2(columns_.delay_sd_s()) + square(stated_.missing_N() / motion_.v));
   }
 
-  // A delay within what is stated is no trend.
+  // A delay within its statement is not a trend.
   bool has_trend(const FittedValue& fit) const {
     return fit.is_known() &&
            square(fit.trend) >

@@ -15,7 +15,7 @@
 
 namespace condyle {
 
-/// What fits of the same recording share: its blocks from `first` on, their sum, their noise.
+/// Shared by the fits of a recording: its blocks from `first` on, their sum, their noise.
 template <class Scalar>
 class RegressionData {
  public:
@@ -38,10 +38,10 @@ class RegressionData {
   }
   double drive_variance_N2() const { return sum_.drive_noise.variance / sum_.drive_noise.count; }
 
-  /// True where the positions' noise is not white: at some lag the blocks' sums are farther from 0
+  /// True if the positions' noise is not white: at some lag the blocks' sums are farther from 0
   /// than their scatter allows, by chance once in 70 recordings of 8 s, 200 of 20 s, 1000 of a
-  /// minute. A block that is much louder than the others counts as one of thrice
-  /// their variance. The drive's noise needs no such test: it is in the residual.
+  /// minute. A block that is much louder than the others counts as one of thrice their variance.
+  /// The drive's noise needs no such test: it is in the residual.
   bool has_coloured_positions() const {
     constexpr double kBeyond = 4, kLoud = 3;
     const auto n = static_cast<double>(size());
@@ -65,7 +65,7 @@ class RegressionData {
     return false;
   }
 
-  /// What noise is expected to add to the product of columns i and j of `sums`. The variance is
+  /// Expected contribution of noise to the product of columns i and j of `sums`. The variance is
   /// that within the block, so that its own uncertainty is part of the scatter.
   template <class Sum>
   double noise(const RegressionSums<Sum>& sums, RegressionColumn i, RegressionColumn j) const {

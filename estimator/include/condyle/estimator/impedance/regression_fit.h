@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Least squares of the drive on some columns, the columns' noise taken out, with intervals from the
-// scatter of blocks. In double.
+// Least squares of the drive on some columns, with the columns' noise removed and intervals from
+// the scatter of blocks. In double.
 //
 //   y          the columns of the fit; -u' for the drive's delay tau
 //   M_b, r_b   sums of y y' and of y u over block b; M, r those over all
@@ -41,7 +41,7 @@ namespace condyle {
 /// The most columns that a fit has.
 inline constexpr std::size_t kMostFitted = 10;
 
-/// The columns of a fit, and how it is made.
+/// The columns of a fit, and its options.
 struct FitColumns {
   std::array<RegressionColumn, kMostFitted> columns{};
   std::size_t count = 0;
@@ -49,7 +49,7 @@ struct FitColumns {
   double known_mass_kg = 0;  ///< m_0: not fitted, a has no column
 
   void add(RegressionColumn column) { columns[count++] = column; }
-  /// Place of a column; `count` where it is not one of them.
+  /// Index of a column; `count` if it is not one of them.
   std::size_t place_of(RegressionColumn column) const {
     std::size_t place = 0;
     while (place < count && columns[place] != column) ++place;
@@ -57,17 +57,17 @@ struct FitColumns {
   }
 };
 
-/// One parameter of a fit. NaN or infinite where it is not known.
+/// One parameter of a fit. NaN or infinite if it is not known.
 struct FittedValue {
   static constexpr double kUnbounded = std::numeric_limits<double>::infinity();
   double value = std::numeric_limits<double>::quiet_NaN();
-  double sd = kUnbounded;        ///< half of the interval of 95 %, over 1.96
-  double per_delay = 0;          ///< what a second of the drive's delay adds to it
-  double per_delay2 = 0;         ///< likewise, per square second, times 2
-  double per_known_mass = 0;     ///< what a kilogram more of known mass adds to it
-  double correction = 0;         ///< what taking the noise out changed
+  double sd = kUnbounded;        ///< half of the 95 % interval, over 1.96
+  double per_delay = 0;          ///< effect of a second of the drive's delay
+  double per_delay2 = 0;         ///< the same, per square second, times 2
+  double per_known_mass = 0;     ///< effect of a kilogram more of known mass
+  double correction = 0;         ///< change from removing the noise
   double trend = 0, trend2 = 0;  ///< see above: the sum, and its variance
-  double trend_per_delay = 0;    ///< what a second of the drive's delay adds to the sum
+  double trend_per_delay = 0;    ///< effect of a second of the drive's delay on the sum
   bool is_known() const { return sd < kUnbounded; }
 };
 
@@ -84,7 +84,7 @@ inline double student_quantile(double degrees) {
 using FitMatrix = std::array<std::array<double, kMostFitted>, kMostFitted>;
 
 /// Inverse of the leading `size` rows of a symmetric matrix, by Gauss and Jordan with scaling and
-/// pivots. False where it is singular to rounding or a diagonal is not positive.
+/// pivots. False if it is singular to rounding or a diagonal is not positive.
 inline bool invert_leading(FitMatrix A, std::size_t size, FitMatrix& inverse) {
   using std::abs;
   using std::sqrt;
@@ -155,18 +155,18 @@ class RegressionFit {
     make_residual();
   }
 
-  /// False where the matrix has no inverse, or there are no more blocks than parameters.
+  /// False if the matrix has no inverse, or there are no more blocks than parameters.
   bool is_solved() const { return is_solved_; }
   /// R; see above.
   double residual() const { return residual_; }
-  /// R, where it is solved and lower than `other`; else that.
+  /// R if it is solved and lower than `other`; else `other`.
   double lower_residual(double other) const {
     return is_solved_ && residual_ < other ? residual_ : other;
   }
   /// The value alone.
   double value(RegressionColumn of) const { return theta_[fit_.place_of(of)]; }
 
-  /// A parameter with all that is known of it. Not known where it is not solved.
+  /// A parameter with its full uncertainty; unknown if the fit is not solved.
   FittedValue fitted(RegressionColumn of) const {
     FittedValue fitted;
     const std::size_t i = fit_.place_of(of);
@@ -204,7 +204,7 @@ class RegressionFit {
     return sign(i) *
            (static_cast<double>(sums.product(column(i), j)) - data_.noise(sums, column(i), j));
   }
-  // Column i times a, as the known mass has it.
+  // Column i times a, corrected for the known mass.
   template <class Sum>
   double of_known_mass(const RegressionSums<Sum>& sums, std::size_t i) const {
     if (fit_.known_mass_kg == 0) return 0;
@@ -214,7 +214,7 @@ class RegressionFit {
   double noise_with_mass(std::size_t i) const {
     return sign(i) * data_.noise(data_.sum(), column(i), kAccelerationColumn);
   }
-  // r, the drive taken back by tau to second order.
+  // r, with the drive moved back by tau to second order.
   template <class Sum>
   double right_side(const RegressionSums<Sum>& sums, std::size_t i) const {
     const double r =
@@ -233,7 +233,7 @@ class RegressionFit {
 
   void make_residual() {
     const RegressionSums<double>& sum = data_.sum();
-    // The drive, taken back by tau to second order, is u + bend u''.
+    // The drive, moved back by tau to second order, is u + bend u''.
     const double bend = tau_ * tau_ / 2;
     const auto of_drive = [bend](const auto& product) {
       return product(kDriveColumn, kDriveColumn) +
@@ -268,7 +268,7 @@ class RegressionFit {
     std::array<double, kMostFitted> g{};
     for (std::size_t j = 0; j < size_; ++j) g[j] = D * I_[i][j];
     const std::size_t n = data_.size();
-    std::array<double, kMostFitted> delayed{};  // what a second of delay adds to theta
+    std::array<double, kMostFitted> delayed{};  // effect of a second of delay on theta
     for (std::size_t j = 0; j < size_; ++j) {
       for (std::size_t k = 0; k < size_; ++k) {
         delayed[j] += I_[j][k] * less_noise_with(data_.sum(), k, kDriveSlopeColumn);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the regression of point_regression.h keeps of a recording: sums of products, in blocks.
+// The sums of products, in blocks, that the regression of point_regression.h keeps of a recording.
 //
 //   a, v, x        acceleration, velocity, position, through the kernel (m/s^2, m/s, m)
 //   1              the kernel's own sum, about 1
@@ -41,7 +41,7 @@ enum RegressionColumn : std::uint8_t {
   kRegressionColumns
 };
 
-/// X is in these (m).
+/// Unit of X (m).
 inline constexpr double kShapeUnit_m = 5e-3;
 
 /// Sums over some instants.
@@ -102,7 +102,7 @@ class RegressionBlocks {
       : instants_per_block_(static_cast<Scalar>(
             instant_s < kFirstBlock_s ? static_cast<int>(kFirstBlock_s / instant_s + 0.5) : 1)) {}
 
-  /// The block that is being filled; call `close_if_full` after each instant.
+  /// The block being filled; call `close_if_full` after each instant.
   RegressionSums<Scalar>& open() { return blocks_[count_]; }
   void close_if_full() {
     if (blocks_[count_].instants < instants_per_block_) return;

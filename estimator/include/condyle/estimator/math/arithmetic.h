@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arithmetic every estimator file builds on, and the compiler settings it depends on.
+// The arithmetic that every estimator file uses, and the compiler settings it depends on.
 #pragma once
 
 #include <Eigen/Core>

@@ -36,7 +36,7 @@
 namespace condyle::elementary {
 namespace detail {
 
-/// What the functions need to know of a floating-point format.
+/// Properties of a floating-point format that the functions need.
 template <class Scalar>
 struct Format;
 
@@ -145,7 +145,7 @@ constexpr Scalar scale(Scalar y, int k) {
 template <class Scalar>
 constexpr Scalar exp_of_sum(Scalar x, Scalar low) {
   using F = Format<Scalar>;
-  // Where k would leave what `scale` takes; the result overflows or vanishes before.
+  // If k is outside the range of `scale`, the result overflows or vanishes before.
   if (x > Scalar(F::bias) * F::ln2_high + 1) return kInfinity<Scalar>;
   if (x < -Scalar(F::bias + F::fraction_bits + 2) * F::ln2_high) return 0;
   if (!(x == x)) return x;
@@ -185,7 +185,7 @@ struct Binary {
   double f;
 };
 
-/// Takes `x` apart, positive and finite.
+/// Decomposes `x`, which must be positive and finite.
 constexpr Binary take_apart(double x) {
   int k = 0;
   if (x < std::numeric_limits<double>::min()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Is the filter consistent, and is the noise white? For one axis of a run.
+// Checks for one axis of a run whether the filter is consistent and the noise white.
 //
 //   e     innovation / its predicted standard deviation; white with variance 1 if the model holds
 //   NIS   e^2; its mean is 1 if the stated variances are right
@@ -9,10 +9,10 @@
 //         cancel a slow motion and leave the noise. White noise, whatever its size, gives
 //         (-1)^k C(12, 6+k) / C(12, 6): -6/7, 15/28, ... and 0 from k = 7 on
 //
-// A maker who smooths makes neighbours share their noise: a white R is then wrong, and so are the
-// intervals. An adaptive filter hides part of that from rho, so c is looked at as well: c_1 is
-// above -6/7 where a low pass left little noise, and a mean over n samples gives c_n near -1/2. A
-// mean over more than kMostLags samples is not noticed by it.
+// Smoothing by the manufacturer makes neighbours share their noise: a white R is then wrong, and so
+// are the intervals. An adaptive filter hides part of that from rho, so c is checked as well: c_1
+// is above -6/7 if a low pass left little noise, and a mean over n samples gives c_n near -1/2. A
+// mean over more than kMostLags samples goes unnoticed.
 #pragma once
 
 #include <algorithm>
@@ -23,8 +23,8 @@
 
 namespace condyle {
 
-/// Mean square of numbers and their correlation up to `kLags` numbers apart. Beyond kMemory numbers
-/// old ones fade.
+/// Mean square of numbers and their correlation up to `kLags` numbers apart. Beyond kMemory
+/// numbers, old ones fade.
 template <class Scalar, int kLags>
 class Autocorrelation {
  public:
@@ -49,7 +49,7 @@ class Autocorrelation {
   Scalar pairs(int lag = 1) const { return pairs_[lag - 1]; }
   /// Root mean square of the numbers.
   Scalar rms() const { return std::sqrt(variance_); }
-  /// Correlation `lag` apart, -1 to 1; 0 where nothing varies.
+  /// Correlation `lag` apart, -1 to 1; 0 if nothing varies.
   Scalar value(int lag = 1) const {
     return variance_ > Scalar(0) ? covariance_[lag - 1] / variance_ : Scalar(0);
   }
@@ -64,14 +64,14 @@ class Autocorrelation {
 };
 
 /// Correlation of sixth differences, up to kMostLags samples apart. The steps between positions
-/// must be even to 10 %; where they are not, it starts a new chain.
+/// must be even to 10 %; otherwise a new chain starts.
 template <class Scalar>
 class NoiseColour {
  public:
-  /// Farthest apart that is looked at.
+  /// Largest lag that is checked.
   static constexpr int kMostLags = 32;
 
-  /// Adds a position measured `step_s` after the one before; NaN breaks the chain.
+  /// Adds a position measured `step_s` after the previous one; NaN breaks the chain.
   void add(Scalar position_m, Scalar step_s) {
     const bool even = step_s > Scalar(0.9) * step_s_ && step_s < Scalar(1.1) * step_s_;
     step_s_ = step_s;
@@ -80,7 +80,7 @@ class NoiseColour {
       add_difference(std::numeric_limits<Scalar>::quiet_NaN());
     }
     if (!std::isfinite(position_m)) return;
-    // difference[k] of this position from the differences of the one before
+    // difference[k] of this position from the differences of the previous one
     Scalar difference = position_m;
     for (int k = 0; k <= order_; ++k) {
       const Scalar before = differences_[k];
@@ -95,18 +95,18 @@ class NoiseColour {
   Scalar pairs(int lag = 1) const { return correlation_.pairs(lag); }
   /// Correlation c_lag.
   Scalar value(int lag = 1) const { return correlation_.value(lag); }
-  /// What c_lag is if the noise is white.
+  /// Expected c_lag if the noise is white.
   static constexpr Scalar white(int lag) {
     constexpr Array<double, kOrder + 1> kBinomial = {924, -792, 495, -220, 66, -12, 1};
     const int distance = lag < 0 ? -lag : lag;
     return distance > kOrder ? Scalar(0) : static_cast<Scalar>(kBinomial[distance] / kBinomial[0]);
   }
-  /// Standard deviation (m) of white noise that would vary as much.
+  /// Standard deviation (m) of white noise with the same variation.
   Scalar noise_sd_m() const {
     constexpr Scalar kSumOfSquares = 924;  // of the binomial coefficients of six
     return correlation_.rms() / std::sqrt(kSumOfSquares);
   }
-  /// False where nothing varies: there is no noise then to be of any colour.
+  /// False if nothing varies: there is then no noise to judge.
   bool varies() const { return correlation_.rms() > Scalar(0); }
   /// Standard deviation of c_lag from the pairs compared, if the noise is white (M. S. Bartlett,
   /// J. R. Stat. Soc. Suppl. 8 (1946) 27-41).
@@ -121,10 +121,10 @@ class NoiseColour {
 
  private:
   static constexpr int kOrder = 6;
-  static constexpr int kFirst = 48;  // differences that the first scale is taken from
+  static constexpr int kFirst = 48;  // differences for the first scale
 
-  // A glitch counts no more than three times what is usual, the first ones included: they wait
-  // until their median says what is usual.
+  // A glitch counts at most three times the usual size, also among the first differences: they wait
+  // until their median gives the usual size.
   void add_difference(Scalar difference) {
     if (waiting_count_ == kFirst) return add_limited(difference, Scalar(3) * correlation_.rms());
     waiting_[waiting_count_++] = difference;
@@ -151,17 +151,17 @@ class NoiseColour {
   Autocorrelation<Scalar, kMostLags> correlation_;
 };
 
-/// Of the innovations of one axis: e, NIS and rho. Constant memory.
+/// For the innovations of one axis: e, NIS and rho. Constant memory.
 template <class Scalar>
 class InnovationMoments {
  public:
-  /// Fewest pairs that anything is said from.
+  /// Fewest pairs for a judgement.
   static constexpr Scalar kFewestPairs = 200;
-  /// Innovations are said to be correlated from this rho on, if it is also four standard deviations
-  /// of chance. On unsmoothed simulated chewing |rho| stays below 0.07.
+  /// Innovations count as correlated from this rho on, if it is also four standard deviations of
+  /// chance. On unsmoothed simulated chewing |rho| stays below 0.07.
   static constexpr Scalar kCorrelated = Scalar(0.1);
 
-  /// Adds a standardised innovation, no unit; NaN where there was none.
+  /// Adds a standardised innovation, no unit; NaN if there was none.
   void add(Scalar standardised) {
     innovation_.add(std::clamp(standardised, Scalar(-3), Scalar(3)));
     if (!std::isfinite(standardised)) return;
@@ -175,7 +175,7 @@ class InnovationMoments {
   Scalar mean_nis() const { return nis_; }
   /// rho.
   Scalar correlation() const { return innovation_.value(); }
-  /// True where neighbouring innovations are correlated: the stated intervals do not hold.
+  /// True if neighbouring innovations are correlated: the stated intervals do not hold.
   bool is_correlated() const {
     const Scalar rho = innovation_.value();
     return innovation_.pairs() >= kFewestPairs && rho > kCorrelated &&
@@ -193,14 +193,14 @@ class InnovationMoments {
 template <class Scalar>
 class InnovationMonitor {
  public:
-  /// Fewest pairs that anything is said from.
+  /// Fewest pairs for a judgement.
   static constexpr Scalar kFewestPairs = InnovationMoments<Scalar>::kFewestPairs;
-  /// Positions are said to be filtered where some c_k differs from white noise's by this much, if
-  /// that is also five standard deviations of chance.
+  /// Positions count as filtered if some c_k differs from that of white noise by this much, and by
+  /// five standard deviations of chance.
   static constexpr Scalar kFilteredNeighbours = Scalar(0.057), kFilteredFarther = Scalar(0.2);
 
-  /// Adds what one sample said: the standardised innovation, no unit, and the measured position,
-  /// `step_s` after the one before; NaN where there was none.
+  /// Adds a sample: the standardised innovation, no unit, and the measured position, `step_s` after
+  /// the previous one; NaN if there was none.
   void add(Scalar standardised, Scalar position_m, Scalar step_s) {
     noise_.add(position_m, step_s);
     innovations_.add(standardised);
@@ -212,10 +212,10 @@ class InnovationMonitor {
   bool is_correlated() const { return innovations_.is_correlated(); }
   /// c_lag.
   Scalar noise_correlation(int lag = 1) const { return noise_.value(lag); }
-  /// Standard deviation (m) of the noise, as sixth differences show it.
+  /// Standard deviation (m) of the noise from sixth differences.
   Scalar noise_sd_m() const { return noise_.noise_sd_m(); }
-  /// The samples apart at which c_k differs most from white noise's, in standard deviations of
-  /// chance, so that the noise is not white; 0 where there is none.
+  /// The lag at which c_k differs most from that of white noise, in standard deviations of chance,
+  /// if the noise is not white; 0 otherwise.
   int filtered_lag() const {
     int found = 0;
     Scalar largest = 5;
@@ -231,7 +231,7 @@ class InnovationMonitor {
     }
     return found;
   }
-  /// True where the noise of the positions is not white: they were filtered before they came.
+  /// True if the noise of the positions is not white: they were filtered before.
   bool is_filtered() const { return filtered_lag() > 0; }
 
  private:

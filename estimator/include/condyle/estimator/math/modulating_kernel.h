@@ -54,7 +54,7 @@ class ModulatingKernel {
         scale_ * (Scalar(-16) * q7 + Scalar(224) * s * s * q6) / (half_width_s_ * half_width_s_)};
   }
 
-  /// What a white noise of samples `step_s` apart becomes.
+  /// The effect on white noise of samples `step_s` apart.
   KernelGains gains(double step_s) const {
     KernelGains gains;
     const ModulatingKernel<double> exact(static_cast<double>(half_width_s_));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Symmetric 3x3 matrix held as its upper triangle, so that no rounding can make it unsymmetric.
+// Symmetric 3x3 matrix stored as its upper triangle, so that rounding cannot make it unsymmetric.
 #pragma once
 
 #include <array>
@@ -53,7 +53,7 @@ class SymmetricMatrix3 {
   std::array<Scalar, 6> packed_{};
 };
 
-/// Symmetric matrix of any fixed size, likewise: the upper triangle, row by row.
+/// Symmetric matrix of any fixed size, stored likewise as its upper triangle, row by row.
 template <class Scalar, int size>
 class SymmetricMatrix {
  public:
@@ -67,8 +67,8 @@ class SymmetricMatrix {
   constexpr void clear_entry(int index) {
     for (int i = 0; i < size; ++i) (*this)(index, i) = Scalar(0);
   }
-  /// Gives row and column `to` those of `from`, as of a state that takes another's place, and
-  /// clears these.
+  /// Gives row and column `to` the values of `from`, as if a state replaced another, and clears
+  /// `from`.
   constexpr void move_entry(int from, int to) {
     (*this)(to, to) = (*this)(from, from);
     for (int i = 0; i < size; ++i) {

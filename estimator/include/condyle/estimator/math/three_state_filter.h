@@ -25,8 +25,9 @@
 //   S = P_ii + R,  K = P_.i / S,  x <- x + K (z - x_i),  P_jk <- P_jk - K_j P_ik.
 // Row i needs no subtraction: P_ji - P_ji P_ii / S = K_j R.
 //
-// Always inlined: when called, they pass P through memory, written scalar by scalar and copied in
-// pairs, and the processor cannot forward such stores to such loads (see estimator/CMakeLists.txt).
+// Always inlined: when called, these functions pass P through memory, written scalar by scalar and
+// copied in pairs, and the processor cannot forward such stores to such loads (see
+// estimator/CMakeLists.txt).
 //
 // The covariance does not depend on x: filters of the same model may share one and its gains.
 #pragma once
@@ -48,7 +49,7 @@ struct TransitionJacobian {
   Scalar vx{};  ///< d velocity' / d third
 };
 
-/// A stage's transition at one state: where it goes and how that depends on it.
+/// A stage's transition at one state: the new state and its derivatives.
 template <class Scalar>
 struct Transition {
   Vector3<Scalar> state;
@@ -117,11 +118,11 @@ template <class Scalar>
   P(p, p) += T * (P_pv + P(p, v));
 }
 
-/// What a scalar measurement does to the covariance, and how the state is to follow.
+/// Effect of a scalar measurement on the covariance, and the gain for the state.
 template <class Scalar>
 struct ScalarGain {
   Vector3<Scalar> K = Vector3<Scalar>::Zero();
-  Scalar inverse_S = 0;  ///< 1 / innovation variance; 0 where refused
+  Scalar inverse_S = 0;  ///< 1 / innovation variance; 0 if refused
   bool refused = false;  ///< S was not positive and finite: the covariance is untouched
 };
 
@@ -131,7 +132,7 @@ template <int i, class Scalar>
     SymmetricMatrix3<Scalar>& P, Scalar R) {
   const Scalar S = P(i, i) + R;
   ScalarGain<Scalar> gain;
-  if (!(S > S - S)) [[unlikely]] {  // S - S is 0, or NaN where S is not finite
+  if (!(S > S - S)) [[unlikely]] {  // S - S is 0, or NaN if S is not finite
     gain.refused = true;
     return gain;
   }
@@ -149,11 +150,11 @@ template <int i, class Scalar>
   return gain;
 }
 
-/// What one scalar measurement said.
+/// Result of one scalar measurement.
 template <class Scalar>
 struct ScalarUpdate {
   Scalar innovation{};  ///< z - x_i before the update, unit of the measured state
-  /// innovation^2 / S: chi-square with 1 degree of freedom if the model holds; NaN where refused
+  /// innovation^2 / S: chi-square with 1 degree of freedom if the model holds; NaN if refused
   Scalar nis = std::numeric_limits<Scalar>::quiet_NaN();
   bool refused = false;  ///< S was not positive and finite: state and covariance are untouched
 };
@@ -198,8 +199,8 @@ struct ThreeStateFilter {
     return innovation * (innovation * (Scalar(1) / (P(i, i) + R)));
   }
 
-  /// Takes the measurement `z` of state `i` with variance `R` (eqs 21-23). Nothing is changed where
-  /// S is not positive and finite; the caller reports it.
+  /// Uses the measurement `z` of state `i` with variance `R` (eqs 21-23). Nothing is changed if S
+  /// is not positive and finite; the caller reports it.
   template <int i>
   [[nodiscard, gnu::always_inline]] ScalarUpdate<Scalar> update(Scalar z, Scalar R) {
     const ScalarGain<Scalar> gain = update_covariance<i>(P, R);

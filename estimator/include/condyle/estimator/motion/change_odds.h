@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Odds that a sample which a motion does not expect is a change of the motion, not an outlier.
+// Odds that an unexpected sample is a change of the motion, not an outlier.
 //
 //   T, V    time since the motion was last measured (s); variance of velocity that a jaw's prior
 //           and this motion's speeds allow (m^2/s^2)
@@ -44,10 +44,10 @@ class ChangeOdds {
   static constexpr Scalar kBurstInMotion = Scalar(-0.7);  ///< log 1/2
   static constexpr Scalar kBurstInChange = -3;
 
-  /// What is known already of a sample that opens the question.
+  /// Properties of a sample that opens the question.
   struct Background {
     bool is_open = false;  ///< the question is open already
-    int unexpected = 1;    ///< samples in a row that the motion did not expect, with this one
+    int unexpected = 1;    ///< unexpected samples in a row, this one included
   };
 
   /// A sample of `innovation_m` and `variance_m2` opens the question; `spread_m2`: V T^2. Returns
@@ -78,7 +78,7 @@ class ChangeOdds {
     return share;
   }
 
-  /// Tests with a sample of these log densities; `is_expected` by the motion as it was.
+  /// Tests with a sample of these log densities; `is_expected` by the previous motion.
   Decision test(Scalar of_change, Scalar of_outlier, bool is_expected) {
     odds_ += of_change - of_outlier;
     ++tests_;
@@ -96,7 +96,7 @@ class ChangeOdds {
 
   /// s.
   Scalar share_of_change() const { return Scalar(1) / (Scalar(1) + elementary::exp(-odds_)); }
-  /// False where hardly a change made these samples.
+  /// False if a change is an unlikely cause of these samples.
   bool is_conceivable() const { return odds_ > kConceivable; }
 
  private:
@@ -108,7 +108,7 @@ class ChangeOdds {
   static constexpr int kMostTests = 10;
   static constexpr Scalar kForgotten = Scalar(0.02);
 
-  // One more outlier or change; those before count less.
+  // One more outlier or change; earlier ones count less.
   void count(Scalar& decided) {
     outliers_ += kForgotten * (Scalar(1) - outliers_);
     changes_ += kForgotten * (Scalar(1) - changes_);

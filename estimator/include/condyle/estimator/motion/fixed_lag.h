@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fixed-lag smoothing: what the samples after an instant say about the state at that instant.
+// Fixed-lag smoothing: the state at an instant, improved by the samples after it.
 //
 //   x, P    filtered state and covariance at the instant, all measurements up to it included
 //   K, S    gain and innovation variance of a later measurement, nu its innovation
@@ -29,12 +29,12 @@ struct MotionMoments {
   Vector3<Scalar> variance = Vector3<Scalar>::Zero();  ///< squares of those, or in units of R
 };
 
-/// One member's filter at one sample, after it: what smoothing needs to know.
+/// One member's filter after one sample: everything that smoothing needs.
 template <class Scalar, int kAxes>
 struct FilteredStep {
   SymmetricMatrix3<Scalar> P;                   ///< covariance, units of R
-  Vector3<Scalar> K = Vector3<Scalar>::Zero();  ///< 0 where nothing was measured
-  Scalar inverse_S = 0;                         ///< 0 where nothing was measured
+  Vector3<Scalar> K = Vector3<Scalar>::Zero();  ///< 0 if nothing was measured
+  Scalar inverse_S = 0;                         ///< 0 if nothing was measured
   Array<Vector3<Scalar>, kAxes> x;              ///< m, m/s, m/s^2
   Array<Scalar, kAxes> innovation_m = {};       ///< nu
 
@@ -51,7 +51,7 @@ class LaterEvidence {
     for (Vector3<Scalar>& gradient : l_) gradient.setZero();
   }
 
-  /// From after the measurement of `step` to before it.
+  /// Moves back across the measurement of `step`.
   void go_back_over_measurement(const FilteredStep<Scalar, kAxes>& step) {
     for (int axis = 0; axis < kAxes; ++axis) {
       Vector3<Scalar>& l = l_[axis];
@@ -63,7 +63,7 @@ class LaterEvidence {
     L_(0, 2) -= L_K[2];
   }
 
-  /// From the end of a step with transition `F` to its beginning.
+  /// Moves back from the end of a step with transition `F` to its beginning.
   void go_back_over_step(const TransitionJacobian<Scalar>& F) {
     const Scalar T = F.vx, h = F.px;
     for (Vector3<Scalar>& l : l_) l = {l[0], T * l[0] + l[1], h * l[0] + T * l[1] + l[2]};
@@ -80,12 +80,12 @@ class LaterEvidence {
     L_(2, 2) = h * M_02 + T * M_12 + M_22;
   }
 
-  /// Forgets: nothing after this instant speaks about what was before it.
+  /// Forgets the evidence: samples after this instant say nothing about earlier ones.
   void forget() { *this = LaterEvidence(); }
 
-  /// Smoothed motion of `axis` at the instant of `step`, its variances in units of R. Where a wide
-  /// P shrinks so far that the digits of P - P L P are lost (after a start, in float), the filtered
-  /// motion: true, but with its wider variances.
+  /// Smoothed motion of `axis` at the instant of `step`, its variances in units of R. If a wide P
+  /// shrinks so far that the digits of P - P L P are lost (after a start, in float), the filtered
+  /// motion: correct, but with its larger variances.
   MotionMoments<Scalar> smoothed(const FilteredStep<Scalar, kAxes>& step, int axis) const {
     constexpr Scalar kFewestDigits = 8192 * std::numeric_limits<Scalar>::epsilon();
     const MotionMoments<Scalar> filtered = {step.x[axis],

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Notices a device that has frozen: it repeats its last coordinates at new times.
+// Detects a frozen device: it repeats its last coordinates at new times.
 //
 //   repeat  a sample whose coordinates are the last sample's, bit for bit
 //   r       length of the present run of repeats
@@ -49,16 +49,16 @@ namespace condyle {
 
 /// A run of repeats that is less probable than this for a living device is frozen.
 inline constexpr double kFrozenProbability = 1e-6;
-/// And one that is less probable than this is doubtful.
+/// A run that is less probable than this is doubtful.
 inline constexpr double kDoubtfulProbability = 0.02;
 
 /// See the model above. No allocation, constant time.
 class FrozenDetector {
  public:
-  /// Takes the next sample's coordinates, in any unit, up to nine; further ones are not looked at.
-  /// True where the sample is frozen; never the first sample that differs from the one before. A
-  /// coordinate that is not finite equals nothing, and teaches nothing. Leave out samples whose
-  /// time repeats: they are the transport's.
+  /// Takes the next sample's coordinates, in any unit, up to nine; further ones are ignored. True
+  /// if the sample is frozen; never for the first sample that differs from the previous one. A
+  /// coordinate that is not finite equals nothing, and teaches nothing. Leave out samples with a
+  /// repeated time: they come from the transport.
   [[nodiscard]] bool add(std::span<const double> coordinates) {
     coordinates = coordinates.first(std::min(coordinates.size(), kMost));
     const bool is_finite = std::all_of(coordinates.begin(), coordinates.end(),
@@ -82,12 +82,12 @@ class FrozenDetector {
         std::span(sample.coordinates, sample.position_valid ? coordinate_count(sample.kind) : 0));
   }
 
-  /// Repeats up to the last sample, that one included; 0 where it differed from the one before.
+  /// Repeats up to the last sample, that one included; 0 if it differed from the previous one.
   int repeats() const { return repeats_; }
-  /// True where the last sample was a repeat that a living device seldom makes.
+  /// True if the last sample was a repeat that a living device seldom makes.
   bool is_doubtful() const { return run_probability_ < kDoubtfulProbability; }
 
-  /// f, as it has been learned so far; from 0 to 1.
+  /// f as learned so far; from 0 to 1.
   double repeat_rate() const {
     return (kPriorWeight * rate_after_change_ + repeated_after_repeat_) /
            (kPriorWeight + after_repeat_);
@@ -101,7 +101,7 @@ class FrozenDetector {
   static constexpr int kTaughtRepeats = 10;
   static constexpr int kMostRepeats = 1'000'000'000;
 
-  // Not ==: a change from 0 to -0 is a sign of life.
+  // Not ==, because a change from 0 to -0 shows that the device lives.
   static bool same_bits(double a, double b) {
     return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
   }
@@ -120,7 +120,7 @@ class FrozenDetector {
     rate_after_change_ += (repeated - rate_after_change_) / weight_;
   }
 
-  // At the end of a run, which may be empty.
+  // Called at the end of a run, which may be empty.
   void learn_from_run() {
     if (teaching_ == 0) learn_after_change(0);
     after_repeat_ += teaching_;
@@ -132,7 +132,7 @@ class FrozenDetector {
   double rate_after_change_ = 0.5, weight_ = 4;          // g
   double after_repeat_ = 0, repeated_after_repeat_ = 0;  // n, a
   double last_[kMost] = {};
-  std::size_t count_ = 0;  // 0: there is nothing to compare with
+  std::size_t count_ = 0;  // 0: nothing to compare with
   int repeats_ = 0;        // of the present run,
   int teaching_ = 0;       // and those that teach
   double run_probability_ = 1, run_rate_ = 0.5;

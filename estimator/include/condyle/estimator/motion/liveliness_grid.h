@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ratios r = q / R, density of the jerk over variance of the noise (1/s^5), that a bank of
-// white-jerk filters tries.
+// The ratios r = q / R, density of the jerk over variance of the noise (1/s^5), of a bank of
+// white-jerk filters.
 //
 //   T       mean time step (s)
 //   r T^5   what a filter's gain depends on (P. R. Kalata, The tracking index, IEEE Trans. Aerosp.
@@ -26,8 +26,8 @@ class LivelinessGrid {
  public:
   LivelinessGrid() { span(kFirstStep_s); }
 
-  /// Follows the mean time step; true where the ratios have changed. Small changes of the step,
-  /// which the grid's range outlasts, leave it.
+  /// Follows the mean time step; true if the ratios have changed. Small changes of the step, which
+  /// the grid's range covers, leave them unchanged.
   bool follow(Scalar mean_step_s) {
     const double T = std::clamp(static_cast<double>(mean_step_s), kShortestStep_s, kLongestStep_s);
     if (T < step_s_ * kSlack && step_s_ < T * kSlack) return false;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Along one axis: how much noise each member of a bank of filters makes out, and how much say it
-// has.
+// Along one axis: the noise that each member of a bank of filters estimates, and its weight.
 //
 //   nu, S   a member's innovation (m), and its variance in units of R
 //   R_i     variance of the noise (m^2) that member i makes out
@@ -45,11 +44,11 @@ class MemberWeights {
   /// One scalar for each member.
   using Each = Array<Scalar, kMembers>;
 
-  static constexpr Scalar kPlausible = Scalar(1e-3);  ///< least weight that has a say
-  static constexpr Scalar kExcuses = Scalar(0.003);   ///< and that can excuse a sample
+  static constexpr Scalar kPlausible = Scalar(1e-3);  ///< least weight that counts
+  static constexpr Scalar kExcuses = Scalar(0.003);   ///< and least that can excuse a sample
 
-  /// Adaptive members: all start with the noise `R` (m^2), held between `lowest_R` and
-  /// `highest_R`. The one in the middle leads, the least lively has the largest weight.
+  /// Adaptive members: all start with the noise `R` (m^2), limited to `lowest_R` to `highest_R`.
+  /// The one in the middle leads; the least lively has the largest weight.
   void start(int count, Scalar R, Scalar lowest_R, Scalar highest_R) {
     count_ = count;
     lowest_R_ = lowest_R;
@@ -65,7 +64,7 @@ class MemberWeights {
     for (int i = 0; i < count; ++i) weight_[i] /= sum;
   }
 
-  /// Members of known noise, of which `chosen` alone has a say.
+  /// Members of known noise, of which only `chosen` counts.
   void start_fixed(int count, int chosen, Scalar R) {
     count_ = count;
     leader_ = chosen;
@@ -74,7 +73,7 @@ class MemberWeights {
     for (int i = 0; i < count; ++i) set_R(i, R);
   }
 
-  /// No less noise than that of rounding, `R` (m^2).
+  /// Raises the noise to at least that of rounding, `R` (m^2).
   void hold_above(Scalar R) {
     if (R == rounding_R_) return;
     rounding_R_ = R;
@@ -83,17 +82,17 @@ class MemberWeights {
     }
   }
 
-  /// True where the noise of rounding is known.
+  /// True if the noise of rounding is known.
   bool is_rounded() const { return rounding_R_ > Scalar(0); }
 
-  /// No less noise than `other` has made out.
+  /// Raises the noise to at least that of `other`.
   void take_larger_noise(const MemberWeights& other) {
     for (int i = 0; i < count_; ++i) {
       if (R_[i] < other.R_[i]) set_R(i, other.R_[i]);
     }
   }
 
-  /// True where a squared innovation `share`, in units of R, is within `limit` of any member.
+  /// True if a squared innovation `share`, in units of R, is within `limit` for any member.
   bool is_expected(const Each& share, Scalar limit) const {
     for (int i = 0; i < count_; ++i) {
       if (share[i] <= limit * R_[i]) return true;
@@ -101,14 +100,14 @@ class MemberWeights {
     return false;
   }
 
-  /// Learns the noise alone from a sample that no member expects: larger by the same factor for
+  /// Learns only the noise from a sample that no member expects: it grows by the same factor for
   /// all, so that the weights stay.
   void learn_noise_of_unexpected(Scalar growth) {
     for (int i = 0; i < count_; ++i) set_R(i, std::min(R_[i] * growth, highest_R_));
   }
 
-  /// Learns from one sample: `share` is nu^2 / S. `learns_noise` is false after a fresh start, when
-  /// S is far above 1 and nu says nothing of the noise.
+  /// Learns from one sample: `share` is nu^2 / S. `learns_noise` is false after a restart, when S
+  /// is far above 1 and nu contains no information on the noise.
   void learn(const Each& share, const Each& log_S, Scalar gain, bool learns_noise,
              Scalar largest_share, Scalar largest_deviation) {
     Scalar floor = log_R_[0] + log_S[0];
@@ -125,7 +124,7 @@ class MemberWeights {
     }
   }
 
-  /// Weighs the members after `learn`, by their likelihoods over `n` samples of which <log S_i> is
+  /// Weighs the members after `learn`, by their likelihoods over `n` samples whose <log S_i> is
   /// `mean_log_S`.
   void weigh(const Each& mean_log_S, Scalar n) {
     Each score;
@@ -146,11 +145,12 @@ class MemberWeights {
     for (int i = 0; i < count_; ++i) weight_[i] *= inverse_sum;
   }
 
-  /// Whatever served best so far, members have the same say, those livelier than the leader less.
+  /// Gives all members the same weight, whatever served best so far; those livelier than the leader
+  /// less.
   void forget_weights(const Each& mean_log_S, Scalar n, Scalar share) {
     Each score;
     const Scalar best = score_memory(mean_log_S, n, score);
-    // What makes up for the lead of those that served best.
+    // Compensates the lead of the members that served best.
     for (int i = 0; i < count_; ++i) {
       const Scalar level = -std::max(score[i] - best, -kLead);
       short_score_[i] += share * (level - short_score_[i]);
@@ -159,15 +159,14 @@ class MemberWeights {
   }
 
   Scalar weight(int i) const { return weight_[i]; }
-  /// Variance of the noise that member `i` makes out (m^2).
+  /// Variance of the noise that member `i` estimates (m^2).
   Scalar R(int i) const { return R_[i]; }
-  /// The same, but no less than that of the member that leads: a member of larger r explains noise
-  /// as motion, and when a start or a stop puts it in charge, the instrument is no better than it
-  /// was.
+  /// The same, but at least that of the leader: a member of larger r explains noise as motion, and
+  /// when a start or a stop makes it prevail, the instrument is no better than before.
   Scalar stated_R(int i) const { return std::max(R_[i], R_[leader_]); }
   /// The member that served best over the memory.
   int leader() const { return leader_; }
-  /// True where the leader's noise is held at its floor or ceiling.
+  /// True if the leader's noise is at its floor or ceiling.
   bool noise_is_at_limit() const {
     const Scalar R = R_[leader_];
     return R <= lowest_R_ * Scalar(1.001) || R >= highest_R_ * Scalar(0.999);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Position, velocity and acceleration along several axes when neither the noise of the instrument
-// nor the liveliness of the motion is known: a bank of white-jerk filters (white_jerk.h).
+// Position, velocity and acceleration along several axes when both the noise of the instrument and
+// the jerk density of the motion are unknown: a bank of white-jerk filters (white_jerk.h).
 //
 //   z       measured position along one axis (m)
 //   R, q    variance of its noise (m^2), density of the jerk (m^2/s^5)
@@ -12,12 +12,12 @@
 //   n       samples that noise and weights rest on (sample_memory.h)
 //
 // Noise and weights of the members, axis by axis: member_weights.h. The noise is known once
-// kFewestLearned samples more were within huber than beyond it. A fresh start teaches no noise for
-// kFresh samples: there S is far above 1, and nu^2 / S, however small, says nothing of R. Nor does
-// a coordinate that comes for the ninth time in a row or later while its step is not known
-// (rounding_step.h): it shows a step larger than the noise, not how large. A sample that no member
-// expects leaves the weights as they are. The noise may have grown: R does, and older samples count
-// less.
+// kFewestLearned samples more were within huber than beyond it. After a restart, kFresh samples
+// teach no noise: S is then far above 1, and nu^2 / S, however small, contains no information on R.
+// Nor does a coordinate that comes for the ninth time in a row or later while its step is unknown
+// (rounding_step.h): it shows a step larger than the noise, but not how large. A sample that no
+// member expects leaves the weights unchanged. The noise may have grown: R grows, and older samples
+// count less.
 //
 // Estimate.  Mean of the mixture: sum w_i x_i; variance sum w_i (R'_i P_i + (x_i - mean)^2), times
 //            n/(n-2) because R was estimated from n samples (Student's t); R'_i is the stated R of
@@ -51,7 +51,7 @@ class MotionBank {
   using Step = FilteredStep<Scalar, kAxes>;
   using Weights = MemberWeights<Scalar, kMostMembers>;
 
-  /// `parameters` must be valid. With adaptation off there is a member per axis, for its R and q.
+  /// `parameters` must be valid. Without adaptation there is one member per axis, with its R and q.
   explicit MotionBank(const MotionEstimatorParameters& parameters)
       : adaptive_(parameters.noise.adaptation == Adaptation::on),
         jerk_density_m2_s5_(static_cast<Scalar>(parameters.noise.jerk_density_m2_s5)),
@@ -64,7 +64,7 @@ class MotionBank {
         member_count_(adaptive_ ? kMostMembers : kAxes),
         memory_(static_cast<Scalar>(parameters.noise.memory_s)) {}
 
-  /// Starts noise and weights: `noise_sd_m` is the instrument's noise, or the first guess of it.
+  /// Starts noise and weights: `noise_sd_m` is the instrument's noise, or a first guess of it.
   void start_noise(const Position& noise_sd_m) {
     memory_.start();
     learned_ = 0;
@@ -82,8 +82,8 @@ class MotionBank {
     if (adaptive_) take_ratios();
   }
 
-  /// Starts the motion at `position_m`, measured; velocity and acceleration from the prior, their
-  /// variances times `scale`.
+  /// Starts the motion at the measured `position_m`; velocity and acceleration from the prior, with
+  /// their variances times `scale`.
   void start_motion(const Position& position_m, Scalar scale) {
     Array<Vector3<Scalar>, kAxes> x;
     for (int axis = 0; axis < kAxes; ++axis) x[axis] = {position_m[axis], 0, 0};
@@ -91,9 +91,9 @@ class MotionBank {
     if (scale > Scalar(1)) forget_weights(Scalar(1) - Scalar(1) / scale);
   }
 
-  /// The motion has changed: it goes on from `position_m`, measured, with the velocity it had plus
-  /// `velocity_change_m_s`, and the acceleration it had, but their variances are the prior's times
-  /// `scale`. Every member has the same say; what is known of the noise stays.
+  /// The motion has changed: it continues from the measured `position_m`, with its velocity plus
+  /// `velocity_change_m_s` and its acceleration, but with the prior's variances times `scale`. All
+  /// members have the same weight; the knowledge of the noise stays.
   void change_motion(const Position& position_m, const Position& velocity_change_m_s,
                      Scalar scale) {
     Array<Vector3<Scalar>, kAxes> x;
@@ -106,7 +106,7 @@ class MotionBank {
     forget_weights(1);
   }
 
-  /// The motion turned out to have changed: what served best before has no lead any more.
+  /// The motion turned out to have changed: the leader loses its lead.
   void begin_motion() { same_motion_ = 0; }
 
   /// Moves all members by a step of `F` and Q / q (white_jerk.h).
@@ -122,7 +122,8 @@ class MotionBank {
     }
   }
 
-  /// Learns noise and weights from the measurement `z_m`, `T` s after the last, after `predict`.
+  /// Learns noise and weights from the measurement `z_m`, `T` s after the last; call it after
+  /// `predict`.
   void learn(const Position& z_m, Scalar T) {
     if (!adaptive_) return;
     const Scalar gain = memory_.grow(T);
@@ -170,8 +171,8 @@ class MotionBank {
     }
   }
 
-  /// Learns from a sample that is most likely an outlier: the noise may have grown, R does, and
-  /// older samples count less. The weights stay.
+  /// Learns from a probable outlier: the noise may have grown, so R grows and older samples count
+  /// less. The weights stay.
   void learn_of_unexpected(Scalar T) {
     if (!adaptive_) return;
     const Scalar gain = memory_.grow(T);
@@ -179,11 +180,12 @@ class MotionBank {
     memory_.shorten();
   }
 
-  /// No less noise than `R` along `axis` (m^2), that of rounding. Known noise stays as it is.
+  /// Raises the noise along `axis` to at least `R` (m^2), that of rounding. Known noise stays as it
+  /// is.
   void hold_noise_above(int axis, Scalar R) {
     if (adaptive_) weights_[axis].hold_above(R);
   }
-  /// No less noise than `other` has made out.
+  /// Raises the noise to at least that of `other`.
   void take_larger_noise(const MotionBank& other) {
     if (!adaptive_) return;
     for (int axis = 0; axis < kAxes; ++axis) {
@@ -191,8 +193,8 @@ class MotionBank {
     }
   }
 
-  /// Takes the measurement `z_m` with `weight` (1: in full), after `predict`. False where an
-  /// innovation variance was not positive and finite; that member is left as predicted.
+  /// Uses the measurement `z_m` with `weight` (1: full), after `predict`. False if an innovation
+  /// variance was not positive and finite; that member is left as predicted.
   [[nodiscard]] bool update(const Position& z_m, Scalar weight) {
     bool good = true;
     const Scalar R = Scalar(1) / weight;
@@ -210,8 +212,8 @@ class MotionBank {
     return good;
   }
 
-  /// Mixture of the members along `axis`; `moments_of(i)` gives member i's, its variances in units
-  /// of R, and is asked for plausible members only.
+  /// Mixture of the members along `axis`; `moments_of(i)` gives member i's, with variances in units
+  /// of R, and is called for plausible members only.
   template <class MomentsOf>
   MotionMoments<Scalar> mixture(int axis, const MomentsOf& moments_of) const {
     MotionMoments<Scalar> mixed;
@@ -243,7 +245,7 @@ class MotionBank {
     return mixture(axis, [&](int i) { return filtered_moments(i, axis); });
   }
 
-  /// True where member `i` has a say along any axis.
+  /// True if member `i` counts along any axis.
   bool is_plausible(int i) const {
     for (const Weights& weights : weights_) {
       if (weights.weight(i) > Weights::kPlausible) return true;
@@ -251,22 +253,23 @@ class MotionBank {
     return false;
   }
 
-  /// Variance of the noise along `axis` (m^2), as given or as the member that leads estimates it.
+  /// Variance of the noise along `axis` (m^2), as given or as estimated by the leader.
   Scalar noise_variance_m2(int axis) const { return weights_[axis].R(leader(axis)); }
-  /// Density of the jerk along `axis` (m^2/s^5), as given or estimated by the same member.
+  /// Density of the jerk along `axis` (m^2/s^5), as given or as estimated by the leader.
   Scalar jerk_density_m2_s5(int axis) const {
     return members_[leader(axis)].r * noise_variance_m2(axis);
   }
-  /// Velocity along `axis` by the same member (m/s).
+  /// Velocity along `axis` by the leader (m/s).
   Scalar leading_velocity_m_s(int axis) const { return step(leader(axis)).x[axis][kVelocity]; }
-  /// True where noise and liveliness are estimated, not given.
+  /// True if noise and jerk density are estimated, not given.
   bool is_adaptive() const { return adaptive_; }
-  /// False while the noise is still the first guess more than what the samples say: intervals then
-  /// rest on the guess.
+  /// False while the noise rests more on the first guess than on samples: the intervals then rest
+  /// on that guess.
   bool noise_is_known() const { return !adaptive_ || learned_ >= kFewestLearned; }
-  /// True where the estimated noise along `axis` is held at its floor or ceiling.
+  /// True if the estimated noise along `axis` is at its floor or ceiling.
   bool noise_is_at_limit(int axis) const { return adaptive_ && weights_[axis].noise_is_at_limit(); }
-  /// True where the motion along `axis` is as lively as the bank can tell from noise.
+  /// True if the jerk density along `axis` is at the highest value that the bank can tell from
+  /// noise.
   bool liveliness_is_at_limit(int axis) const {
     return adaptive_ && leader(axis) == member_count_ - 1;
   }
@@ -275,7 +278,7 @@ class MotionBank {
   int member_count() const { return member_count_; }
   /// Ratio r of member `i` (1/s^5).
   Scalar ratio(int i) const { return members_[i].r; }
-  /// Noise that member `i` makes out along `axis` (m^2).
+  /// Noise that member `i` estimates along `axis` (m^2).
   Scalar R(int axis, int i) const { return weights_[axis].R(i); }
   /// R' of member `i` along `axis` (m^2).
   Scalar stated_R(int axis, int i) const {
@@ -291,11 +294,11 @@ class MotionBank {
   const Step& step(int i) const { return members_[i].step; }
 
  private:
-  static constexpr int kFewestLearned = 15;  // then a first guess is forgotten
+  static constexpr int kFewestLearned = 15;  // then the first guess is forgotten
   static constexpr int kFresh = 3;
   static constexpr int kRun = 8;
   static constexpr Scalar kMostAdded = 4;
-  // Of the next position, in units of R: of more, an update would leave rounding errors.
+  // Of the next position, in units of R; with larger values an update would leave rounding errors.
   static constexpr Scalar kMostStartVariance =
       Scalar(1) / (Scalar(64) * std::numeric_limits<Scalar>::epsilon());
 
@@ -313,7 +316,7 @@ class MotionBank {
     const Scalar most_velocity = kMostStartVariance / square_step_s2;
     const Scalar most_acceleration = most_velocity / square_step_s2;
     for (int i = 0; i < member_count_; ++i) {
-      // One covariance for all axes: the least noise leaves the prior widest.
+      // One covariance for all axes: the least noise makes the prior widest.
       Scalar R = weights_[adaptive_ ? 0 : i].R(i);
       for (int axis = 1; adaptive_ && axis < kAxes; ++axis) R = std::min(R, weights_[axis].R(i));
       Step& step = members_[i].step;
@@ -338,7 +341,7 @@ class MotionBank {
     return Scalar(1) + gain * (largest_share_ - Scalar(1));
   }
 
-  // A noise that samples keep exceeding is still on its way up from the guess.
+  // A noise that samples keep exceeding is still growing from the guess.
   void judge_guess(const Array<typename Weights::Each, kAxes>& share) {
     bool is_within = true;
     for (int axis = 0; axis < kAxes; ++axis) {
@@ -365,7 +368,7 @@ class MotionBank {
                                kMostAdded * start_scale_ * prior_acceleration_variance_);
     return R * variance + (added_R * variance).cwiseMin(most);
   }
-  // Samples that say which member suits the present motion.
+  // Samples that show which member suits the present motion.
   Scalar same_motion() const { return std::min(memory_.n(), same_motion_); }
   int leader(int axis) const { return weights_[axis].leader(); }
 
@@ -378,8 +381,8 @@ class MotionBank {
   int learned_ = 0;  // samples within huber, less those beyond
   Scalar start_scale_ = 1;
   Scalar same_motion_ = std::numeric_limits<Scalar>::infinity();  // samples since it changed
-  int fresh_ = 0;                   // samples that will still teach no noise
-  Position last_m_ = {};            // position that was learned from last,
+  int fresh_ = 0;                   // samples that will not teach the noise yet
+  Position last_m_ = {};            // position learned from last,
   Array<int, kAxes> repeats_ = {};  // and how often in a row it came before
   LivelinessGrid<Scalar, kMostMembers> grid_;
   typename Weights::Each mean_log_S_ = {};

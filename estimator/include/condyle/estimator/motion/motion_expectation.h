@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bank of filters (motion_bank.h) expects of the next measurement, after `predict`.
+// The prediction of a bank of filters (motion_bank.h) for the next measurement, after `predict`.
 //
 //   nu, S    innovation of a member (m), and its variance in units of R
 //   w, R, R' a member's weight, the noise (m^2) that it makes out, and the noise as it is stated
 //
-// Members of less weight than kPlausible have no say. The density of the mixture is
-// sum w N(nu; R S) / sum w, with R or with R'.
+// Members with less weight than kPlausible do not count. The density of the mixture is sum w N(nu;
+// R S) / sum w, with R or with R'.
 #pragma once
 
 #include <algorithm>
@@ -17,20 +17,20 @@
 
 namespace condyle {
 
-/// What a bank expects of the next measurement along one axis.
+/// The prediction of a bank for the next measurement along one axis.
 template <class Scalar>
 struct Expectation {
   Scalar position_m{};   ///< mean of the mixture
   Scalar variance_m2{};  ///< of the innovation, as stated
-  // innovation^2 / variance, with the noise that each member has made out itself:
-  Scalar of_likely_squared{};   ///< of the likely member it fits best
+  // innovation^2 / variance, with the noise that each member has estimated itself:
+  Scalar of_likely_squared{};   ///< of the likely member that fits best
   Scalar of_mixture_squared{};  ///< of the mixture
 };
 
 /// Which noise a density rests on.
 enum class Noise { stated, own };
 
-/// What `bank` expected of the measurement `z_m` along `axis`.
+/// The prediction of `bank` for the measurement `z_m` along `axis`.
 template <class Scalar, int kAxes>
 Expectation<Scalar> expectation(const MotionBank<Scalar, kAxes>& bank, int axis, Scalar z_m) {
   using Weights = typename MotionBank<Scalar, kAxes>::Weights;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What samples say that a motion does not expect: two hypotheses, each a bank of filters, until
-// later samples have decided between them.
+// Explains unexpected samples by two hypotheses, each a bank of filters, until later samples decide
+// between them.
 //
 //   main    the motion goes on as it was, and a sample beyond the gate is an outlier
 //   other   the motion changed: it goes on from that sample, with the velocity that reaches it, but
@@ -37,15 +37,15 @@
 
 namespace condyle {
 
-/// What was made of one sample.
+/// What became of one sample.
 template <class Scalar, int kAxes>
 struct SampleVerdict {
   Array<Scalar, kAxes> innovation_m = {};
   Array<Scalar, kAxes> variance_m2 = {};  ///< of the innovation
   bool is_taken[2] = {};                  ///< by the first and the second bank
-  bool is_start[2] = {};                  ///< it starts anew from this sample
+  bool is_start[2] = {};                  ///< it restarts from this sample
   bool is_known = false;                  ///< a hypothesis expected it
-  int settled = -1;  ///< the bank that was right about the samples before this; -1: open
+  int settled = -1;  ///< the bank that was right about the previous samples; -1: open
   EventSet events;
 };
 
@@ -80,7 +80,7 @@ class MotionHypotheses {
     note_taken();
   }
 
-  /// The motion is lost, and with it what was open.
+  /// The motion is lost, and with it any open question.
   void lose_motion() { doubt_ = Doubt::none; }
 
   /// Moves all banks by a step of `F` and Q / q, `T` s long.
@@ -90,13 +90,13 @@ class MotionHypotheses {
     if (doubt_ != Doubt::none) other_bank().predict(F, Q);
   }
 
-  /// No less noise than `R` along `axis` (m^2), that of rounding.
+  /// Raises the noise along `axis` to at least `R` (m^2), that of rounding.
   void hold_noise_above(int axis, Scalar R) {
     main_bank().hold_noise_above(axis, R);
     if (doubt_ != Doubt::none) other_bank().hold_noise_above(axis, R);
   }
 
-  /// Takes the measurement `z_m`, `T` s after the last sample, after `predict`.
+  /// Uses the measurement `z_m`, `T` s after the last sample; call it after `predict`.
   Verdict take(const Position& z_m, Scalar T) {
     Verdict verdict;
     if (T > Scalar(0)) {
@@ -116,13 +116,13 @@ class MotionHypotheses {
   Scalar share_of_other() const {
     return doubt_ == Doubt::motion ? odds_.share_of_change() : Scalar(0);
   }
-  /// True where there are two banks, of whatever doubt.
+  /// True if there are two banks.
   bool has_other() const { return doubt_ != Doubt::none; }
   int main_index() const { return main_; }
   const Bank& main() const { return banks_[main_]; }
   const Bank& other() const { return banks_[1 - main_]; }
 
-  /// Moments of the mixture of both, of which `of_main` and `of_other` are given.
+  /// Moments of the mixture of both, from `of_main` and `of_other`.
   MotionMoments<Scalar> mixture(MotionMoments<Scalar> of_main,
                                 const MotionMoments<Scalar>& of_other) const {
     const Scalar share = share_of_other();
@@ -139,13 +139,13 @@ class MotionHypotheses {
     return mixture(main().moments(axis), other().moments(axis));
   }
 
-  /// True where the motion as it was does not expect the measurement `z_m`, after `predict`.
+  /// True if the previous motion does not predict the measurement `z_m`, after `predict`.
   bool is_unexpected(const Position& z_m) const { return compare(main(), z_m).is_outlier; }
 
   /// What a change of the motion adds to the variances in a gap of `t` s (unseen_change.h).
   Vector3<Scalar> gap_variance(Scalar t) const { return unseen_change().in_gap(t); }
-  /// And to that of velocity by a sample of this innovation (m) and its variance (m^2), `T` s after
-  /// the last.
+  /// What it adds to that of velocity through a sample of this innovation (m) and variance (m^2),
+  /// `T` s after the last.
   Scalar onset_variance(Scalar innovation_m, Scalar variance_m2, Scalar T) const {
     return unseen_change().at_onset(innovation_m, variance_m2, std::max(T, mean_step_s_));
   }
@@ -160,7 +160,7 @@ class MotionHypotheses {
   static constexpr Scalar kStepGain = Scalar(0.05);
   static constexpr Scalar kWidest = Scalar(1e4);
 
-  // What a bank makes of a sample.
+  // A bank's view of a sample.
   struct Comparison {
     Position innovation_m = {}, variance_m2 = {};
     Scalar of_likely = 0;   // squared deviation from the likely member that it fits best,
@@ -173,7 +173,7 @@ class MotionHypotheses {
 
   Comparison compare(const Bank& bank, const Position& z_m) const {
     Comparison result;
-    // So that NaN is the largest.
+    // Written so that NaN is the largest.
     const auto enlarge = [](Scalar& largest, Scalar value) {
       if (!(value <= largest)) largest = value;
     };
@@ -220,8 +220,7 @@ class MotionHypotheses {
     learn_speed();
   }
 
-  // Main has taken a doubtful sample before `z_m`; both are far likelier where that one was an
-  // outlier.
+  // Main has used a doubtful sample before `z_m`; both are far likelier if that one was an outlier.
   bool is_misled(const Position& z_m) const {
     const Scalar outlier = kLogRarity + kAxes * elementary::quick_log(Odds::kOutlierDensity);
     const Scalar with =
@@ -258,8 +257,8 @@ class MotionHypotheses {
     verdict.events.add(Event::motion_changed, !fits_main);
   }
 
-  // Main did not expect `z_m`. Where the motion may have changed, a livelier member may have; of
-  // outliers main learns no more than that they are there.
+  // Main did not expect `z_m`. If the motion may have changed, a livelier member may have; from
+  // outliers main learns only that they are there.
   void learn_of_refused(const Position& z_m, Scalar T, bool may_be_change) {
     if (may_be_change) {
       main_bank().learn(z_m, T);
@@ -321,13 +320,13 @@ class MotionHypotheses {
                         Scalar share) const {
     return std::max(log_density<Noise::stated>(bank, z_m), log_burst(comparison, share));
   }
-  // In doubt: likelier by what the members made out themselves than as one more outlier.
+  // In doubt: likelier by the members' own noise than as one more outlier.
   bool fits(const Bank& bank, const Comparison& comparison, const Position& z_m) const {
     return !comparison.is_outlier &&
            log_density<Noise::own>(bank, z_m) > log_burst(comparison, Odds::kBurstInMotion);
   }
 
-  // By the bank `index`, which expected it.
+  // From the bank `index`, which expected it.
   void update(int index, const Position& z_m, Scalar T, const Comparison& comparison,
               Verdict& verdict) {
     const Scalar weight = gate_.weight(comparison.of_likely);
@@ -376,11 +375,11 @@ class MotionHypotheses {
   Bank banks_[2];
   int main_ = 0;
   Doubt doubt_ = Doubt::none;
-  int refusals_ = 0;                // samples in a row that fitted nothing
-  Scalar suspect_log_density_ = 0;  // log density that main expected of its doubtful sample
-  int settled_ = 0;                 // samples that main has taken since its start, at most kSettled
+  int refusals_ = 0;                // samples in a row that fitted neither hypothesis
+  Scalar suspect_log_density_ = 0;  // log density that main predicted for its doubtful sample
+  int settled_ = 0;                 // samples that main has used since its start, at most kSettled
   Odds odds_;                       // of other against main
-  int untaken_ = 0;                 // samples since main took one
+  int untaken_ = 0;                 // samples since main used one
   Scalar untaken_s_ = 0;            // time since then
   Scalar mean_step_s_ = 0;
   Scalar mean_square_speed_ = 0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The last samples and what was made of them: what estimates of some samples ago need.
+// The last samples and their results, for estimates of earlier instants.
 //
-// Each instant has a track for each of the two banks (motion_hypotheses.h). Once one of them is
-// given up, the other's track is the instant's.
+// Each instant has a track for each of the two banks (motion_hypotheses.h). Once one bank is given
+// up, the other's track is the instant's.
 #pragma once
 
 #include "condyle/estimator/motion/fixed_lag.h"
@@ -15,11 +15,11 @@ namespace condyle {
 template <class Step, int kMembers>
 struct BankTrack {
   bool is_taken = false;
-  bool is_restart = false;  ///< nothing connects it with what was before
+  bool is_restart = false;  ///< it is unrelated to earlier samples
   Array<Step, kMembers> members;
 };
 
-/// One sample and what was made of it. `kKept`: false where no estimate waits for later samples.
+/// One sample and its results. `kKept`: false if no estimate waits for later samples.
 template <class Scalar, int kAxes, bool kKept>
 struct MotionInstant {
   using Bank = MotionBank<Scalar, kAxes>;
@@ -27,20 +27,20 @@ struct MotionInstant {
 
   TimeNs time_ns = 0;
   bool time_valid = true;
-  bool is_measured = false;  ///< a position came in
+  bool is_measured = false;  ///< a position was given
   bool has_state = false;
-  bool is_first = false;  ///< nothing was expected of it
-  bool is_open = false;   ///< both tracks hold; otherwise that of `track`
+  bool is_first = false;  ///< there was no prediction
+  bool is_open = false;   ///< both tracks are possible; otherwise that of `track` holds
   int track = 0;
   EventSet events;
   Array<Scalar, kAxes> position_m = {};
   Array<Scalar, kAxes> innovation_m = {};
   Array<Scalar, kAxes> innovation_variance_m2 = {};
   Array<Scalar, kAxes> rounding_variance_m2 = {};  ///< that no later sample takes from the position
-  TransitionJacobian<Scalar> F;                    ///< from the sample before
+  TransitionJacobian<Scalar> F;                    ///< from the previous sample
   Track tracks[2];
 
-  /// As the bank `index` saw it, where both are still possible.
+  /// The track of the bank `index`, if both are still possible.
   const Track& seen_by(int index) const { return tracks[is_open ? index : track]; }
   Track& seen_by(int index) { return tracks[is_open ? index : track]; }
 };
@@ -56,7 +56,7 @@ class MotionInstants {
   /// The instant `back` samples before the newest.
   Instant& at(int back) { return instants_[(newest_ + kInstants - back) % kInstants]; }
 
-  /// Makes room for a new one.
+  /// Makes room for a new instant.
   Instant& advance() {
     newest_ = (newest_ + 1) % kInstants;
     Instant& instant = at(0);
@@ -67,8 +67,8 @@ class MotionInstants {
     return instant;
   }
 
-  /// The bank `kept` was right about all instants that were open. A sample that it did not take,
-  /// though the other did, was an outlier.
+  /// The bank `kept` was right about all open instants. A sample that it did not use, but the other
+  /// did, was an outlier.
   void settle(int kept) {
     for (int back = 0; back < kInstants; ++back) {
       Instant& instant = at(back);
@@ -80,7 +80,7 @@ class MotionInstants {
     }
   }
 
-  /// Members of `bank`, the one of index `index`, `back` samples ago, by all samples since.
+  /// Members of `bank`, of index `index`, `back` samples ago, smoothed by all samples since.
   void smooth(const Bank& bank, int index, int back, Smoothed& smoothed) {
     for (int i = 0; i < bank.member_count(); ++i) {
       if (!bank.is_plausible(i)) continue;
