@@ -3,11 +3,11 @@
 
 namespace condyle {
 
-/// The values a parameter may take, ends included. NaN is in no range.
+/// The values that a parameter may have, ends included. NaN is in no range.
 struct Range {
   double lowest;
   double highest;
-  /// True where `value` is a number in the range.
+  /// True if `value` is a number in the range.
   constexpr bool contains(double value) const { return value >= lowest && value <= highest; }
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a value comes from. Every value travels with it.
+// Where a value comes from. Every value carries its provenance.
 #pragma once
 
 #include <cmath>
@@ -13,12 +13,12 @@ namespace condyle {
 /// Where a value comes from.
 enum class Provenance : std::uint8_t {
   not_computed,  ///< there is no value
-  assumed,       ///< set by prior or tuning; the measurements say nothing about it
+  assumed,       ///< the prior or the tuning determines it, not the measurements
   derived,       ///< a measured quantity times a named assumption
   measured,      ///< the measurements determine it
 };
 
-/// Name of a provenance as it stands in files and summaries.
+/// Name of a provenance in files and summaries.
 constexpr const char* provenance_name(Provenance provenance) {
   constexpr const char* names[] = {"", "assumed", "derived", "measured"};
   return names[static_cast<int>(provenance)];
@@ -28,19 +28,20 @@ constexpr const char* provenance_name(Provenance provenance) {
 template <class Scalar>
 struct Quantity {
   Scalar value = std::numeric_limits<Scalar>::quiet_NaN();
-  Scalar standard_deviation = std::numeric_limits<Scalar>::quiet_NaN();  ///< by the filter's model
+  Scalar standard_deviation =
+      std::numeric_limits<Scalar>::quiet_NaN();  ///< from the filter's model
   Provenance provenance = Provenance::not_computed;
 };
 
 /// Half-width of a normal distribution's central 95 %, in standard deviations.
 inline constexpr double kNormalQuantile95 = 1.959963984540054;
 
-/// Share of information from which on a value counts as measured, not assumed.
+/// Share of information from which on a value counts as measured.
 inline constexpr double kMeasuredInformationShare = 0.5;
 
-/// Information share: 1 - posterior variance / variance that prior and process noise alone would
-/// have. 0: the measurements said nothing; 1: they said all. The posterior must count only
-/// measurements that do not presuppose the value. 0 where the variances are unusable.
+/// Information share: 1 - posterior variance / variance from prior and process noise alone. 0: the
+/// measurements contributed nothing; 1: they determined the value. The posterior must include only
+/// measurements that do not presuppose the value. 0 if the variances are unusable.
 template <class Scalar>
 Scalar information_share(Scalar posterior_variance, Scalar prior_only_variance) {
   const Scalar share = Scalar(1) - posterior_variance / prior_only_variance;
@@ -53,13 +54,13 @@ Provenance provenance_of_share(Scalar share) {
   return share >= Scalar(kMeasuredInformationShare) ? Provenance::measured : Provenance::assumed;
 }
 
-/// Where the instant's own sample was not taken, the motion model carries the others' over.
+/// If the instant's own sample was not used, the motion model carries the others over.
 constexpr Provenance carried_over(Provenance provenance, bool is_taken) {
   return provenance == Provenance::measured && !is_taken ? Provenance::derived : provenance;
 }
 
-/// A value and its variance as a quantity; nothing where one of them is not finite or the variance
-/// is negative.
+/// A value and its variance as a quantity; empty if one of them is not finite or the variance is
+/// negative.
 template <class Scalar>
 Quantity<Scalar> quantity_of(Scalar value, Scalar variance, Provenance provenance) {
   if (!std::isfinite(value) || !std::isfinite(variance) || variance < Scalar(0)) return {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One sample of a facebow, and the check of a sample against the one before it.
+// One sample of a facebow, and its check against the samples before it.
 #pragma once
 
 #include <bit>
@@ -38,7 +38,7 @@ inline TimeNs nanoseconds(double duration_s) {
   return static_cast<TimeNs>(std::llround(duration_s * 1e9));
 }
 
-/// What a sample's coordinates are, metres throughout.
+/// Meaning of a sample's coordinates, all in metres.
 enum class SampleKind : std::uint8_t {
   one_axis,      ///< coordinates[0]: position along one axis
   one_point,     ///< coordinates[0..2]: x, y, z
@@ -61,15 +61,16 @@ constexpr std::size_t coordinate_count(SampleKind kind) {
   return 0;
 }
 
-/// Farther from its origin (m) no jaw tracker measures: such a number stands for a missing value.
+/// No jaw tracker measures beyond this distance from its origin (m): such a number stands for a
+/// missing value.
 inline constexpr double kFarthestPosition_m = 10;
 
-/// True where one of `coordinates` of a sample of `kind` is a finite length beyond
-/// kFarthestPosition_m. Who makes a sample then marks its position as not valid.
+/// True if one of `coordinates` of a sample of `kind` is a finite length beyond
+/// kFarthestPosition_m. The source then marks the position as not valid.
 constexpr bool is_out_of_range(SampleKind kind, const double* coordinates) {
   const std::size_t lengths = kind == SampleKind::pose ? 3 : coordinate_count(kind);
-  // Compared as the integers that order as sizes do: some microcontrollers have no double. NaN
-  // comes after infinity.
+  // Compared as integers with the same order: some microcontrollers have no double. NaN comes after
+  // infinity.
   constexpr auto kFarthest = std::bit_cast<std::uint64_t>(kFarthestPosition_m);
   constexpr auto kInfinity = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < lengths; ++i) {
@@ -79,7 +80,7 @@ constexpr bool is_out_of_range(SampleKind kind, const double* coordinates) {
   return false;
 }
 
-/// One sample as a source delivers it. A value that is not there is marked, never invented.
+/// One sample as a source delivers it. A missing value is marked, never invented.
 struct Sample {
   TimeNs time_ns = 0;          ///< instant of the measurement
   std::uint64_t sequence = 0;  ///< counts the source's samples, lost ones included
@@ -100,7 +101,7 @@ struct FollowedCoordinate {
   Axis axis = Axis::z;  ///< not used by one_axis
 };
 
-/// True where samples of `kind` have the followed coordinate.
+/// True if samples of `kind` have the followed coordinate.
 constexpr bool is_available(SampleKind kind, FollowedCoordinate followed) {
   const int points = kind == SampleKind::three_points ? 3 : 1;
   return followed.point >= 1 && followed.point <= points;
@@ -113,11 +114,11 @@ constexpr double followed_position_m(const Sample& sample, FollowedCoordinate fo
   return sample.coordinates[first + static_cast<int>(followed.axis)];
 }
 
-/// Compares each sample with the ones before it.
+/// Compares each sample with the previous ones.
 class SampleChecker {
  public:
-  /// `nominal_step_ns`: expected time between samples; 0 finds no gaps. `expects_drive`: a sample
-  /// without a drive force is an event. `followed`: the point whose zeros are looked for.
+  /// `nominal_step_ns`: expected time between samples; 0 detects no gaps. `expects_drive`: a sample
+  /// without a drive force is an event. `followed`: the point whose zeros are detected.
   constexpr explicit SampleChecker(TimeNs nominal_step_ns = 0, bool expects_drive = false,
                                    FollowedCoordinate followed = {})
       : gap_ns_(nominal_step_ns + nominal_step_ns / 2),
@@ -162,8 +163,8 @@ class SampleChecker {
     has_time_ = true;
   }
 
-  // Devices fill dropouts with zeros. Exactly (0, 0, 0) is taken for one where the point comes from
-  // more than a millimetre away, or stays. Along one axis zero is a position like any other.
+  // Devices fill dropouts with zeros. Exactly (0, 0, 0) counts as a dropout if the point comes from
+  // more than a millimetre away, or stays. Along one axis, zero is a position like any other.
   constexpr bool is_zero_filled(const Sample& sample) {
     if (!sample.position_valid || sample.kind == SampleKind::one_axis ||
         !is_available(sample.kind, followed_)) {

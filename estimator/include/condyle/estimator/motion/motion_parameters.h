@@ -10,10 +10,10 @@
 
 namespace condyle {
 
-/// Whether noise and liveliness of the motion are estimated along.
+/// Whether noise and jerk density are estimated.
 enum class Adaptation { off, on };
 
-/// Noise of the instrument and liveliness of the motion. With adaptation on, `position_sd_m` and
+/// Noise of the instrument and jerk density of the motion. With adaptation on, `position_sd_m` and
 /// `rotation_sd_rad` are first guesses and `jerk_density_m2_s5` is not used.
 struct NoiseParameters {
   Adaptation adaptation = Adaptation::on;
@@ -25,18 +25,18 @@ struct NoiseParameters {
   double highest_position_sd_m = 5e-3;  ///< ceiling of the estimated noise (m)
 };
 
-/// What is known of a jaw before the first sample, and again after a restart.
+/// The prior of a jaw's motion before the first sample, and again after a restart.
 struct MotionPriorParameters {
   double velocity_sd_m_s = 0.1;       ///< of the velocity, mean 0 (m/s)
   double acceleration_sd_m_s2 = 2.0;  ///< of the acceleration, mean 0 (m/s^2)
 };
 
-/// When a sample is doubted, and when the filter is (outlier_gate.h).
+/// When a sample counts less, and when the filter restarts (outlier_gate.h).
 struct OutlierParameters {
-  double huber_sd = 3;          ///< deviation from which on a sample counts less (sd)
-  double gate_sd = 6;           ///< deviation from which on it is rejected (sd)
-  double reset_after = 5;       ///< samples in a row that fit nothing, then the filter starts anew
-  double longest_gap_s = 0.25;  ///< time without a measurement after which nothing is known (s)
+  double huber_sd = 3;     ///< deviation from which on a sample counts less (sd)
+  double gate_sd = 6;      ///< deviation from which on it is rejected (sd)
+  double reset_after = 5;  ///< samples in a row that fit no hypothesis before the filter restarts
+  double longest_gap_s = 0.25;  ///< time without a measurement after which the state is unknown (s)
 };
 
 /// The recommended estimator of motion. Time steps come from the samples' times.
@@ -75,8 +75,8 @@ constexpr void visit_motion_fields(Parameters& parameters, Visitor&& visit) {
   one("outliers", "longest_gap_s", outliers.longest_gap_s, "s", Range{1e-3, 10});
 }
 
-/// True where every field of `parameters` lies in its range (see `visit_motion_fields`) and they
-/// fit together: lowest below highest noise, Huber's limit not above the gate's.
+/// True if every field of `parameters` is in its range (see `visit_motion_fields`) and the
+/// combination is valid: lowest below highest noise, Huber's limit not above the gate's.
 constexpr bool is_valid(const MotionEstimatorParameters& parameters) {
   bool valid = parameters.noise.lowest_position_sd_m < parameters.noise.highest_position_sd_m &&
                parameters.outliers.huber_sd <= parameters.outliers.gate_sd;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What to do with a sample that the filter did not expect.
+// Decides on samples that the filter did not expect.
 //
 //   d    deviation: |innovation| in its standard deviations, the largest of all axes
 //   d <= huber      the sample counts in full
@@ -21,16 +21,17 @@ class OutlierGate {
       : huber_sd_(static_cast<Scalar>(parameters.huber_sd)),
         gate_sd_(static_cast<Scalar>(parameters.gate_sd)) {}
 
-  /// True where a sample of squared deviation `deviation_squared`, no unit, does not fit; NaN does
-  /// not.
+  /// True if a sample of squared deviation `deviation_squared`, no unit, does not fit; false for
+  /// NaN.
   bool is_outlier(Scalar deviation_squared) const {
     return !(deviation_squared <= gate_sd_ * gate_sd_);
   }
-  /// True where it does not count in full.
+  /// True if it does not count in full.
   bool is_doubtful(Scalar deviation_squared) const {
     return !(deviation_squared <= huber_sd_ * huber_sd_);
   }
-  /// Its weight, 1 or less: the measurement variance is divided by it. `is_outlier` must not hold.
+  /// Its weight, at most 1: the measurement variance is divided by it. Requires that `is_outlier`
+  /// is false.
   Scalar weight(Scalar deviation_squared) const {
     return is_doubtful(deviation_squared) ? huber_sd_ / std::sqrt(deviation_squared) : Scalar(1);
   }

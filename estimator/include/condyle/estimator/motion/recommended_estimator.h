@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The recommended estimator: position, velocity and acceleration along up to three axes from
-// measured positions and their times, and the net force that an assumed mass makes of them.
+// measured positions and their times, and the net force for an assumed mass.
 //
 //   motion_bank.h        motion: exact white-jerk filters; noise and liveliness learned
 //   outlier_gate.h       outliers: full weight, less, none
@@ -10,17 +10,17 @@
 //   fixed_lag.h          each estimate may wait for up to kMostLag later samples
 //   force                assumed mass times acceleration
 //
-// One decision for all axes of a sample: a glitch rarely keeps to one. Time is taken from the
-// samples, differences as integers. Where nothing was measured the filter predicts, and after
-// `longest_gap_s` without a measurement it says nothing.
+// One decision for all axes of a sample, because a glitch rarely affects only one. Time is taken
+// from the samples, differences as integers. Without a measurement the filter predicts; after
+// `longest_gap_s` without one it gives no values.
 //
 // Provenance. Information share (provenance.h) against the documented prior of velocity and
-// acceleration, without growth: a value whose variance has come down to half of the prior's is
-// measured. Where the sample of that instant was not taken, it is the motion model that carries the
-// neighbours' measurements over: derived, the named assumption being white jerk. Force is derived
-// from a measured or derived acceleration. All else is assumed; so is everything while the noise,
-// on which all standard deviations rest, is still guessed: for the first 15 samples and longer
-// where the guess is far too low.
+// acceleration, without growth: a value whose variance has fallen to half of the prior's is
+// measured. If the sample of that instant was not used, the motion model carries over the
+// neighbours' measurements: the value is derived, with white jerk as the named assumption. Force is
+// derived from a measured or derived acceleration. Everything else is assumed, and so is everything
+// while the noise, on which all standard deviations rest, is still a guess: for the first 15
+// samples, and longer if the guess is far too low.
 #pragma once
 
 #include "condyle/estimator/motion/motion_instant.h"
@@ -29,7 +29,7 @@
 
 namespace condyle {
 
-/// The recommended estimator for `kAxes` (1 or 3) axes. Estimates are of `lag` samples ago, at most
+/// The recommended estimator for `kAxes` (1 or 3) axes. Estimates are `lag` samples late, at most
 /// `kMostLag`. One object per run; copying it copies the run.
 template <class Scalar, int kAxes, int kMostLag = 16>
 class RecommendedEstimator {
@@ -38,8 +38,8 @@ class RecommendedEstimator {
   using Estimate = RecommendedEstimate<Scalar>;
   using Measurement = TimedPosition<Scalar, kAxes>;
 
-  /// `parameters` must satisfy `is_valid`, `lag` be 0 to kMostLag; otherwise every step says
-  /// `parameters_invalid` and computes nothing.
+  /// `parameters` must satisfy `is_valid`, `lag` must be 0 to kMostLag; otherwise every step has
+  /// the event `parameters_invalid` and computes nothing.
   explicit RecommendedEstimator(const MotionEstimatorParameters& parameters, int lag = 0)
       : assumed_mass_kg_(static_cast<Scalar>(parameters.assumed_mass_kg)),
         prior_velocity_variance_(square(parameters.prior.velocity_sd_m_s)),
@@ -51,8 +51,8 @@ class RecommendedEstimator {
     for (Scalar& sd_m : noise_sd_m_) sd_m = static_cast<Scalar>(parameters.noise.position_sd_m);
   }
 
-  /// Noise of the instrument along each axis (m): that of the parameters unless set before the
-  /// first measurement. With adaptation on it is a first guess.
+  /// Noise of the instrument along each axis (m): that of the parameters unless it is set before
+  /// the first measurement. With adaptation on it is a first guess.
   void set_noise(const Array<Scalar, kAxes>& noise_sd_m) {
     for (int axis = 0; axis < kAxes; ++axis) {
       noise_sd_m_[axis] = noise_sd_m[axis];
@@ -62,9 +62,9 @@ class RecommendedEstimator {
     }
   }
 
-  /// The next sample, whose time is known. A time before the last one is not taken
-  /// (`time_reversed`); NaN or a position beyond kLargestPosition_m, whose squares
-  /// float cannot hold, enters no state (`position_missing`).
+  /// The next sample, whose time is known. A time before the last one is rejected
+  /// (`time_reversed`). NaN, and a position beyond kLargestPosition_m, whose square exceeds float,
+  /// enter no state (`position_missing`).
   Estimate step(const Measurement& measurement) {
     if (!parameters_valid_) return without_values(Event::parameters_invalid);
     Instant& instant = next_instant(measurement);
@@ -101,23 +101,22 @@ class RecommendedEstimator {
     return newest_ready();
   }
 
-  /// A sample that cannot be used, its position or time unknown: it is passed on, with its events,
-  /// and the state stays.
+  /// A sample with unknown position or time: it is passed on with its events, and the state stays.
   Estimate skip(const Measurement& measurement, bool time_valid) {
     if (!parameters_valid_) return without_values(Event::parameters_invalid);
     next_instant(measurement).time_valid = time_valid;
     return newest_ready();
   }
 
-  /// The source's clock was set: the motion starts anew with the next sample; what is known of the
+  /// The source's clock was set: the motion restarts with the next sample; the knowledge of the
   /// noise stays.
   void restart_clock() {
     has_time_ = false;
     if (started_) lose_motion();
   }
 
-  /// The last `samples` samples turn out to come from a frozen device, though some were taken: the
-  /// motion is lost, and nothing is said of those that still wait.
+  /// The last `samples` samples came from a frozen device, though some were used: the motion is
+  /// lost, and waiting estimates get no values.
   void forget_frozen(int samples) {
     for (int back = 0; back < std::min(samples, kInstants); ++back) {
       Instant& instant = instants_.at(back);
@@ -127,27 +126,27 @@ class RecommendedEstimator {
       instant.is_first = true;
       for (auto& track : instant.tracks) {
         track.is_taken = false;
-        track.is_restart = true;  // nothing connects what is before with what is after
+        track.is_restart = true;  // what comes before is unrelated to what comes after
       }
     }
     if (started_) lose_motion();
   }
 
-  /// After the last sample: the next of the estimates that still waited for later samples. False
-  /// where there is none left.
+  /// After the last sample: the next estimate that was waiting for later samples. False if there is
+  /// none left.
   [[nodiscard]] bool drain(Estimate& estimate) {
     if (waiting_ == 0) return false;
     estimate = estimate_of(--waiting_);
     return true;
   }
 
-  /// Samples that an estimate lies behind.
+  /// Delay of an estimate in samples.
   int lag() const { return lag_; }
   /// The filters behind the estimate.
   const MotionBank<Scalar, kAxes>& bank() const { return motion_.main(); }
-  /// Both hypotheses, where there are two.
+  /// Both hypotheses, if there are two.
   const MotionHypotheses<Scalar, kAxes>& motion() const { return motion_; }
-  /// The step that positions along `axis` are rounded to (m); 0 where none has been found.
+  /// The rounding step of positions along `axis` (m); 0 if none was found.
   Scalar rounding_step_m(int axis) const { return rounding_[axis].step_m(); }
 
  private:
@@ -185,8 +184,8 @@ class RecommendedEstimator {
     is_lost_ = true;
   }
 
-  // A moving jaw does not repeat its position: a repeat that the motion does not expect, and all
-  // that follow it, come from a device that stands still.
+  // A moving jaw does not repeat its position. A repeat that contradicts the motion, and all
+  // repeats that follow it, come from a device that stands still.
   void doubt_repeat(const Measurement& measurement, Instant& instant) {
     doubts_run_ = measurement.is_repeat &&
                   (doubts_run_ ||
@@ -196,7 +195,7 @@ class RecommendedEstimator {
     instant.is_measured = false;
   }
 
-  // Takes the measured position of `instant`, `T` s after the last sample.
+  // Uses the measured position of `instant`, `T` s after the last sample.
   void take(Scalar T, Instant& instant) {
     for (int axis = 0; axis < kAxes; ++axis) rounding_[axis].add(instant.position_m[axis]);
     if (!started_) {
@@ -253,7 +252,7 @@ class RecommendedEstimator {
     return estimate_of(lag_);
   }
 
-  // The estimate of the instant `back` samples ago, by all samples up to now.
+  // The estimate of the instant `back` samples ago, from all samples up to now.
   Estimate estimate_of(int back) {
     const Instant& instant = instants_.at(back);
     Estimate estimate;
@@ -283,7 +282,7 @@ class RecommendedEstimator {
     return estimate;
   }
 
-  // Motion at the newest instant. Without a measurement nothing becomes better known.
+  // Motion at the newest instant. Without a measurement, no value becomes better known.
   void filter(const Instant& instant, Array<MotionMoments<Scalar>, kAxes>& moments) {
     const bool is_taken = instant.tracks[0].is_taken || instant.tracks[1].is_taken;
     const bool is_unexpected = instant.is_measured && instant.events.has(Event::outlier_rejected);
@@ -303,7 +302,7 @@ class RecommendedEstimator {
     has_shown_ = true;
   }
 
-  // By what no filter of the bank knows of: rounding at rest, and where no sample has been taken
+  // Adds what no filter of the bank knows of: rounding at rest, and, if no sample has been used
   // since, a change of the motion.
   void widen(const Instant& instant, int axis, MotionMoments<Scalar>& moments) const {
     if (!bank().is_adaptive()) return;
@@ -312,7 +311,7 @@ class RecommendedEstimator {
     moments.variance += motion_.gap_variance(difference_s<Scalar>(instant.time_ns, taken_ns_));
   }
 
-  // Motion `back` samples ago, by all samples since.
+  // Motion `back` samples ago, from all samples since.
   void smooth(int back, Array<MotionMoments<Scalar>, kAxes>& moments) {
     typename Instants::Smoothed smoothed;
     instants_.smooth(motion_.main(), motion_.main_index(), back, smoothed);
@@ -382,10 +381,10 @@ class RecommendedEstimator {
   bool has_time_ = false;       // a sample's time is known,
   TimeNs time_ns_ = 0;          // the last one's
   TimeNs taken_ns_ = 0;         // of the last sample that was used
-  bool noise_started_ = false;  // a position was ever taken
+  bool noise_started_ = false;  // a position was used before
   bool started_ = false;        // there is a state,
   bool is_lost_ = false;        // or there was one
-  bool doubts_run_ = false;     // the repeats since the last change are not taken
+  bool doubts_run_ = false;     // the repeats since the last change are not used
   int waiting_ = 0;
   bool has_shown_ = false;                        // an estimate of the newest instant,
   Array<Vector3<Scalar>, kAxes> shown_variance_;  // with these variances

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The step that a coordinate is rounded to, found from its samples.
+// Finds the step to which a coordinate is rounded, from its samples.
 //
 //   d       difference of two samples in a row, those that repeat left out
 //   g       candidate: the greatest common divisor of the differences so far, by Euclid
@@ -24,7 +24,7 @@
 
 namespace condyle {
 
-/// One coordinate's. No allocation; constant time.
+/// For one coordinate. No allocation; constant time.
 template <class Scalar>
 class RoundingStep {
  public:
@@ -42,7 +42,7 @@ class RoundingStep {
       return;
     }
     const Scalar multiple = std::floor(d / candidate_m_ + Scalar(0.5));
-    if (multiple > kFarther * largest_multiple_) return;  // g is not known well enough to tell
+    if (multiple > kFarther * largest_multiple_) return;  // g is not known well enough to decide
     const Scalar tolerance_m = kTolerance * candidate_m_ + digits_m;
     if (std::abs(d - multiple * candidate_m_) <= tolerance_m && multiple > Scalar(0)) {
       confirmations_ = std::min(confirmations_ + 1, kMostConfirmations);
@@ -57,10 +57,10 @@ class RoundingStep {
     }
   }
 
-  /// The step (m); 0 where none has been found.
+  /// The step (m); 0 if none was found.
   Scalar step_m() const { return confirmations_ >= kConfirmations ? candidate_m_ : Scalar(0); }
 
-  /// What of the noise of rounding stays in the position however many samples there are (m^2).
+  /// The part of the noise of rounding that no number of samples removes from the position (m^2).
   Scalar lasting_variance_m2() const { return repeats_ * step_m() * step_m() / Scalar(12); }
 
  private:

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many samples a mean rests on that forgets: the memory of a bank of filters (motion_bank.h).
+// Number of samples in a mean that forgets: the memory of a bank of filters (motion_bank.h).
 //
 //   T    mean time step (s)
 //   n    samples that the mean rests on; the next one has the share 1/n in it
 //
 // n grows by kGrowth a sample up to `memory_s`, so that the first guess is forgotten as n^-3, not
-// as 1/n. A sample that nothing expected takes n down: what was learned may no longer hold.
+// as 1/n. An unexpected sample reduces n, because earlier knowledge may no longer hold.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ class SampleMemory {
   /// `memory_s`: longest memory (s), above 0.
   explicit SampleMemory(Scalar memory_s) : memory_s_(memory_s) {}
 
-  /// Forgets all samples; what is guessed counts as kFirst of them.
+  /// Forgets all samples; the guess counts as kFirst of them.
   void start() {
     n_ = kFirst;
     mean_step_s_ = 0;
@@ -34,7 +34,7 @@ class SampleMemory {
     return Scalar(1) / n_;
   }
 
-  /// Older samples count less, after one that nothing expected.
+  /// Older samples count less; called after an unexpected sample.
   void shorten() { n_ = std::max(n_ * kKept, kFirst); }
 
   /// Number of samples.

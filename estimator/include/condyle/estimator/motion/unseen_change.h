@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a change of the motion that no filter has seen yet adds to the variances shown.
+// Adds to the variances shown the effect of a change of the motion that no filter has seen yet.
 //
 //   h       changes of the motion per second, kChangeRate
 //   a, V    acceleration by a jaw's prior (m/s^2); variance of velocity that the prior and this
@@ -32,15 +32,15 @@ class UnseenChange {
   UnseenChange(Scalar acceleration_variance, Scalar velocity_variance)
       : a2_(acceleration_variance), V_(velocity_variance) {}
 
-  /// Of position, velocity and acceleration, in a gap of `t` s.
+  /// For position, velocity and acceleration, in a gap of `t` s.
   Vector3<Scalar> in_gap(Scalar t) const {
     const Scalar share = std::min(kChangeRate * t, Scalar(1));
     const Scalar v2 = std::min(a2_ * t * t, V_);
     return share * Vector3<Scalar>(v2 * t * t * Scalar(0.25), v2, a2_);
   }
 
-  /// Of the velocity (m^2/s^2), by a sample of innovation `d` (m) and variance `S` (m^2), `T` s
-  /// after the one before; 0 where it is as expected, and for T = 0.
+  /// For the velocity (m^2/s^2), from a sample of innovation `d` (m) and variance `S` (m^2), `T` s
+  /// after the previous one; 0 if it is as expected, and for T = 0.
   Scalar at_onset(Scalar d, Scalar S, Scalar T) const {
     if (!(d * d > kNoticed * kNoticed * S) || !(T > Scalar(0))) return 0;
     const Scalar wide = S + V_ * T * T;

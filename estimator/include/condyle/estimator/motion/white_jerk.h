@@ -23,7 +23,7 @@ TransitionJacobian<Scalar> white_jerk_jacobian(Scalar T) {
   return {.pv = T, .px = T * T / Scalar(2), .vv = 1, .vx = T};
 }
 
-/// F x: the state (m, m/s, m/s^2) that `F` leads to from `x`.
+/// F x: the state (m, m/s, m/s^2) that follows `x` by `F`.
 template <class Scalar>
 Vector3<Scalar> white_jerk_transition(const Vector3<Scalar>& x,
                                       const TransitionJacobian<Scalar>& F) {

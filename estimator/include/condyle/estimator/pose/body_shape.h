@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Learns which body three points belong to, from the first samples that agree on it.
+// Learns the body to which three points belong, from the first samples that agree on it.
 //
 //   d_k        distance of the two points other than k, of one sample (m); the last 15 samples
 //   count m_k        median of the 15 s          1.4826 median |d_k - m_k| / sqrt(2), over samples
@@ -12,9 +12,9 @@
 // distances m. So three bad samples among them spoil nothing. Points whose s is above a third of
 // what the caller allows make no body.
 //
-// What is not noticed: an error that twelve samples share, of any size; a later change of the
-// distances that stays within the tolerance. A point 90 mm from a bite fork is off by about 1.4
-// times the residual of such a change.
+// Not noticed: an error that twelve samples share, of any size; a later change of the distances
+// that stays within the tolerance. A point 90 mm from a bite fork is off by about 1.4 times the
+// residual of such a change.
 #pragma once
 
 #include <algorithm>
@@ -24,21 +24,21 @@
 
 namespace condyle {
 
-/// No tolerance learned is smaller: what digits and calibration leave of a device's rigidity.
+/// Smallest tolerance: the remaining error of digits and calibration in a device's rigidity.
 inline constexpr double kSmallestTolerance_m = 1e-4;
 
 /// See the model above. Fixed size.
 template <class Scalar>
 class BodyShape {
  public:
-  /// Samples that are looked at, and how many of them must agree.
+  /// Samples considered, and how many of them must agree.
   static constexpr int kSamples = 15, kAgreeing = 12;
 
   /// `largest_tolerance_m`: residual beyond which no sample fits.
   explicit BodyShape(Scalar largest_tolerance_m) : largest_tolerance_m_(largest_tolerance_m) {}
 
   /// Takes a sample's points, finite, one a column (m). Points that repeat the last ones bit for
-  /// bit say nothing new and do not count.
+  /// bit contain nothing new and do not count.
   void add(const Matrix3<Scalar>& points_m) {
     if (count_ > 0 && points_m == last_m_) return;
     last_m_ = points_m;
@@ -48,9 +48,9 @@ class BodyShape {
     if (count_ == kSamples) judge();
   }
 
-  /// True where as many samples were seen as are looked at, whether they agree or not.
+  /// True once enough samples were seen, whether they agree or not.
   bool has_seen_enough() const { return count_ == kSamples; }
-  /// True where they agree: only then does what follows hold.
+  /// True if they agree; only then are the following results valid.
   bool is_settled() const { return is_settled_; }
   /// The body, in the jaw frame.
   RigidBody<Scalar> body() const { return RigidBody<Scalar>::from_distances(median_m_); }
@@ -58,7 +58,7 @@ class BodyShape {
   Scalar tolerance_m() const { return tolerance_m_; }
 
  private:
-  // The middle one of an odd number of values, which lose their order.
+  // The median of an odd number of values; changes their order.
   template <class Values>
   static Scalar median(Values& values) {
     Scalar* const middle = values.data() + values.size() / 2;

@@ -9,8 +9,8 @@
 //   pose           point 1: its position        b in the pose's own frame
 //
 // The body's shape is given, or learned from the first samples that agree on it (body_shape.h),
-// which are held back until then: unsettled. From then on it stands: samples that do not fit it are
-// not_rigid, for the rest of the run if need be.
+// which are withheld until then as `unsettled`. After that the shape is fixed: samples that do not
+// fit it are `not_rigid`, for the rest of the run if necessary.
 #pragma once
 
 #include <cstdint>
@@ -22,10 +22,10 @@
 
 namespace condyle {
 
-/// How the fits of three points to a body went so far.
+/// Results of the fits of three points to a body so far.
 struct BodyFits {
   std::uint64_t fitted = 0;
-  std::uint64_t unsettled = 0;        ///< samples held back while the shape was learned
+  std::uint64_t unsettled = 0;        ///< samples withheld while the shape was learned
   std::uint64_t degenerate = 0;       ///< samples whose points coincide or lie on a line
   std::uint64_t not_rigid = 0;        ///< samples with a larger residual than the tolerance
   double residual_square_sum_m2 = 0;  ///< of those fitted
@@ -34,14 +34,14 @@ struct BodyFits {
 
 /// The point to follow.
 struct FollowedPoint {
-  int point = 1;  ///< of the instrument, 1 to 3; not used where `body_point_m` is set
+  int point = 1;  ///< of the instrument, 1 to 3; not used if `body_point_m` is set
   /// Fixed to the jaw: in the jaw frame, or in the pose's own frame for SampleKind::pose (m).
   std::optional<Eigen::Vector3d> body_point_m = {};
-  /// Kept up to date with each sample of three_points; may be null. Outlives the follower.
+  /// Updated with each sample of three_points; may be null. Must outlive the follower.
   BodyFits* fits = nullptr;
 };
 
-/// True where samples of `kind` can have the followed point.
+/// True if samples of `kind` can have the followed point.
 constexpr bool is_available(SampleKind kind, const FollowedPoint& followed) {
   if (kind == SampleKind::one_axis) return false;
   if (followed.body_point_m) return kind != SampleKind::one_point;
@@ -54,17 +54,18 @@ Matrix3<Scalar> points_of(const Sample& sample) {
   return Eigen::Map<const Eigen::Matrix3d>(sample.coordinates).template cast<Scalar>();
 }
 
-/// Where the followed point is.
+/// Place of the followed point.
 struct FollowedPosition {
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< instrument's frame; where status is ok
-  /// From the point that the instrument measures best, the middle of its three or the pose's
-  /// origin, to the followed one (m); 0 for a point of the instrument.
+  Eigen::Vector3d position_m =
+      Eigen::Vector3d::Zero();  ///< in the instrument's frame; valid if status is ok
+  /// Vector to the followed point (m) from the point that the instrument measures best, which is
+  /// the middle of its three points or the pose's origin; 0 for a point of the instrument.
   Eigen::Vector3d lever_m = Eigen::Vector3d::Zero();
   double residual_rms_m = 0;  ///< of the body's fit; 0 without one
   PoseStatus status = PoseStatus::ok;
 };
 
-/// Takes samples, gives the followed point's position. It remembers the body's shape, nothing else.
+/// Computes the followed point's position from samples. Its only state is the body's shape.
 template <class Scalar>
 class PointFollower {
  public:
@@ -80,7 +81,7 @@ class PointFollower {
                 Scalar tolerance_m = Scalar(kRigidTolerance_m))
       : followed_(followed), shape_(tolerance_m), tolerance_m_(tolerance_m), body_(body) {}
 
-  /// The followed point in `sample`, or why it is not there; see PoseStatus.
+  /// The followed point in `sample`, or why there is none; see PoseStatus.
   FollowedPosition follow(const Sample& sample) {
     if (!is_available(sample.kind, followed_)) return {.status = PoseStatus::unavailable};
     if (!sample.position_valid) return {.status = PoseStatus::missing};
@@ -99,7 +100,7 @@ class PointFollower {
             fit.residual_rms_m, PoseStatus::ok};
   }
 
-  /// The body whose points the samples hold; none until its shape is settled.
+  /// The body of the three points; none until its shape is settled.
   const std::optional<RigidBody<Scalar>>& body() const { return body_; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pose of the jaw, from three points or as a device gives it, and any point fixed to the jaw.
+// The pose of the jaw, from three points or from the device, and any point fixed to the jaw.
 //
 //   b_i   point i in the jaw frame, p_i the same point in the instrument's frame (m)
 //   R, t  the pose: a point b of the jaw is at R b + t
@@ -16,14 +16,14 @@
 // A bite fork with points at (0, 0, 0), (25, 0, 30), (-25, 0, 30) mm has just these coordinates.
 //
 // The three points of a bite fork are virtual points of one rigid body that the device has fitted.
-// Their noise is one noise of six degrees of freedom, not nine: averaging them gains nothing, and
-// the fit returns each point with the error it came with.
+// Their noise has six degrees of freedom, not nine: averaging them gains nothing, and the fit
+// returns each point with its original error.
 //
-// Three points tell of a broken rigidity only through their three distances. A point that jumps out
-// of the points' plane hardly changes these: the pose follows it unnoticed.
+// Three points reveal a broken rigidity only through their three distances. A point that jumps out
+// of their plane hardly changes these, and the pose follows it unnoticed.
 //
-// Programs use it in double, as coordinates arrive; an estimator in float casts the position it
-// follows.
+// Programs use double here, as coordinates arrive; an estimator in float converts the position that
+// it follows.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -37,41 +37,41 @@
 
 namespace condyle {
 
-/// Smallest height of a triangle of points that makes a body: with less, 0.1 mm of noise turns the
-/// jaw by more than a degree.
+/// Smallest height of a triangle of points that is usable as a body: with less, 0.1 mm of noise
+/// turns the jaw by more than a degree.
 inline constexpr double kSmallestHeight_m = 5e-3;
 /// Root mean square residual of a fit beyond which the points have not kept their distances.
 inline constexpr double kRigidTolerance_m = 2e-3;
 /// A quaternion's norm may differ from 1 by this much: digits lost in printing.
 inline constexpr double kUnitNormTolerance = 1e-3;
 
-/// Why a pose or a position is there or is not.
+/// Result of computing a pose or a position.
 enum class PoseStatus : std::uint8_t {
   ok,
   unavailable,     ///< samples of this kind do not have it
-  missing,         ///< a coordinate is not there, NaN or infinite
+  missing,         ///< a coordinate is absent, NaN or infinite
   unsettled,       ///< the points' distances are still being learned
   degenerate,      ///< the points coincide or lie on a line
   not_rigid,       ///< the points have not kept their distances: one has jumped
   not_a_rotation,  ///< the quaternion's norm is not 1
 };
 
-/// Where the jaw is in the instrument's frame.
+/// Position and orientation of the jaw in the instrument's frame.
 template <class Scalar>
 struct Pose {
   Matrix3<Scalar> rotation = Matrix3<Scalar>::Identity();  ///< jaw frame -> instrument's frame
   Vector3<Scalar> translation = Vector3<Scalar>::Zero();   ///< of the jaw frame's origin (m)
 };
 
-/// A pose and how it came about.
+/// A pose and the status of its computation.
 template <class Scalar>
 struct PoseFit {
-  Pose<Scalar> pose;          ///< usable where `status` is ok
-  Scalar residual_rms_m = 0;  ///< over the three points; 0 where no points were fitted
+  Pose<Scalar> pose;          ///< valid if `status` is ok
+  Scalar residual_rms_m = 0;  ///< over the three points; 0 without a fit
   PoseStatus status = PoseStatus::ok;
 };
 
-/// Where the point `body_point_m` of the jaw frame is in the instrument's frame, metres.
+/// The point `body_point_m` of the jaw frame in the instrument's frame, metres.
 template <class Scalar>
 Vector3<Scalar> point_of(const Pose<Scalar>& pose,
                          const std::type_identity_t<Vector3<Scalar>>& body_point_m) {
@@ -79,7 +79,7 @@ Vector3<Scalar> point_of(const Pose<Scalar>& pose,
 }
 
 /// The pose at `position_m` with the unit quaternion w, x, y, z, which is normalised. Status:
-/// missing where a number is not finite; not_a_rotation where the norm differs from 1 by more than
+/// missing if a number is not finite; not_a_rotation if the norm differs from 1 by more than
 /// kUnitNormTolerance.
 template <class Scalar>
 PoseFit<Scalar> pose_from_quaternion(const Vector3<Scalar>& position_m,
@@ -100,7 +100,7 @@ PoseFit<Scalar> pose_from_quaternion(const Vector3<Scalar>& position_m,
 }
 
 /// Smallest height of the triangle whose corners are the columns of `points_m`: 0 for points on a
-/// line, NaN where the numbers are not finite or too large to multiply. Metres.
+/// line, NaN if the numbers are not finite or too large to multiply. Metres.
 template <class Scalar>
 Scalar smallest_height_m(const Matrix3<Scalar>& points_m) {
   const Vector3<Scalar> a = points_m.col(1) - points_m.col(0);
@@ -123,15 +123,15 @@ template <class Scalar>
 class RigidBody {
  public:
   /// `shape_m`: its columns are the three points in the jaw frame, or in any other frame fixed to
-  /// the jaw, which then takes its place. Metres. See `status` for a shape that makes no body.
+  /// the jaw, which then replaces it. Metres. An unusable shape sets `status`.
   explicit RigidBody(const Matrix3<Scalar>& shape_m)
       : shape_m_(shape_m), status_(judge(shape_m, Scalar(kSmallestHeight_m))) {}
 
-  /// The body with the `distances_m` of `distances_of`, in the jaw frame. See `status` for
-  /// distances that make no body.
+  /// The body with the `distances_m` of `distances_of`, in the jaw frame. Unusable distances set
+  /// `status`.
   static RigidBody from_distances(const Vector3<Scalar>& distances_m) {
     const Scalar a = distances_m[0], b = distances_m[1], c = distances_m[2];
-    // To the foot of the height; points 2 and 3 that coincide are a triangle without one.
+    // Distance to the foot of the height; if points 2 and 3 coincide, there is no height.
     const Scalar from_third = a > 0 ? (a * a + b * b - c * c) / (2 * a) : Scalar(0);
     const Scalar height = std::sqrt(std::max(b * b - from_third * from_third, Scalar(0)));
     const Scalar x3 = -from_third, x2 = a - from_third;
@@ -140,23 +140,23 @@ class RigidBody {
     return RigidBody(shape_m);
   }
 
-  /// ok; missing where a coordinate of the shape is not finite; degenerate where its smallest
-  /// height is below kSmallestHeight_m.
+  /// ok; missing if a coordinate of the shape is not finite; degenerate if its smallest height is
+  /// below kSmallestHeight_m.
   PoseStatus status() const { return status_; }
 
-  /// The three points in the jaw frame, one a column, metres. Usable where `status` is ok.
+  /// The three points in the jaw frame, one a column, metres. Valid if `status` is ok.
   const Matrix3<Scalar>& shape_m() const { return shape_m_; }
 
   /// The pose that brings the body's points closest to the columns of `points_m` (instrument's
-  /// frame, metres). Status: the body's own where that is not ok; missing where a coordinate is not
-  /// finite; degenerate where the points are nearly on a line; not_rigid where the residual exceeds
+  /// frame, metres). Status: the body's own if that is not ok; missing if a coordinate is not
+  /// finite; degenerate if the points are nearly on a line; not_rigid if the residual exceeds
   /// `tolerance_m`.
   PoseFit<Scalar> fit(const Matrix3<Scalar>& points_m,
                       Scalar tolerance_m = Scalar(kRigidTolerance_m)) const {
     PoseFit<Scalar> result;
     result.status = status_;
     if (result.status != PoseStatus::ok) return result;
-    // Half: noise does not make an accepted shape degenerate.
+    // Half, so that noise does not make an accepted shape degenerate.
     result.status = judge(points_m, Scalar(kSmallestHeight_m / 2));
     if (result.status != PoseStatus::ok) return result;
     const auto moved = closest_rigid_motion(shape_m_, points_m);

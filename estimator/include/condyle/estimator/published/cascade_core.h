@@ -9,9 +9,9 @@
 // a measurement, without prediction.
 //
 // No standard deviations, provenance or verdict: published_cascade.h adds them. Each filter is
-// copied, stepped and copied back: between its updates the copy stays in registers. What is rare
-// (the first sample, a measurement not taken) leaves by a call at the end, so that nothing is kept
-// for it.
+// copied, stepped and copied back, so that the copy stays in registers between its updates. Rare
+// cases (the first sample, an unused measurement) are handled by a call at the end, so that they
+// cost no registers.
 #pragma once
 
 #include "condyle/estimator/published/friction_stage.h"
@@ -21,7 +21,7 @@
 
 namespace condyle {
 
-/// What a step of the core computes beside the estimates.
+/// What a step of the core computes besides the estimates.
 enum class CoreChecks {
   none,          ///< nothing
   nis_and_gate,  ///< each stage's normalised innovation squared, and stage 1's against a gate
@@ -31,7 +31,7 @@ enum class CoreChecks {
 template <class Scalar>
 inline constexpr Scalar kNoGate = std::numeric_limits<Scalar>::infinity();
 
-/// What one step with `CoreChecks::nis_and_gate` says. NaN where there is no value.
+/// Results of one step with `CoreChecks::nis_and_gate`. NaN if there is no value.
 template <class Scalar>
 struct CoreStep {
   static constexpr Scalar kNone = std::numeric_limits<Scalar>::quiet_NaN();
@@ -40,7 +40,7 @@ struct CoreStep {
   Scalar motion_nis = kNone;    ///< of stage 1: chi-square with 1 degree of freedom
   Scalar friction_nis = kNone;  ///< of stage 2: 2 degrees of freedom
   Scalar mass_nis = kNone;      ///< of stage 3: 2 degrees of freedom
-  bool motion_updated = false;  ///< stage 1 took the measurement
+  bool motion_updated = false;  ///< stage 1 used the measurement
   /// an innovation variance was not positive and finite: that stage and those after it only predict
   bool refused = false;
   bool rejected = false;  ///< stage 1's NIS was above the gate: all stages only predicted
@@ -52,8 +52,9 @@ class CascadeCore {
  public:
   using Filter = ThreeStateFilter<Scalar>;
 
-  /// `parameters` must satisfy `is_valid`. `gate`: largest NIS of stage 1 that is taken (chi-square
-  /// with 1 degree of freedom: 6.63 rejects 1 % of good measurements, if their variance is right).
+  /// `parameters` must satisfy `is_valid`. `gate`: largest NIS of stage 1 that is accepted
+  /// (chi-square with 1 degree of freedom: 6.63 rejects 1 % of good measurements, if their variance
+  /// is right).
   explicit CascadeCore(const PublishedParameters& parameters, Scalar gate = kNoGate<Scalar>)
       : assumed_mass_kg_(static_cast<Scalar>(parameters.assumed_mass_kg)),
         initial_friction_Ns_m_(static_cast<Scalar>(parameters.friction.initial_Ns_m)),
@@ -64,10 +65,10 @@ class CascadeCore {
         friction_noise_(parameters.friction),
         mass_noise_(parameters.mass) {}
 
-  /// `time_step_s` on, with the measured position (m, finite). The process variances are those of
-  /// one step, whatever its length. Returns true where every measurement was taken; with
-  /// `CoreChecks::nis_and_gate`, a CoreStep. Flattened, so that a large program's budget for
-  /// inlining does not make it slower.
+  /// Advances by `time_step_s` with the measured position (m, finite). The process variances are
+  /// those of one step, whatever its length. Returns true if every measurement was used; with
+  /// `CoreChecks::nis_and_gate`, a CoreStep. Flattened, so that the limits on inlining in a large
+  /// program do not make it slower.
   template <CoreChecks checks = CoreChecks::none>
   [[gnu::flatten]] auto step(Scalar measured_position_m, Scalar time_step_s) {
     if (!started_) [[unlikely]]
@@ -75,7 +76,8 @@ class CascadeCore {
     return advance<checks, true>(measured_position_m, time_step_s);
   }
 
-  /// `time_step_s` on without a measurement: all stages predict, none updates. Must have started.
+  /// Advances by `time_step_s` without a measurement: all stages predict, none updates. Requires a
+  /// first measurement.
   void predict(Scalar time_step_s) {
     predict_motion(motion_, time_step_s);
     predict_friction(friction_, time_step_s);
@@ -135,7 +137,7 @@ class CascadeCore {
     return advance<checks, false>(z, Scalar(0));
   }
 
-  // One step; the first sample is taken without prediction: it `moves` not.
+  // One step; the first sample is used without a prediction: then `moves` is false.
   template <CoreChecks checks, bool moves>
   [[gnu::always_inline]] auto advance(Scalar z, Scalar T) {
     Filter motion = motion_;
@@ -204,7 +206,7 @@ class CascadeCore {
     }
   }
 
-  // The predictions of stages 2 and 3 take their inputs from the stages before, as they now are.
+  // Stages 2 and 3 predict with the present values of the stages before.
   [[gnu::always_inline]] void predict_motion(Filter& motion, Scalar T) const {
     motion.x = motion_transition(motion.x, T, assumed_mass_kg_, discretisation_).state;
     propagate_motion(motion.P, T);

@@ -16,7 +16,7 @@
 // Measurements:          z = p,  v
 //
 // u is m0 times the acceleration that stage 1 saw, so kv = 0 solves this model for every motion:
-// the value found says how the filter was tuned, not what the joint's friction is.
+// the value found reflects the tuning of the filter, not the friction of the joint.
 #pragma once
 
 #include "condyle/estimator/math/three_state_filter.h"

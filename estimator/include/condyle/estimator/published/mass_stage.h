@@ -17,7 +17,7 @@
 // Measurements:          z = p,  v
 //
 // u presupposes the mass m0, so m = m0 solves this model for every motion: the value found is the
-// assumption returned.
+// assumption itself.
 #pragma once
 
 #include "condyle/estimator/math/three_state_filter.h"

@@ -11,14 +11,14 @@ namespace condyle {
 /// Verdict of the matching criterion on the run so far.
 enum class Verdict : std::uint8_t { not_matched, matched, diverged };
 
-/// Name of a verdict as it stands in summaries.
+/// Name of a verdict in summaries.
 constexpr const char* verdict_name(Verdict verdict) {
   constexpr const char* names[] = {"not matched", "matched", "diverged"};
   return names[static_cast<int>(verdict)];
 }
 
-/// Relative distance from the assumed mass within which the mass counts as matched. The paper gives
-/// no number.
+/// Relative distance from the assumed mass within which the mass counts as matched. The paper does
+/// not give a number.
 inline constexpr double kMatchingTolerance = 0.02;
 
 /// Running verdict, constant memory:

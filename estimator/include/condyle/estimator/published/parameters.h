@@ -39,7 +39,7 @@ struct MassParameters {
   double measurement_variance[2] = {1e-8, 1e-4};      ///< of position (m^2), of velocity (m^2/s^2)
 };
 
-/// The published cascade. The timestamps of the samples do not enter it: `sample_time_s` does.
+/// The published cascade. It uses `sample_time_s`, not the timestamps of the samples.
 struct PublishedParameters {
   double sample_time_s = 0.0167;  ///< T, time from sample to sample (s); the paper's 60 Hz
   double assumed_mass_kg = 0.25;  ///< m0, mass that turns acceleration into force (kg)
@@ -79,7 +79,7 @@ constexpr void visit_fields(Parameters& parameters, Visitor&& visit) {
   visit_variances("mass", parameters.mass);
 }
 
-/// True where every field of `parameters` lies in its range (see `visit_fields`).
+/// True if every field of `parameters` is in its range (see `visit_fields`).
 constexpr bool is_valid(const PublishedParameters& parameters) {
   bool valid = true;
   visit_fields(parameters, [&valid](const char*, const char*, const double* values,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The published cascade with all it has to say: the estimates of cascade_core.h with standard
+// The published cascade with all its outputs: the estimates of cascade_core.h with standard
 // deviations, normalised innovations, provenance, events and verdict.
 //
 // C. Bogena, S. Hovsepyan, P. Mercorelli, J. Phys.: Conf. Ser. 2162 (2022) 012017,
@@ -7,10 +7,10 @@
 //
 // p, v and F come from stage 1, kv from 2, m from 3.
 //
-// Provenance. F of stage 1 is m0 times the acceleration seen, so kv = 0 and m = m0 solve stages 2
-// and 3 for every motion: no measurement enters them that does not presuppose the parameter. The
-// information share of friction and mass is 0 by construction and both are assumed, always. A step
-// without a measurement only predicts: all of it is assumed.
+// Provenance. F of stage 1 is m0 times the acceleration, so kv = 0 and m = m0 solve stages 2 and 3
+// for every motion: every measurement that enters them presupposes the parameter. The information
+// share of friction and mass is 0 by construction, and both are always assumed. A step without a
+// measurement only predicts: all its values are assumed.
 #pragma once
 
 #include "condyle/estimator/events.h"
@@ -21,7 +21,7 @@
 
 namespace condyle {
 
-/// What one step of the published cascade says. NaN and `not_computed` where there is no value.
+/// The results of one step of the published cascade. NaN and `not_computed` if there is no value.
 template <class Scalar>
 struct PublishedEstimate {
   static constexpr Scalar kNone = std::numeric_limits<Scalar>::quiet_NaN();
@@ -33,7 +33,7 @@ struct PublishedEstimate {
   Scalar motion_nis = kNone;    ///< normalised innovation squared of stage 1 (1 measurement)
   Scalar friction_nis = kNone;  ///< of stage 2 (2 measurements)
   Scalar mass_nis = kNone;      ///< of stage 3 (2 measurements)
-  EventSet events;              ///< what was unusual about this step
+  EventSet events;              ///< unusual properties of this step
   Verdict verdict = Verdict::not_matched;  ///< matching criterion on the run so far
 };
 
@@ -43,15 +43,15 @@ class PublishedCascade {
  public:
   using Estimate = PublishedEstimate<Scalar>;
 
-  /// `parameters` must satisfy `is_valid`; otherwise every step says `parameters_invalid` and
-  /// computes nothing.
+  /// `parameters` must satisfy `is_valid`; otherwise every step has the event `parameters_invalid`
+  /// and computes nothing.
   explicit PublishedCascade(const PublishedParameters& parameters)
       : sample_time_s_(static_cast<Scalar>(parameters.sample_time_s)),
         parameters_valid_(is_valid(parameters)),
         core_(parameters) {}
 
-  /// One sample time on, with the measured position (m). NaN or infinity enters no state: it counts
-  /// as `step_without_measurement` with the event `position_missing`.
+  /// Advances by one sample time with the measured position (m). NaN or infinity enters no state:
+  /// it counts as `step_without_measurement` with the event `position_missing`.
   Estimate step(Scalar measured_position_m) {
     if (!std::isfinite(measured_position_m)) {
       Estimate estimate = step_without_measurement();
@@ -71,8 +71,8 @@ class PublishedCascade {
     return estimate;
   }
 
-  /// One sample time on without a measurement: all stages predict, none updates. Before the first
-  /// measurement nothing is computed and the event is `not_started`.
+  /// Advances by one sample time without a measurement: all stages predict, none updates. Before
+  /// the first measurement nothing is computed and the event is `not_started`.
   Estimate step_without_measurement() {
     if (!parameters_valid_) return invalid_estimate();
     if (!core_.started()) {
@@ -99,7 +99,7 @@ class PublishedCascade {
     }
   }
 
-  // No value without a standard deviation, nor the other way round.
+  // Value and standard deviation are always set together.
   static Quantity<Scalar> quantity(const Filter& filter, StateIndex i, Provenance provenance) {
     const Scalar variance = filter.P(i, i);
     if (!std::isfinite(filter.x[i]) || !std::isfinite(variance) || variance < Scalar(0)) return {};
@@ -145,7 +145,7 @@ class PublishedCascade {
   Scalar sample_time_s_;
   bool parameters_valid_;
   CascadeCore<Scalar> core_;
-  // Covariance that prior and process noise alone would give stage 1.
+  // Covariance of stage 1 from prior and process noise alone.
   SymmetricMatrix3<Scalar> motion_prior_;
   MatchingCriterion matching_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Damping and stiffness per mass of a relaxed jaw, from the positions after it is let go: no force
-// needs to be known, because support and damping alone move it.
+// Damping and stiffness per mass of a relaxed jaw from its positions after it is let go. No force
+// needs to be known, because support and damping alone move the jaw.
 //
 //   z        measured position (m): p of release_motion.h plus white noise of sd sigma
 //   theta    lambda = kv / m (1/s), kappa = ks / m (1/s^2), r, p0, v0 (v0 may be known to be 0)
@@ -42,7 +42,7 @@ struct ReleaseResolution {
   double natural_frequency_fraction = 0.05;
 };
 
-/// How much subjects differ, before any measurement; nothing is drawn towards it.
+/// Spread between subjects, before any measurement; it does not bias the estimates.
 struct ReleaseSpread {
   double damping_rate_per_s = 40;  ///< jaw models: 2 to 20 Ns/m at 0.25 kg
   double stiffness_per_mass_per_s2 = 400;
@@ -50,7 +50,7 @@ struct ReleaseSpread {
   double natural_frequency_rad_s = 20;
 };
 
-/// What is known before a fit.
+/// Knowledge about a release before the fit.
 struct ReleaseSettings {
   double noise_sd_m = 0;        ///< sigma (m); 0: taken from the residuals
   bool starts_at_rest = false;  ///< v0 is known to be 0
@@ -59,23 +59,23 @@ struct ReleaseSettings {
   ReleaseSpread spread;
 };
 
-/// Whether there is a fit.
+/// Outcome of a fit.
 enum class ReleaseOutcome : std::uint8_t {
   converged,
   too_few_samples,  ///< fewer than kFewestReleaseSamples
   unusable_input,   ///< not finite, or sizes that differ
   times_unordered,  ///< not strictly increasing
   no_motion,        ///< a constant fits as well
-  not_converged,    ///< no minimum that belongs to a release
+  not_converged,    ///< no minimum that fits a release
 };
 
-/// What the residuals say of the model and the noise.
+/// Result of the checks of model and noise by the residuals.
 enum class ReleaseResiduals : std::uint8_t {
-  as_stated,   ///< white, and of the stated size (of any size where none was stated)
+  as_stated,   ///< white, and of the stated size (of any size if none was stated)
   smaller,     ///< white and smaller: intervals are too wide
-  larger,      ///< the motion is no such release, or the noise is larger than stated
-  coloured,    ///< neighbours are correlated: no such release, or smoothed positions
-  driven,      ///< white, but kv is below zero with 95 % confidence: something drives the jaw on
+  larger,      ///< the motion is not a release, or the noise is larger than stated
+  coloured,    ///< neighbours are correlated: not a release, or smoothed positions
+  driven,      ///< white, but kv is below zero with 95 % confidence: a force drives the jaw
   overdamped,  ///< white, but perhaps overdamped: a hand that lets go over a time looks the same
 };
 
@@ -88,20 +88,20 @@ struct ReleaseValue {
   Scalar information = 0;  ///< its information share (provenance.h)
 };
 
-/// What a release says.
+/// The results of a release.
 template <class Scalar>
 struct PassiveRelease {
   ReleaseOutcome outcome = ReleaseOutcome::too_few_samples;
   ReleaseResiduals residuals = ReleaseResiduals::as_stated;
   ReleaseValue<Scalar> damping_rate_per_s, stiffness_per_mass_per_s2, damping_ratio,
       natural_frequency_rad_s, natural_frequency_Hz;
-  ReleaseRates<Scalar> rates;  ///< of the least SSE, even where a value is not known
+  ReleaseRates<Scalar> rates;  ///< at the least SSE, even if a value is withheld
   Scalar rest_m = 0, start_m = 0, start_velocity_m_s = 0;
   ReleaseCovariance<Scalar> covariance = ReleaseCovariance<Scalar>::Zero();
-  ReleaseCovariance<Scalar> bound = covariance;  ///< by the noise alone: Cramer-Rao's
-  Scalar noise_sd_m = 0;     ///< that the intervals count with: as stated, or from the residuals
+  ReleaseCovariance<Scalar> bound = covariance;  ///< from the noise alone: Cramer-Rao bound
+  Scalar noise_sd_m = 0;     ///< used for the intervals: as stated, or from the residuals
   Scalar quantile = 0;       ///< q
-  Scalar later_start_s = 0;  ///< where the fit of the latest start begins
+  Scalar later_start_s = 0;  ///< begin of the fit with the latest start
   Scalar residual_rms_m = 0, chi_square = 0, residual_correlation = 0;
   int degrees_of_freedom = 0;
 };
@@ -114,7 +114,7 @@ Scalar release_position(const PassiveRelease<Scalar>& release, Scalar t) {
          release.start_velocity_m_s * at.S;
 }
 
-/// True where model and noise pass the checks.
+/// True if model and noise pass the checks.
 template <class Scalar>
 bool has_trusted_residuals(const PassiveRelease<Scalar>& release) {
   return release.residuals == ReleaseResiduals::as_stated ||
@@ -123,7 +123,7 @@ bool has_trusted_residuals(const PassiveRelease<Scalar>& release) {
 
 namespace internal {
 
-/// Deviation of a chi-square number from its mean, as that of a normal one.
+/// Deviation of a chi-square number from its mean, converted to that of a normal one.
 template <class Scalar>
 Scalar normal_of_chi_square(Scalar chi_square, Scalar degrees) {
   const Scalar spread = Scalar(2) / (Scalar(9) * degrees);
@@ -201,7 +201,7 @@ void check_residuals(std::span<const Scalar> time_s, std::span<const Scalar> pos
                                                           : ReleaseResiduals::as_stated;
 }
 
-/// How many times sigma^2 the noise counts; see above.
+/// Factor on sigma^2 for the intervals; see above.
 template <class Scalar>
 Scalar noise_factor(const PassiveRelease<Scalar>& release, Scalar samples) {
   using std::sqrt;
@@ -211,7 +211,7 @@ Scalar noise_factor(const PassiveRelease<Scalar>& release, Scalar samples) {
   return std::max(excess, Scalar(1)) * (Scalar(1) + rho) / (Scalar(1) - rho);
 }
 
-/// The ends of an interval around `value`, `apart` added to either side.
+/// The ends of an interval around `value`, with `apart` added on either side.
 template <class Scalar>
 std::pair<Scalar, Scalar> widened(Scalar value, std::pair<Scalar, Scalar> ends, Scalar apart) {
   using std::sqrt;
@@ -238,7 +238,8 @@ ReleaseValue<Scalar> release_value(Scalar value, Scalar low, Scalar high, Scalar
 }  // namespace internal
 
 /// Fits a release to positions `position_m` (m) at `time_s` (s, strictly increasing), the first of
-/// them after it began. Values only where the outcome is converged; no memory beyond the result.
+/// them after it began. Gives values only if the outcome is converged; uses no memory beyond the
+/// result.
 template <class Scalar>
 PassiveRelease<Scalar> fit_passive_release(std::span<const Scalar> time_s,
                                            std::span<const Scalar> position_m,

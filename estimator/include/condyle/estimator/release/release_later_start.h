@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the first samples of a release do to its fit.
+// Effect of the first samples of a release on its fit.
 //
 // Fits:       without the first samples, as many as leave 1.25, 1.75 and three times the standard
 //             deviation of lambda
@@ -25,7 +25,7 @@ struct FittedMotion {
   Scalar rest_m, start_m, start_velocity_m_s, noise_sd_m;
 };
 
-/// What later starts change; infinite where one has no fit.
+/// Change through later starts; infinite if one of them has no fit.
 template <class Scalar>
 struct LaterStart {
   Scalar start_s = 0, lambda = 0, kappa = 0, rest_m = 0, zeta = 0, log_omega = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a relaxed jaw moves once it is let go, and what its positions can tell.
+// The motion of a relaxed jaw after it is let go, and the information in its positions.
 //
 //   p        position (m); t: time since the first sample (s)
 //   lambda   kv / m, rate of damping (1/s)
@@ -35,7 +35,7 @@ struct ReleaseRates {
   Scalar lambda = 0, kappa = 0;
 };
 
-/// What is not known of a release, in the order of its covariance.
+/// The unknowns of a release, in the order of its covariance.
 enum ReleaseUnknown {
   kReleaseLambda,
   kReleaseKappa,
@@ -143,14 +143,14 @@ ReleaseResponse<Scalar> release_response(const ReleaseRates<Scalar>& rates, Scal
   return response;
 }
 
-/// What all positions of a release say at some rates: r, p0 and v0 that fit best, and what is left.
+/// Fit of all positions of a release at given rates: the best r, p0 and v0, and the residual.
 template <class Scalar>
 struct ReleaseEquations {
   static constexpr int kLinear = 3, kLeft = 5;
 
   Eigen::Matrix<Scalar, kLinear, 1> linear = Eigen::Matrix<Scalar, kLinear, 1>::Zero();
   Eigen::Matrix<Scalar, kLeft, 1> residual = Eigen::Matrix<Scalar, kLeft, 1>::Zero();
-  /// -d residual / d(lambda, kappa), without what r, p0 and v0 explain.
+  /// -d residual / d(lambda, kappa), without the part that r, p0 and v0 explain.
   Eigen::Matrix<Scalar, kLeft, 2> slope = Eigen::Matrix<Scalar, kLeft, 2>::Zero();
 
   /// Sum of squared residuals (m^2).
@@ -194,7 +194,7 @@ Eigen::Matrix<Scalar, 8, 8> release_triangle(std::span<const Scalar> time_s,
 }  // namespace internal
 
 /// The equations of positions `position_m` at `time_s` (same size, times increasing) at `rates`.
-/// `starts_at_rest`: v0 is known to be 0. Not finite where r and p0 cannot be told apart.
+/// `starts_at_rest`: v0 is known to be 0. Not finite if r and p0 cannot be separated.
 template <class Scalar>
 ReleaseEquations<Scalar> release_equations(std::span<const Scalar> time_s,
                                            std::span<const Scalar> position_m,
@@ -220,8 +220,8 @@ ReleaseEquations<Scalar> release_equations(std::span<const Scalar> time_s,
 
 /// The Cramer-Rao bound: no unbiased estimator from positions at `time_s` (increasing) with white
 /// noise of `noise_sd_m` has a smaller covariance of (lambda, kappa, r, p0, v0). `opening_m`: p0 -
-/// r; `velocity_m_s`: v0, known to be 0 where `starts_at_rest`. NaN or infinite where something
-/// cannot be told.
+/// r; `velocity_m_s`: v0, known to be 0 if `starts_at_rest`. NaN or infinite if a value cannot be
+/// determined.
 template <class Scalar>
 ReleaseCovariance<Scalar> release_bound(std::span<const Scalar> time_s,
                                         const ReleaseRates<Scalar>& rates, Scalar opening_m,
@@ -241,7 +241,7 @@ ReleaseCovariance<Scalar> release_bound(std::span<const Scalar> time_s,
   return noise_sd_m * noise_sd_m * inverse * inverse.transpose();
 }
 
-/// Standard deviations that a covariance of (lambda, kappa) gives, by the delta method.
+/// Standard deviations from a covariance of (lambda, kappa), by the delta method.
 template <class Scalar>
 struct ReleaseDeviations {
   Scalar damping_rate_per_s = 0, stiffness_per_mass_per_s2 = 0, damping_ratio = 0,

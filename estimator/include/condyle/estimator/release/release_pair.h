@@ -35,33 +35,33 @@ struct KnownLoad {
   double standard_deviation = 0;
 };
 
-/// What the second release has more than the first.
+/// What the second release has in addition to the first.
 struct ReleaseLoad {
   KnownLoad mass_kg, stiffness_N_m;
   KnownLoad weight_N;  ///< in the direction in which the position grows
 };
 
-/// How to judge a pair.
+/// How a pair is judged.
 struct ReleasePairSettings {
   ReleaseLoad load;
   /// The smallest differences that matter to the user.
   double friction_resolution_Ns_m = JointParameters{}.friction_resolution_Ns_m;
   double mass_resolution_fraction = JointParameters{}.mass_resolution_fraction;
   double stiffness_resolution_fraction = 0.1;
-  /// How much subjects differ, before any measurement.
+  /// Spread between subjects, before any measurement.
   double friction_spread_Ns_m = 5, stiffness_spread_N_m = 100, mass_spread_kg = 0.1;
 };
 
-/// Whether a pair gives values.
+/// Outcome of a pair.
 enum class ReleasePairOutcome : std::uint8_t {
   combined,
-  release_not_known,  ///< one of the releases has no fit that can be trusted, or too wide intervals
+  release_not_known,  ///< one of the releases has no trusted fit, or too wide intervals
   unusable_load,      ///< none, not finite, or a weight and a spring together
-  disagree,           ///< no one (kv, ks, m) explains both
+  disagree,           ///< no single (kv, ks, m) explains both
   not_converged,
 };
 
-/// What two releases say.
+/// The results of two releases.
 template <class Scalar>
 struct ReleasePair {
   ReleasePairOutcome outcome = ReleasePairOutcome::release_not_known;
@@ -81,7 +81,7 @@ class PairEquations {
   using Covariance = Eigen::Matrix<Scalar, kUnknowns, kUnknowns>;
   using Weights = ReleaseCovariance<Scalar> PassiveRelease<Scalar>::*;
 
-  /// `weights`: which covariance of the releases counts.
+  /// `weights`: which covariance of the releases is used.
   PairEquations(const std::array<const PassiveRelease<Scalar>*, 2>& releases,
                 const ReleaseLoad& load, Weights weights)
       : releases_(releases),
@@ -91,8 +91,8 @@ class PairEquations {
 
   bool uses_rests() const { return uses_rests_; }
 
-  /// Each load alone would give eta; the best of these. Weights by the size of its effect are
-  /// enough for a start.
+  /// Each load alone would give eta; takes the best of these. Weights by the size of the effect
+  /// suffice for a start.
   State start() const {
     const auto& [first, second] = releases_;
     const Scalar dm = Scalar(load_.mass_kg.value), dk = Scalar(load_.stiffness_N_m.value);
@@ -117,8 +117,7 @@ class PairEquations {
     return x;
   }
 
-  /// The triangle of the linearised equations at `x`, last column: what is measured less what the
-  /// model says.
+  /// The triangle of the linearised equations at `x`; the last column is measured minus modelled.
   Eigen::Matrix<Scalar, kUnknowns + 1, kUnknowns + 1> triangle(const State& x) const {
     RowTriangle<Scalar, kUnknowns + 1> rows;
     for (int i = kMass; i <= kWeight; ++i) rows.add(row_of(i, x[i]));
@@ -206,7 +205,7 @@ class PairEquations {
   bool uses_rests_;
 };
 
-/// Where the least squares are least.
+/// The minimum of the least squares.
 template <class Scalar>
 struct PairSolution {
   typename PairEquations<Scalar>::State x;
@@ -236,7 +235,7 @@ PairSolution<Scalar> solve(const PairEquations<Scalar>& equations) {
   return solution;
 }
 
-/// Ends of the interval of a / b, by Fieller; infinite where b may be 0.
+/// Ends of the interval of a / b, by Fieller; infinite if b may be 0.
 template <class Scalar>
 std::pair<Scalar, Scalar> ratio_interval(Scalar a, Scalar b, Scalar aa, Scalar ab, Scalar bb,
                                          Scalar q) {
@@ -251,7 +250,7 @@ std::pair<Scalar, Scalar> ratio_interval(Scalar a, Scalar b, Scalar aa, Scalar a
   return {(mixed - sqrt(root)) / square, (mixed + sqrt(root)) / square};
 }
 
-/// A fit that can be trusted, whose intervals are about as the covariance says.
+/// A fit that can be trusted, with intervals close to those of the covariance.
 template <class Scalar>
 bool is_fit_for_a_pair(const PassiveRelease<Scalar>& release) {
   using std::sqrt;
@@ -276,8 +275,8 @@ inline bool is_usable(const ReleaseLoad& load) {
 
 }  // namespace internal
 
-/// Combines the release `first` with `second`, which has the settings' load more. Values only where
-/// the outcome is combined; kv, ks and m are those of the first.
+/// Combines the release `first` with `second`, which has the load of the settings in addition.
+/// Gives values only if the outcome is combined; kv, ks and m are those of the first.
 template <class Scalar>
 ReleasePair<Scalar> combine_releases(const PassiveRelease<Scalar>& first,
                                      const PassiveRelease<Scalar>& second,

@@ -18,7 +18,7 @@
 
 namespace condyle::internal {
 
-/// What a descent leaves alone.
+/// What a descent holds fixed.
 enum class ReleaseHeld { nothing, lambda, omega, zeta };
 
 /// Positions of a release, and the search over them.
@@ -33,15 +33,15 @@ class ReleaseSearch {
                 bool starts_at_rest)
       : time_s_(time_s), position_m_(position_m), starts_at_rest_(starts_at_rest) {}
 
-  /// Where a descent ended.
+  /// End of a descent.
   struct End {
     Rates rates;
     Equations equations;
     bool has_converged = false;
   };
 
-  /// The lowest of a grid over damping ratios, and over natural frequencies from a tenth of a turn
-  /// in the recording to one in four samples.
+  /// The lowest point of a grid over damping ratios, and over natural frequencies from a tenth of a
+  /// turn in the recording to one turn in four samples.
   End best_of_grid() const {
     constexpr int kFrequencies = 14;
     constexpr double kRatios[] = {0.03, 0.2, 0.5, 1, 2};
@@ -65,7 +65,7 @@ class ReleaseSearch {
     return best;
   }
 
-  /// Where a search may begin.
+  /// Possible starts of a search.
   End from(const Rates& rates) const {
     End end;
     end.rates = rates;
@@ -73,7 +73,7 @@ class ReleaseSearch {
     return end;
   }
 
-  /// Down from `end`, until no more than `smallest_gain_m2` is to be won.
+  /// Descends from `end` until at most `smallest_gain_m2` can be gained.
   End descend(End end, ReleaseHeld held, Scalar smallest_gain_m2) const {
     constexpr int kMostSteps = 80;
     Scalar mu = Scalar(1e-3);
@@ -94,7 +94,7 @@ class ReleaseSearch {
         continue;
       }
       mu *= Scalar(10);
-      if (mu > Scalar(1e9)) {  // down to rounding, or at the edge
+      if (mu > Scalar(1e9)) {  // converged to rounding, or at the edge
         end.has_converged = is_allowed(rates);
         return end;
       }
@@ -102,9 +102,9 @@ class ReleaseSearch {
     return end;
   }
 
-  /// End of the interval of the `held` value above (`side` 1) or below (-1) that of `minimum`,
-  /// where `deviation` is its standard deviation by the delta method (that of w for omega, which
-  /// gives log omega); infinite where there is none.
+  /// End of the interval of the `held` value above (`side` 1) or below (-1) that of `minimum`, with
+  /// `deviation` its standard deviation by the delta method (that of w for omega, which gives log
+  /// omega); infinite if there is no end.
   Scalar interval_end(const End& minimum, ReleaseHeld held, Scalar side, Scalar deviation,
                       Scalar noise_variance_m2, Scalar q) const {
     using std::sqrt;
@@ -150,7 +150,7 @@ class ReleaseSearch {
 
   static bool is_finite(Scalar value) { return value - value == Scalar(0); }
 
-  // Faster than can be seen between samples, or slower than in a hundred recordings: no release.
+  // Faster than visible between samples, or slower than in a hundred recordings: not a release.
   bool is_allowed(const Rates& rates) const {
     const Scalar fastest = Scalar(40) * Scalar(time_s_.size() - 1) / duration_s();
     const Scalar slowest = Scalar(0.01) / duration_s();

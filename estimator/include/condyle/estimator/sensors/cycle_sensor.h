@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The recommended estimator as a virtual sensor of the damping of chewing cycles, where the drive
-// is measured.
+// The recommended estimator as a virtual sensor of the damping of chewing cycles, for a measured
+// drive.
 #pragma once
 
 #include "condyle/estimator/changes/cycle_timeline.h"
@@ -9,7 +9,7 @@
 
 namespace condyle {
 
-/// A RecommendedEstimate, and the cycles that ended since the one before.
+/// A RecommendedEstimate, and the cycles that ended since the previous one.
 template <class Scalar>
 struct CycleEstimate : RecommendedEstimate<Scalar> {
   static constexpr std::size_t kMostCycles = 4;
@@ -17,8 +17,8 @@ struct CycleEstimate : RecommendedEstimate<Scalar> {
   std::array<TimedCycle<Scalar>, kMostCycles> cycles{};
 };
 
-/// As DrivenSensor, without lag; instead of identifying the point further it watches its cycles
-/// once it has been identified.
+/// As DrivenSensor, without lag. Once the point has been identified, it watches the cycles of the
+/// point instead of identifying it further.
 template <class Scalar, int kAxes>
 class CycleSensor {
  public:
@@ -33,14 +33,14 @@ class CycleSensor {
   /// As DrivenSensor.
   Estimate process(const Sample& sample, EventSet sample_events);
 
-  /// Nothing waits.
+  /// No estimate waits.
   [[nodiscard]] bool drain(Estimate&) { return false; }
 
   const CycleTimeline<Scalar>& timeline() const { return timeline_; }
   DriveCounts counts() const { return timeline_.counts(); }
 
  private:
-  // More than the room there is for would need positions that waited for seconds.
+  // To exceed this room, positions would have to wait for seconds.
   auto keep() {
     return [this](const TimedCycle<Scalar>& cycle) {
       if (ended_.cycle_count < Estimate::kMostCycles) ended_.cycles[ended_.cycle_count++] = cycle;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The recommended estimator as a virtual sensor that also identifies friction and mass, where the
-// drive is measured.
+// The recommended estimator as a virtual sensor that also identifies friction and mass, for a
+// measured drive.
 #pragma once
 
 #include "condyle/estimator/impedance/point_identification.h"
@@ -9,14 +9,14 @@
 
 namespace condyle {
 
-/// A RecommendedEstimate, and what is known of the followed point when it is given.
+/// A RecommendedEstimate, and the results for the followed point at that time.
 template <class Scalar>
 struct DrivenEstimate : RecommendedEstimate<Scalar> {
   JointEstimate<Scalar> joint;
 };
 
-/// As RecommendedSensor; the identification follows one of its axes. It takes the positions that
-/// the recommended estimator took.
+/// As RecommendedSensor; the identification follows one of its axes. It uses the positions that the
+/// recommended estimator used.
 template <class Scalar, int kAxes, int kMostLag = 16>
 class DrivenSensor {
  public:
@@ -26,23 +26,23 @@ class DrivenSensor {
   DrivenSensor(const DrivenParameters& parameters, int lag, const FollowedPoint& followed,
                int axis);
 
-  /// A drive (N) that was measured apart from the samples, stamped on their clock. To be given no
-  /// later than the first sample after it.
+  /// A drive (N) measured apart from the samples, stamped on their clock; no later than the first
+  /// sample after it.
   void add_drive(TimeNs time_ns, double drive_N);
 
-  /// As RecommendedSensor; a drive that `sample` holds is taken.
+  /// As RecommendedSensor; uses the drive in `sample`, if there is one.
   Estimate process(const Sample& sample, EventSet sample_events);
 
   /// As RecommendedSensor.
   [[nodiscard]] bool drain(Estimate& estimate);
 
-  /// Draws the conclusion of all that was given so far, as at the end of a recording.
+  /// Concludes from everything given so far, as at the end of a recording.
   const JointEstimate<Scalar>& conclude() {
     identification_.conclude();
     return identification_.estimate();
   }
 
-  /// The last conclusion, and how many were drawn.
+  /// The last conclusion, and the number of conclusions.
   const JointEstimate<Scalar>& conclusion() const { return identification_.estimate(); }
   std::uint64_t conclusions() const { return identification_.conclusions(); }
   DriveCounts counts() const { return identification_.counts(); }

@@ -18,7 +18,7 @@ class PublishedSensor {
       : followed_(followed), cascade_(parameters) {}
 
   /// The estimate of one sample, with the sample's events added. A sample whose time runs backwards
-  /// is kept from the cascade; one without a usable position lets it predict only.
+  /// is not passed to the cascade; one without a usable position only lets it predict.
   Estimate process(const Sample& sample, EventSet sample_events);
 
   /// No estimate waits for later samples.

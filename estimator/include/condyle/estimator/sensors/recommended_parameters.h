@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parameters of the sensors, in pieces: a target has those that it uses. A parameter file holds
+// Parameters of the sensors, in parts: a target has only those that it uses. A parameter file has
 // them all.
 #pragma once
 
@@ -9,14 +9,14 @@
 
 namespace condyle {
 
-/// Those of motion, and of friction and mass where a drive is measured (driven_sensor.h).
+/// Parameters of motion, and of friction and mass for a measured drive (driven_sensor.h).
 struct DrivenParameters : MotionEstimatorParameters {
   JointParameters joint;
 };
 
-/// Those of a parameter file of the recommended estimator.
+/// Parameters in a parameter file of the recommended estimator.
 struct RecommendedParameters : DrivenParameters {
-  WatchParameters changes;  ///< used where changes of damping are looked for
+  WatchParameters changes;  ///< for detecting changes of damping
 };
 
 /// Like visit_motion_fields, for each numeric field of a DrivenParameters.
@@ -33,7 +33,7 @@ constexpr void visit_recommended_fields(Parameters& parameters, Visitor&& visit)
   visit_change_fields(parameters.changes, visit);
 }
 
-/// True where is_valid holds of the motion's, and every other field lies in its range.
+/// True if is_valid holds for the motion's, and every other field is in its range.
 constexpr bool is_valid(const DrivenParameters& parameters) {
   bool valid = is_valid(static_cast<const MotionEstimatorParameters&>(parameters));
   visit_joint_fields(parameters.joint, [&valid](const char*, const char*, const double* values,
@@ -43,7 +43,7 @@ constexpr bool is_valid(const DrivenParameters& parameters) {
   return valid;
 }
 
-/// Likewise.
+/// The same for RecommendedParameters.
 constexpr bool is_valid(const RecommendedParameters& parameters) {
   bool valid = is_valid(static_cast<const DrivenParameters&>(parameters));
   visit_change_fields(parameters.changes, [&valid](const char*, const char*, const double* values,

@@ -10,7 +10,7 @@
 namespace condyle {
 
 /// The recommended estimator at one point of the samples: along its only axis (`kAxes` 1, for
-/// one_axis) or along x, y and z (3, for the others).
+/// one_axis) or along x, y and z (3, for the other kinds).
 template <class Scalar, int kAxes, int kMostLag = 16>
 class RecommendedSensor {
  public:
@@ -22,8 +22,8 @@ class RecommendedSensor {
                              const FollowedPoint& followed = {});
 
   /// The estimate that is ready after `sample`, which is that of `lag` samples ago. A sample
-  /// without a time, or whose time runs backwards, is passed on without values; so is one that only
-  /// repeats the last. Without a usable position the estimator predicts.
+  /// without a time, or whose time runs backwards, is passed on without values; so is a mere repeat
+  /// of the last. Without a usable position the estimator predicts.
   Estimate process(const Sample& sample, EventSet sample_events);
 
   /// After the last sample: the estimates that still wait (RecommendedEstimator::drain).
@@ -34,8 +34,8 @@ class RecommendedSensor {
  private:
   using Measurement = typename Estimator::Measurement;
 
-  // A position that is repeated too often is no measurement. Those that were taken before this
-  // showed were none either: what they led to is forgotten.
+  // A position repeated too often is not a measurement. Neither were the repeats used before this
+  // was noticed: their effect is undone.
   void look_for_freeze(const Sample& sample, Measurement& measurement) {
     const bool is_frozen = frozen_.add(sample);
     measurement.is_repeat = frozen_.repeats() > 0;
@@ -55,7 +55,7 @@ class RecommendedSensor {
     }
   }
 
-  // Finds the followed position in `sample`, or says why it is not there.
+  // Finds the followed position in `sample`, or adds the event that explains why there is none.
   void locate(const Sample& sample, Measurement& measurement) {
     if (!sample.position_valid || measurement.events.has(Event::zero_filled)) return;
     if constexpr (kAxes == 1) {
@@ -79,7 +79,7 @@ class RecommendedSensor {
                            kAxes == 1 && sample.kind != SampleKind::one_axis);
   }
 
-  // Noise of the point as the jaw is at the first sample; the lever turns with it, by little.
+  // Noise of the point for the jaw's pose at the first sample; the lever turns little with the jaw.
   void set_noise(const Eigen::Vector3d& lever_m) {
     const Eigen::Vector3d sd_m =
         point_noise_sd_m(noise_.position_sd_m, noise_.rotation_sd_rad, lever_m);
@@ -100,12 +100,13 @@ class RecommendedSensor {
   PointFollower<double> follower_;
   FrozenDetector frozen_;
   bool has_noise_ = false;
-  Measurement last_;     // before it was looked at for a freeze
-  int run_samples_ = 0;  // since the first repeat of the present run that was taken, that included
+  Measurement last_;  // before the check for a freeze
+  int run_samples_ =
+      0;  // since the first repeat of the present run that was used, that one included
   Estimator estimator_;
 };
 
-/// A lag that no sensor has: each estimate says `parameters_invalid`.
+/// A lag that no sensor supports: each estimate has the event `parameters_invalid`.
 inline constexpr int kUnusableLag = -1;
 
 template <class Scalar, int kAxes, int kMostLag>
@@ -126,7 +127,7 @@ auto RecommendedSensor<Scalar, kAxes, kMostLag>::process(const Sample& sample,
   if (sample_events.has(Event::time_restarted)) estimator_.restart_clock();
   locate(sample, measurement);
   if (sample_events.has(Event::time_repeated)) {
-    // One measurement told twice is one measurement.
+    // A repeated report of one measurement is one measurement.
     if (is_last(measurement)) return estimator_.skip(measurement, true);
   }
   last_ = measurement;
