@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# ccache, where it is present. Paths below the project count relative to it, so that a clone in
-# another folder finds what this one compiled; the flags are part of the key, so presets stay apart.
-option(CONDYLE_COMPILER_CACHE "Compile through ccache where it is present" ON)
+# ccache, if present. Paths below the project are relative to it, so that a clone in another folder
+# finds the compiled files of this one. The flags are part of the key, so presets stay separate.
+option(CONDYLE_COMPILER_CACHE "Compile through ccache if it is present" ON)
 find_program(CONDYLE_CCACHE ccache)
 if(CONDYLE_COMPILER_CACHE AND CONDYLE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1

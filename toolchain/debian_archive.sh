@@ -2,8 +2,8 @@
 # Sourced by scripts that take packages of any architecture from the Debian mirror this machine uses,
 # without touching what is installed here.
 
-# start_archive ARCHITECTURE FOLDER: apt's own state in FOLDER/apt, of a machine where nothing is
-# installed: what is asked for comes with all that it depends on.
+# start_archive ARCHITECTURE FOLDER: apt's own state in FOLDER/apt, of a machine with nothing
+# installed, so that packages come with all their dependencies.
 start_archive() {
   archive_architecture=$1
   archive=$2/apt
@@ -11,13 +11,13 @@ start_archive() {
   mkdir -p "$archive/lists/partial" "$archive/cache/archives/partial"
   : >"$archive/status"
   archive_apt -o APT::Update::Error-Mode=any update || {
-    echo "some lists of the Debian mirror cannot be fetched: going on with the others" >&2
+    echo "some lists of the Debian mirror cannot be fetched: continuing with the others" >&2
     touch "$archive/unread"
   }
 }
 
-# fetch_packages PACKAGE...: into $archive/cache/archives. Skips with 77 where they cannot be
-# downloaded; fails where the archive, as far as it could be read, lacks one.
+# fetch_packages PACKAGE...: into $archive/cache/archives. Skips with 77 if they cannot be
+# downloaded; fails if the part of the archive that could be read lacks one.
 fetch_packages() {
   archive_apt install --simulate "$@" >/dev/null || {
     [ -e "$archive/unread" ] || exit 1

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# Debian packages, by CPack: condyle (the command), condyle-box (the service) and condyle-common (what
-# both need). toolchain/make_packages makes them.
+# Debian packages, by CPack: condyle (the command), condyle-box (the service) and condyle-common (files
+# for both). toolchain/make_packages makes them.
 set(CONDYLE_MAINTAINER "The condyle authors <condyle@example.org>" CACHE STRING
-  "Who answers for the packages: NAME <ADDRESS>; the default is a placeholder")
+  "Maintainer of the packages: NAME <ADDRESS>; the default is a placeholder")
 
 set(documents share/doc)
 foreach(component command box common)
@@ -23,7 +23,7 @@ if(gzip)
   execute_process(COMMAND ${gzip} -9nfk ${PROJECT_BINARY_DIR}/changelog.Debian)
 endif()
 
-# Where Debian has them, whatever the prefix; so not part of a plain `cmake --install`.
+# Debian's own folders, whatever the prefix; so not part of a plain `cmake --install`.
 if(CONDYLE_BUILD_BOX)
   install(FILES firmware/box/box.toml DESTINATION /etc/condyle COMPONENT box EXCLUDE_FROM_ALL)
   install(FILES firmware/box/condyle-box.service DESTINATION /lib/systemd/system
@@ -33,7 +33,7 @@ if(CONDYLE_BUILD_BOX)
 endif()
 install(FILES hal/udev/70-condyle-facebow.rules DESTINATION /lib/udev/rules.d
   COMPONENT common EXCLUDE_FROM_ALL)
-# The pages, in their folders, so that their links to each other hold.
+# The pages, in their folders, so that their links to each other work.
 file(GLOB pages RELATIVE ${PROJECT_SOURCE_DIR} README.md estimator/README.md hal/README.md
   hal/profiles/README.md firmware/README.md firmware/*/README.md firmware/box/SECURITY.md
   host_sim/README.md host_sim/docs/*.md host_sim/docs/*.png)

@@ -5,7 +5,7 @@ target_compile_options(condyle_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
   -Wno-missing-field-initializers  # designated initialisers leave the rest at their defaults
   -Wold-style-cast -Wcast-qual -Wformat=2 -Wnon-virtual-dtor -Woverloaded-virtual -Wundef
-  # -Wdouble-promotion is for float on a microcontroller; clang's warns of long double in tests too.
+  # -Wdouble-promotion is for float on a microcontroller; clang's also warns about long double in tests.
   $<$<CXX_COMPILER_ID:GNU>:-Wdouble-promotion -Wduplicated-cond -Wlogical-op>
   # 32-bit Arm: notes on compilers before GCC 7
   "$<$<IN_LIST:${CMAKE_SYSTEM_PROCESSOR},armv7l;cortex-m4;cortex-m7>:-Wno-psabi>"

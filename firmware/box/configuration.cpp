@@ -25,7 +25,7 @@ using host::TomlReader;
 constexpr std::size_t kShortestToken = 16, kLongestToken = 256;
 constexpr int kMostLag = 16;
 
-// inet_pton stops at a NUL and accepts what stands before it.
+// inet_pton stops at a NUL and accepts the text before it.
 bool read_address(int family, const std::string& text, void* address) {
   return text.find('\0') == std::string::npos && inet_pton(family, text.c_str(), address) == 1;
 }
@@ -108,7 +108,7 @@ class Reader {
       }
       result_.companions.push_back(companion);
     }
-    // Facebow and markers have a place in the log too.
+    // Facebow and markers need a place in the log too.
     if (result_.companions.size() > 6) {
       throw InputError(toml_.place("companion", ""), "too many companions", "give at most 6");
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a right estimator keeps to in some independent runs, but for a stated probability: that of a
-// false alarm. Fewer runs widen the bound by themselves.
+// Bounds that a correct estimator keeps in a number of independent runs, except with the stated
+// probability of a false alarm. Fewer runs widen the bound automatically.
 #pragma once
 
 #include <cmath>
@@ -10,8 +10,8 @@
 
 namespace condyle::testing_support {
 
-/// The fewest hits of `trials` that each hit with `probability`: fewer are seen with `false_alarm`
-/// at most.
+/// The fewest hits of `trials` that each hit with `probability`: fewer occur with a probability of
+/// at most `false_alarm`.
 inline std::uint64_t fewest_hits(std::uint64_t trials, double probability, double false_alarm) {
   std::uint64_t hits = 0;
   const auto seen = static_cast<double>(trials);
@@ -22,7 +22,7 @@ inline std::uint64_t fewest_hits(std::uint64_t trials, double probability, doubl
   return hits;
 }
 
-/// The most hits: more are seen with `false_alarm` at most.
+/// The most hits: more occur with a probability of at most `false_alarm`.
 inline std::uint64_t most_hits(std::uint64_t trials, double probability, double false_alarm) {
   return trials - fewest_hits(trials, 1 - probability, false_alarm);
 }
@@ -33,7 +33,7 @@ inline double most_rms_ratio(std::uint64_t errors, double false_alarm) {
   return std::sqrt(host::chi_square_quantile(1 - false_alarm, seen) / seen);
 }
 
-/// The farthest from 0 that the mean of normal errors is, of their standard deviation.
+/// The largest distance of the mean of normal errors from 0, in their standard deviations.
 inline double most_mean_ratio(std::uint64_t errors, double false_alarm) {
   return host::normal_quantile(1 - false_alarm / 2) / std::sqrt(static_cast<double>(errors));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Replaces malloc and its kin in the program whose one source includes this: they count the calls
-// of each thread. operator new ends in them.
+// Replaces malloc and related functions in the program whose one source includes this: they count
+// the calls of each thread. operator new calls them.
 #pragma once
 
 #include <cerrno>
@@ -45,7 +45,7 @@ extern "C" int posix_memalign(void** block, std::size_t alignment, std::size_t s
 
 namespace condyle::testing_support {
 
-/// Calls of malloc and its kin by this thread so far; always 0 where MALLOC_IS_TAKEN.
+/// Calls of malloc and related functions by this thread so far; always 0 if MALLOC_IS_TAKEN.
 inline long allocation_count() {
 #if MALLOC_IS_TAKEN
   return 0;

@@ -17,8 +17,8 @@
 namespace condyle::testing_support {
 namespace {
 
-// As the kernel says in /proc: a state and the set of signals that the process takes. A process
-// that has ended is not waited for.
+// From /proc: a state, and the set of signals that the process handles. Does not wait for a process
+// that has ended.
 bool can_be_interrupted(pid_t process, Interrupt wanted) {
   std::ifstream file("/proc/" + std::to_string(process) + "/status");
   bool takes_signal = false;
@@ -33,7 +33,7 @@ bool can_be_interrupted(pid_t process, Interrupt wanted) {
   return state == 'Z' || (takes_signal && (wanted == Interrupt::once_it_can_be || state == 'S'));
 }
 
-// The command meets the signal for a file that would grow too large as a shell's child does.
+// The command gets the signal for a file that is too large in the same way as a shell's child.
 void limit_files(long most_bytes) {
   const auto most = static_cast<rlim_t>(most_bytes);
   const rlimit limit{most, most};
@@ -49,7 +49,7 @@ CommandResult run_condyle(const std::vector<std::string>& arguments,
   const std::string out = options.output_to.empty() ? folder.write("out", "") : options.output_to;
   const std::string err = options.errors_to.empty() ? folder.write("err", "") : options.errors_to;
   std::string program = testing_support::program_path("condyle");
-  if (options.as_nobody) {  // who may not enter the build folder
+  if (options.as_nobody) {  // this user may not enter the build folder
     program = folder / "condyle";
     std::filesystem::copy_file(testing_support::program_path("condyle"), program);
   }
@@ -68,7 +68,8 @@ CommandResult run_condyle(const std::vector<std::string>& arguments,
       _exit(97);
     if (options.most_file_bytes > 0) {
       limit_files(options.most_file_bytes);
-      setenv("GCOV_PREFIX", folder.path().c_str(), 1);  // counts of coverage would be cut, too
+      setenv("GCOV_PREFIX", folder.path().c_str(),
+             1);  // the file limit would also cut coverage counts
     }
     execv(argv[0], argv.data());
     _exit(98);

@@ -6,7 +6,7 @@
 
 namespace condyle::testing_support {
 
-/// What a run of the condyle command left.
+/// Results of a run of the condyle command.
 struct CommandResult {
   int exit_code = -1;  ///< -1: ended by a signal
   std::string output, errors;
@@ -16,17 +16,17 @@ struct CommandResult {
 /// When a run is interrupted (SIGINT).
 enum class Interrupt {
   never,
-  once_it_can_be,  ///< it takes the signal
+  once_it_can_be,  ///< it handles the signal
   once_it_waits,   ///< and sleeps
 };
 
 /// How to run it.
 struct CommandOptions {
-  bool as_nobody = false;  ///< without root's rights, where the tests have them
+  bool as_nobody = false;  ///< without root's rights, if the tests have them
   Interrupt interrupt = Interrupt::never;
-  std::string output_to, errors_to;  ///< where they go instead; empty: they are returned
+  std::string output_to, errors_to;  ///< files for them; empty: they are returned
   std::string search_path;           ///< PATH; empty: the tests' own
-  long most_file_bytes = 0;          ///< how far a file may grow (RLIMIT_FSIZE); 0: any
+  long most_file_bytes = 0;          ///< largest size of a file (RLIMIT_FSIZE); 0: any
 };
 
 /// Runs `condyle ARGUMENTS...` and waits for its end.

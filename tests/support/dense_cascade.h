@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The published cascade a second time, as a textbook writes it with Eigen: full 3x3 matrices, both
-// measurements of a stage taken together, (I - K H) P, analytic Jacobians. Nothing is shared with
-// the estimator but the parameters.
+// measurements of a stage taken together, (I - K H) P, analytic Jacobians. It shares only the
+// parameters with the estimator.
 //
 // Prediction:  x <- f(x),  P <- J P J' + Q
 // Update:      S = H P H' + R,  K = P H' S^-1,  x <- x + K (z - H x),  P <- (I - K H) P
@@ -36,8 +36,8 @@ struct DenseStage {
     P = J * P * J.transpose() + Q;
   }
 
-  /// Takes the measurement `z` of the first states. Returns the normalised innovation squared where
-  /// it is asked for.
+  /// Takes the measurement `z` of the first states. Returns the normalised innovation squared if
+  /// requested.
   template <bool with_nis>
   Scalar update(const Measured& z) {
     const MeasuredSquare inverse_S = innovation_covariance().inverse();
@@ -85,7 +85,7 @@ class DenseCascade {
         backward_(p.motion.discretisation == Discretisation::backward),
         gate_(gate) {}
 
-  /// What a step says, of stages 1 to 3.
+  /// Results of a step, of stages 1 to 3.
   struct Nis {
     Scalar motion = 0, friction = 0, mass = 0;
     bool rejected = false;

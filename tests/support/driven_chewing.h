@@ -25,8 +25,8 @@ struct DrivenSample {
   double true_position_m = 0, true_drive_N = 0;
 };
 
-/// Chewing at 1.3 Hz, 15 mm, two harmonics whose strength and rate wander. The drive is what keeps
-/// the point near that motion, held linear between samples, as the filter takes it; then both are
+/// Chewing at 1.3 Hz, 15 mm, two harmonics whose strength and rate wander. The drive keeps
+/// the point near that motion. It is linear between samples, as the filter assumes. Then both are
 /// measured with noise.
 class DrivenChewing {
  public:
@@ -37,7 +37,7 @@ class DrivenChewing {
     become(truth);
   }
 
-  /// The point is another one from now on.
+  /// Changes the properties of the point from now on.
   void become(const DrivenTruth& truth) {
     truth_ = truth;
     rates_ = truth.rates();

@@ -26,7 +26,7 @@ struct HeadMotionSample {
   double true_acceleration_m_s2 = 0;             ///< likewise
 };
 
-/// Goes in steps so short that the head's acceleration may be linear in each.
+/// Integrates in steps so short that the head's acceleration may be linear in each.
 class NoddingHead {
  public:
   NoddingHead(const HeadMotionTruth& truth, double rate_Hz, unsigned seed)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plainest HTTP client, which can also be a bad one.
+// A minimal HTTP client, which can also misbehave.
 #pragma once
 
 #include <cstdint>
@@ -17,24 +17,24 @@ class Connection {
   Connection& operator=(const Connection&) = delete;
 
   bool is_open() const { return socket_ >= 0; }
-  /// False where the other end takes no more.
+  /// False if the other end accepts no more.
   bool send(const std::string& bytes) const;
   /// Nothing more will be sent; the other end may still answer.
   void end_sending() const;
   /// Nothing more will be sent or received.
   void end() const;
-  /// Whatever comes next, up to 64 KiB; "" at the end.
+  /// The next bytes, up to 64 KiB; "" at the end.
   std::string receive() const;
-  /// With a reset, as a program that is killed does it.
+  /// Closes with a reset, like a killed program.
   void abort();
 
  private:
   int socket_ = -1;
 };
 
-/// What was answered.
+/// An answer.
 struct HttpAnswer {
-  int status = 0;  ///< 0: nothing
+  int status = 0;  ///< 0: no answer
   std::string head, body;
 };
 
@@ -65,7 +65,7 @@ class EventStream {
   bool read_line(std::string& line);
 
   Connection connection_;
-  std::string raw_, text_;  // as it came, and without the transfer's chunks
+  std::string raw_, text_;  // as received, and without the transfer's chunks
   bool has_head_ = false;
 };
 

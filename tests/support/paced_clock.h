@@ -8,10 +8,9 @@
 
 namespace condyle::testing_support {
 
-/// A clock for threads that work to a schedule, in tests that must not depend on how fast they do.
-/// It runs `speed` times as fast as the machine's up to the time it was allowed to show, and from
-/// there a hundred times slower: who is behind is given time, and who waits for the time to pass is
-/// not held up for ever.
+/// A clock for threads with a schedule, in tests that must not depend on the threads' speed. It
+/// runs `speed` times as fast as the machine's up to the time it is allowed to show, and from there
+/// a hundred times slower: a slow thread can catch up, and a waiting thread does not wait for ever.
 class PacedClock final : public hal::Clock {
  public:
   explicit PacedClock(double speed, TimeNs origin_ns = 0)
@@ -30,13 +29,13 @@ class PacedClock final : public hal::Clock {
         if (left_ns <= 0) return;
         wait_ns = static_cast<double>(left_ns) / (speed_ * (now_ns_ < limit_ns_ ? 1 : kCrawl));
       }
-      // Not too long, for what is allowed may change.
+      // Not too long, because the allowed time may change.
       machine_.sleep_until(machine_.now_ns() +
                            static_cast<TimeNs>(std::clamp(wait_ns, kShortest_ns, kLongest_ns)));
     }
   }
 
-  /// From now on it is allowed to show so much more, and no more.
+  /// Allows it to show this much more time.
   void allow(TimeNs duration_ns) {
     const std::lock_guard lock(mutex_);
     limit_ns_ = advance() + duration_ns;

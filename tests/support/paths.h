@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the tests find files and programs. One object file knows the folders, so that the others
-// compile alike wherever the project lies.
+// Paths of files and programs for the tests. Only one object file contains the folders, so that the
+// others compile to the same bytes in every folder.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace condyle::testing_support {
 /// The file `below` ("/folder/name") the project's root.
 std::string source_path(const std::string& below);
 
-/// The program `name` of this build: it lies beside the running one.
+/// The program `name` of this build, in the folder of the running one.
 std::string program_path(const std::string& name);
 
 }  // namespace condyle::testing_support

@@ -10,7 +10,7 @@
 
 namespace condyle::testing_support {
 
-/// What a log gives.
+/// The content of a log.
 struct ReadLog {
   hal::Status opened = hal::Status::not_open;
   hal::SessionHeader header;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a reader of the fake facebow makes of its reports: written from the layout alone, sharing
-// nothing with the device, so that each checks the other.
+// A reader of the fake facebow's reports. It was written from the layout alone and shares nothing
+// with the device, so that each checks the other.
 #pragma once
 
 #include <chrono>
@@ -18,7 +18,7 @@ struct ReceivedReport {
   std::int16_t coordinates[9] = {};
 };
 
-/// Reads a report; nothing where size, id or checksum is not as it must be.
+/// Reads a report; empty if size, id or checksum is wrong.
 inline std::optional<ReceivedReport> decode(const std::uint8_t* bytes, std::size_t size) {
   const auto word = [bytes](std::size_t at) {
     return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);

@@ -19,7 +19,7 @@ struct ReleaseSamples {
   std::vector<double> time_s, position_m;
 };
 
-/// The positions of `truth` with white noise of `noise_sd_m`. The solution is held against
+/// The positions of `truth` with white noise of `noise_sd_m`. The solution is compared with
 /// driven_point.h in release_motion_test.cpp.
 inline ReleaseSamples release_samples(const ReleaseTruth& truth, double noise_sd_m,
                                       std::uint64_t seed) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// CONDYLE_UNDER_SANITIZER: 1 where the address or thread sanitizer, by GCC or clang, is in this
-// build: memory is then larger, time longer and malloc taken.
+// CONDYLE_UNDER_SANITIZER: 1 if this build has the address or thread sanitizer of GCC or clang. It
+// then needs more memory and time, and malloc is already replaced.
 #pragma once
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

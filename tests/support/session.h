@@ -53,7 +53,7 @@ inline bool is_same(const hal::RawReport& left, const hal::RawReport& right) {
          std::equal(left.data().begin(), left.data().end(), right.data().begin());
 }
 
-/// Waits until the writer has written all `reports` that it took; false where it fails.
+/// Waits until the writer has written all `reports` that it accepted; false if it fails.
 inline bool wait_until_written(const hal::SessionLogWriter& log, std::uint64_t reports) {
   hal::SessionLogStatus status = log.status();
   while (status.reports_written < reports && status.failure == hal::SessionLogFailure::none) {

@@ -7,7 +7,7 @@
 
 namespace condyle::testing_support {
 
-/// A manual clock for several threads: who sleeps on it moves it on and is awake at once.
+/// A manual clock for several threads: a thread that sleeps on it advances it and wakes at once.
 class SharedManualClock final : public hal::Clock {
  public:
   TimeNs now_ns() override { return now_ns_; }

@@ -17,14 +17,14 @@ struct Table {
   std::vector<double> numbers(const std::string& column) const;
 };
 
-/// Reads `path`; a test fails where it is no table.
+/// Reads `path`; the test fails if it is not a table.
 Table read_table(const std::string& path);
 
 /// Root mean square of the finite values.
 double rms(const std::vector<double>& values);
 
 /// Path of `name` among the reference data (real recordings and what was computed from them), empty
-/// where CONDYLE_REFERENCE_DATA is unset.
+/// if CONDYLE_REFERENCE_DATA is unset.
 std::string reference_data(const std::string& name);
 
 }  // namespace condyle::testing_support

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much of a long test runs: the environment variable CONDYLE_TIER says.
+// How much of a long test runs, by the environment variable CONDYLE_TIER.
 #pragma once
 
 #include <cstdio>
@@ -8,14 +8,14 @@
 
 namespace condyle::testing_support {
 
-/// In the order of their length.
+/// In order of length.
 enum class Tier {
   check,    ///< after each edit
   full,     ///< continuous integration
   release,  ///< before a release: every statistic at its full length
 };
 
-/// The tier that `word` names; check, where it is null. Aborts where it names none.
+/// The tier that `word` names; check if it is null. Aborts if it does not name one.
 inline Tier tier_of(const char* word) {
   const std::string_view name = word == nullptr ? "check" : word;
   if (name == "check") return Tier::check;

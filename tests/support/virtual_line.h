@@ -15,12 +15,12 @@
 
 namespace condyle::testing_support {
 
-/// A line between two threads, with a time of its own: it stands still while a thread works, and
-/// where all wait, it is at once the earliest time that one waits for. So nothing depends on how
-/// fast the threads are.
+/// A line between two threads, with its own time. Time stands still while a thread works; when all
+/// wait, it jumps to the earliest time that one waits for. So nothing depends on the speed of the
+/// threads.
 class VirtualLine {
  public:
-  /// One end, and the clock of the thread that uses it. Both are for that thread alone.
+  /// One end, and the clock of the thread that uses it. Only that thread may use them.
   class End final : public hal::ByteStream, public hal::Clock {
    public:
     explicit End(VirtualLine& line, std::size_t index) : line_(line), index_(index) {}
@@ -41,12 +41,12 @@ class VirtualLine {
 
   VirtualLine() { ends_[0].is_attached = true; }
 
-  /// The far end does not count before it is attached, nor after it was detached.
+  /// The far end counts only between attach and detach.
   void attach_far() { set_attached(true); }
   void detach_far() { set_attached(false); }
-  /// Ends what goes to the near end; what is on its way arrives.
+  /// Ends the direction to the near end; bytes under way still arrive.
   void end_to_near() { end_to({0}); }
-  /// Ends both ways.
+  /// Ends both directions.
   void cut() { end_to({0, 1}); }
 
   End near{*this, 0}, far{*this, 1};
@@ -114,7 +114,7 @@ class VirtualLine {
     own.waits_until_ns.reset();
   }
 
-  // Where all wait for it, to the earliest that one waits for.
+  // When all wait, jumps to the earliest time that one waits for.
   void pass_time() {
     TimeNs earliest_ns = hal::kNoDeadline;
     for (const State& end : ends_) {

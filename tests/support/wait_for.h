@@ -7,7 +7,7 @@
 
 namespace condyle::testing_support {
 
-/// Waits until `holds`; false after ten minutes, which is for what hangs.
+/// Waits until `holds`; false after ten minutes, in case of a hang.
 inline bool wait_for(const std::function<bool()>& holds) {
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::minutes(10);
   while (!holds()) {

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Sourced by toolchain/check: reads the table of steps and runs those of a tier, side by side where
-# they leave cores to each other. Uses the variables tier, force and subjects.
+# Sourced by toolchain/check: reads the table of steps and runs those of a tier, in parallel if
+# there are enough cores. Uses the variables tier, force and subjects.
 declare -A tier_of=() subject_of=() cores_of=() needs_of=() command_of=()
 declare -A state=() seconds_of=() name_of_job=()
 names=()
@@ -44,7 +44,7 @@ list_subjects() {
     END { for (i = 1; i <= n; ++i) printf "  %-14s%s\n", order[i], steps[order[i]] }'
 }
 
-# Changes with every file of the project, and with whether there are real recordings.
+# Changes with every file of the project, and with the presence of real recordings.
 key_of_files() {
   {
     echo "${CONDYLE_REFERENCE_DATA:+with reference data}"
@@ -56,7 +56,7 @@ passed_already() {
   ! $force && [ "$tier" = release ] && [ "$(cat "$stamp_folder/$1" 2>/dev/null)" = "$key" ]
 }
 
-# Steps without a subject prepare others: they run where a step that runs needs them.
+# Steps without a subject prepare others: they run if another step needs them.
 choose_steps() {
   local name need i
   for name in "${names[@]}"; do
@@ -75,11 +75,11 @@ choose_steps() {
 
 clock() { printf '%d:%02d:%02d' $((SECONDS / 3600)) $((SECONDS / 60 % 60)) $((SECONDS % 60)); }
 
-# A step that takes all cores shows its output as it comes, others theirs at the end.
+# A step that takes all cores shows its output at once, other steps at their end.
 start_step() {
   local name=$1 log=$log_folder/$1
   printf '\n== %s (%d of %d, after %s)\n' "$name" $((++started)) "$count" "$(clock)"
-  # Its own process group, to be ended with all that it started.
+  # Its own process group, so that everything it started can be ended.
   set -m
   (
     exec 9>&- </dev/null
@@ -120,7 +120,8 @@ finish_step() {  # JOB STATUS
   fi
 }
 
-# Starts what can start. A failure stops what has not begun; in the release tier, what needs that step.
+# Starts every step that can start. After a failure no step starts; in the release tier, only those
+# that need the failed step do not.
 start_steps() {
   local name need
   for name in "${names[@]}"; do
@@ -147,7 +148,7 @@ run_steps() {
   local name job status started=0 count=0 free=$cores failed=false run key=
   mkdir -p $log_folder $stamp_folder "$(dirname $times_file)"
   exec 9>$log_folder/lock
-  flock -n 9 || { echo "toolchain/check: another run is at work in this folder" >&2; exit 2; }
+  flock -n 9 || { echo "toolchain/check: another run is using this folder; wait for its end" >&2; exit 2; }
   run=$(date +%Y-%m-%dT%H:%M:%S)
   [ "$tier" != release ] || key=$(key_of_files)
   choose_steps

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # The commands of toolchain/checks/steps, run in the project's folder. CONDYLE_TIER is check, full or
-# release. Exit status 77: skipped, for want of a tool.
+# release. Exit status 77: skipped, because a tool is missing.
 
 in_tier() { [[ " $* " = *" $CONDYLE_TIER "* ]]; }
 
@@ -22,7 +22,7 @@ build() {  # PRESET [TARGET...]
   cmake --build --preset "$1" --parallel "$(nproc)" ${2:+--target "${@:2}"}
 }
 
-# Of the cores whose images run but are not measured: what runs.
+# For cores whose images run but are not measured: only what runs.
 build_bare_metal() {
   build cortex-m4f
   build cortex-m7
@@ -36,18 +36,18 @@ build_rtsan() {
   build rtsan
 }
 
-# One more than cores: some tests wait for a device's pace.
+# One more job than cores: some tests wait for a device.
 run_ctest() {  # PRESET NAME_OF_RESULTS [OPTION...]
   ctest --preset "$1" --parallel $(($(nproc) + 1)) --output-junit "$PWD/build/$1/$2.junit.xml" "${@:3}"
 }
-# In the release tier the long ones are run_statistics'.
+# In the release tier, run_statistics runs the long tests.
 run_tests() {  # PRESET
   local left_out=()
   if in_tier release; then left_out=(--exclude-regex '^consistency_tests\.'); fi
   run_ctest "$1" tests --label-exclude '^vm$' "${left_out[@]}"
 }
 run_statistics() { run_ctest release statistics --tests-regex '^consistency_tests\.'; }
-# Memory and threads are the same in short tests.
+# Short tests use memory and threads in the same way.
 run_short_tests() { CONDYLE_TIER=check run_tests "$1"; }  # PRESET
 
 run_vm_tests() {  # ARCHITECTURE
@@ -75,7 +75,7 @@ run_fuzzers() {
     xargs -n 1 -P "$(nproc)" tests/fuzz/fuzz_for $seconds build/fuzz
 }
 
-# prove SCRIPT: it makes a folder, which is deleted where all went well.
+# prove SCRIPT: runs it in a new folder, which is deleted on success.
 prove() {
   local folder=build/prove_${1##*/}
   [ "$(id -u)" -eq 0 ] || { echo "skipped: $1 needs root (chroot)"; exit 77; }
@@ -84,7 +84,7 @@ prove() {
   rm -rf --one-file-system "$folder"
 }
 
-# Left out: what measures the program that this build is not, and what links outside of it.
+# Left out: tests that measure the program of another build, and tests that link outside this one.
 measure_coverage() {
   local status=0 folder results=build/coverage/coverage.json
   find build/coverage -name '*.gcda' -delete
@@ -93,7 +93,7 @@ measure_coverage() {
     --filter '(estimator|hal|firmware|host_sim)/' -j "$(nproc)" --json $results build/coverage
   echo "Coverage, lines and branches, of what this machine compiles; by file in build/coverage/FOLDER.txt"
   for folder in estimator hal firmware host_sim; do
-    # A true file: gcovr deletes what its output's name is, /dev/null as well.
+    # A regular file, because gcovr deletes its output file first, even /dev/null.
     gcovr --root . --add-tracefile $results --filter "$folder/" --print-summary --txt "build/coverage/$folder.txt" |
       sed -nE "s/^(lines|branches): (.*)/  $folder: \1 \2/p"
   done

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Read by CPack before it makes the packages: adds the libraries that each program was linked with to
-# what its package depends on, in the versions that dpkg-shlibdeps finds.
+# the dependencies of its package, in the versions that dpkg-shlibdeps finds.
 set(work ${CPACK_PACKAGE_DIRECTORY}/libraries)
 file(WRITE ${work}/debian/control "Source: condyle\n\nPackage: condyle\nArchitecture: any\n")
 set(options -O)
@@ -15,7 +15,7 @@ foreach(component program IN ZIP_LISTS CPACK_CONDYLE_COMPONENTS CPACK_CONDYLE_PR
       dpkg-shlibdeps ${options} ${program}
     WORKING_DIRECTORY ${work} OUTPUT_VARIABLE found ERROR_VARIABLE error RESULT_VARIABLE result)
   if(NOT result EQUAL 0 OR NOT found MATCHES "shlibs:Depends=([^\n]+)")
-    message(FATAL_ERROR "dpkg-shlibdeps does not say what ${program} depends on: ${found}${error}")
+    message(FATAL_ERROR "dpkg-shlibdeps lists no dependencies of ${program}: ${found}${error}")
   endif()
   string(APPEND CPACK_DEBIAN_${component}_PACKAGE_DEPENDS ", ${CMAKE_MATCH_1}")
 endforeach()

@@ -10,12 +10,12 @@ string(JOIN " " CMAKE_CXX_FLAGS_INIT
   -fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-use-cxa-atexit
   -fno-unwind-tables -fno-asynchronous-unwind-tables
   -ffunction-sections -fdata-sections)
-# Eigen's own assertion prints, which reaches malloc; a trap is a fault, and a fault is kept and reported.
+# Eigen's own assertion prints, which needs malloc; a trap is a fault, and a fault is recorded and reported.
 set(CMAKE_CXX_FLAGS_DEBUG_INIT
   "\"-Deigen_assert(condition)=((condition) ? static_cast<void>(0) : __builtin_trap())\"")
 string(JOIN " " CMAKE_EXE_LINKER_FLAGS_INIT
   -nostartfiles --specs=nano.specs --specs=nosys.specs -Wl,--gc-sections,--fatal-warnings)
 
-# Eigen is headers alone, the same for every machine.
+# Eigen has headers only, the same for every machine.
 set(CMAKE_PREFIX_PATH /usr)
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)

@@ -17,7 +17,7 @@ ConnectionTable::Connection* ConnectionTable::opened(std::string address, int de
     if (oldest == nullptr && other.is_idle) oldest = &other;
   }
   if (count > most_of_an_address_) {
-    oldest->is_ending = true;  // the newest is idle, if no other is
+    oldest->is_ending = true;  // at least the newest is idle
     ending.push_back(oldest->descriptor);
   }
   return &newest;

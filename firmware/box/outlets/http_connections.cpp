@@ -11,7 +11,7 @@
 namespace condyle::box {
 namespace {
 
-// libmicrohttpd 0.9.75 gives no answer where they fill its memory.
+// libmicrohttpd 0.9.75 gives no answer if the arguments fill its memory.
 constexpr std::ptrdiff_t kMostArguments = 100;
 constexpr const char* kTooManyArguments =
     "HTTP/1.1 400 Bad Request\r\nConnection: close\r\nContent-Type: application/json\r\n"

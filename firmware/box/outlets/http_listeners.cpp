@@ -21,7 +21,7 @@ MHD_Result HttpServer::State::listen(MHD_Connection* connection,
   Listener* const one = listener.get();
   one->state = this;
   one->connection = connection;
-  // A number from before a restart of the box is none of these lines: all that are kept are new.
+  // A number from before a restart of the box matches none of the lines: all of them are new.
   const std::uint64_t newest = history.newest();
   one->place = !after ? newest : *after > newest ? 0 : *after;
   one->text = fmt::format(": condyle {}: {}\n\n", CONDYLE_VERSION, kDisclaimer);
@@ -47,7 +47,7 @@ MHD_Result HttpServer::State::listen(MHD_Connection* connection,
   return result;
 }
 
-// The next event for a listener; false where there is none yet.
+// The next event for a listener; false if there is none yet.
 bool HttpServer::State::next_text(Listener& listener) {
   const EstimateHistory::Line line = history.after(listener.place);
   if (line.number == 0) return false;

@@ -15,7 +15,7 @@ HttpRouting refusal(int status, const char* words) {
   return {.action = HttpAction::refuse, .status = status, .words = words, .text = {}, .after = {}};
 }
 
-// Takes as long for every wrong token of the same length.
+// Takes the same time for every wrong token of the same length.
 bool is_same(const std::string& a, const std::string& b) {
   if (a.size() != b.size()) return false;
   unsigned difference = 0;
@@ -54,7 +54,7 @@ bool names_this_machine(const std::string& text) {
   return is_loopback(name);
 }
 
-// A browser says so of what a page asks for that the box did not serve.
+// True for requests that a browser marks as made by a page of another site.
 bool is_of_another_site(const HttpRequest& request) {
   const std::string& site = request.fetch_site;
   if (!site.empty() && site != "same-origin" && site != "none") return true;
@@ -87,7 +87,7 @@ HttpRouting route_estimates(const HttpRequest& request) {
   return routing;
 }
 
-// The text that the body's one key holds.
+// The text of the body's only key.
 HttpRouting route_command(const HttpRequest& request, HttpAction action, const char* key,
                           bool is_needed) {
   if (request.is_too_long) return refusal(413, "a request may have at most 4096 bytes");

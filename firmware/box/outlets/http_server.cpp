@@ -29,7 +29,7 @@ namespace {
 constexpr unsigned kMostConnections = 1200, kMostServed = 200;
 constexpr int kBacklog = 128;
 constexpr TimeNs kPatience_ns = 5 * kNanosecondsPerSecond;  // with a disk that does not answer
-constexpr TimeNs kSilence_ns = 5 * kNanosecondsPerSecond;   // before it is said that we are here
+constexpr TimeNs kSilence_ns = 5 * kNanosecondsPerSecond;   // before a sign of life is sent
 constexpr std::size_t kConnectionMemory = 32 * 1024;
 
 }  // namespace
@@ -46,7 +46,7 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
       return send_json(connection, MHD_HTTP_SERVICE_UNAVAILABLE,
                        answer_json({MHD_HTTP_SERVICE_UNAVAILABLE, "too many connections"}));
     }
-    // Two lengths: a proxy may have taken the other one.
+    // With two lengths, a proxy may have used the other one.
     const int lengths = count_headers(connection, MHD_HTTP_HEADER_CONTENT_LENGTH) +
                         count_headers(connection, MHD_HTTP_HEADER_TRANSFER_ENCODING);
     if (lengths > 1) {
@@ -56,7 +56,7 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
           connection, MHD_HTTP_BAD_REQUEST,
           answer_json({MHD_HTTP_BAD_REQUEST, "a request must have exactly one length"}));
     }
-    // Refused before it is sent, where it says so.
+    // Refused before the body is sent, if the header gives its length.
     const std::string length = header(connection, MHD_HTTP_HEADER_CONTENT_LENGTH);
     if (length.size() > 9 ||
         (!length.empty() && std::strtoul(length.c_str(), nullptr, 10) > kLongestBody)) {
@@ -96,7 +96,7 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
   }
   request.body = std::move(pending.body);
   request.is_too_long = pending.is_too_long;
-  // Nothing may be thrown through the C library.
+  // Exceptions must not pass through the C library.
   try {
     return state.answer(connection, request, pending);
   } catch (const std::exception& error) {
@@ -106,7 +106,7 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
   }
 }
 
-// Suspends the connection until the answer is there: this thread waits for no disk.
+// Suspends the connection until the answer is there: this thread never waits for the disk.
 MHD_Result HttpServer::State::command(MHD_Connection* connection, Pending& pending,
                                       const std::function<void(Then)>& run) {
   std::uint64_t number = 0;

@@ -75,7 +75,7 @@ void Publisher::stop() {
   tick_();
 }
 
-// Not all at once: where estimates come as fast as they are taken, there would be no tick.
+// Not all at once: if estimates came as fast as they are taken, there would be no tick.
 bool Publisher::take_some() {
   BoxEstimate estimate;
   for (int i = 0; i < kMostBetweenTicks; ++i) {

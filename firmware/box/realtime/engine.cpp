@@ -29,7 +29,7 @@ EngineCounts sum(const EngineCounts& a, const EngineCounts& b) {
   return std::bit_cast<EngineCounts>(result);
 }
 
-// A virtual sensor that the sanitizer watches.
+// A virtual sensor under RealtimeSanitizer.
 template <class Sensor>
 class RealTimeSensor {
  public:
@@ -45,7 +45,7 @@ class RealTimeSensor {
   Sensor& sensor_;
 };
 
-// Where a microcontroller estimates: samples are counted here, no more.
+// If a microcontroller estimates, samples are only counted here.
 struct NoSensor {
   struct Estimate {
     bool is_ready = false;
@@ -98,7 +98,7 @@ void Engine::loop() {
     run_.store(wanted, std::memory_order_release);
     do_run(log);
     keep_totals();
-    // A recording that has ended leaves nothing to do.
+    // After the end of a recording there is nothing to do.
     while (!has_to_leave()) clock_.sleep_until(clock_.now_ns() + kPatience_ns);
   }
   source_.close();
@@ -178,7 +178,7 @@ void Engine::note_counts(const hal::DeviceFacebow& facebow, std::uint64_t sample
               .bad = reports.too_short + reports.wrong_checksum + reports.counter_out_of_range +
                      reports.unusable_profile};
   EngineCounts all = sum(totals_, present_);
-  // These count on from run to run.
+  // These counts continue from run to run.
   all.lost = all_runs_.counts().lost;
   all.unknown_losses = all_runs_.counts().unknown_losses;
   all.sequence_restarts = all_runs_.counts().sequence_restarts;
@@ -203,7 +203,7 @@ EngineCounts Engine::counts() const {
     values[i] = counts_[i].load(std::memory_order_relaxed);
   }
   auto counts = std::bit_cast<EngineCounts>(values);
-  counts.estimates = outlet_.count();  // which a microcontroller may add to at any time
+  counts.estimates = outlet_.count();  // a microcontroller may increase it at any time
   return counts;
 }
 

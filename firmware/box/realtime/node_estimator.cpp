@@ -14,12 +14,12 @@ namespace {
 constexpr TimeNs kAnswerWait_ns = 1'000'000;
 constexpr TimeNs kFirstPause_ns = 50'000'000, kLongestPause_ns = 2 * kNanosecondsPerSecond;
 constexpr TimeNs kHealthPeriod_ns = kNanosecondsPerSecond;
-// Of an answer that is due, and between lines that say that there is none.
+// Longest wait for an answer, and time between lines that report its absence.
 constexpr TimeNs kLongestSilence_ns = kNanosecondsPerSecond;
-// A report that waited for longer is not sent any more.
+// A report that waited longer is not sent.
 constexpr TimeNs kStale_ns = 2 * kNanosecondsPerSecond;
 
-// Of a line that does not open.
+// Remedy for a line that does not open.
 const char* mend_of(hal::Status status) {
   return status == hal::Status::not_permitted
              ? "join the group dialout; as a service: SupplementaryGroups=dialout and DeviceAllow= "
@@ -66,7 +66,7 @@ void NodeEstimator::loop() {
   }
 }
 
-// One run of the microcontroller's, to the end of the feed's.
+// One run of the microcontroller, until the feed's run ends.
 void NodeEstimator::do_run() {
   hal::SerialPort port(clock_);
   if (const hal::Status status = port.open(port_, baud_); status != hal::Status::ok) {
@@ -75,7 +75,7 @@ void NodeEstimator::do_run() {
   host::NodeClient client(port, clock_, port_);
   client.connect([this] { return stops_.load(); });
   std::uint64_t run = 0;
-  // A recording that has ended may have left reports.
+  // A recording that has ended may have left reports behind.
   while (!stops_ && (run = feed_.run()) == 0 && !has_report()) {
     note_not_sent();
     clock_.sleep_until(clock_.now_ns() + kAnswerWait_ns);
@@ -112,7 +112,7 @@ void NodeEstimator::do_run() {
   end_run(client);
 }
 
-// What was sent and has no estimate by now will have none: also what waited in the target.
+// Reports without an estimate by now will have none, including those waiting in the target.
 void NodeEstimator::end_run(const host::NodeClient& client) {
   note_counts(client);
   const std::lock_guard lock(mutex_);
@@ -121,7 +121,7 @@ void NodeEstimator::end_run(const host::NodeClient& client) {
   state_.lost = before_.lost + client.reports_sent() - std::min(told, client.reports_sent());
 }
 
-// Is there a report to be sent? Those that are stale are not.
+// Whether there is a report to send; stale reports are dropped.
 bool NodeEstimator::has_report() {
   while (!has_next_ && feed_.take(next_)) {
     has_next_ = clock_.now_ns() - next_.report.host_time_ns <= kStale_ns;
@@ -142,7 +142,7 @@ void NodeEstimator::take_answers(host::NodeClient& client, unsigned scalar_size)
 }
 
 void NodeEstimator::feed(host::NodeClient& client) {
-  const std::uint64_t latest_run = feed_.run();  // before the look whether there is a report
+  const std::uint64_t latest_run = feed_.run();  // read before checking for a report
   while (client.has_room() && has_report()) {
     if (next_.run != run_) break;
     if (connection_ != 0 && next_.connection != connection_) client.reconnect();
@@ -150,7 +150,7 @@ void NodeEstimator::feed(host::NodeClient& client) {
     has_next_ = false;
     client.send(next_.report);
   }
-  // Where there is no room, the run's last reports may still be in the feed.
+  // If there is no room, the run's last reports may still be in the feed.
   const bool is_over = has_report() ? next_.run != run_ : latest_run != run_;
   if (ends_ || !is_over) return;
   ends_ = true;
@@ -163,7 +163,8 @@ void NodeEstimator::take(host::NodeClient& client, host::NodeAnswer answer, unsi
     ++state_.without_estimate;
   }
   if (answer != host::NodeAnswer::estimate) return;
-  pause_ns_ = kFirstPause_ns;  // not before: one that only takes a start is tried ever less often
+  pause_ns_ =
+      kFirstPause_ns;  // only now: a node that accepts only a start is tried less and less often
   if (scalar_size == sizeof(float)) {
     publish<float>(client);
   } else {
@@ -195,7 +196,7 @@ void NodeEstimator::publish(const host::NodeClient& client) {
                    .connection = before_.connections});
 }
 
-// What it owes, and how it is.
+// Reports late answers, and requests health.
 void NodeEstimator::watch(host::NodeClient& client) {
   const TimeNs now_ns = clock_.now_ns();
   const auto since_ns = client.silent_since_ns();
@@ -230,7 +231,7 @@ void NodeEstimator::note_counts(const host::NodeClient& client) {
   state_.health = client.health();
 }
 
-// Of the run that is, which the node need not have seen; of the last where there is none.
+// For the present run, even if the node has not seen it; for the last run if there is none.
 void NodeEstimator::publish_absence() {
   const std::uint64_t run = feed_.run();
   outlet_.publish_absence(run != 0 ? run : outlet_run_);
@@ -241,12 +242,12 @@ void NodeEstimator::note_not_sent() {
   state_.not_sent = not_sent_ + feed_.dropped();
 }
 
-// Reports that come meanwhile are not kept: nobody wants their estimates any more.
+// Reports that arrive meanwhile are dropped: their estimates would be stale.
 void NodeEstimator::note_absence(const std::string& problem) {
   outlet_.forget();
   {
     const std::lock_guard lock(mutex_);
-    // Once for each loss, and not again while it stays away.
+    // Logged once for each loss, and not again while it stays away.
     if (state_.is_connected || state_.problem != problem)
       log_.say(BoxLog::Level::warning, "node", problem);
     if (state_.is_connected) ++state_.losses;

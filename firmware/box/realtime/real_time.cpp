@@ -36,7 +36,7 @@ std::string become_real_time(int priority) {
 }
 
 std::string lock_memory() {
-  // With a limit, threads that start later would find no memory for their stacks.
+  // With a limit, later threads would have no memory for their stacks.
   rlimit limit{};
   const bool may_lock_all =
       geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);

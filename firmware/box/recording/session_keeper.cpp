@@ -74,7 +74,7 @@ bool SessionKeeper::finish(std::chrono::milliseconds patience) {
   return ended_.wait_for(lock, patience, [this] { return has_ended_; });
 }
 
-// What the disk or a library throws is a refusal, not the end of the box.
+// An exception from the disk or a library becomes a refusal, and the box continues.
 SessionKeeper::Answer SessionKeeper::run_guarded(const std::function<Answer()>& run) {
   try {
     Answer answer = run();

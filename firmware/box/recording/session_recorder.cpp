@@ -18,7 +18,7 @@ namespace condyle::box {
 namespace {
 
 constexpr TimeNs kPause_ns = 5 * kNanosecondsPerSecond;
-// A companion takes so long to be opened.
+// Longest wait for a companion to open.
 constexpr TimeNs kOpening_ns = kNanosecondsPerSecond;
 constexpr TimeNs kPerStart_ns = 10 * kNanosecondsPerSecond;
 constexpr TimeNs kMostStarts = 30;  // at once
@@ -37,7 +37,7 @@ std::string file_stem(const std::string& subject) {
   return subject.empty() ? text : std::string(text) + "-" + subject;
 }
 
-// Out of a folder that is there: one that is away may come back, with the file in it.
+// True only if its folder exists: a missing folder may come back, with the file in it.
 bool is_gone(const std::string& file, const std::string& folder) {
   std::error_code error;
   struct statvfs status {};
@@ -48,7 +48,7 @@ bool is_gone(const std::string& file, const std::string& folder) {
 
 }  // namespace
 
-// A file of the session, and who writes into it.
+// A file of the session, and its writers.
 struct SessionRecorder::Part {
   explicit Part(const hal::SessionLogOptions& options) : log(options) {}
   hal::SessionLogWriter log;
@@ -136,7 +136,7 @@ hal::SessionHeader SessionRecorder::header() const {
   return header;
 }
 
-// One that is away would be missed only when the session is over.
+// A missing companion would otherwise be noticed only after the session.
 SessionRecorder::Answer SessionRecorder::describe_companions() {
   for (host::SessionDevice& companion : companions_) {
     try {
@@ -148,8 +148,8 @@ SessionRecorder::Answer SessionRecorder::describe_companions() {
   return {};
 }
 
-// Two sessions may begin in the same second, or the wall clock may have been set back. A name that
-// belongs to a link that leads nowhere is taken.
+// Two sessions may begin in the same second, or the wall clock may have been set back. The name of
+// a dangling link counts as taken.
 SessionRecorder::Answer SessionRecorder::find_free_name() const {
   for (int number = state_.part + 1;; ++number) {
     const std::filesystem::path file =
@@ -201,7 +201,7 @@ SessionRecorder::Answer SessionRecorder::begin_part() {
   return {200, file};
 }
 
-// What the run that ends has received belongs to what the session does until here.
+// Reports of the ending run belong to the state of the session up to here.
 void SessionRecorder::begin_run(hal::SessionLogWriter* log) {
   engine_->begin_run(log);
   const std::uint64_t before = std::exchange(received_before_run_, engine_->received_before_run());
@@ -221,7 +221,7 @@ hal::SessionLogFailure SessionRecorder::close_part(Part& part) {
   for (const auto& companion : part.companions) companion->companion.stop();
   const hal::SessionLogFailure failure = part.log.close();
   const hal::SessionLogStatus& log = state_.log = part.log.status();
-  // What somebody deleted meanwhile is not recorded.
+  // A file deleted meanwhile does not count as recorded.
   const bool is_lost = is_gone(state_.file, configuration_.folder);
   (is_lost ? state_.reports_lost : state_.reports_written) += log.reports_written;
   state_.reports_lost += log.reports_lost;

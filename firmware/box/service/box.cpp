@@ -73,7 +73,7 @@ void Box::run(const std::function<bool()>& should_stop) {
                                               engine_->outlet(), clock_, log_);
       node_->start();
     }
-    // On the publisher's thread, because this one may have to wait for a slow disk.
+    // On the publisher's thread, because this thread may wait for a slow disk.
     publisher_.start(engine_->outlet().ring(), [this] {
       http_.tick();
       feed_watchdog(clock_.now_ns());
@@ -167,7 +167,7 @@ void Box::measure_rate(TimeNs now_ns) {
   rate_samples_ = samples;
 }
 
-// Only while the real-time thread is well.
+// Only while the real-time thread works.
 void Box::feed_watchdog(TimeNs now_ns) {
   const TimeNs period_ns = watchdog_period_ns();
   if (period_ns == 0 || now_ns < next_watchdog_ns_) return;

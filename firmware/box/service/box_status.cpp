@@ -52,7 +52,7 @@ Json estimator_json(const BoxStatus& status) {
   return json;
 }
 
-// Of a microcontroller that estimates: null where there is none.
+// For a microcontroller that estimates; null if there is none.
 Json node_json(const BoxStatus& status) {
   if (status.node.empty()) return {};
   const NodeState& node = status.node_state;

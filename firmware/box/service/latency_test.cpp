@@ -25,7 +25,7 @@ std::string histogram_text(const char* name, const firmware::LatencyHistogram& h
       "{}: {} times, p50 {:.1f} us, p99 {:.1f} us, p99.9 {:.1f} us, at most {:.1f} us\n", name,
       histogram.count(), us(histogram.quantile_ns(0.5)), us(histogram.quantile_ns(0.99)),
       us(histogram.quantile_ns(0.999)), us(histogram.largest_ns()));
-  // A line for each doubling that occurred, and for those between.
+  // A line for each doubling from the first to the last that occurred.
   std::vector<std::pair<std::uint64_t, std::uint64_t>> lines;  // ns, times
   std::uint64_t largest = 1;
   for (std::size_t bin = 0; bin < firmware::LatencyHistogram::kBins; bin += 16) {

@@ -42,7 +42,7 @@ struct Arguments {
   double latency_test_s = 0;
 };
 
-// False where the program has nothing more to do; `exit_code` then says how it ends.
+// False if the program has nothing more to do; `exit_code` is then set.
 bool parse(int argc, char** argv, Arguments& arguments, int& exit_code) {
   constexpr option options[] = {{"config", required_argument, nullptr, 'c'},
                                 {"check", no_argument, nullptr, 'k'},
@@ -122,8 +122,8 @@ int run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   host::end_with_last_words("condyle-box", kExitFailure);
-  // Where nothing reads, or a file may not grow, the write fails: a journal that takes no more
-  // lines ends no recording.
+  // Without a reader, or if a file may not grow, the write fails instead: a blocked journal must
+  // not end a recording.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   Arguments arguments;

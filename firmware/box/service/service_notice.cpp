@@ -24,7 +24,7 @@ void notify_service_manager(const std::string& state) {
   if (path[0] == '@') address.sun_path[0] = '\0';  // an abstract socket
   const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (socket < 0) return;
-  // A manager that does not listen holds up nothing.
+  // A manager that does not listen must not delay the box.
   (void)sendto(socket, state.data(), state.size(), MSG_NOSIGNAL | MSG_DONTWAIT,
                reinterpret_cast<const sockaddr*>(&address),
                static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + size));

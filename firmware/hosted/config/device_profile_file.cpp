@@ -26,7 +26,7 @@ const std::vector<ProfileUnit> kAuxiliaryUnits = {
 constexpr Range kRate_Hz{0.01, 1e5};
 constexpr std::int64_t kMostCounts = std::numeric_limits<std::int64_t>::max();
 
-// Section of each part, for the place of a problem.
+// Section of each part, to locate a problem.
 std::string section_of(const hal::ProfileProblem& problem, const hal::DeviceProfile& profile,
                        const CoordinateSections& coordinates) {
   switch (problem.part) {
@@ -193,7 +193,7 @@ class ProfileReader {
 
   TomlReader& file_;
   ProfileFieldReader fields_;
-  FieldText plain_;  // what holds for every field
+  FieldText plain_;  // the defaults of every field
   hal::DeviceProfile profile_;
 };
 

@@ -45,8 +45,8 @@ void refuse_twins(const std::vector<SessionDevice>& devices) {
 
 namespace {
 
-// The serial number of the device that fits; "" where there is none, or it is not one that both
-// back ends read alike. An InputError where several fit.
+// The serial number of the matching device; "" if it has none, or one that the two back ends read
+// differently. Throws an InputError if several devices match.
 std::string only_serial(const SessionDevice& device) {
   std::string places, serial;
   std::string first_port;
@@ -74,9 +74,9 @@ void describe(SessionDevice& device, const std::function<bool()>& stop) {
   device.device->open(stop);
   device.descriptor = device.device->report_descriptor();
   complete_profile(device.profile, device.descriptor, device.name + ": the device");
-  // While the log is made, which takes longer than the kernel keeps reports.
+  // During creation of the log, which takes longer than the kernel keeps reports.
   device.device->source().close();
-  // Closed, because what libusb has open is in no list.
+  // Closed, because a device that libusb has open is missing from the lists.
   if (const std::string serial = only_serial(device); !serial.empty()) {
     device.address.serial = serial;
     device.device->keep_to(serial);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr TimeNs kRepeat_ns = 300'000'000;
 constexpr TimeNs kPatience_ns = 2'000'000'000;
-constexpr TimeNs kEndPatience_ns = 10'000'000'000;  // with a target that sends, but nothing new
+constexpr TimeNs kEndPatience_ns = 10'000'000'000;  // for a target that sends nothing new
 constexpr int kAttempts = 10, kProbes = 3;
 
 const char* reset_words(hal::ResetCause cause) {
@@ -72,7 +72,7 @@ void NodeClient::connect(const std::function<bool()>& stop) {
     tell(hal::HelloMessage{});
     const TimeNs deadline_ns = clock_.now_ns() + kRepeat_ns;
     hal::Status status = hal::Status::ok;
-    // A line that never falls silent is left at the deadline, too.
+    // The deadline also applies to a line that never falls silent.
     while (status == hal::Status::ok && clock_.now_ns() < deadline_ns && !stop()) {
       status = end_.receive(deadline_ns);
       if (status == hal::Status::disconnected)
@@ -88,7 +88,7 @@ void NodeClient::connect(const std::function<bool()>& stop) {
           end_.type() == hal::MessageType::fault) {
         fault_ = read<hal::FaultMessage>();
       }
-      // A target that started just now has greeted by itself as well.
+      // A target that has just started has also greeted on its own.
       while (!stop() && clock_.now_ns() < give_up_ns &&
              end_.receive(clock_.now_ns() + kRepeat_ns / 3) == hal::Status::ok) {
       }
@@ -148,14 +148,14 @@ void NodeClient::reconnect() {
 
 void NodeClient::send(const hal::RawReport& report) {
   if (!silent_since_ns()) last_answer_ns_ = heard_ns_ = clock_.now_ns();
-  ++reports_sent_;  // also where the line does not take it: it will have no estimate
+  ++reports_sent_;  // even if the line does not accept it: it will have no estimate
   tell(hal::ReportMessage{report.host_time_ns, report.data()});
   waiting_.push_back({end_.sent_size(), report.host_time_ns});
   waiting_bytes_ += end_.sent_size();
 }
 
-// Health comes after the answer to every report, so what has none by then will have none; what
-// comes after it are the estimates that waited.
+// Health comes after the answers to all reports, so a report without an answer by then will have
+// none. The estimates that waited come after it.
 void NodeClient::finish() {
   has_finished_ = true;
   last_answer_ns_ = progress_ns_ = clock_.now_ns();
@@ -192,7 +192,7 @@ NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
     if (++silent_probes_ > kProbes)
       fail("no longer answers", "check that the microcontroller is connected");
     last_answer_ns_ = clock_.now_ns();
-    // The answer to the one before is late or lost: that matters to reports only.
+    // The answer to the previous probe is late or lost, which matters only for reports.
     if (waiting_.empty()) probes_.clear();
     probe();
     if (has_finished_) tell(hal::FinishMessage{});
@@ -200,8 +200,8 @@ NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
   }
 }
 
-// Asks whether the target is there. It answers in order: what it has not answered by then did not
-// reach it, or its answer did not reach us.
+// Asks whether the target is there. It answers in order: for a report without an answer by then,
+// the report or its answer was lost.
 void NodeClient::probe() {
   probes_.push_back(waiting_.size());
   probed_ns_ = clock_.now_ns();
@@ -213,7 +213,7 @@ void NodeClient::request_health() {
   if (has_finished_) return;
   if (!probes_.empty() && now_ns - probed_ns_ < 2 * kPatience_ns) return;
   if (!silent_since_ns()) last_answer_ns_ = heard_ns_ = now_ns;
-  probes_.clear();  // the answer to one before was lost
+  probes_.clear();  // the answer to an earlier one was lost
   probe();
 }
 
@@ -241,7 +241,7 @@ NodeAnswer NodeClient::take_frame() {
       return NodeAnswer::no_estimate;
     case hal::MessageType::refused: {
       const auto refused = read<hal::RefusedMessage>();
-      // A second finish finds the run ended already.
+      // At a second finish the run has already ended.
       if (has_finished_ && refused.message == static_cast<std::uint8_t>(hal::MessageType::finish)) {
         return finished();
       }
@@ -268,7 +268,7 @@ NodeAnswer NodeClient::take_frame() {
   }
 }
 
-// Also where the answer to the last probe was lost.
+// Also called if the answer to the last probe was lost.
 NodeAnswer NodeClient::finished() {
   if (!is_answered_) reports_lost_ += waiting_.size();
   is_answered_ = true;
@@ -298,7 +298,7 @@ std::optional<hal::HealthMessage> NodeClient::ask_health() {
   try {
     (void)health_of_now();
   } catch (const InputError&) {
-    health_.reset();  // the run is over all the same: only its last counts are not known
+    health_.reset();  // the run is over anyway: only its last counts are unknown
   }
   return health();
 }

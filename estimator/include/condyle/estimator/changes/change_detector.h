@@ -6,7 +6,7 @@
 //   x, s      a cycle's damping and its standard deviation (Ns/m), cycle_damping.h
 //   b, w      mean of all cycles before, weighted by 1 / s^2, and its weight sum 1 / s^2
 //   e         residual (x - b) / (s^2 + 1/w)^1/2
-//   g, n      spread: root mean square of the n residuals before; about 1 where s is right
+//   g, n      spread: root mean square of the n residuals before; about 1 if s is right
 //   t, y      e / g; the same, turned into a standard normal variable
 //   D, d      smallest change that matters (Ns/m); the same in standard deviations of x - b
 //   U, V      statistics for a change up, down

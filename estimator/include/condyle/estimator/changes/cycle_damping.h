@@ -23,7 +23,7 @@
 // good as independent. It is exact to first order: far off the baseline the value is too near it,
 // by about dk_kv^2 tau / m with tau = (sum W_v,lambda^2 / sum v^2)^1/2, over how long the filter
 // follows its model rather than the positions. This is added to the standard deviation. Farther off
-// the positions lie beyond the gate, no cycle counts and the outcome says `lost`.
+// the positions lie beyond the gate, no cycle counts and the outcome is `lost`.
 //
 // Errors of the assumptions about the drive (point_judgement.h) shift each cycle's damping too. If
 // they are the same in all cycles, a change is still a change. A drive that is late by tau is an

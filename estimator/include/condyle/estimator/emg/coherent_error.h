@@ -10,7 +10,7 @@
 // e bends the values by M^-1 mean(y e). Of all e of size E the worst does E sqrt((M^-1)_ii) to
 // value i; for a single y, E / rms(y). With the priors:
 //   G = (M / E^2 + P^-1)^-1 = D (I + D M D / E^2)^-1 D,  D = sqrt(P)
-// as if all samples told no more of the values than one would.
+// as if all samples together held no more information on the values than one.
 #pragma once
 
 #include <Eigen/Cholesky>

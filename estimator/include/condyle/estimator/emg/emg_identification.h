@@ -15,7 +15,7 @@
 //              d' = -d / tau + white, of standard deviation s rms(F), with
 //              rms(F)^2 = mean of (sum |g_n F_n|)^2 + d^2, of the fitted or of the prior's gains,
 //              whichever is more; s is learned from the innovations, so that their mean NIS is 1
-//              (with s too large the filter finds too much friction, with s too small too little)
+//              (too large an s gives too much friction, too small an s too little)
 //              lambda, kappa, c, g_n   constants
 // Prediction:  by driven_point.h with the drive sum g_n F_n + d of a mass of 1; A <- F A F' + Q + B
 //                Q   of lowest order in T / tau, q = 2 (s rms F)^2 / tau:
@@ -34,8 +34,8 @@
 //   E^2 = (error_share rms F)^2 + (sigma_lag rms F')^2
 // F' is taken for what the motion needs: rms F' = (w^2 + |kappa|) rms v + |lambda| rms a,
 // w^2 = mean a^2 / mean v^2. The same error draws gains and friction towards 0 (errors in
-// variables), at most by themselves, which is covered where error_share is true. It draws stiffness
-// and offset along, beyond their own intervals: they are shown only where a gain is.
+// variables), at most by themselves, which is covered if error_share is right. It also shifts
+// stiffness and offset, beyond their own intervals: they are shown only if a gain is.
 #pragma once
 
 #include "condyle/estimator/emg/coherent_error.h"

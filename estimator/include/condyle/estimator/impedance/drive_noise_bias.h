@@ -26,7 +26,7 @@
 // With this the score is the gradient of -sum r^2 / S / 2, the total least squares criterion
 // (Deming 1943; Fuller 1987, Measurement Error Models, 1.3): where P starts like M and no other
 // noise is, M = P, H (C_i + C_i') H' = dS / dtheta_i. There is no log S in it: the true drive has
-// no distribution. White force that nobody measured is in P, so in K, but not in M: it moves x, and
+// no distribution. Unmeasured white force is in P, so in K, but not in M: it moves x, and
 // y follows, so that it makes no error of a regressor.
 #pragma once
 
@@ -74,7 +74,7 @@ class DriveNoiseBias {
   }
 
   /// `T` s within an interval of the drive of `interval_s` > 0, from its share `begin` to `end`
-  /// (below 0 or above 1 where a delay says so), with the `response` for these rates over T; `q` is
+  /// (below 0 or above 1 with a delay), with the `response` for these rates over T; `q` is
   /// the density of white acceleration (m^2/s^3).
   void predict(const DrivenRates<Scalar>& rates, const DrivenResponse<Scalar>& response,
                Scalar begin, Scalar end, Scalar interval_s, Scalar q, Scalar T) {

@@ -11,9 +11,8 @@
 //   T         time step (s)
 //
 // Model:       p' = v,   v' = eta u + c - lambda v - kappa p
-// Transition:  linear in p0, v0, eta u0 and eta u1, so that it is given by its responses to one
-// unit
-//              of each and by their derivatives with respect to lambda and kappa; c acts as a drive
+// Transition:  linear in p0, v0, eta u0 and eta u1, so it is given by its responses to one unit of
+//              each and by their derivatives with respect to lambda and kappa; c acts as a drive
 //              eta u0 = eta u1 = c. Exact, by the Taylor series over the step, whose coefficients
 //              follow from each other: with t = s T, 0 <= s <= 1,
 //                p_(k+1) = T v_k / (k+1)

@@ -15,7 +15,7 @@
 //              acceleration
 // Estimate:    that of a point of the known mass 1 with the drive u = -a (point_conclusion.h). Its
 //              newtons are N/kg, its kv and ks are lambda and kappa. The jaw's own mass cancels: no
-//              mass is ever told. What the motion itself shows of the mass is 1 / g
+//              mass is found. What the motion itself shows of the mass is 1 / g
 //
 // The jaw is assumed to be relaxed: a muscle that responds to the motion acts like damping or
 // stiffness of the joint. The user states the share s that muscles may add to the inertial force -m

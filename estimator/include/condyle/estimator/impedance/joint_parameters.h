@@ -59,7 +59,7 @@ struct JointParameters {
   /// unmeasured force (m, of the followed axis).
   double contact_above_m = 1e3, contact_below_m = -1e3;
   double least_velocity_m_s =
-      0.002;  ///< rms of a second; a slower point tells its place only (m/s)
+      0.002;  ///< rms of a second; a slower point only shows its place (m/s)
   /// The smallest differences that matter to the user. A value is measured if its standard
   /// deviation is at most half of them.
   double friction_resolution_Ns_m = 0.1;

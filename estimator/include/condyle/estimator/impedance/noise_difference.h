@@ -7,11 +7,10 @@
 //              weights of the sixth divided difference, normalised
 //
 // Difference:  D = sum d_k z_k. A polynomial of degree 5 adds nothing; white noise makes D^2 its
-//              variance in the mean. At even steps the d_k are 1, -6, 15, -20, ... over the root
+//              variance on average. At even steps the d_k are 1, -6, 15, -20, ... over the root
 //              of 924.
-// Colour:      D_l is D of l samples before, rho_l = sum d_k d_l,k over the samples they share:
-// their
-//              correlation where the noise is white. Then the mean of
+// Colour:      D_l is D of l samples before, rho_l = sum d_k d_l,k over the samples they share,
+//              which is their correlation if the noise is white. Then the mean of
 //              D D_l - rho_l (D^2 + D_l^2) / 2 is 0 at each lag l; a mean of n samples makes it
 //              about -D^2 / 2 at l = n.
 #pragma once

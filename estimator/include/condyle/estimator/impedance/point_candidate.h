@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fits by which the blocks of a recording are judged, and the values they offer.
 //
-//   P, P0     the plain fit of m, kv, ks, c (and tau, where the delay is fitted): noise taken out
+//   P, P0     the plain fit of m, kv, ks, c (and tau, if the delay is fitted): noise taken out
 //             of all columns, or kept in the even ones (regression_fit.h)
 //   S         P0 with X^2, X^3, X^4 beside: a spring of any shape. Where the delay is fitted, P
 //             with these: u' is odd as v is, yet a motion that differs from itself played
@@ -9,7 +9,7 @@
 //   E, E0     P, P0 with X^2, X^3, X^4 and the sign of the velocity: also sliding friction
 //   V         variance of a value by the scatter of the blocks
 //   Fc, f     Fc of E0; f = Fc sum q_s v / sum v^2: sliding friction as damping of the same energy
-//   d         discrepancy: what another fit tells of the value
+//   d         discrepancy: difference of another fit's value
 //
 // Known mass: a has no column, and these are fitted to u - m_0 a.
 // Candidates: each value has some. The one with the smallest sum of V, d^2 and the delay's part is

@@ -2,8 +2,8 @@
 // From the sums of a recording to the results for the point: those of the whole recording
 // (point_judgement.h), or of its last part if these are better.
 //
-// Walk:     a value that may wander by q per root second is that of the end, where the mean of T
-//           seconds strays by q^2 T / 3: the last half or quarter is taken where that is better
+// Walk:     a value that may wander by q per root second is given for the end. The mean of T
+//           seconds strays from it by q^2 T / 3: the last half or quarter is used if that is better
 #pragma once
 
 #include "condyle/estimator/impedance/point_judgement.h"

@@ -3,19 +3,18 @@
 //
 //   z, u      positions (m) and drive (N), each at its own times and rate
 //   s_z, s_u  standard deviations of their noise, T_z, T_u their steps
-//   h, w_c    half-width of the kernel (modulating_kernel.h), and the frequency up to which it
-//   passes t_j       instants, every h / 4, at points of the positions
+//   h, w_c    half-width of the kernel (modulating_kernel.h), and the frequency that it passes
+//   t_j       instants, every h / 4, at points of the positions
 //
-// Model:       u = m a + kv v + ks x + c, and what else acts (c = -b, the constant force b acts
-// with
-//              the drive); through the kernel it stays as it is:
-//              u_f = m a_f + kv v_f + ks x_f + c 1_f. No derivative of a sample is needed, nor
-//              common times. regression_fit.h solves it, point_conclusion.h says what is known.
-// Width:       w_c = 1.2 w_0, w_0^2 = s_u sqrt(T_u) / (m_0 s_z sqrt(T_z)): where the drive's noise
-// and
-//              the position's, times m_0 w^2, are equal. It is chosen once, after the first second.
-//              Another width costs efficiency, never coverage. Where positions in contact are left
-//              out it is 39 rad/s at least, so that a third of a second between them suffices.
+// Model:       u = m a + kv v + ks x + c, and other forces (c = -b: the constant force b acts with
+//              the drive). The kernel leaves the equation unchanged:
+//              u_f = m a_f + kv v_f + ks x_f + c 1_f. It needs neither derivatives of samples nor
+//              common times. regression_fit.h solves it, point_conclusion.h judges the result.
+// Width:       w_c = 1.2 w_0, w_0^2 = s_u sqrt(T_u) / (m_0 s_z sqrt(T_z)): at w_0 the drive's noise
+//              and the position's, times m_0 w^2, are equal. The width is chosen once, after the
+//              first second. Another width costs efficiency, never coverage. If positions in
+//              contact are left out, w_c is at least 39 rad/s, so that a third of a second between
+//              contacts suffices.
 // Sign:        q_s from the velocity v_k at each sample, through a kernel of half the width:
 //              v_k / sqrt(v_k^2 + v_s^2), v_s = 5 mm/s unless stated
 // Noise:       from the samples (even_channel.h). The drive's stated noise is not used.

@@ -8,27 +8,26 @@
 //   theta      the parameters: of a, v, x, 1, ... mass, friction, stiffness, offset, ...
 //   n, p       number of blocks, of parameters
 //   t          97.5 % quantile of Student's distribution, n - p degrees of freedom, times 1.15:
-//              who reads a conclusion every second looks many times
+//              a user who reads a conclusion every second tests many times
 //
 // Estimate:  theta = (M - N)^-1 r (W. A. Fuller, Measurement Error Models, 1987, section 1.2 and
 //            2.2). The noise of u is only in the residual: it biases nothing, whatever its size or
 //            colour. N_u'u' and the covariance of u with u'' have the drive's own noise.
-// Known mass: u - m_0 a takes the place of u
-// Even noise kept: with N of a, x and X^k left in M a direction of them that is nothing but noise
-// is
-//            harmlessly regularised. v is apart from them, as the kernel's derivatives of odd and
-//            of even order do not mix: friction is taken so.
+// Known mass: u - m_0 a replaces u
+// Even noise kept: N of a, x and X^k stays in M, which regularises any direction of pure noise
+//            without harm. v is independent of them, because the kernel's derivatives of odd and
+//            even order do not mix: friction is estimated in this way.
 // Delay:     u(t + tau) = u + tau u' + tau^2 u''/2: r gains tau^2/2 sum y u'', three iterations.
 // Interval:  with I = (M - N)^-1, D = 1 / I_ii, g = D (row i of I), per block
 //              alpha_b = g'(r_b - (M_b - N_b) theta),  beta_b = g'(M_b - N_b) g,
 //            and with A, B, C the scatter of alpha^2, alpha beta, beta^2 about their means, times
 //            n / (n - p): all d with (D^2 - t^2 C) d^2 + 2 t^2 B d - t^2 A <= 0 (E. C. Fieller,
-//            J. R. Stat. Soc. B 16 (1954) 175). It has no end where D^2 <= t^2 C: the excitation,
+//            J. R. Stat. Soc. B 16 (1954) 175). It is unbounded if D^2 <= t^2 C: the excitation,
 //            noise taken out, is then not above its own scatter.
 // Trend:     sum (b - b_0) alpha_b, of variance sum (b - b_0)^2 alpha_b^2, b_0 the mean place of
-//            beta: about 0 where the parameter does not change along the recording. A delay of the
-//            drive adds to it where the rhythm changes.
-// Residual:  R = mean e_f^2 over what the noise of u and of y makes of it: 1 where both are white
+//            beta: about 0 if the parameter does not change along the recording. A delay of the
+//            drive adds to it when the rhythm changes.
+// Residual:  R = mean e_f^2 over its expectation from the noise of u and y: 1 if both are white
 #pragma once
 
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Elementary functions with the same bits on every machine, where libm's differ.
+// Elementary functions with the same bits on every machine, unlike those of libm.
 //
 // Only + - * /, comparisons and std::bit_cast; no fused multiply-add (condyle_floating_point sees
 // to that), no state, no libm. Every function is constexpr.

@@ -15,7 +15,7 @@
 //   f = (10 g + a) / (10 + n)
 //   n, a    samples after a repeat, and those of them that were repeats
 //   g       share of repeats among the samples after a change: what f is without evidence
-// f is that of the rest, where repeats are at home; motion, which has none, does not dilute it.
+// f is learned at rest, where repeats occur; motion, which has none, does not dilute it.
 // All are forgotten exponentially over 500 changes; g starts from 1/2 with the weight of four
 // samples. Of a run, the repeats that are not frozen teach, and the first ten in any case: a rest
 // longer than those before looks frozen, and would for ever if it taught nothing.

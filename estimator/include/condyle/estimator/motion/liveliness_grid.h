@@ -9,7 +9,7 @@
 // The lower ratios are half decades, from that of a calm jaw seen by a poor instrument on: there
 // the error depends on r, whatever the sample time. The upper ones are spread up to
 // r T^5 = kHighestIndex: there noise plays no part, and the filter only continues its last samples,
-// so that a decade more changes what it says of its error and not its gain. With a noise of 1 um
+// so that a decade more changes its stated error but not its gain. With a noise of 1 um
 // the highest expects the next sample within 1 um sqrt(kHighestIndex / 20) = 22 mm (sd): whatever
 // a jaw does. A motion that lies inside at T lies inside at T/2 and T/4 too.
 #pragma once

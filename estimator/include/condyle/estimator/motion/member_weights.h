@@ -11,7 +11,7 @@
 //            that glitches do not become noise.
 // Weights.   log w_i = max(long_i - max long, -kLead) + short_i, up to a constant:
 //            long_i    log likelihood over the memory, -n/2 (log R_i + <log S_i>), tempered: jaw
-//                      motion is no white jerk, innovations are correlated, and n of them count as
+//                      motion is not white jerk, innovations are correlated, and n of them count as
 //                      kIndependentShare n
 //            short_i   log likelihood of about the last kShortMemory samples,
 //                      -1/2 sum min(log R_i S_i + nu^2 / (R_i S_i), floor)

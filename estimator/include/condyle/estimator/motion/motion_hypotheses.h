@@ -11,7 +11,7 @@
 //   V       variance of velocity that a jaw's prior and this motion's speeds allow (m^2/s^2)
 //
 // Start.   A motion whose velocity changed within T, at an instant of which nothing is known,
-//          changed it by 3/2 d/T; an outlier says nothing of it, and the farther d is from what V
+//          changed it by 3/2 d/T; an outlier does not show it, and the farther d is from what V
 //          allows, the likelier it is one. Other starts with main's velocity plus
 //          3/2 d/T V / (V + (d/T)^2), and the variance V + (d/T)^2: a motion that went so far may
 //          go on as fast. The event is `motion_changed` where the sample may well be a change, else

@@ -6,7 +6,7 @@
 //
 // The differences of a rounded coordinate are multiples of its step. Each d that is a multiple of g
 // to kTolerance confirms it; a random d does so with probability 2 kTolerance. kConfirmations of
-// them in a row make g the step. One that is no multiple takes back kDoubt confirmations, so that a
+// them in a row make g the step. A non-multiple takes back kDoubt confirmations, so that a
 // stray sample, which makes two, does not undo a step that has long been known; unconfirmed, g
 // becomes its greatest common divisor with d, and below kLeast_m it starts anew.
 //

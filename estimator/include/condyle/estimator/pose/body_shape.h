@@ -2,9 +2,10 @@
 // Learns the body to which three points belong, from the first samples that agree on it.
 //
 //   d_k        distance of the two points other than k, of one sample (m); the last 15 samples
-//   count m_k        median of the 15 s          1.4826 median |d_k - m_k| / sqrt(2), over samples
-//   and k: a coordinate's noise, were
-//              the points measured one by one, and about the residual of a fit
+//   m_k        median of the 15 distances
+//   s          1.4826 median |d_k - m_k| / sqrt(2), over samples and k: the noise of a coordinate
+//   if
+//              the points were measured one by one, and about the residual of a fit
 //   misfit     of a sample: |d - m| / sqrt(6), about the residual of its fit
 //   tolerance  6 s; at least kSmallestTolerance_m, at most what the caller allows
 //

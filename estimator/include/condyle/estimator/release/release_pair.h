@@ -9,17 +9,16 @@
 //
 // Model:     lambda2 = lambda / (1 + eta dm),  kappa2 = (kappa + eta dk) / (1 + eta dm),
 //            r2 = r1 + eta W / kappa
-//            A load that hangs adds a mass and a weight. The rests are used where W is given, and
-//            only without a spring, whose own rest nobody knows.
-// Estimate:  weighted least squares, Gauss-Newton, over (dm, dk, W) / s, r1, lambda, kappa, eta;
-// the
-//            load's uncertainty is one more measurement each, so that it widens what it bears on
+//            A hanging load adds a mass and a weight. The rests are used only if W is given and
+//            there is no spring, whose own rest is unknown.
+// Estimate:  weighted least squares, Gauss-Newton, over (dm, dk, W) / s, r1, lambda, kappa, eta.
+//            Each uncertainty of the load is one more measurement and widens the results.
 // Intervals: of the ratios 1 / eta, lambda / eta, kappa / eta by E. C. Fieller (J. R. Stat. Soc. B
-//            16 (1954) 175-185), without an end where eta may be zero
-// Agreement: the sum of squares, by the noise alone, is chi-square with one degree of freedom, two
-// with rests; more than
-//            a chance of 1 in 1000: the recordings are not of one (kv, ks, m), and there is no
-//            value
+//            16 (1954) 175-185), unbounded if eta may be zero
+// Agreement: the sum of squares, from the noise alone, is chi-square with one degree of freedom,
+// two
+//            with rests. Beyond a chance of 1 in 1000 the recordings do not have one (kv, ks, m),
+//            and there is no value.
 #pragma once
 
 #include <array>

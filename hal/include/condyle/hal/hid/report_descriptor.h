@@ -36,7 +36,7 @@ struct FieldUnit {
   std::uint32_t code = 0;     ///< HID unit item; 0: none
   std::int32_t exponent = 0;  ///< powers of ten
   std::string text;           ///< in SI: "m", "m/s^2", "rad"; "" if it has none
-  /// SI = logical * scale + offset; absent where no conversion is defined (no unit or, for
+  /// SI = logical * scale + offset; absent if no conversion is defined (no unit or, for
   /// temperatures and reserved systems, an affine or unknown one).
   std::optional<double> scale;
   std::optional<double> offset;

@@ -2,7 +2,7 @@
 // The messages between a PC and a target that runs the estimator, each in a frame (link_frame.h).
 // Numbers are little endian, floating-point numbers as their bits. No heap, no exceptions.
 //
-//   PC: hello         target: greeting, and fault where one is on record
+//   PC: hello         target: greeting, and fault if one is on record
 //   PC: layout        target: accepted or refused
 //   PC: start         target: accepted or refused
 //   PC: report, ...   target: estimates; before one with which a conclusion was drawn, that

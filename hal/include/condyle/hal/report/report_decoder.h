@@ -33,7 +33,7 @@ constexpr const char* fault_name(ReportFault fault) {
 /// The content of one report.
 struct DecodedReport {
   SampleKind kind = SampleKind::one_point;
-  std::array<double, 9> coordinates{};  ///< as in Sample (m); NaN where not measured
+  std::array<double, 9> coordinates{};  ///< as in Sample (m); NaN if not measured
   bool position_valid = false;          ///< as in Sample
   double drive_N = 0;
   bool drive_valid = false;
