@@ -94,8 +94,8 @@ void ProfileFieldReader::read_scale(const std::string& section, FieldText& text,
     if (file_.choice(section, "unit", unit, names)) text.unit = &units[unit];
   }
   double counts = 0;
-  const bool has_scale = file_.number(section, "scale", text.scale, "units a count", kScale);
-  if (file_.number(section, "counts_per_unit", counts, "counts a unit", kScale)) {
+  const bool has_scale = file_.number(section, "scale", text.scale, "units per count", kScale);
+  if (file_.number(section, "counts_per_unit", counts, "counts per unit", kScale)) {
     if (has_scale) {
       throw InputError(file_.place(section, "counts_per_unit"), "the scale is given twice",
                        "give scale or counts_per_unit");

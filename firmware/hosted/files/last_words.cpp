@@ -32,17 +32,18 @@ int ending_code = 1;
 int say_last_words(const char* program, const std::exception& error, int otherwise) noexcept {
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) {
     std::fprintf(stderr,
-                 "%s: there is not enough memory; give it more (ulimit -v, MemoryMax of a "
+                 "%s: there is not enough memory; raise its limit (ulimit -v, MemoryMax of a "
                  "service)\n",
                  program);
     return kExitNoRoom;
   }
   const auto* const system = dynamic_cast<const std::system_error*>(&error);
   if (system != nullptr && system->code() == std::errc::resource_unavailable_try_again) {
-    std::fprintf(stderr,
-                 "%s: no more threads can be started; give it more memory or threads (ulimit -v "
-                 "and -u, MemoryMax and TasksMax of a service)\n",
-                 program);
+    std::fprintf(
+        stderr,
+        "%s: no more threads can be started; raise the limits of memory and threads (ulimit "
+        "-v and -u, MemoryMax and TasksMax of a service)\n",
+        program);
     return kExitNoRoom;
   }
   std::fprintf(stderr, "%s: internal error: %s; please report it\n", program, error.what());

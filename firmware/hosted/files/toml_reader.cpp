@@ -116,7 +116,7 @@ struct TomlReader::Document {
     const auto value = item.is_number() ? item.value<double>() : std::nullopt;
     if (!value) {
       throw InputError(place(item.source()), fmt::format("{} takes numbers", key),
-                       fmt::format("in {}", unit));
+                       fmt::format("give them in {}", unit));
     }
     if (!range.contains(*value)) {
       throw InputError(place(item.source()), fmt::format("{} = {} is out of range", key, *value),
@@ -200,7 +200,7 @@ bool TomlReader::number(std::string_view section, std::string_view key, double& 
   if (node == nullptr) return false;
   if (node->is_array()) {
     throw InputError(document_->place(node->source()), fmt::format("{} takes one number", key),
-                     fmt::format("in {}", unit));
+                     fmt::format("give it in {}", unit));
   }
   value = document_->read_number(*node, key, unit, range);
   return true;
@@ -214,7 +214,7 @@ bool TomlReader::numbers(std::string_view section, std::string_view key, double*
   if (array == nullptr || array->size() != count) {
     throw InputError(document_->place(node->source()),
                      fmt::format("{} takes an array of {} numbers", key, count),
-                     fmt::format("in {}", unit));
+                     fmt::format("give them in {}", unit));
   }
   for (std::size_t i = 0; i < count; ++i) {
     values[i] = document_->read_number(*array->get(i), key, unit, range);
@@ -285,7 +285,7 @@ bool TomlReader::choices(std::string_view section, std::string_view key,
   const toml::array* const array = node->as_array();
   if (array == nullptr || array->size() != count) {
     throw InputError(document_->place(node->source()),
-                     fmt::format("{} takes an array of {} texts", key, count),
+                     fmt::format("{} takes an array of {} strings", key, count),
                      fmt::format("choose from \"{}\"", fmt::join(choices, "\", \"")));
   }
   indices.clear();
@@ -300,7 +300,7 @@ bool TomlReader::text(std::string_view section, std::string_view key, std::strin
   if (node == nullptr) return false;
   const auto text = node->value<std::string>();
   if (!text || !node->is_string()) {
-    throw InputError(document_->place(node->source()), fmt::format("{} takes a text", key),
+    throw InputError(document_->place(node->source()), fmt::format("{} takes a string", key),
                      "write it in quotation marks");
   }
   value = *text;

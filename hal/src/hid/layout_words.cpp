@@ -71,7 +71,7 @@ Words count_words(LayoutFault fault, const CountingField& counting) {
     case LayoutFault::count_not_unsigned:
       return {"is not an unsigned integer", "make it unsigned"};
     case LayoutFault::wraps_beyond_width:
-      return {"wraps at more than its bits hold", "leave wraps_at out, or widen the field"};
+      return {"wraps at more than its bits hold", "leave out wraps_at, or widen the field"};
     case LayoutFault::wraps_too_soon: {
       const std::uint64_t values = counting.wraps_at != 0
                                        ? counting.wraps_at
@@ -101,7 +101,7 @@ Words checksum_words(LayoutFault fault, const Checksum& checksum, std::size_t si
               "give them without the polynomial's top bit, at most " +
                   std::to_string((std::uint32_t{1} << checksum.width_bits) - 1)};
     case LayoutFault::checksum_covers_nothing:
-      return {"covers no bytes", "give the first and the last byte it is taken over"};
+      return {"covers no bytes", "give the first and the last byte that it covers"};
     case LayoutFault::checksum_beyond_report:
       return {"covers bytes beyond the report's " + std::to_string(size_bytes),
               "raise the minimum size, or end earlier"};

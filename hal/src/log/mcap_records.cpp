@@ -133,7 +133,7 @@ McapReader::Step McapReader::take_chunk(ByteSpan content) {
                                 ? 0
                                 : ZSTD_decompressDCtx(zstd_.get(), chunk_.data(), chunk_.size(),
                                                       records.data(), records.size());
-    if (ZSTD_isError(got) != 0 || got != size) return damaged("a chunk cannot be uncompressed");
+    if (ZSTD_isError(got) != 0 || got != size) return damaged("a chunk cannot be decompressed");
   } else if (compression.empty()) {
     if (records.size() != size) return damaged("a chunk does not have the size it claims");
     std::copy(records.begin(), records.end(), chunk_.begin());

@@ -240,8 +240,8 @@ TEST(DeviceProfileFile, NamesPlaceProblemAndMendOfKeys) {
   EXPECT_THAT(problem_with("offset_bits = 8\n"), HasSubstr("the offset is given twice"));
   EXPECT_THAT(problem_with("valid_from = 8\n"), HasSubstr("one end of the valid range"));
   EXPECT_THAT(problem_with("axes = [\"x\", \"-x\", \"z\"]\n"), HasSubstr("axes names x twice"));
-  EXPECT_THAT(problem_with("axes = [\"x\", \"y\"]\n"), HasSubstr("an array of 3 texts"));
-  EXPECT_THAT(problem_with("axes = \"xyz\"\n"), HasSubstr("an array of 3 texts"));
+  EXPECT_THAT(problem_with("axes = [\"x\", \"y\"]\n"), HasSubstr("an array of 3 strings"));
+  EXPECT_THAT(problem_with("axes = \"xyz\"\n"), HasSubstr("an array of 3 strings"));
   EXPECT_THAT(problem_with("axes = [\"x\", \"y\", \"w\"]\n"),
               HasSubstr("p.toml:14:19: axes is none"));
   EXPECT_THAT(problem_with("order = [\"x\", \"x\", \"z\"]\n"), HasSubstr("a coordinate twice"));

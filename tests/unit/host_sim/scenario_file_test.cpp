@@ -38,7 +38,7 @@ TEST(ScenarioFile, NamesPlaceProblemAndMend) {
   expect("duration_s = nan\n", "is out of range");
   expect("seed = 1.5\n", "s.toml:1:8: is no whole number");
   expect("[subject]\nmass_kg = -0.2\n", "s.toml:2:11: mass_kg = -0.2 is out of range");
-  expect("[subject]\nmass_kg = \"0.2 kg\"\n", "mass_kg takes numbers; in kg");
+  expect("[subject]\nmass_kg = \"0.2 kg\"\n", "mass_kg takes numbers; give them in kg");
   expect("[subject]\njaw = \"horse\"\n", "give \"artisynth\" or \"anybody\"");
   expect("[subject]\nmotion = \"point_mass\"\n", "no error");
   expect("[subject]\nmotion = \"point_mass\"\ndrive = \"muscles\"\n",
