@@ -163,8 +163,7 @@ void NodeEstimator::take(host::NodeClient& client, host::NodeAnswer answer, unsi
     ++state_.without_estimate;
   }
   if (answer != host::NodeAnswer::estimate) return;
-  pause_ns_ =
-      kFirstPause_ns;  // only now: a node that accepts only a start is tried less and less often
+  pause_ns_ = kFirstPause_ns;  // not earlier: a node may accept no more than a start
   if (scalar_size == sizeof(float)) {
     publish<float>(client);
   } else {

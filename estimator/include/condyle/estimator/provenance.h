@@ -28,8 +28,7 @@ constexpr const char* provenance_name(Provenance provenance) {
 template <class Scalar>
 struct Quantity {
   Scalar value = std::numeric_limits<Scalar>::quiet_NaN();
-  Scalar standard_deviation =
-      std::numeric_limits<Scalar>::quiet_NaN();  ///< from the filter's model
+  Scalar standard_deviation = std::numeric_limits<Scalar>::quiet_NaN();  ///< by the model
   Provenance provenance = Provenance::not_computed;
 };
 

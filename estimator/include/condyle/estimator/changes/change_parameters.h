@@ -21,12 +21,11 @@ struct DampingBaseline {
 
 /// What counts as a chewing cycle.
 struct CycleParameters {
-  double travel_m = 0.002;     ///< it rises and falls by at least this (m)
-  double shortest_s = 0.25;    ///< it takes at least this (s)
-  double longest_s = 3;        ///< and at most this (s); above 0.3 Hz
-  double longest_gap_s = 0.1;  ///< between samples (s); after a longer one the place is unknown
-  double share_not_taken =
-      0.1;  ///< largest share of its positions that are missing or beyond the gate
+  double travel_m = 0.002;        ///< it rises and falls by at least this (m)
+  double shortest_s = 0.25;       ///< it takes at least this (s)
+  double longest_s = 3;           ///< and at most this (s); above 0.3 Hz
+  double longest_gap_s = 0.1;     ///< between samples (s); after a longer one the place is unknown
+  double share_not_taken = 0.1;   ///< largest share of positions missing or beyond the gate
   double largest_sd_Ns_m = 0.25;  ///< of its damping; a cycle with a larger one does not count
 };
 

@@ -185,8 +185,7 @@ class CycleTimeline {
                              sqrt(1 + static_cast<double>(between_) / static_cast<double>(drives_));
     damping_.emplace(baseline_of(estimate), joint, watch_.cycles);
     start_at(end_ns_);
-    if (joint_.delay ==
-        DelayModel::fitted) {  // from here on the fitted delay is subtracted as well
+    if (joint_.delay == DelayModel::fitted) {  // then the fitted delay is subtracted too
       delay_ns_ = nanoseconds(static_cast<double>(estimate.plain.delay_s));
       has_drive_ = false;
     }

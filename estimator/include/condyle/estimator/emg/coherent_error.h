@@ -46,8 +46,7 @@ class CoherentError {
     Vector variances;
     for (int i = 0; i < n; ++i) {
       const Scalar share = inverse(i, i);
-      const bool is_usable =
-          share >= Scalar(0) && share < Scalar(1);  // else the values are unknown
+      const bool is_usable = share >= Scalar(0) && share < Scalar(1);  // else unknown
       variances[i] = D[i] * D[i] * (is_usable ? share : Scalar(1));
     }
     return variances;

@@ -435,8 +435,7 @@ class EmgIdentification {
   Scalar nis_ = std::numeric_limits<Scalar>::quiet_NaN();
   bool has_drive_ = false, is_started_ = false;
   Forces before_{}, after_{};
-  Scalar interval_s_ = 0,
-         share_ = 1;  // of the interval of the forces, and the share that has passed
+  Scalar interval_s_ = 0, share_ = 1;  // of the forces; the share that has passed
   int rejected_in_a_row_ = 0;
   Scalar positions_ = 0, rejected_ = 0;
   Scalar noise_share_ = kFirstShare;

@@ -32,8 +32,7 @@ namespace condyle {
 struct HeadMotionParameters {
   double gain_sd = 0.01;  ///< relative uncertainty of the accelerometer's calibration
   double lever_sd = 0;    ///< share of the acceleration that the head's turning may add or subtract
-  double delay_sd_s =
-      0.005;  ///< of the accelerometer's delay (s); the delay itself is subtracted before
+  double delay_sd_s = 0.005;   ///< of the accelerometer's delay (s), which is subtracted before
   double muscle_share = 1;     ///< s, 0 to 1
   double longest_gap_s = 0.1;  ///< between accelerations; they are unknown in a longer one
   /// Shown, as assumed, if they are not measured.

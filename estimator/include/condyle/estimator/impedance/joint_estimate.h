@@ -70,10 +70,9 @@ constexpr const char* limit_name(JointLimit limit) {
 template <class Scalar>
 struct IdentifiedValue {
   static constexpr Scalar kNone = std::numeric_limits<Scalar>::quiet_NaN();
-  Quantity<Scalar> quantity;  ///< the value to show: the prior, assumed, unless it is measured
-  Scalar fitted = kNone;      ///< by the regression, even if withheld
-  Scalar fitted_sd =
-      kNone;  ///< includes the uncertainty of the assumptions; infinite if that is unbounded
+  Quantity<Scalar> quantity;   ///< the value to show: the prior, assumed, unless it is measured
+  Scalar fitted = kNone;       ///< by the regression, even if withheld
+  Scalar fitted_sd = kNone;    ///< includes that of the assumptions; infinite if unbounded
   Scalar sampling_sd = kNone;  ///< excludes it: the recording's own scatter
   Scalar needed_s = kNone;     ///< recorded time that would suffice; if the limit is resolution
   JointLimit limit = JointLimit::no_drive;

@@ -14,8 +14,7 @@ namespace condyle {
 struct JointPrior {
   double mean = 0;
   double sd = 1;
-  double walk_per_root_s =
-      0;  ///< random walk: standard deviation gained in a second; 0: a constant
+  double walk_per_root_s = 0;  ///< standard deviation gained in a second; 0: a constant
 };
 
 /// How the measured drive relates to the true one. Systematic errors enter the intervals and are

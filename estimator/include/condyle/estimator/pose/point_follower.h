@@ -56,8 +56,7 @@ Matrix3<Scalar> points_of(const Sample& sample) {
 
 /// Place of the followed point.
 struct FollowedPosition {
-  Eigen::Vector3d position_m =
-      Eigen::Vector3d::Zero();  ///< in the instrument's frame; valid if status is ok
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< instrument's frame; valid if ok
   /// Vector to the followed point (m) from the point that the instrument measures best, which is
   /// the middle of its three points or the pose's origin; 0 for a point of the instrument.
   Eigen::Vector3d lever_m = Eigen::Vector3d::Zero();

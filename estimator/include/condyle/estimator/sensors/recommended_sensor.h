@@ -100,9 +100,8 @@ class RecommendedSensor {
   PointFollower<double> follower_;
   FrozenDetector frozen_;
   bool has_noise_ = false;
-  Measurement last_;  // before the check for a freeze
-  int run_samples_ =
-      0;  // since the first repeat of the present run that was used, that one included
+  Measurement last_;     // before the check for a freeze
+  int run_samples_ = 0;  // since the first used repeat of the present run, that included
   Estimator estimator_;
 };
 

@@ -124,9 +124,8 @@ struct StartMessage {
 /// A report as it arrived at the PC.
 struct ReportMessage {
   static constexpr MessageType kType = MessageType::report;
-  TimeNs host_time_ns = 0;  ///< on the PC's monotonic clock
-  std::span<const std::uint8_t>
-      bytes;  ///< at most kMaxReportSize; when read: in the payload itself
+  TimeNs host_time_ns = 0;              ///< on the PC's monotonic clock
+  std::span<const std::uint8_t> bytes;  ///< at most kMaxReportSize; if read, in the payload itself
 };
 
 /// No report follows: send the waiting estimates, and stop.
