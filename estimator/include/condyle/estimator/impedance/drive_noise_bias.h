@@ -24,7 +24,7 @@
 // Start:       M of p: R, of v: 0 (it is taken for 0, whatever it is)
 //
 // With this the score is the gradient of -sum r^2 / S / 2, the total least squares criterion
-// (Deming 1943; Fuller 1987, Measurement Error Models, 1.3): where P starts like M and no other
+// (Deming 1943; Fuller 1987, Measurement Error Models, 1.3): if P starts like M and no other
 // noise is, M = P, H (C_i + C_i') H' = dS / dtheta_i. There is no log S in it: the true drive has
 // no distribution. Unmeasured white force is in P, so in K, but not in M: it moves x, and
 // y follows, so that it makes no error of a regressor.

@@ -18,10 +18,10 @@
 //              mass is found. What the motion itself shows of the mass is 1 / g
 //
 // The jaw is assumed to be relaxed: a muscle that responds to the motion acts like damping or
-// stiffness of the joint. The user states the share s that muscles may add to the inertial force -m
-// a (rms, about its mean). The default 1 means unknown, and nothing is measured. s is the share
-// that the drive misses. The uncertainties of the gain and of the lever's share are those of one
-// scale, sigma_g^2 = gain^2 + lever^2.
+// stiffness of the joint. The user states the share s that muscles may add to the inertial
+// force -m a (rms, about its mean). The default 1 means unknown, and nothing is measured. s is the
+// share that the drive misses. The uncertainties of the gain and of the lever's share are those of
+// one scale, sigma_g^2 = gain^2 + lever^2.
 #pragma once
 
 #include "condyle/estimator/impedance/point_identification.h"

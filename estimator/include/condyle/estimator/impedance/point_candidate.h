@@ -3,7 +3,7 @@
 //
 //   P, P0     the plain fit of m, kv, ks, c (and tau, if the delay is fitted): noise taken out
 //             of all columns, or kept in the even ones (regression_fit.h)
-//   S         P0 with X^2, X^3, X^4 beside: a spring of any shape. Where the delay is fitted, P
+//   S         P0 with X^2, X^3, X^4 beside: a spring of any shape. If the delay is fitted, P
 //             with these: u' is odd as v is, yet a motion that differs from itself played
 //             backwards couples it with X^k, whose noise may then not be kept
 //   E, E0     P, P0 with X^2, X^3, X^4 and the sign of the velocity: also sliding friction
@@ -16,10 +16,10 @@
 // taken:
 //   mass      P: d = m_E - m_P.  E: d = (m_P - m_E) / 2
 //   friction  P0: d = kv_S - kv_P.  S: d = 0. Either with 0.1 f and the correction for noise, and
-//             with half of kv_E + f - kv where the delay is fitted. Where Coulomb friction is
+//             with half of kv_E + f - kv if the delay is fitted. If Coulomb friction is
 //             fitted, E0 alone: kv is then the viscous part
 //   others    stiffness and offset P: d to E. Coulomb friction E0. Delay P: d is half of that to E;
-//             E where Coulomb friction is fitted
+//             E if Coulomb friction is fitted
 // The delay, known to s, adds s times the effect of a second of delay, to second order; by
 // regression.
 #pragma once

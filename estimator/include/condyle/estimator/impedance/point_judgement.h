@@ -11,11 +11,11 @@
 //             3/4 angle^4 (a force at an angle A counts with cos A, which is 1 - A^2 / 2)
 //   delay     known to s: s times what a second of delay adds, to second order; by regression
 //   missing   a force of at most the share s of the total, in phase with v or a: s rms(u) / rms(v);
-//             where the mass is known, u about its mean
+//             if the mass is known, u about its mean
 //   mass      sigma_m dtheta/dm_0
-//   smoothing where the noise of the positions is not white, what a square second of u''
+//   smoothing if the noise of the positions is not white, what a square second of u''
 //             adds, times what the test of dynamics leaves open: the root of u''^2 + V
-//   noise     (0.1 + |R - 1|) times the correction for noise, 0.25 where it is not white
+//   noise     (0.1 + |R - 1|) times the correction for noise, 0.25 if it is not white
 // Measured: standard deviation, all of it, at most half the resolution that the user asks for.
 #pragma once
 

@@ -7,7 +7,7 @@
 // A delay within its statement fails none:
 //   noise              R beyond 1.25 + 3 sqrt(2 / (T w_c / 3.55))
 //   drive_reversed     m below -3; implausible_mass: m beyond 3 outside the stated range
-//   mass_stated        where the mass is known: m of P or E with its column beyond 3 from it
+//   mass_stated        if the mass is known: m of P or E with its column beyond 3 from it
 //   dynamics           u'' added to E, beyond 3 standard deviations
 //   delay_stated       tau, u' added to E0, beyond 4 from what is stated
 //   changing           trends of kv in P0, of m in E or of tau, beyond 3

@@ -10,17 +10,17 @@
 //   C, G    changes and outliers that were decided so far, older ones count less
 //
 // Start.   o = log N(d; S') - log u, between kLeast and kMost. At kMost the sample may well be a
-//          change, below it is an outlier that a change could hardly make. Where outliers outnumber
+//          change, below it is an outlier that a change could hardly make. If outliers outnumber
 //          changes, o is less by log (G / C): of an instrument that often fails, two outliers in a
 //          row are likelier than a motion of their speed.
 //          Each further sample in a row that the motion did not expect adds log 2: of a burst that
 //          goes on. The density of d is then that of a Cauchy distribution of the width sqrt(S'):
 //          a jaw rarely starts at ten times its usual speed, but less rarely than the tail of a
 //          normal distribution says.
-//          Where the question is open already, o does not fall.
+//          If the question is open already, o does not fall.
 // Tests.   A later sample adds log p_change - log p_outlier, where each p is at least that of one
 //          more outlier: outliers come in bursts, and the next is about as far off as the first,
-//          N(nu; S + (2 d)^2), with probability 1/2 where the motion goes on, e^-3 where it
+//          N(nu; S + (2 d)^2), with probability 1/2 if the motion goes on, e^-3 if it
 //          changed.
 // End.     o > kSure: a change. o < -kUnlikely, and the motion expected the sample: an outlier.
 //          After kMostTests the likelier.

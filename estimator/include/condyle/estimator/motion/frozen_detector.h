@@ -5,12 +5,12 @@
 //   r       length of the present run of repeats
 //   f       probability of a repeat after a repeat while the device lives
 //
-// A living device also repeats itself, where it rounds and the jaw rests. A repeat is frozen once
+// A living device also repeats itself, when it rounds and the jaw rests. A repeat is frozen once
 // its run is too improbable for a living device:
 //   max(f, 0.01)^r < 1e-6,    f as it was when the run began:
-// the fourth repeat of a noisy signal, the twentieth where every second sample at rest is a repeat.
+// the fourth repeat of a noisy signal, the twentieth if every second sample at rest is a repeat.
 // It is doubtful, and better not used, from 0.02 on: the first repeat of a noisy signal, the sixth
-// where every second sample is one.
+// if every second sample is one.
 //
 //   f = (10 g + a) / (10 + n)
 //   n, a    samples after a repeat, and those of them that were repeats

@@ -6,7 +6,7 @@
 //   <>      mean over the last n samples, older ones forgotten exponentially
 //
 // Noise.     For a given r the likelihood is largest at R_i = <nu^2 / S>: a mean of positive
-//            numbers, held between floor and ceiling; the floor is at least step^2 / 12 where the
+//            numbers, held between floor and ceiling; the floor is at least step^2 / 12 if the
 //            positions are rounded (rounding_step.h). Each nu^2 / S counts at most huber^2 R_i, so
 //            that glitches do not become noise.
 // Weights.   log w_i = max(long_i - max long, -kLead) + short_i, up to a constant:
@@ -16,11 +16,11 @@
 //            short_i   log likelihood of about the last kShortMemory samples,
 //                      -1/2 sum min(log R_i S_i + nu^2 / (R_i S_i), floor)
 //            What served best so far leads, its R and q are those reported, but by no more than
-//            e^kLead, and by e^kLivelier more for each member in between where the other is
+//            e^kLead, and by e^kLivelier more for each member in between if the other is
 //            livelier: when the jaw starts or stops, a few samples put another member in charge,
 //            and of those that explain these as well the least lively.
 // Floor.     max_j log R_j S_j + gate^2, common to all members. A sample that even the widest does
-//            not expect says nothing about which is right. Were the last term alone bounded, each
+//            not expect does not show which is right. If only the last term were bounded, each
 //            such sample would favour the narrowest, and uncertainty would shrink while nothing is
 //            measured.
 //

@@ -14,9 +14,9 @@
 //          changed it by 3/2 d/T; an outlier does not show it, and the farther d is from what V
 //          allows, the likelier it is one. Other starts with main's velocity plus
 //          3/2 d/T V / (V + (d/T)^2), and the variance V + (d/T)^2: a motion that went so far may
-//          go on as fast. The event is `motion_changed` where the sample may well be a change, else
+//          go on as fast. The event is `motion_changed` if the sample may well be a change, else
 //          `outlier_rejected`.
-// Tests.   A sample fits a hypothesis where it is within the gate and, by the noise that the
+// Tests.   A sample fits a hypothesis if it is within the gate and, by the noise that the
 //          members have made out themselves, likelier than as one more outlier. From one that fits
 //          neither, other starts anew, and after `reset_after` in a row main is given up.
 // Shown.   The mixture of both, its first two moments matched.

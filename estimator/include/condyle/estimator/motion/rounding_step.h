@@ -13,7 +13,7 @@
 // In float a coordinate of 0.3 m has 7 digits: steps below 0.1 mm may not be found there.
 //
 // Rounding adds noise of variance step^2 / 12 (B. Widrow, IRE Trans. Circuit Theory 3 (1956) 266).
-// At rest, where a sample repeats the last, it does not show in any innovation, and no mean of
+// At rest, when a sample repeats the last, it does not show in any innovation, and no mean of
 // samples makes it less: of a share s of repeats among the last 1/kRecentGain samples, s step^2 /
 // 12 stays in the position.
 #pragma once

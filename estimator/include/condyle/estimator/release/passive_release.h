@@ -15,10 +15,10 @@
 // Later start: what fits without the first samples change (release_later_start.h) is part of every
 //             interval and of the covariance
 // Intervals:  95 %, by profile likelihood: near overdamping lambda is far from normal, and has no
-//             upper end where the fast mode dies within a sample. The standard deviation that
+//             upper end if the fast mode dies within a sample. The standard deviation that
 //             counts is the wider half of the interval / q, q = 1.96 (sigma not known: Student's t)
-// Overdamped: a hand that lets go over a time adds a real pole to the motion, which cannot be told
-//             from those of an overdamped jaw: where the interval of the damping ratio reaches 1,
+// Overdamped: a hand that lets go over a time adds a real pole to the motion, which looks the same
+//             as those of an overdamped jaw: if the interval of the damping ratio reaches 1,
 //             no value is given, unless the support is known to be gone at the first sample
 // Checks:     SSE / sigma^2 is chi-square with n - k degrees of freedom (limits left by chance
 //             once in 2000 times each, E. B. Wilson, M. M. Hilferty, PNAS 17 (1931) 684-688);

@@ -5,9 +5,9 @@
 //   e, J                               residual; its slope by x: d/dw = 2 kappa d/dkappa
 //
 // Descent: s = (J'J + mu D)^-1 J' e, D the diagonal of J'J, mu ten times larger until e'e falls
-//          (D. W. Marquardt, J. SIAM 11 (1963) 431-441); where lambda, w or zeta is held, along the
+//          (D. W. Marquardt, J. SIAM 11 (1963) 431-441); if lambda, w or zeta is held, along the
 //          one direction that holds it: (0, 1), (1, 0), (lambda, 1).
-// Profile: least sum of squares where a value is held. Its 95 % interval ends where that has grown
+// Profile: least sum of squares with a value held. Its 95 % interval ends where that has grown
 //          by q^2 noise variances; it needs no symmetry, as the delta method does, and is the same
 //          for a value and for any function of it (S. S. Wilks, Ann. Math. Stat. 9 (1938) 60-62).
 #pragma once
