@@ -38,7 +38,7 @@ TEST_F(CompareSessions, SessionsOfASubjectThatChanged) {
   EXPECT_THAT(result.output,
               AllOf(HasSubstr("before to later: +"), HasSubstr("CHANGED, also among so many"),
                     HasSubstr("of 18 comparisons exceed"), HasSubstr("(0.9 of these)"),
-                    HasSubstr("it diagnoses nothing"), HasSubstr("mounted anew")));
+                    HasSubstr("it is not a diagnosis"), HasSubstr("mounted anew")));
   const Table table = read_table(out);
   ASSERT_EQ(table.rows, 18U);  // six quantities, three pairs
   for (std::size_t i = 0; i < table.rows; ++i) {
@@ -109,10 +109,10 @@ TEST_F(CompareSessions, SaysWhatItCannotUse) {
   const std::string a = record(1), b = record(2), fast = record(3, 0.015, 120);
   const std::string copy = folder_.write("copy.csv", read_file(a));
   refuse({}, "has nothing to compare");
-  refuse({"--session", session("a", {a, b})}, "one session alone");
+  refuse({"--session", session("a", {a, b})}, "one session cannot be compared");
   refuse({"--session", "a=", "--session", session("b", {b})}, "a: has no recordings");
   refuse({"--session", "a=" + a + ",,", "--session", session("b", {b})}, "names is empty");
-  refuse({"--session", a, "--session", session("b", {b})}, "does not say its name");
+  refuse({"--session", a, "--session", session("b", {b})}, "lacks a name");
   refuse({"--session", session("a", {a}), "--session", session("a", {b})}, "is given twice");
   refuse({"--session", session("a", {a, b}), "--session", session("b", {b})}, "is named twice");
   refuse({"--session", session("a", {a, b}), "--session", session("b", {copy})}, "is a copy of");
@@ -120,10 +120,10 @@ TEST_F(CompareSessions, SaysWhatItCannotUse) {
          "compare recordings of one rate");
   refuse({"--session", session("a", {a, b}), "--session", session("b", {kOneAxis})},
          "compare recordings of one kind");
-  refuse({a, "--session", session("a", {a}), "--session", session("b", {b})}, "named apart");
+  refuse({a, "--session", session("a", {a}), "--session", session("b", {b})}, "outside a session");
   refuse({"--session", session("a", {a}), "--session", session("b", {b}), "--with", "recommended",
           "--with", "published"},
-         "compared by one estimator");
+         "compared with one estimator");
   refuse({a, a}, "is named twice");
   refuse({a, folder_ / "missing.csv"}, "missing.csv");
   refuse({a, "--with", "kalman"}, "kalman: is no estimator");

@@ -180,7 +180,8 @@ TEST_F(Drive, RefusesWhatItCannotUse) {
   };
   expect(replay(recording_, {"--drive", recording_}), "no column drive_N");
   expect(replay(with_column(), {"--drive", drive_}), "has a drive of its own");
-  expect(replay(recording_, {"--drive-missing", "0"}), "has no drive that could be described");
+  expect(replay(recording_, {"--drive-missing", "0"}),
+         "has no drive, so options of the drive do not apply");
   expect(replay(recording_, {"--drive", drive_, "--estimator", "published"}),
          "is not supported by --estimator published");
   expect(replay(recording_, {"--drive", folder_ / "none.csv"}), "none.csv");

@@ -41,7 +41,8 @@ TEST(StandardOutput, TakesOneFileOnly) {
   EXPECT_EQ(both.exit_code, 2);
   const CommandResult beside = run_condyle({"simulate", scenario, "--out", "-"});
   EXPECT_EQ(beside.exit_code, 2);
-  EXPECT_THAT(beside.errors, HasSubstr("--out -: the scenario's companions are written beside"));
+  EXPECT_THAT(beside.errors,
+              HasSubstr("--out -: the scenario also writes drive, EMG or head motion"));
   const CommandResult log = run_condyle(
       {"record", "--profile", source_path("/hal/profiles/condyle_facebow.toml"), "--out", "-"});
   EXPECT_EQ(log.exit_code, 2);

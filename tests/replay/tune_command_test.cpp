@@ -235,9 +235,9 @@ TEST_F(Tune, RefusesBadInputAndLeavesNoFile) {
   refused({kShipped}, {"--noise-bounds-mm", "1", "0.1"}, "is not below the upper");
   refused({kShipped}, {"--jerk-density-bounds", "5", "5"}, "is not below the upper");
   refused({kShipped}, {"--noise-bounds-mm", "nan", "1"}, "is not a number");
-  refused({kShipped}, {"--tunings", folder_ / "t.csv"}, "no such thing");
+  refused({kShipped}, {"--tunings", folder_ / "t.csv"}, "is not supported by the criterion");
   refused({kShipped}, {"--criterion", "published", "--jerk-density-bounds", "1", "2"},
-          "no such thing");
+          "is not supported by the criterion");
   refused({kShipped},
           {"--parameters", testing_support::source_path("/host_sim/recordings/chewing_60hz.toml")},
           "published");

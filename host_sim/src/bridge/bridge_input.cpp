@@ -122,14 +122,14 @@ BridgeInput of_device(const SourceSpec& spec, const std::string& serial, hal::Cl
   facebow->find(stop);
   BridgeInput input;
   input.words = facebow->profile().name +
-                (facebow->device() == nullptr ? ", made up"
+                (facebow->device() == nullptr ? ", synthetic"
                                               : fmt::format(", through {}", backend_of(spec.kind)));
   input.is_live = true;
   describe_by(facebow->profile(), input);
   input.problem = [] { return std::string(); };
   input.source = {facebow, &facebow->source()};
   if (input.source->open() != hal::Status::ok) {
-    throw InputError(spec.file, "the device cannot be opened", "condyle doctor says why");
+    throw InputError(spec.file, "the device cannot be opened", "run condyle doctor to see why");
   }
   return input;
 }

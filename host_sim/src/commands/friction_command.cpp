@@ -155,10 +155,9 @@ int draw(const std::string& directory) {
 Command add_friction(CommandLine app) {
   auto directory = std::make_shared<std::string>();
   const CommandLine command =
-      app.add_command("friction", "Draw what the simulator's friction laws do", "Simulate");
-  command.add_example("condyle friction --figures figures",
-                      "Draw the friction laws of the simulator.");
-  command.add_example("condyle friction --figures ~/friction", "The same, into another folder.");
+      app.add_command("friction", "Draw the friction laws of the simulator", "Simulate");
+  command.add_example("condyle friction --figures figures", "Draw them into the folder figures.");
+  command.add_example("condyle friction --figures ~/friction", "Draw them into another folder.");
   command.group("Output")
       .add_option("--figures=FOLDER", *directory, "Folder for figures (SVG and PNG)")
       .required();

@@ -54,7 +54,7 @@ Commands add_commands(CommandLine line) {
 
 int run_command(int argc, char** argv) {
   Program program("condyle", CONDYLE_VERSION,
-                  "Virtual sensor for jaw motion. Research use only; it diagnoses nothing.");
+                  "Virtual sensor for jaw motion. Research use only; not a diagnosis.");
   const CommandLine line = program.line();
   line.require_command();
   const Commands commands = add_commands(line);
@@ -111,7 +111,7 @@ void print_output(const std::string& raw) {
   std::FILE* const to = is_taken ? stderr : stdout;
   if (std::fwrite(text.data(), 1, text.size(), to) != text.size() || std::fflush(to) != 0) {
     throw InputError(is_taken ? "standard error" : "standard output", "cannot be written",
-                     "give it a place that takes the text");
+                     "redirect it to a file or pipe that accepts the text");
   }
 }
 

@@ -230,7 +230,7 @@ int replay(const ReplayOptions& options) {
                          : "leave out --drive, or its column with --ignore-column drive_N");
   }
   if (options.drive.empty() && options.drive_stated.is_given() && !info.has_drive) {
-    throw InputError(options.recording, "has no drive that could be described",
+    throw InputError(options.recording, "has no drive, so options of the drive do not apply",
                      "give one with --drive FILE");
   }
   if (options.estimator.is_published()) {
@@ -247,7 +247,7 @@ Command add_replay(CommandLine app) {
       "replay", "Estimate motion, force and, with a drive, friction and mass from a recording",
       "Analyse recordings");
   command.add_example("condyle replay jaw.csv --out estimates.csv --figures figures",
-                      "Write a row of estimates for each sample, and draw them.");
+                      "Write one row of estimates for each sample, and draw them.");
   command.add_example("condyle replay jaw.csv --drive jaw.drive.csv --drive-missing 0",
                       "Measure friction and mass with a complete force sensor.");
   command
@@ -261,7 +261,7 @@ Command add_replay(CommandLine app) {
       .number_in({0, 1e6})
       .show_default();
   command.add_option("--drive=FILE", options->drive,
-                     "Total force along the followed axis, recorded apart: CSV with time_s and "
+                     "Total force along the followed axis, in its own file: CSV with time_s and "
                      "drive_N, or a session log");
   options->drive_stated.add_to(command);
   command.group("Output").add_flag("--json", options->as_json,
@@ -269,7 +269,7 @@ Command add_replay(CommandLine app) {
   command.group("Output").add_option("-o,--out=FILE", options->out, "CSV file for the estimates");
   command.group("Output").add_option(
       "--values=FOLDER", options->values,
-      "Folder for what the devices of a session log or capture measured beside position: force, "
+      "Folder for the other values that devices of a session log or capture measured: force, "
       "EMG (CSV)");
   command.group("Output").add_option("--figures=FOLDER", options->figures,
                                      "Folder for figures (SVG and PNG)");

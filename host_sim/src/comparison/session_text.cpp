@@ -117,8 +117,8 @@ std::string session_text(const std::string& estimator, const std::vector<Session
   return text +
          "The scatter is that of repeats within a session; with three or four of them it cannot be "
          "seen whether those in a row\nare alike. An instrument mounted anew, another "
-         "day, another task or pace are\npart of a change. It speaks of change; it diagnoses "
-         "nothing; research use only.\n";
+         "day, another task or pace are\npart of a change. This describes change; it is not a "
+         "diagnosis; research use only.\n";
 }
 
 std::string session_csv(const std::vector<Session>& sessions, const SessionComparison& comparison) {

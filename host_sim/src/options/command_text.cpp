@@ -168,7 +168,7 @@ std::string man_page(const CommandText& command, const std::string& version) {
   page +=
       ".SH Exit status\n0 done; 2 unusable input; 3 the judgement is negative; 70 a defect of "
       "condyle; 130 interrupted.\n";
-  page += ".SH Note\nResearch use only. It diagnoses nothing.\n";
+  page += ".SH Note\nResearch use only. Not a diagnosis.\n";
   return page;
 }
 

@@ -13,7 +13,7 @@ namespace condyle::host {
 
 /// The first line of each report.
 inline std::string banner() {
-  return fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
+  return fmt::format("condyle {}: research use only; not a diagnosis\n", CONDYLE_VERSION);
 }
 
 /// A report in lines of a label and words, all words in one column.

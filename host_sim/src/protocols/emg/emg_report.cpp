@@ -199,7 +199,7 @@ std::string emg_json(const EmgResult& result) {
     gains[result.muscles.channels[n].muscle] = json_of(estimate.gain[n]);
   }
   const Json json = {{"condyle", CONDYLE_VERSION},
-                     {"note", "research use only; this is no diagnosis"},
+                     {"note", "research use only; not a diagnosis"},
                      {"recording", result.source.recording},
                      {"emg", result.source.emg},
                      {"positions", result.positions},

@@ -187,7 +187,7 @@ std::string head_motion_json(const IdentifiedHeadMotion& motion) {
                      {"acceleration_noise_sd_m_s2", estimate.acceleration_noise_sd_m_s2},
                      {"muscle_share", motion.parameters.muscle_share},
                      {"condyle", CONDYLE_VERSION},
-                     {"note", "research use only; this is no diagnosis"}};
+                     {"note", "research use only; not a diagnosis"}};
   return json.dump(2) + "\n";
 }
 

@@ -109,7 +109,7 @@ Json json_of(const FittedRelease& release) {
 
 std::string dump(Json json) {
   json["condyle"] = CONDYLE_VERSION;
-  json["note"] = "research use only; this is no diagnosis";
+  json["note"] = "research use only; not a diagnosis";
   return json.dump(2) + "\n";
 }
 
