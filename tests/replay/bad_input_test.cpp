@@ -210,7 +210,7 @@ TEST_F(BadInput, FiguresWithoutGnuplot) {
 TEST_F(BadInput, NoUsableSampleTime) {
   expect_refused(csv("0,1\n0,1\n"), {"no time passes between its samples", "sample_time_s"},
                  {"--estimator", "published"});
-  expect_refused(csv("0,1\n100,1\n"), {"median step of 100 s is no usable sample time"},
+  expect_refused(csv("0,1\n100,1\n"), {"median step of 100 s is not a usable sample time"},
                  {"--estimator", "published"});
   expect_refused(csv("0,1\n100,1\n"), {"median step of 100 s is longer than longest_gap_s"});
 }

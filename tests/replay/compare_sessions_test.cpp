@@ -65,7 +65,7 @@ TEST_F(CompareSessions, WithoutRepeatsTheSmallestChangeIsNotKnown) {
                    session("b", {record(2, 0.03)}), "--out", out});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output, AllOf(HasSubstr("NOT KNOWN, no session has repeats"),
-                                   HasSubstr("whether it is more than chance is not known"),
+                                   HasSubstr("whether it exceeds chance is not known"),
                                    Not(HasSubstr("CHANGED"))));
   for (const char* column : {"smallest_change", "smallest_change_single", "exceeds"}) {
     EXPECT_EQ(read_table(out).columns.at(column)[0], "") << column;
@@ -114,7 +114,7 @@ TEST_F(CompareSessions, SaysWhatItCannotUse) {
   refuse({"--session", "a=" + a + ",,", "--session", session("b", {b})}, "names is empty");
   refuse({"--session", a, "--session", session("b", {b})}, "lacks a name");
   refuse({"--session", session("a", {a}), "--session", session("a", {b})}, "is given twice");
-  refuse({"--session", session("a", {a, b}), "--session", session("b", {b})}, "is named twice");
+  refuse({"--session", session("a", {a, b}), "--session", session("b", {b})}, "is given twice");
   refuse({"--session", session("a", {a, b}), "--session", session("b", {copy})}, "is a copy of");
   refuse({"--session", session("a", {a, b}), "--session", session("b", {fast})},
          "compare recordings of one rate");
@@ -124,7 +124,7 @@ TEST_F(CompareSessions, SaysWhatItCannotUse) {
   refuse({"--session", session("a", {a}), "--session", session("b", {b}), "--with", "recommended",
           "--with", "published"},
          "compared with one estimator");
-  refuse({a, a}, "is named twice");
+  refuse({a, a}, "is given twice");
   refuse({a, folder_ / "missing.csv"}, "missing.csv");
   refuse({a, "--with", "kalman"}, "kalman: is no estimator");
   refuse({a, "--with", "recommended:" + folder_ / "none.toml"}, "none.toml");

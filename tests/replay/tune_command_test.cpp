@@ -231,7 +231,7 @@ TEST_F(Tune, RefusesBadInputAndLeavesNoFile) {
   refused({folder_.write("bursts.csv", bursts)}, {}, "0 in a row long enough");
   refused({two}, {"--criterion", "published"}, "has 2 measured positions");
   refused({nan}, {"--faults", "event"}, "never there");
-  refused({kShipped, kShipped}, {}, "is named twice");
+  refused({kShipped, kShipped}, {}, "is given twice");
   refused({kShipped}, {"--noise-bounds-mm", "1", "0.1"}, "is not below the upper");
   refused({kShipped}, {"--jerk-density-bounds", "5", "5"}, "is not below the upper");
   refused({kShipped}, {"--noise-bounds-mm", "nan", "1"}, "is not a number");

@@ -35,9 +35,9 @@ const Panel kPanels[] = {
      [](const RunReport& run) { return 1e3 * run.error_rms_m; }, nullptr},
     {"mean NIS; grey: 95 % if right", true, true, [](const RunReport& run) { return run.mean_nis; },
      nullptr},
-    {"log score to the first, 95 %", false, false, sure_difference,
+    {"log score against the first, 95 %", false, false, sure_difference,
      [](const RunReport& run) { return run.score_difference.interval; }},
-    {"velocity to the first, rms (mm/s)", false, false,
+    {"velocity against the first, rms (mm/s)", false, false,
      [](const RunReport& run) { return 1e3 * run.velocity_difference_m_s; }, nullptr},
 };
 

@@ -41,7 +41,8 @@ double measured_value(const Quantity<double>& quantity) {
 
 constexpr const char* kNoMotion = "no sample measures it";
 constexpr const char* kNoNoise =
-    "it is not learned, at its floor or ceiling most of the time, or the positions were smoothed";
+    "it is not learned, it is at its lowest or highest value most of the time, or the positions "
+    "were smoothed";
 constexpr const char* kNotMeasured = "it is not measured";
 
 const ComparedQuantity kQuantities[] = {
@@ -88,16 +89,16 @@ void refuse_incomparable(const std::vector<Session>& sessions) {
                        "compare recordings of one rate");
     }
     if ((recording.kind == SampleKind::one_axis) != (first.kind == SampleKind::one_axis)) {
-      throw InputError(recording.source,
-                       "and " + first.source +
-                           " are not known to hold the same coordinate: one has a single axis, "
-                           "the other has three",
-                       "compare recordings of one kind");
+      throw InputError(
+          recording.source,
+          "and " + first.source +
+              " may not contain the same coordinate: one has a single axis, the other has three",
+          "compare recordings of one kind");
     }
     for (std::size_t k = 0; k < i; ++k) {
       if (!is_copy(recording.runs[0], all[k]->runs[0])) continue;
       throw InputError(recording.source,
-                       "is a copy of " + all[k]->source + ", and a copy is no repeat",
+                       "is a copy of " + all[k]->source + ", which is not a repeat",
                        "give each recording once");
     }
   }
@@ -136,14 +137,14 @@ std::string differing_conditions(const std::vector<Session>& sessions, unsigned 
   }
   if ((depends_on & kDuration) != 0 && longest_s > kLongerDuration * shortest_s) {
     return fmt::format(
-        "the recordings last {:.3g} to {:.3g} s, and a longer one has more of it by that alone; "
+        "the recordings last {:.3g} to {:.3g} s, and a longer recording gives a larger value; "
         "compare recordings of one duration",
         shortest_s, longest_s);
   }
   if ((depends_on & kNoise) != 0 && most_m > kMoreNoise * least_m) {
     return fmt::format(
-        "the noise of the instrument is {:.2g} mm in one session and {:.2g} mm in another, which "
-        "changes it by itself; compare recordings of one instrument and set-up",
+        "the noise of the instrument is {:.2g} mm in one session and {:.2g} mm in another, and the "
+        "noise changes this quantity; compare recordings of one instrument and set-up",
         1e3 * least_m, 1e3 * most_m);
   }
   return "";
@@ -172,8 +173,8 @@ QuantityComparison compare_quantity(const ComparedQuantity& quantity,
   const double by_chance = probability_of_order(result.values);
   if (by_chance < kAlikeByChance) {
     result.withheld = fmt::format(
-        "repeats in a row are more alike than chance makes them (probability {:.2g}), so that "
-        "their scatter is not that between sessions; spread the repeats, or mix their order",
+        "successive repeats are more alike than by chance (probability {:.2g}), so their scatter "
+        "does not predict that between sessions; spread the repeats, or mix their order",
         by_chance);
     return result;
   }

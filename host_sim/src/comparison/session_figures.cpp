@@ -76,8 +76,8 @@ std::vector<std::unique_ptr<OutputFile>> draw_sessions(const std::string& direct
       gnuplot_quoted("Sessions of one subject, " + figure_label(estimator, 48) +
                      "  (research use only)"),
       1 - 17.0 / height,
-      gnuplot_quoted("points: recordings; line: mean; grey: a mean within it cannot be told from "
-                     "the first session's by the scatter of repeats (95 %)"),
+      gnuplot_quoted("points: recordings; line: mean; grey: within it, a mean does not differ "
+                     "detectably from the first session's (95 %)"),
       1 - 41.0 / height);
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const QuantityComparison& quantity = *shown[i];

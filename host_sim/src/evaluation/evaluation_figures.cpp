@@ -28,7 +28,7 @@ void draw_velocity_error(Gnuplot& gnuplot, const std::string& title, const Error
   gnuplot.draw("velocity_error",
                "plot $velocity using 1:2 with lines lw 1.6 lc rgb '#0b559f' title 'error against "
                "the truth', $velocity using 1:3 with lines lw 1.6 dt (8,6) lc rgb '#b35900' title "
-               "'standard deviation that the estimator claims'",
+               "'standard deviation that the estimator states'",
                960, 480);
   gnuplot.send("unset logscale\n");
 }

@@ -31,10 +31,10 @@ constexpr std::uint32_t kLargestData = 65536;
 
 [[noreturn]] void fail(const std::string& where, int error) {
   const bool is_permission = error == EACCES || error == EPERM;
-  throw InputError(where, std::strerror(error),
-                   is_permission ? "run as root"
-                                 : "as root: modprobe vhci-hcd (Debian's \"cloud\" kernels have no "
-                                   "such module)");
+  throw InputError(
+      where, std::strerror(error),
+      is_permission ? "run as root"
+                    : "as root: modprobe vhci-hcd (Debian's \"cloud\" kernels lack this module)");
 }
 
 // First high-speed port in state VDEV_ST_NULL (4: nothing attached); -1 where all are taken.
@@ -114,7 +114,7 @@ void VhciTransport::plug() {
   int port = free_port();
   while (port < 0) {  // ports are freed some time after the unplugging
     if (clock.now_ns() > give_up_ns) {
-      throw InputError(kController, "all its ports are taken", "detach other USB/IP devices");
+      throw InputError(kController, "all its ports are in use", "detach other USB/IP devices");
     }
     clock.sleep_until(clock.now_ns() + kNanosecondsPerSecond / 20);
     port = free_port();

@@ -120,7 +120,7 @@ std::string descriptor_words(const hal::ReportDescriptor& descriptor) {
     const std::string id = report.id ? fmt::format("report {}", *report.id) : "unnumbered report";
     text += fmt::format("{}, {}, {} bits ({} bytes{})\n", id, hal::direction_name(report.direction),
                         report.size_bits, (report.size_bits + 7) / 8,
-                        report.id ? ", the first is its number" : "");
+                        report.id ? ", the first is the report number" : "");
     for (const hal::DescriptorField& field : report.fields) text += field_words(field);
   }
   for (const std::string& note : descriptor.notes) text += "note: " + note + '\n';

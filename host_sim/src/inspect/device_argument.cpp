@@ -107,7 +107,7 @@ std::optional<hal::DeviceAddress> find_device(const std::string& text, const std
     for (const hal::HidDevice* device : found) {
       places += (places.empty() ? "" : ", ") + device->path;
     }
-    throw InputError("device " + text, "is plugged in more than once", "say which: " + places);
+    throw InputError("device " + text, "is plugged in more than once", "give one of " + places);
   }
   return hal::DeviceAddress{.vendor_id = first.vendor_id,
                             .product_id = first.product_id,
@@ -129,7 +129,7 @@ hal::DeviceAddress wait_for_device(const std::string& text, const std::string& s
   // Perhaps not HID, or without a driver, as only libusb sees it.
   if (ids) return {ids->first, ids->second, -1, serial, {}};
   throw InputError("device " + text, "is not plugged in",
-                   "condyle inspect lists what is; write 1209:0001, /dev/hidraw0 or 1-1.4");
+                   "run condyle inspect for a list; write 1209:0001, /dev/hidraw0 or 1-1.4");
 }
 
 }  // namespace condyle::host

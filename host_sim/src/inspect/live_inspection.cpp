@@ -92,13 +92,13 @@ hal::Status LiveInspection::read(TimeNs deadline_ns, hal::RawReport& report) {
 
 std::string LiveInspection::words() const {
   if (watches_.empty()) {
-    return "no reports came; many devices send nothing until their own software starts them\n";
+    return "no reports received; many devices send nothing until their own software starts them\n";
   }
   std::string text;
   for (const auto& [id, watch] : watches_) {
     text += id > 0 ? fmt::format("report {}", id) : "reports";
     text +=
-        fmt::format(": {}, {} of them; {}\n", size_words(watch), watch.count(), rate_words(watch));
+        fmt::format(": {}, {} reports; {}\n", size_words(watch), watch.count(), rate_words(watch));
     text += fmt::format("  last     {}\n", bytes_words(watch.last()));
     text += fmt::format("  changed  {}\n", changed_words(watch));
     for (const std::string& words : steady_words(watch)) text += "  steady   " + words + '\n';
@@ -163,7 +163,7 @@ nlohmann::ordered_json LiveInspection::json() const {
 }
 
 std::string profile_words(const hal::DeviceProfile& profile, const hal::DeviceFacebow& facebow) {
-  std::string text = fmt::format("as {} says\n", profile.name);
+  std::string text = fmt::format("decoded by the profile {}\n", profile.name);
   const hal::ReportCounts& counts = facebow.counts();
   text += "  " + reports_words(profile, counts, facebow.transport_counts()) + '\n';
   if (profile.device_time) text += "  " + clock_words(facebow.clock_fit()) + '\n';

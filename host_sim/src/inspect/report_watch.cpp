@@ -150,7 +150,7 @@ std::string changed_words(const ReportWatch& watch) {
 }
 
 std::string rate_words(const ReportWatch& watch) {
-  if (watch.count() < 3) return "too few to tell how often they come";
+  if (watch.count() < 3) return "too few to determine the rate";
   return fmt::format(
       "{:.1f} Hz: every {:.3f} ms, standard deviation {:.3f} ms; p99 {:.3f} ms, at "
       "most {:.3f} ms",
@@ -167,7 +167,7 @@ std::vector<std::string> steady_words(const ReportWatch& watch) {
       text += fmt::format(" to {}, {}-endian", field.offset_bytes + field.width_bytes - 1,
                           field.is_big_endian ? "big" : "little");
     }
-    text += fmt::format(": goes up by {} a report; a {}?", field.step,
+    text += fmt::format(": increases by {} per report; a {}?", field.step,
                         field.step == 1 ? "counter" : "clock");
     words.push_back(std::move(text));
   }

@@ -166,8 +166,8 @@ std::string man_page(const CommandText& command, const std::string& version) {
     page += fmt::format(".TP\n.B {}\n{}\n", for_man(example.line), for_man(example.meaning));
   }
   page +=
-      ".SH Exit status\n0 done; 2 unusable input; 3 the judgement is negative; 70 a defect of "
-      "condyle; 130 interrupted.\n";
+      ".SH Exit status\n0 done; 2 unusable input; 3 negative result; 70 a defect of condyle; 130 "
+      "interrupted.\n";
   page += ".SH Note\nResearch use only. Not a diagnosis.\n";
   return page;
 }

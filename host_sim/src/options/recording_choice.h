@@ -12,7 +12,7 @@ namespace condyle::host {
 
 /// What --profile means in every command.
 inline constexpr const char* kProfileMeaning =
-    "TOML file that describes the device: what its reports mean";
+    "TOML file that describes the device and the meaning of its reports";
 
 /// Whether a command can follow points of the jaw beside those of the instrument.
 enum class JawPoints { no, yes };

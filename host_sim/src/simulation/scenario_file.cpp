@@ -75,7 +75,7 @@ void read_steps(TomlReader& file, SubjectParameters& subject) {
   double steps = std::max(needed, 10.0);
   file.number("subject", "steps_per_millisecond", steps, "whole number", {1, most});
   if (steps != std::floor(steps)) {
-    throw InputError(file.place("subject", "steps_per_millisecond"), "is no whole number",
+    throw InputError(file.place("subject", "steps_per_millisecond"), "is not a whole number",
                      "give 1 to 1000");
   }
   if (steps < needed || needed > most) {
@@ -233,7 +233,7 @@ Scenario load_scenario(const std::string& path) {
   double seed = 1;
   file.number("", "seed", seed, "whole number", {0, 9e15});
   if (seed != std::floor(seed)) {
-    throw InputError(file.place("", "seed"), "is no whole number", "give 0 to 9e15");
+    throw InputError(file.place("", "seed"), "is not a whole number", "give 0 to 9e15");
   }
   scenario.seed = static_cast<std::uint64_t>(seed);
   read_subject(file, scenario);

@@ -36,7 +36,7 @@ TEST(ScenarioFile, NamesPlaceProblemAndMend) {
   expect("duration_s = 0\n", "duration_s = 0 is out of range; give 0.1 to 86400 (s)");
   expect("duration_s = 31557600\n", "is out of range");
   expect("duration_s = nan\n", "is out of range");
-  expect("seed = 1.5\n", "s.toml:1:8: is no whole number");
+  expect("seed = 1.5\n", "s.toml:1:8: is not a whole number");
   expect("[subject]\nmass_kg = -0.2\n", "s.toml:2:11: mass_kg = -0.2 is out of range");
   expect("[subject]\nmass_kg = \"0.2 kg\"\n", "mass_kg takes numbers; in kg");
   expect("[subject]\njaw = \"horse\"\n", "give \"artisynth\" or \"anybody\"");
