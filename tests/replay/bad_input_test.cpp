@@ -165,7 +165,7 @@ TEST_F(BadInput, FilesThatMayNotGrow) {
       run_condyle({"replay", recording, "--figures", results / "figures"}, limited);
   EXPECT_EQ(figures.exit_code, 2);
   EXPECT_THAT(figures.errors, AllOf(HasSubstr("gnuplot: cannot draw the figures: "),
-                                    HasSubstr(" is not complete; make room on the disk")));
+                                    HasSubstr(" is not complete; free space on the disk")));
   EXPECT_EQ(results.count(), 0);
 }
 

@@ -148,7 +148,7 @@ TEST(Simulate, RefusesBadInput) {
   EXPECT_THAT(run_condyle({"simulate", path, "--out", path}).errors, HasSubstr("is also an input"));
   EXPECT_THAT(
       run_condyle({"simulate", path, "--out", folder / "r", "--truth", folder / "r"}).errors,
-      HasSubstr("is named for two outputs"));
+      HasSubstr("is given for two outputs"));
   const std::string nothing =
       folder.write("s.toml", "duration_s = 1\n[facebow]\nlost_share = 0.99\nrate_Hz = 5\n");
   for (const char* estimator : {"recommended", "published"}) {

@@ -71,7 +71,7 @@ TEST(Recordings, ThatSayNothingAreNamedSoInOneSentence) {
   const Case cases[] = {
       {rows(1, 0.005, 1), "1 of its samples has a position, and a velocity takes 3 at least"},
       {rows(2, 0.005, 2), "2 of its samples have a position, and a velocity takes 3 at least"},
-      {rows(500, 0, 500), "positions are the same, which no instrument measures"},
+      {rows(500, 0, 500), "positions are the same, which a real instrument does not measure"},
       {rows(900, 0.005, 300), "599 of 900 samples have the time of the sample before"},
   };
   const TemporaryFolder folder;

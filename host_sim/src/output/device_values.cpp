@@ -92,7 +92,7 @@ void write_logged_values(const std::string& log, const std::string& profile_path
        device = open_log_device(log, device->index + 1, profile_path, has_values)) {
     write_file(*device->reports, device->profile, folder, device->recorded().name, files, notes);
     if (device->reports->not_recorded() > 0) {
-      notes.back() += fmt::format("; the recorder had no room for {} reports and events",
+      notes.back() += fmt::format("; the recorder dropped {} reports and events",
                                   device->reports->not_recorded());
     }
   }
@@ -122,10 +122,12 @@ std::vector<std::string> write_device_values(const std::string& recording,
       break;
     case ReportFile::none:
       throw InputError(
-          path, "holds no value but position",
-          "leave --values out; a drive or auxiliary fields are in the profile of a device");
+          path, "contains no values other than positions",
+          "leave out --values; it writes the drive and auxiliary fields of a device's profile");
   }
-  if (files.empty()) notes.emplace_back("it holds no value but position: --values wrote no file");
+  if (files.empty()) {
+    notes.emplace_back("it contains no values other than positions: --values wrote no file");
+  }
   return notes;
 }
 

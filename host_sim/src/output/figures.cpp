@@ -97,7 +97,7 @@ std::string plot_command(const Figure& figure, const FigureData& data) {
                     "title '{3}'",
                     figure.name, static_cast<int>(style.provenance), style.band,
                     style.provenance == Provenance::assumed
-                        ? "95 % band of the filter, which trusts its assumption"
+                        ? "95 % band of the filter, if its assumption is right"
                         : "95 % band"));
   });
   if (figure.comparison != nullptr) {
@@ -145,7 +145,7 @@ std::string label_command(const Figure& figure, const FigureData& data) {
         return !is_drawn(run.*figure.curve) ||
                (run.*figure.curve).provenance == Provenance::assumed;
       });
-  return all_assumed ? "set label 1 'ASSUMED: says nothing about the subject' at graph 0.5, 1.035 "
+  return all_assumed ? "set label 1 'ASSUMED: does not describe the subject' at graph 0.5, 1.035 "
                        "center font ',11' tc rgb '#a00000'\n"
                      : "unset label 1\n";
 }

@@ -23,7 +23,7 @@ namespace {
 
 void note_failure(const std::string& problem, const char* mend) {
   defer_problem(InputError("gnuplot", "cannot draw the figures: " + problem,
-                           fmt::format("{}; all else was written", mend)));
+                           fmt::format("{}; all other output was written", mend)));
 }
 
 // Gnuplot ends without an error where it could not write, so its last words are looked for.
@@ -150,12 +150,12 @@ void Gnuplot::draw(const std::string& name, const std::string& plot, int width, 
 
 std::vector<std::unique_ptr<OutputFile>> Gnuplot::finish() {
   const int status = wait();
-  if (problem_.empty() && status != 0) problem_ = "it failed; its own words stand above";
+  if (problem_.empty() && status != 0) problem_ = "it failed; see its error message above";
   const char* mend = "install it (Debian package gnuplot-nox)";
   for (const auto& file : files_) {
     if (!problem_.empty() || is_complete(file->path_while_writing())) continue;
     problem_ = file->path() + " is not complete";
-    mend = "make room on the disk";
+    mend = "free space on the disk";
   }
   if (!problem_.empty()) {
     note_failure(problem_, mend);

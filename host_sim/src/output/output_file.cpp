@@ -35,7 +35,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   const bool exists = stat(path_.c_str(), &status) == 0;
   if (exists && !S_ISREG(status.st_mode)) {
     if (S_ISDIR(status.st_mode)) {
-      throw InputError(path_, "is a directory", "name a file inside it");
+      throw InputError(path_, "is a directory", "give a file inside it");
     }
     file_ = std::fopen(path_.c_str(), "wb");
   } else {
@@ -73,7 +73,7 @@ void OutputFile::close() {
 
 void OutputFile::commit() {
   if (temporary_path_ != path_ && std::rename(temporary_path_.c_str(), path_.c_str()) != 0) {
-    fail("cannot be given its name");
+    fail("cannot be renamed");
   }
   temporary_path_.clear();
 }
@@ -81,7 +81,7 @@ void OutputFile::commit() {
 void OutputFile::fail(const char* what) const {
   if (path_ == "-") {
     throw InputError("standard output", fmt::format("{}: {}", what, std::strerror(errno)),
-                     "give it a place that takes the rows");
+                     "redirect it to a file or pipe that accepts the rows");
   }
   throw InputError(path_, fmt::format("{}: {}", what, std::strerror(errno)),
                    "check the folder, its permissions and the space on the disk");
@@ -116,7 +116,7 @@ void refuse_same_files(const std::vector<std::string>& inputs,
       // A device takes any number of outputs.
       if (!outputs[k].empty() && is_same(outputs[k], outputs[i]) &&
           !std::filesystem::is_character_file(outputs[i])) {
-        throw InputError(outputs[i], "is named for two outputs", "give each its own file");
+        throw InputError(outputs[i], "is given for two outputs", "give each output its own file");
       }
     }
   }
@@ -131,7 +131,7 @@ OutputFolder::OutputFolder(const std::string& path) : path_(std::filesystem::abs
   if (!error && !std::filesystem::is_directory(path_)) {
     error = std::make_error_code(std::errc::not_a_directory);
   }
-  if (error) throw InputError(path, "cannot be made: " + error.message(), "name another folder");
+  if (error) throw InputError(path, "cannot be made: " + error.message(), "give another folder");
 }
 
 OutputFolder::~OutputFolder() {

@@ -35,7 +35,7 @@ std::string without_interval(const Quantity<double>& quantity, const char* unit)
 const char* force_words(Provenance force, Provenance acceleration) {
   if (force != Provenance::derived) return "";
   return acceleration == Provenance::derived
-             ? ": assumed mass times an acceleration that the motion model carried over"
+             ? ": assumed mass times an acceleration that the motion model predicted"
              : ": assumed mass times measured acceleration";
 }
 
@@ -128,14 +128,14 @@ std::string ReplaySummary::motion_text() const {
   }
   if (step_watch_.has_dropped()) {
     add_line(text, "frames",
-             fmt::format("{} steps amid even ones are two frames long: frames were dropped under "
+             fmt::format("{} steps among even ones are two frames long: frames were dropped under "
                          "even time stamps",
                          step_watch_.dropped()));
   }
   if (step_watch_.has_held()) {
     add_line(text, "frames",
-             fmt::format("{} positions amid motion are those before: they were held under even "
-                         "time stamps",
+             fmt::format("{} positions during motion repeat the position before: frames were held "
+                         "under even time stamps",
                          step_watch_.held()));
   }
   return text;
@@ -158,7 +158,8 @@ std::string ReplaySummary::unusable() const {
   }
   if (!has_moved_) {
     return fmt::format(
-        "all {} positions are the same, which no instrument measures; check what was recorded",
+        "all {} positions are the same, which a real instrument does not measure; check the "
+        "recording",
         positions_);
   }
   return {};
@@ -198,16 +199,15 @@ std::vector<std::string> ReplaySummary::unit_warnings() const {
   const auto ranges_m = ranges_.ranges_m();
   const double widest_m = *std::max_element(ranges_m.begin(), ranges_m.end());
   if (widest_m > kWidest_m || (widest_m > 0 && widest_m < kNarrowest_m)) {
-    warnings.push_back(fmt::format(
-        "the positions span {:.2g} mm, and a jaw moves 1 to 70 mm: check their unit, which the "
-        "column's name or --unit states",
-        widest_m * 1e3));
+    warnings.push_back(
+        fmt::format("the positions span {:.2g} mm, but a jaw moves 1 to 70 mm: check their unit, "
+                    "which the column's name or --unit states",
+                    widest_m * 1e3));
   }
   if (steps_ > 0 && mean_step_s() < kShortestStep_s) {
-    warnings.push_back(
-        fmt::format("{:.3g} samples a second, and a facebow gives 50 to 500: check the unit of "
-                    "the times",
-                    1 / mean_step_s()));
+    warnings.push_back(fmt::format(
+        "{:.3g} samples per second, but a facebow gives 50 to 500: check the unit of the times",
+        1 / mean_step_s()));
   }
   return warnings;
 }
@@ -232,8 +232,8 @@ std::string ReplaySummary::last_values_text(const char* level) const {
 std::string ReplaySummary::too_few_text() const {
   std::string text;
   add_line(text, "consistency",
-           fmt::format("not judged: too few samples, {} innovations of the {} that it takes",
-                       judged_, kFewestInnovations));
+           fmt::format("not judged: too few samples, {} innovations of the {} required", judged_,
+                       kFewestInnovations));
   return text;
 }
 
@@ -276,7 +276,7 @@ std::string PublishedSummary::text() const {
     add_line(text, "innovation", fmt::format("{:.4g} mm rms", innovation_rms_m() * 1e3));
     add_line(text, "mean NIS",
              fmt::format("motion {:.3g} (1 if the noise is as stated); friction {:.3g}, mass "
-                         "{:.3g} (not 2: stage 1's velocity is no independent measurement)",
+                         "{:.3g} (not 2: stage 1's velocity is not an independent measurement)",
                          motion_nis_.value(), friction_nis_.value(), mass_nis_.value()));
     text += distrust_text(motion_nis_.value());
   } else {
@@ -290,7 +290,7 @@ std::string PublishedSummary::text() const {
            fmt::format(
                "{}: {}. It judges the tuning, not the subject", verdict_name(last_.verdict),
                last_.verdict == Verdict::diverged
-                   ? "the mass was not positive, or no number, at some sample"
+                   ? "the mass was not positive, or not a number, at some sample"
                    : fmt::format("the mass {} within 2 % of the assumed mass throughout "
                                  "the last quarter",
                                  last_.verdict == Verdict::matched ? "stayed" : "did not stay")));
@@ -300,7 +300,7 @@ std::string PublishedSummary::text() const {
   text +=
       "Friction and mass are assumed, not measured: the force that drives their stages is the "
       "assumed mass times the\nacceleration seen in the same positions, so friction zero and the "
-      "assumed mass fit every motion, and prior and\ntuning decide what is shown.\n";
+      "assumed mass fit every motion, and prior and\ntuning determine the values shown.\n";
   return text;
 }
 
@@ -309,7 +309,7 @@ std::vector<std::string> PublishedSummary::warnings() const {
   if (uneven_steps_ == 0) return warnings;
   warnings.push_back(fmt::format(
       "{} of {} steps ({:.4g} to {:.4g} ms) differ from the sample time {:.6g} s by more than 1 %; "
-      "the published cascade takes every step as that long, and nothing is resampled",
+      "the published cascade treats every step as that long, without resampling",
       uneven_steps_, steps_, seconds(shortest_step_ns_) * 1e3, seconds(longest_step_ns_) * 1e3,
       parameters_.sample_time_s));
   return warnings;

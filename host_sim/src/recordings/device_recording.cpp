@@ -68,8 +68,8 @@ class DeviceRecording : public Recording {
         info_.notes.push_back(std::move(note));
       }
       if (source_->not_recorded() > 0) {
-        info_.notes.push_back(fmt::format("the recorder had no room for {} reports and events",
-                                          source_->not_recorded()));
+        info_.notes.push_back(
+            fmt::format("the recorder dropped {} reports and events", source_->not_recorded()));
       }
     } else {
       if (!source_->problem().empty()) info_.notes.push_back(source_->problem());

@@ -87,12 +87,12 @@ class Reader {
   static void append(const Recording& recording, double time_s, double value,
                      std::vector<double>& times_s, std::vector<double>& values) {
     if (!times_s.empty() && !(time_s > times_s.back())) {
-      throw InputError(recording.place(), "time does not go on",
+      throw InputError(recording.place(), "time does not increase",
                        "leave out repeated and reversed rows");
     }
     if (times_s.size() == kMostSamples) {
       throw InputError(recording.place(), fmt::format("more than {} samples", kMostSamples),
-                       "give a stretch with --begin-s and --end-s");
+                       "choose a part with --begin-s and --end-s");
     }
     times_s.push_back(time_s);
     values.push_back(value);
@@ -163,8 +163,9 @@ IdentifiedHeadMotion identify_head_motion(const HeadMotionSource& source,
   motion.stated_acceleration_noise_sd_m_s2 = source.acceleration_noise_sd_m_s2;
   motion.taken = count_taken(motion);
   if (motion.taken == 0) {
-    throw InputError(source.recording, "none of its positions has an acceleration around it",
-                     "check that both have the same clock, --begin-s and --end-s");
+    throw InputError(source.recording,
+                     "none of its positions has accelerations before and after it",
+                     "check that both use the same clock, and check --begin-s and --end-s");
   }
   run(motion);
   return motion;

@@ -25,7 +25,7 @@ void read_all(const ReleaseSource& source, ReleaseStretch& stretch) {
     if (!first_ns) first_ns = sample.time_ns;
     const double time_s = seconds(sample.time_ns - *first_ns);
     if (!stretch.all_time_s.empty() && !(time_s > stretch.all_time_s.back())) {
-      throw InputError(recording->place(), "time does not go on",
+      throw InputError(recording->place(), "time does not increase",
                        "leave out repeated and reversed rows");
     }
     if (stretch.all_time_s.size() == kMostReleaseSamples) {
@@ -42,20 +42,19 @@ double find_begin_s(const ReleaseSource& source, const ReleaseStretch& stretch) 
   const auto begins = find_motion_begins(stretch.all_time_s, stretch.all_position_m);
   if (begins.size() == 1) return stretch.all_time_s[begins[0]];
   if (begins.empty()) {
-    throw InputError(source.recording,
-                     "no motion that begins after a still stretch of 0.15 s, so it does not say "
-                     "when the jaw was let go",
-                     "give --begin-s, the first time (s from the first sample) at which nobody "
-                     "held it");
+    throw InputError(
+        source.recording,
+        "no motion begins after 0.15 s at rest, so the time of the release is not known",
+        "give --begin-s, the time of the release (s from the first sample)");
   }
   std::string times;
   for (std::size_t i = 0; i < std::min<std::size_t>(begins.size(), 8); ++i) {
     times += fmt::format("{}{:.3f}", i > 0 ? ", " : "", stretch.all_time_s[begins[i]]);
   }
   throw InputError(source.recording,
-                   fmt::format("{} motions begin after a still stretch, at {}{} s", begins.size(),
-                               times, begins.size() > 8 ? " ..." : ""),
-                   "say which is the release with --begin-s");
+                   fmt::format("{} motions begin after a rest, at {}{} s", begins.size(), times,
+                               begins.size() > 8 ? " ..." : ""),
+                   "choose the release with --begin-s");
 }
 
 }  // namespace
@@ -99,7 +98,7 @@ ReleaseStretch read_release(const ReleaseSource& source) {
   ReleaseStretch stretch;
   read_all(source, stretch);
   if (stretch.all_time_s.empty()) {
-    throw InputError(source.recording, "holds no position", "record the release anew");
+    throw InputError(source.recording, "contains no position", "record the release again");
   }
   stretch.was_found = !source.begin_s;
   const double let_go_s = source.begin_s ? *source.begin_s : find_begin_s(source, stretch);
