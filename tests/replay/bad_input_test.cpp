@@ -70,7 +70,7 @@ TEST_F(BadInput, Overflow) {
 }
 TEST_F(BadInput, TimeRunningBackwards) {
   expect_refused(csv("0,1\n0.02,1\n0.01,1\n"),
-                 {"bad.csv:4: time: it runs backwards", "--faults event"});
+                 {"bad.csv:4: time: runs backwards", "--faults event"});
 }
 TEST_F(BadInput, RowWithMissingColumns) {
   expect_refused(csv("0,1\n0.02\n"),
@@ -79,8 +79,8 @@ TEST_F(BadInput, RowWithMissingColumns) {
 }
 TEST_F(BadInput, Binary) {
   expect_refused(folder_.write("bad.csv", std::string("\x89PNG\r\n\x1a\n\0\0", 10)),
-                 {"bad.csv: is a binary file of no known format"});
-  expect_refused(csv(std::string("0,\0\x01\n", 5)), {"bad.csv: is a binary file"});
+                 {"bad.csv: has an unknown binary format"});
+  expect_refused(csv(std::string("0,\0\x01\n", 5)), {"bad.csv: has an unknown binary format"});
   std::string late;  // beyond what recognition looks at
   for (int i = 0; i < 2000; ++i) late += std::to_string(i) + ",1\n";
   expect_refused(csv(late + std::string("2000,\x1b[2J\0\n", 12)),
@@ -181,7 +181,7 @@ TEST_F(BadInput, StandardOutputThatTakesNothing) {
 TEST_F(BadInput, XmlOfMoreElementsThanFitInMemory) {
   std::string xml = "<d>";
   for (int i = 0; i < 6'000'000; ++i) xml += "<a/>";
-  expect_refused(folder_.write("bad.xml", xml + "</d>"), {"bad.xml", "more than fit in memory"},
+  expect_refused(folder_.write("bad.xml", xml + "</d>"), {"bad.xml", "too many for the memory"},
                  {"--unit", "mm"});
 }
 

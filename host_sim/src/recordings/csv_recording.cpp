@@ -134,7 +134,7 @@ class CsvRecording final : public Recording {
     });
     if (repeated) {
       throw InputError(fmt::format("{}: column {}", place(), name),
-                       "another column gives the same quantity",
+                       "another column contains the same quantity",
                        reads_drive_alone_ ? "take one of them out of the file"
                                           : "leave one of them out with --ignore-column");
     }

@@ -107,7 +107,7 @@ std::unique_ptr<Recording> open_logged_drive(const std::string& path) {
       path, 0, "", [](const hal::DeviceProfile& profile) { return profile.drive_N.has_value(); });
   if (device) return recording_of(path, std::move(*device));
   throw InputError(path, "no device in it measured a drive",
-                   "name a session log with a [drive] in one of its profiles");
+                   "give a session log with a [drive] in one of its profiles");
 }
 
 std::unique_ptr<hal::UsbmonCapture> open_captured_reports(const std::string& path,
@@ -121,12 +121,12 @@ std::unique_ptr<hal::UsbmonCapture> open_captured_reports(const std::string& pat
   const hal::Status status = source->open();
   if (status == hal::Status::ok) return source;
   throw InputError(path, source->problem().empty() ? hal::status_name(status) : source->problem(),
-                   "name a file with the reports of a facebow");
+                   "give a file with the reports of a facebow");
 }
 
 std::unique_ptr<Recording> open_capture(const std::string& path, const RecordingOptions& options) {
   if (options.profile.empty()) {
-    throw InputError(path, "is a capture of USB traffic, which does not say what its reports mean",
+    throw InputError(path, "is a capture of USB traffic, which does not describe its reports",
                      "give the device's profile with --profile");
   }
   hal::DeviceProfile profile = load_device_profile(options.profile);

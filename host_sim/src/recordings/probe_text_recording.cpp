@@ -72,8 +72,8 @@ class ProbeTextRecording final : public Recording {
     if (!explicit_time_) {
       TimeNs step_ns = 0;
       if (parse_time_s(layout[2], step_ns) != NumberStatus::ok || step_ns <= 0) {
-        throw InputError(place(), fmt::format("{} is no time step", quote(layout[2])),
-                         "give seconds, or the word explicit where each row starts with its time");
+        throw InputError(place(), fmt::format("{} is not a time step", quote(layout[2])),
+                         "give seconds, or the word explicit if each row starts with its time");
       }
       parse_number(layout[2], step_s_);
     }
@@ -139,8 +139,8 @@ class ProbeTextRecording final : public Recording {
     noted_end_ = true;
     const double end_s = seconds(start_ns_) + static_cast<double>(sequence_) * step_s_;
     if (std::abs(end_s - stop_s_) <= 1.5 * step_s_) return;
-    info_.notes.push_back(
-        fmt::format("the header says it ends at {:g} s, its rows end at {:g} s", stop_s_, end_s));
+    info_.notes.push_back(fmt::format(
+        "according to its header it ends at {:g} s, but its rows end at {:g} s", stop_s_, end_s));
   }
 
   std::unique_ptr<ByteReader> reader_;

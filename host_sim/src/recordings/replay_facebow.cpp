@@ -27,7 +27,7 @@ hal::Status ReplayFacebow::open() {
       if (ahead_.back().status == hal::Status::ok) ++samples;
     }
     if (samples == 0) {
-      throw InputError(path_, "has no samples", "name a recording with at least one row");
+      throw InputError(path_, "has no samples", "give a recording with at least one row");
     }
   } catch (const InputError& error) {
     close();
@@ -58,7 +58,7 @@ bool ReplayFacebow::fetch() {
     if (previous_time_ns_ && sample.time_ns < *previous_time_ns_ &&
         options_.faults == FaultPolicy::refuse) {
       throw InputError(recording_->place() + ": time",
-                       fmt::format("it runs backwards, from {:.9g} s to {:.9g} s",
+                       fmt::format("runs backwards, from {:.9g} s to {:.9g} s",
                                    seconds(*previous_time_ns_), seconds(sample.time_ns)),
                        "sort the rows, or count them as events with --faults event");
     }

@@ -109,7 +109,7 @@ class SsffRecording final : public Recording {
       const std::string_view value = value_after_key(line);
       const auto number = [&](double& result) {
         if (parse_number(value, result) != NumberStatus::ok) {
-          throw InputError(place(), fmt::format("{} is no number", quote(value)),
+          throw InputError(place(), fmt::format("{} is not a number", quote(value)),
                            "check that the file is SSFF");
         }
       };
@@ -125,7 +125,7 @@ class SsffRecording final : public Recording {
         number(frequency_Hz_);
       } else if (line.starts_with("Start_Time ")) {
         if (parse_time_s(value, start_ns_) != NumberStatus::ok) {
-          throw InputError(place(), fmt::format("{} is no time", quote(value)), "give seconds");
+          throw InputError(place(), fmt::format("{} is not a time", quote(value)), "give seconds");
         }
       } else if (line.starts_with("Column ")) {
         add_column(value);

@@ -46,7 +46,7 @@ class ZebrisXmlRecording final : public Recording {
     load(*reader);
     if (!options.units_per_metre) {
       throw InputError(path_, "the format does not state the unit of its coordinates",
-                       "say it: --unit mm or --unit m");
+                       "give --unit mm or --unit m");
     }
     units_per_metre_ = *options.units_per_metre;
     info_.format = "Zebris XML";
@@ -118,7 +118,7 @@ class ZebrisXmlRecording final : public Recording {
     }
     if (parsed > kMostParsed) {
       throw InputError(path_,
-                       fmt::format("has some {} million elements, more than fit in memory",
+                       fmt::format("has about {} million elements, too many for the memory",
                                    parsed / kElement / 1'000'000),
                        "export fewer movements, or as text");
     }
@@ -172,7 +172,8 @@ class ZebrisXmlRecording final : public Recording {
     const std::string place = place_of(track);
     if (parse_number(text, frequency_Hz) != NumberStatus::ok ||
         !(frequency_Hz >= 1e-3 && frequency_Hz <= 1e6)) {
-      throw InputError(place, fmt::format("the track's frequency {} is no rate", quote(text)),
+      throw InputError(place,
+                       fmt::format("the track's frequency {} is not a valid rate", quote(text)),
                        "give it in Hz");
     }
     if (frequency_Hz_ > 0 && frequency_Hz != frequency_Hz_) {

@@ -44,7 +44,7 @@ void read_subject(TomlReader& file, Scenario& scenario) {
       subject.drive == SubjectDrive::force || subject.drive == SubjectDrive::prescribed;
   if ((needs_muscles && is_point_mass) || (needs_mass && motion == 0)) {
     throw InputError(
-        file.place("subject", "drive"), "this drive does not go with this motion",
+        file.place("subject", "drive"), "this drive does not match this motion",
         "muscles drive a hinge, lateral or protrusive jaw; force and prescribed drive a "
         "point_mass, lateral or protrusive one");
   }
@@ -81,9 +81,9 @@ void read_steps(TomlReader& file, SubjectParameters& subject) {
   if (steps < needed || needed > most) {
     throw InputError(
         file.place("subject", "steps_per_millisecond"),
-        fmt::format("the forces are so stiff that a millisecond takes {} steps", needed),
+        fmt::format("the forces are so stiff that a millisecond requires {} steps", needed),
         needed > most ? "make friction, contact, food or support less stiff"
-                      : "give at least that many, or leave it out");
+                      : "give at least this number, or leave it out");
   }
   subject.steps_per_millisecond = static_cast<int>(steps);
 }
@@ -99,11 +99,12 @@ void check_reach(const TomlReader& file, const SubjectParameters& subject) {
   const double reach_m =
       jaw.incisor_radius_m * (steepest_sine - elementary::sin(jaw.incisor_angle_rad));
   if (lowest_m >= reach_m && task.rest_position_m <= most_closed_m) return;
-  throw InputError(file.place("task", lowest_m < reach_m ? "amplitude_m" : "rest_position_m"),
-                   fmt::format("the task reaches {:.1f} mm, this jaw {:.1f} to {:.1f} mm",
-                               (lowest_m < reach_m ? lowest_m : task.rest_position_m) * 1e3,
-                               reach_m * 1e3, most_closed_m * 1e3),
-                   "reduce rest_position_m, amplitude_m or amplitude_spread (3 of it count)");
+  throw InputError(
+      file.place("task", lowest_m < reach_m ? "amplitude_m" : "rest_position_m"),
+      fmt::format("the task reaches {:.1f} mm, but this jaw moves from {:.1f} to {:.1f} mm",
+                  (lowest_m < reach_m ? lowest_m : task.rest_position_m) * 1e3, reach_m * 1e3,
+                  most_closed_m * 1e3),
+      "reduce rest_position_m, amplitude_m or amplitude_spread (3 times it counts)");
 }
 
 void read_task(TomlReader& file, MotionTask& task) {
@@ -141,7 +142,7 @@ void read_forces(TomlReader& file, SubjectParameters& subject) {
       friction.model == FrictionModel::stribeck || friction.model == FrictionModel::lugre;
   if (breaks_away && friction.static_N < friction.coulomb_N) {
     throw InputError(file.place("friction", "static_N"), "static_N is below coulomb_N",
-                     "breaking away takes at least the sliding force");
+                     "give static_N of at least coulomb_N");
   }
   FrictionSchedule& schedule = subject.friction_schedule;
   std::size_t shape = 0;

@@ -70,8 +70,8 @@ bool Simulation::advance(SimulatedData& data) {
     if (!std::isfinite(after_.position_m) || !std::isfinite(after_.velocity_m_s) ||
         !std::isfinite(after_.acceleration_m_s2)) {
       throw InputError(scenario_.name,
-                       fmt::format("the simulation broke down at {:.6g} s", after_.time_s),
-                       "raise steps_per_millisecond in [subject], or make its forces less stiff");
+                       fmt::format("the simulation became unstable at {:.6g} s", after_.time_s),
+                       "raise steps_per_millisecond in [subject], or make the forces less stiff");
     }
   }
   if (wanted_s == 0) read_channels(data);

@@ -192,7 +192,7 @@ ScoreDifference compare_scores(const HeldOutCheck& one, const HeldOutCheck& othe
 
 std::string whiteness_text(const HeldOutCheck& check) {
   if (check.whiteness_p >= kWhite) {
-    return fmt::format("innovations are white as far as {} samples apart tell (p = {:.2f})",
+    return fmt::format("innovations are white up to {} samples apart (p = {:.2f})",
                        check.correlation.size(), check.whiteness_p);
   }
   const auto largest = std::max_element(check.correlation.begin(), check.correlation.end(),
@@ -213,10 +213,10 @@ std::vector<std::string> reasons_against_white(const std::vector<SplitRecording>
   for (const SplitRecording& split : recordings) {
     const TuningRecording& recording = split.recording();
     if (recording.filtered_lag == 0 || ++filtered > kMostNamed) continue;
-    reasons.push_back(fmt::format(
-        "{}: smoothed before it came: neighbouring noise is alike (sixth differences {:.2f} "
-        "correlated, white noise {:.2f})",
-        recording.name, recording.neighbours, NoiseColour<double>::white(1)));
+    reasons.push_back(
+        fmt::format("{}: smoothed before recording: neighbouring noise is correlated (sixth "
+                    "differences {:.2f}, white noise {:.2f})",
+                    recording.name, recording.neighbours, NoiseColour<double>::white(1)));
   }
   if (filtered > kMostNamed) {
     reasons.push_back(fmt::format("{} more recordings were smoothed", filtered - kMostNamed));
@@ -230,8 +230,8 @@ std::vector<std::string> reasons_against_white(const std::vector<SplitRecording>
       highest = std::max(highest, stretch.mean_nis);
     }
     reasons.push_back(
-        fmt::format("the jaw is not always as lively: the NIS of stretches goes from {:.2f} to "
-                    "{:.2f}, and one density of the jerk serves none of them",
+        fmt::format("the jerk density of the motion varies: the NIS of the parts ranges from "
+                    "{:.2f} to {:.2f}, and one jerk density fits none of them",
                     lowest, highest));
   }
   if (check.beyond_3_sd > 0.01) {

@@ -330,10 +330,10 @@ void check_split(const std::vector<SplitRecording>& recordings, const Likelihood
   }
   constexpr std::size_t kFewest = 20;
   if (fitted >= kFewest && held_out >= kFewest) return;
-  throw InputError(recordings.front().recording().name,
-                   fmt::format("has too many gaps: {} innovations to fit to and {} to hold out",
-                               fitted, held_out),
-                   "record longer without gaps");
+  throw InputError(
+      recordings.front().recording().name,
+      fmt::format("has too many gaps: {} innovations to fit and {} to hold out", fitted, held_out),
+      "record longer without gaps");
 }
 
 }  // namespace

@@ -41,13 +41,13 @@ void refuse_plan(const PublishedTuningPlan& plan) {
   const auto refuse = [](const char* what, const char* mend) {
     throw InputError("published criterion", what, mend);
   };
-  if (plan.starts == 0) refuse("no start is asked for", "ask for at least one");
+  if (plan.starts == 0) refuse("the number of starts is 0", "give at least 1");
   if (plan.most_evaluations < 1) {
-    refuse("no evaluation is allowed to a start", "allow at least one");
+    refuse("the number of evaluations per start is 0", "give at least 1");
   }
   if (!(plan.steady_share > 0) || !std::isfinite(plan.steady_share)) {
     refuse("the share within which friction counts as steady is not above 0",
-           "give one such as 0.05");
+           "give a share such as 0.05");
   }
   for (std::size_t i = 0; i < kFreeVarianceCount; ++i) {
     const Range& range = plan.factors[i];
@@ -62,7 +62,7 @@ void refuse_plan(const PublishedTuningPlan& plan) {
 void refuse_recordings(std::span<const PublishedRecording> recordings,
                        const PublishedParameters& base) {
   if (recordings.empty()) {
-    throw InputError("published criterion", "there is no recording to tune by", "give one");
+    throw InputError("published criterion", "there is no recording", "give one");
   }
   for (const auto& recording : recordings) {
     PublishedParameters parameters = base;
@@ -83,14 +83,14 @@ void refuse_recordings(std::span<const PublishedRecording> recordings,
     }
     if (measured < kFewestPositions) {
       throw InputError(recording.name,
-                       fmt::format("has {} measured positions, too few to tune by", measured),
+                       fmt::format("has {} measured positions, too few for tuning", measured),
                        fmt::format("record at least {}", kFewestPositions));
     }
     if (!(highest > lowest)) {
-      throw InputError(recording.name,
-                       "its position never changes: without motion the third filter has nothing to "
-                       "find a mass from",
-                       "give a recording in which the jaw moves");
+      throw InputError(
+          recording.name,
+          "its position never changes: without motion the third filter cannot estimate a mass",
+          "give a recording in which the jaw moves");
     }
   }
 }

@@ -94,11 +94,11 @@ std::vector<std::unique_ptr<OutputFile>> draw_published_tunings(
       1.5;
   const double high = std::max(initial, result.highest_friction_Ns_m) * 1.8;
   const double m0 = result.base.assumed_mass_kg;
-  const std::string title = title_command(
-      fmt::format("Friction and mass, assumed: tuning decides them; each tuning satisfies the "
-                  "published criterion, {}",
-                  name),
-      "font ',11'");
+  const std::string title =
+      title_command(fmt::format("Friction and mass, assumed: tuning determines them; each tuning "
+                                "satisfies the published criterion, {}",
+                                name),
+                    "font ',11'");
   gnuplot.send(
       fmt::format("set key Left reverse samplen 3 opaque\n"
                   "set object 1 rectangle from {0:.9g}, graph 0 to {1:.9g}, graph 1 behind "

@@ -122,10 +122,10 @@ std::string held_out_plots(const LikelihoodTuning& tuning) {
       "plot $white_correlation using 1:3 with lines dt 2 lc rgb '#909090' title '95 % if white', "
       "$white_correlation using 1:(-$3) with lines dt 2 lc rgb '#909090' notitle, "
       "$white_correlation with impulses lw 4 lc rgb '#0b559f' title 'white noise'{1}\n"
-      "set origin 0.42,0\nset size 0.58,0.47\nset title 'mean NIS of stretches{2}' noenhanced\n"
-      "set xlabel 'stretch, one recording after the other'\nset xrange [0.5:{3}]\n"
+      "set origin 0.42,0\nset size 0.58,0.47\nset title 'mean NIS of parts{2}' noenhanced\n"
+      "set xlabel 'part, one recording after the other'\nset xrange [0.5:{3}]\n"
       "set logscale y\nset yrange [*<0.5:2<*]\nset xtics format '%g'\n"
-      "plot {4:.9g} dt 2 lc rgb '#909090' title '95 % of stretches', {5:.9g} dt 2 lc rgb '#909090' "
+      "plot {4:.9g} dt 2 lc rgb '#909090' title '95 % of parts', {5:.9g} dt 2 lc rgb '#909090' "
       "notitle, 1 lc rgb '#303030' notitle, $fitted with points pt 6 ps 0.8 lc rgb '#909090' title "
       "'fitted to', $held_out with points pt 7 ps 0.9 lc rgb '#b35900' title 'held out'\n",
       HeldOutCheck::kLags + 1,

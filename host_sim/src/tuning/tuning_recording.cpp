@@ -103,15 +103,15 @@ void check_positions(const TuningRecording& recording, SampleKind kind, bool has
       kind == SampleKind::one_axis ? "" : "follow another axis (--axis) or point (--point), or ";
   if (recording.seen >= kFewestTuned && !has_moved) {
     throw InputError(path,
-                     "its position along the followed axis is never there, or never changes: there "
-                     "is neither noise nor motion to tune to",
+                     "its position along the followed axis is always missing, or never changes, so "
+                     "it contains neither noise nor motion for tuning",
                      other + "record a jaw that moves");
   }
   if (recording.innovations < kFewestTuned) {
     throw InputError(
         path,
         fmt::format("has {} usable positions along the followed axis, of {} samples, "
-                    "and {} in a row long enough to learn from; tuning needs {}",
+                    "and {} in runs long enough for learning; tuning needs {}",
                     recording.usable, recording.seen, recording.innovations, kFewestTuned),
         other + "record longer");
   }

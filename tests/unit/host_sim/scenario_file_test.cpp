@@ -41,9 +41,8 @@ TEST(ScenarioFile, NamesPlaceProblemAndMend) {
   expect("[subject]\nmass_kg = \"0.2 kg\"\n", "mass_kg takes numbers; in kg");
   expect("[subject]\njaw = \"horse\"\n", "give \"artisynth\" or \"anybody\"");
   expect("[subject]\nmotion = \"point_mass\"\n", "no error");
-  expect("[subject]\nmotion = \"point_mass\"\ndrive = \"muscles\"\n",
-         "does not go with this motion");
-  expect("[subject]\ndrive = \"prescribed\"\n", "does not go with this motion");
+  expect("[subject]\nmotion = \"point_mass\"\ndrive = \"muscles\"\n", "does not match this motion");
+  expect("[subject]\ndrive = \"prescribed\"\n", "does not match this motion");
   expect("[muscle_anterior_digastric]\nmaximum_force_N = -1\n", "is out of range");
   expect("[friction]\nmodel = \"stribeck\"\nstatic_N = 0.5\n", "static_N is below coulomb_N");
   expect("[friction]\nchange = \"ramp\"\nchange_start_s = 5\nchange_end_s = 5\n",
