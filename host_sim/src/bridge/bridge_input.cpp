@@ -24,7 +24,7 @@ void put_number(double value, std::size_t place, hal::RawReport& report) {
   }
 }
 
-// The samples of a recording as reports: their numbers one after the other, NaN where there is
+// The samples of a recording as reports: their numbers one after the other, NaN if there is
 // none, at the time of the sample.
 class SampleReports final : public hal::ReportSource {
  public:

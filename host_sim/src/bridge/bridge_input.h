@@ -24,13 +24,13 @@ struct BridgeInput {
   std::optional<TimeNs> nominal_step_ns;      ///< for gaps
   std::optional<TimeNs> median_step_ns;       ///< as recorded; of a device as its profile says
   std::shared_ptr<hal::ReportSource> source;  ///< open
-  std::function<double()> progress;           ///< share read so far; 0 where it is not known
-  std::function<std::string()> problem;       ///< of the recording; empty where there is none
+  std::function<double()> progress;           ///< share read so far; 0 if it is not known
+  std::function<std::string()> problem;       ///< of the recording; empty if there is none
 };
 
 /// Opens `name`: "hid:PROFILE", "usb:PROFILE" or "synth:PROFILE", a device; else a recording (see
 /// open_recording).
-/// `serial`: of a device, where several are plugged in; it is waited for until `stop`. An
+/// `serial`: of a device, if several are plugged in; it is waited for until `stop`. An
 /// InputError where it cannot be used.
 BridgeInput open_bridge_input(const std::string& name, const std::string& serial,
                               const RecordingOptions& options, hal::Clock& clock,

@@ -13,7 +13,7 @@ namespace condyle::host {
 /// Serves on a thread of its own until it is destroyed.
 class LocalNode {
  public:
-  /// `scalar_size`: 4 or 8, of the numbers that it computes with (bytes). An InputError where the
+  /// `scalar_size`: 4 or 8, of the numbers that it computes with (bytes). Throws InputError if the
   /// system has no pair of sockets left.
   LocalNode(unsigned scalar_size, hal::Clock& clock);
   ~LocalNode();

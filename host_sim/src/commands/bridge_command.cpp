@@ -175,7 +175,7 @@ class Bridge {
         estimates_(estimates),
         clock_(clock) {}
 
-  // False where the user stopped a recording.
+  // False if the user stopped a recording.
   bool run() {
     Progress progress("feeding", clock_);
     for (NodeAnswer answer = NodeAnswer::none; answer != NodeAnswer::finished;) {

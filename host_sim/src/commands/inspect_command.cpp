@@ -83,7 +83,7 @@ class Panel {
   bool is_shown_ = false;
 };
 
-// Reads until the time is up, the user has seen enough or the device is gone. False where it went.
+// Reads until the time is up, the user has seen enough or the device is gone. False if it went.
 template <class Read, class Words>
 bool watch(hal::Clock& clock, double duration_s, const Read& read, const Words& words) {
   constexpr TimeNs kRepaint_ns = 250'000'000, kPatience_ns = 50'000'000;

@@ -208,7 +208,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
   return kExitBadInput;
 }
 
-// FILE, or FILE@SERIAL where there is no file of that whole name.
+// FILE, or FILE@SERIAL if there is no file of that whole name.
 std::pair<std::string, std::string> split_serial(const std::string& text) {
   const std::size_t at = text.rfind('@');
   if (at == std::string::npos || std::filesystem::exists(text)) return {text, ""};

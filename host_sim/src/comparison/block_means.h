@@ -19,11 +19,11 @@ namespace condyle::host {
 /// A mean, in the unit of the numbers.
 struct BlockMean {
   double mean = 0;            ///< NaN without numbers
-  double standard_error = 0;  ///< that of `interval`; NaN where it is not known
-  Interval interval;          ///< by Student's t; infinite where there are too few blocks
+  double standard_error = 0;  ///< that of `interval`; NaN if it is not known
+  Interval interval;          ///< by Student's t; infinite if there are too few blocks
   std::uint64_t blocks = 0;   ///< that `interval` rests on; 0: too few
 
-  /// True where zero is not in the interval.
+  /// True if zero is not in the interval.
   bool differs_from_zero() const { return blocks > 0 && !interval.contains(0); }
 };
 
@@ -31,7 +31,7 @@ class BlockMeans {
  public:
   static constexpr std::size_t kMostBlocks = 64, kFewestBlocks = 8;
 
-  /// `block`: numbers in a block; 0 where no length can be said to be long enough: there is then no
+  /// `block`: numbers in a block; 0 if no length can be said to be long enough: there is then no
   /// interval.
   explicit BlockMeans(std::uint64_t block) : block_(block) {}
 

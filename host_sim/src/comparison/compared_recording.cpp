@@ -66,7 +66,7 @@ class LockstepSensor {
 // Time from row to row, of those in order.
 class RowSteps {
  public:
-  // Seconds since the row before; NaN where that is not known.
+  // Seconds since the row before; NaN if that is not known.
   double add(const EstimateRow& row) {
     double step_s = EstimateRow::kNone;
     if (!row.time_ns || row.events.has(Event::time_reversed)) return step_s;

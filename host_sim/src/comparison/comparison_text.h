@@ -10,7 +10,7 @@
 
 namespace condyle::host {
 
-/// What `run` says against its own intervals, in words; empty where there is nothing.
+/// What `run` says against its own intervals, in words; empty if there is nothing.
 std::string warning_words(const RunReport& run);
 
 /// `text` as a field of a CSV file, in quotation marks where it needs them.

@@ -14,10 +14,10 @@
 
 namespace condyle::host {
 
-/// Orders drawn where there are more; fixed seed.
+/// Orders drawn if there are more; fixed seed.
 inline constexpr std::size_t kDrawnOrders = 2000;
 
-/// That probability; 1 where no session has three values. A session of three or four alone cannot
+/// That probability; 1 if no session has three values. A session of three or four alone cannot
 /// make it small.
 double probability_of_order(const std::vector<std::vector<double>>& sessions);
 

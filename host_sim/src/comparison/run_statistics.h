@@ -23,7 +23,7 @@
 
 namespace condyle::host {
 
-/// NaN where a value is not known.
+/// NaN if a value is not known.
 struct RunReport {
   std::uint64_t missing = 0;   ///< samples without a position that the estimator could take
   std::uint64_t rejected = 0;  ///< samples whose position it did not believe
@@ -47,7 +47,7 @@ struct RunReport {
   double velocity_peak_up_m_s = 0, velocity_peak_down_m_s = 0;
   double velocity_difference_m_s = 0;  ///< rms, to the first estimator's of the same instants
 
-  double noise_sd_m = 0;                    ///< rms over the recording; NaN where it is not white
+  double noise_sd_m = 0;                    ///< rms over the recording; NaN if it is not white
   double jerk_density_m2_s5 = 0;            ///< mean over the recording; likewise
   Quantity<double> friction_Ns_m, mass_kg;  ///< at the end
 };
@@ -69,7 +69,7 @@ class RunStatistics {
   void add(const EstimateRow& row, const EstimateRow& first, double step_s, bool is_compared);
   RunReport report() const;
 
-  /// True where `row` holds a measurement that had been predicted.
+  /// True if `row` holds a measurement that had been predicted.
   bool has_prediction(const EstimateRow& row) const;
 
  private:

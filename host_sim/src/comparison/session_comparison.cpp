@@ -30,7 +30,7 @@ enum DependsOn : unsigned { kNothing = 0, kDuration = 1, kNoise = 2 };
 struct ComparedQuantity {
   const char *name, *column, *unit;
   double (*value)(const RunReport&);
-  const char* missing;                              // what is the matter where there is no value
+  const char* missing;                              // what is the matter if there is no value
   unsigned depends_on = kNothing;                   // beside the subject
   double (*stated_sd)(const RunReport&) = nullptr;  // that repeats do not show
 };
@@ -120,7 +120,7 @@ double stated_variance(const ComparedQuantity& quantity, const Session& session)
   return sum / static_cast<double>(session.recordings.size());
 }
 
-// Why a quantity that depends on `depends_on` is not compared; empty where it is.
+// Why a quantity that depends on `depends_on` is not compared; empty if it is.
 std::string differing_conditions(const std::vector<Session>& sessions, unsigned depends_on) {
   double shortest_s = std::numeric_limits<double>::infinity(), longest_s = 0;
   double least_m = shortest_s, most_m = 0;  // mean noise of a session

@@ -77,7 +77,7 @@ struct SessionChange {
 /// One quantity in all sessions.
 struct QuantityComparison {
   const char *name = "", *column = "", *unit = "";
-  std::string withheld;                     ///< why it is not compared; empty where it is
+  std::string withheld;                     ///< why it is not compared; empty if it is
   std::vector<std::vector<double>> values;  ///< of each session's recordings
   std::vector<double> means;                ///< of each session
   Repeatability repeats;

@@ -17,7 +17,7 @@ std::string session_text(const std::string& estimator, const std::vector<Session
 /// A row per quantity that is compared and pair of sessions, with all digits.
 std::string session_csv(const std::vector<Session>& sessions, const SessionComparison& comparison);
 
-/// Draws "sessions", a panel a quantity, into the folder `directory`. None where nothing is
+/// Draws "sessions", a panel a quantity, into the folder `directory`. None if nothing is
 /// compared.
 std::vector<std::unique_ptr<OutputFile>> draw_sessions(const std::string& directory,
                                                        const std::string& estimator,

@@ -13,7 +13,7 @@
 
 namespace condyle::host {
 
-/// What one sample led to. NaN and `not_computed` where there is no value.
+/// What one sample led to. NaN and `not_computed` if there is no value.
 struct EstimateRow {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
@@ -41,11 +41,11 @@ inline int innovation_axis_count(const EstimateRow& row) {
   return row.axis_count == 3 ? 3 : 1;
 }
 
-/// True where `row` only tells the measurement of the row before once more.
+/// True if `row` only tells the measurement of the row before once more.
 bool is_told_twice(const EstimateRow& row);
 
 /// Innovation along an axis over its predicted standard deviation (stage 1's of the published
-/// cascade). NaN where there is none, and where it was rejected: it then says nothing of the noise.
+/// cascade). NaN if there is none, and where it was rejected: it then says nothing of the noise.
 double standardised_innovation(const EstimateRow& row, int axis);
 
 /// The published cascade's row for `sample`.

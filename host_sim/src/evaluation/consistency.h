@@ -21,7 +21,7 @@
 
 namespace condyle::host {
 
-/// x' C^-1 x; NaN where `covariance` is not positive definite.
+/// x' C^-1 x; NaN if `covariance` is not positive definite.
 template <int n>
 double normalised_square(const Eigen::Matrix<double, n, 1>& x,
                          const Eigen::Matrix<double, n, n>& covariance) {

@@ -84,7 +84,7 @@ class BoundStep {
     return (left.array() > 1e-12 * Q_.diagonal().array()).all();
   }
 
-  /// J_{k+1} from J_k. Empty where Q is singular.
+  /// J_{k+1} from J_k. Empty if Q is singular.
   std::optional<StateMatrix> advance_information(const StateMatrix& J) const {
     if (!has_information_form()) return std::nullopt;
     const StateMatrix D12 = -Q_factor_.solve(StateMatrix(sum_F_ / count())).transpose();

@@ -58,7 +58,7 @@ struct Evaluation {
   /// Standard deviations that the bound allows, each in its quantity's unit; NaN: no bound.
   std::array<double, kEvaluatedQuantities> bound{};
 
-  /// True where a quantity was computed at any sample.
+  /// True if a quantity was computed at any sample.
   bool is_computed(EvaluatedIndex quantity) const {
     return errors[quantity].report(kNominalCoverage).samples > 0;
   }
@@ -68,7 +68,7 @@ struct Evaluation {
 using EvaluationProgress = std::function<void(double share)>;
 
 /// All runs of `plan`, on all cores; the result does not depend on how many there are. `control` as
-/// in run_monte_carlo; its `stop` is asked by every thread. An InputError where no sample of any
+/// in run_monte_carlo; its `stop` is asked by every thread. Throws InputError if no sample of any
 /// run could be compared.
 Evaluation evaluate_estimator(const Scenario& scenario, const EstimatorSettings& settings,
                               const EvaluationPlan& plan, const EvaluationProgress& progress = {},

@@ -12,7 +12,7 @@ namespace condyle::host {
 /// The fitted line. Slope without unit, intercept in the quantity's.
 struct SlopeReport {
   std::uint64_t pairs = 0, unusable = 0;  ///< unusable: not finite, left out of the fit
-  double slope = 0;                       ///< NaN where the truth did not vary
+  double slope = 0;                       ///< NaN if the truth did not vary
   double slope_standard_error = 0;        ///< from the residuals; infinite below three pairs
   Interval slope_interval;                ///< Student's t on pairs - 2 degrees of freedom
   double intercept = 0;

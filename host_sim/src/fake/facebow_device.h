@@ -25,7 +25,7 @@ class FacebowDevice {
   FacebowDevice(const DeviceOptions& options, Motion motion);
 
   /// The next report, measured `time_ns` after the device was first switched on; the counter moves
-  /// on. False where the motion is at its end. InputErrors as Motion::next.
+  /// on. False if the motion is at its end. InputErrors as Motion::next.
   bool next_report(TimeNs time_ns, FacebowReport& report);
 
   /// The device was plugged in again at `time_ns`.

@@ -39,7 +39,7 @@ struct ControlRequest {
 
   /// From the 8 bytes of a setup packet.
   explicit ControlRequest(std::span<const std::uint8_t, 8> setup);
-  /// True where data goes from the device to the host.
+  /// True if data goes from the device to the host.
   bool is_read() const { return (request_type & 0x80U) != 0; }
   /// True for CLEAR_FEATURE(ENDPOINT_HALT) of the endpoint that reports come from.
   bool clears_halt() const;

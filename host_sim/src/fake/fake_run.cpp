@@ -30,7 +30,7 @@ FakeRun::FakeRun(FacebowDevice& device, FaultScript& script, Transport& transpor
       options_(options),
       random_(options.seed, 1) {}
 
-// False where the user stopped it.
+// False if the user stopped it.
 bool FakeRun::serve_while(const std::function<bool()>& condition) {
   while (condition()) {
     if (stop_()) return false;
@@ -48,7 +48,7 @@ bool FakeRun::serve_until(TimeNs time_ns) {
   }
 }
 
-// False where the user stopped it.
+// False if the user stopped it.
 bool FakeRun::wait_until_taken() {
   return serve_while([this] { return !transport_.is_read() || !transport_.is_taken(); });
 }
@@ -92,7 +92,7 @@ Account FakeRun::account() const {
   return account;
 }
 
-// One report. False where the user stopped it.
+// One report. False if the user stopped it.
 bool FakeRun::step() {
   const bool is_last = options_.count > 0 && account_.made + 1 == options_.count;
   if (account_.made == 1 && !wait_until_taken()) return false;
@@ -129,7 +129,7 @@ bool FakeRun::step() {
   return true;
 }
 
-// False where the user stopped it.
+// False if the user stopped it.
 bool FakeRun::before_report(const Fault& fault) {
   ++account_.done[index_of(fault.kind)];
   switch (fault.kind) {

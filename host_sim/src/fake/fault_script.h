@@ -96,7 +96,7 @@ class FaultScript {
 /// has none.
 std::vector<FaultRule> load_faults(const std::string& path, std::uint64_t& seed);
 
-/// Reads one rule from text; an InputError where it is none.
+/// Reads one rule from text; throws InputError if it is none.
 FaultRule parse_fault(const std::string& text);
 
 }  // namespace condyle::host::fake

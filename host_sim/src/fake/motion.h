@@ -24,7 +24,7 @@ class Motion {
   /// coordinate is beyond the report's 0.131 m.
   bool next(RawCoordinates& coordinates);
 
-  /// Mean rate of the recording's first rows, from their times; absent where they have none.
+  /// Mean rate of the recording's first rows, from their times; absent if they have none.
   std::optional<double> rate_Hz() const { return rate_Hz_; }
   /// Share of the recording shown, 0 to 1; starts anew when it repeats.
   double progress() const { return recording_->progress(); }

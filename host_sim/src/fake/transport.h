@@ -36,16 +36,16 @@ class Transport {
   virtual void unplug() = 0;
   /// Hands over a report; the transport says what became of it in `deliveries`.
   virtual void send(const Packet& packet) = 0;
-  /// True where transfers can be made to fail: then `send` takes packets with a failure, whose
+  /// True if transfers can be made to fail: then `send` takes packets with a failure, whose
   /// report the transport does not count.
   virtual bool can_fail() const = 0;
-  /// True where `is_taken` is more than a guess.
+  /// True if `is_taken` is more than a guess.
   virtual bool knows_taken() const = 0;
   /// Answers the host until `deadline_ns` of hal::SteadyClock, or earlier where something happened.
   virtual void serve(TimeNs deadline_ns) = 0;
-  /// True where a host is ready to take a report.
+  /// True if a host is ready to take a report.
   virtual bool is_read() = 0;
-  /// True where the host has taken all that was sent, or this transport cannot know.
+  /// True if the host has taken all that was sent, or this transport cannot know.
   virtual bool is_taken() = 0;
   /// What became of the reports so far; complete once unplugged.
   virtual Deliveries deliveries() = 0;

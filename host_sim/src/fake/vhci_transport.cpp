@@ -37,7 +37,7 @@ constexpr std::uint32_t kLargestData = 65536;
                     : "as root: modprobe vhci-hcd (Debian's \"cloud\" kernels lack this module)");
 }
 
-// First high-speed port in state VDEV_ST_NULL (4: nothing attached); -1 where all are taken.
+// First high-speed port in state VDEV_ST_NULL (4: nothing attached); -1 if all are taken.
 int free_port() {
   const std::string path = kController + "/status";
   std::ifstream file(path);

@@ -30,12 +30,12 @@ nlohmann::ordered_json devices_json(std::span<const hal::HidDevice> devices);
 /// The address of the one of `devices` that `text` names: "046d:c626", "/dev/hidraw0" or a USB
 /// port, "1-1.4"; of several with the same ids the one with this serial number, if it is not empty;
 /// of one device's interfaces the first whose usages are vendor-defined, or else the first.
-/// Nothing where there is none; an InputError where there is more than one.
+/// Nothing if there is none; throws InputError if there is more than one.
 std::optional<hal::DeviceAddress> find_device(const std::string& text, const std::string& serial,
                                               std::span<const hal::HidDevice> devices);
 
 /// The same among what is plugged in. Ids always give an address: the device may come, or be one
-/// that only libusb sees. For the others it waits up to 2 s or until `stop`; an InputError where
+/// that only libusb sees. For the others it waits up to 2 s or until `stop`; throws InputError if
 /// there is none.
 hal::DeviceAddress wait_for_device(const std::string& text, const std::string& serial,
                                    hal::Clock& clock, const std::function<bool()>& stop);

@@ -25,7 +25,7 @@ enum class Severity : std::uint8_t {
 struct Finding {
   Severity severity = Severity::fine;
   std::string what;
-  std::string mend;  ///< commands, or what to do; empty where nothing is to be done
+  std::string mend;  ///< commands, or what to do; empty if nothing is to be done
 };
 
 /// What is examined. `this_machine` fills it in.

@@ -18,7 +18,7 @@ namespace condyle::host {
 /// Watches the reports that pass through it on their way from a source.
 class LiveInspection final : public hal::ReportSource {
  public:
-  /// `descriptor`: nothing where the device's could not be decoded.
+  /// `descriptor`: nothing if the device's could not be decoded.
   LiveInspection(hal::ReportSource& source, std::optional<hal::ReportDescriptor> descriptor)
       : source_(source), descriptor_(std::move(descriptor)) {}
 

@@ -40,7 +40,7 @@ class ReportWatch {
   /// Of the times from one arrival to the next.
   const firmware::LatencyHistogram& intervals() const { return intervals_; }
 
-  /// True where the byte was not the same in all reports.
+  /// True if the byte was not the same in all reports.
   bool has_changed(std::size_t byte) const { return byte < largest_ && has_changed_[byte]; }
   /// What goes up steadily in at least 9 of 10 reports; of fields that cover each other the
   /// steadiest, then the widest.

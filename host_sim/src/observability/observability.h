@@ -239,7 +239,7 @@ template <class Scalar>
 struct Observability {
   int states;  ///< n: observable where the rank equals it
   int rank;    ///< of O with rows and columns brought to length 1; -1: O not finite
-  Scalar smallest_singular_value;  ///< of O in SI units; 0 where the rank is short
+  Scalar smallest_singular_value;  ///< of O in SI units; 0 if the rank is short
   Scalar condition_number;         ///< largest / smallest singular value; infinity likewise
 };
 

@@ -21,7 +21,7 @@ struct EstimatorOption {
   void add_to(CommandLine command);
 
   bool is_published() const { return name == "published"; }
-  /// An InputError where `option`, which only the recommended estimator has, is `given` to the
+  /// Throws InputError if `option`, which only the recommended estimator has, is `given` to the
   /// published cascade. `chosen_by`: the option that chose it.
   void refuse_if_published(const char* option, bool given,
                            const char* chosen_by = "--estimator") const;
@@ -41,7 +41,7 @@ RecommendedParameters load_recommended_for(const EstimatorOption& estimator,
 PublishedParameters load_published_for(const EstimatorOption& estimator,
                                        std::optional<TimeNs> step_ns, const std::string& source);
 
-/// An InputError where a step of `step_s` is so long that each sample would lose the state. It
+/// Throws InputError if a step of `step_s` is so long that each sample would lose the state. It
 /// names `source` and what of it is `step`; `mend` is one way out beside a longer gap.
 void refuse_long_step(const MotionEstimatorParameters& parameters, double step_s,
                       const std::string& source, const char* step, const char* mend);

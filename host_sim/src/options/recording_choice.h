@@ -32,13 +32,13 @@ struct RecordingChoice : FollowedChoice {
   /// Gives `command` the options above and --faults, --ignore-column, --profile, --unit and
   /// --movement, which fill this; it must outlive them.
   void add_to(CommandLine command, JawPoints jaw_points = JawPoints::yes);
-  /// An InputError where the recording `source` does not have what is to be followed.
+  /// Throws InputError if the recording `source` does not have what is to be followed.
   void check(const std::string& source, const RecordingInfo& info) const {
     FollowedChoice::check(source, info.kind);
   }
 };
 
-/// An InputError where two of `sources` are one recording.
+/// Throws InputError if two of `sources` are one recording.
 void refuse_repeated_recordings(const std::vector<std::string>& sources);
 
 }  // namespace condyle::host

@@ -11,7 +11,7 @@ namespace condyle::host {
 
 /// Writes what the devices of a session log, or the one of a capture, measured beside position, a
 /// CSV file for each device that did: `folder`/NAME.csv with time_s (host time, as the estimates'),
-/// drive_N and the auxiliary fields; empty where a value was not measured. `profile`: a file to be
+/// drive_N and the auxiliary fields; empty if a value was not measured. `profile`: a file to be
 /// used for the facebow instead of the log's own; may be empty. Gives the files, closed and not
 /// committed, in `files`, and what the user should know of each device's reports.
 std::vector<std::string> write_device_values(const std::string& recording,

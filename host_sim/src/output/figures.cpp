@@ -120,7 +120,7 @@ std::string plot_command(const Figure& figure, const FigureData& data) {
   return plot;
 }
 
-// The vertical range: that of the values known from measurements where there are any (a prior's
+// The vertical range: that of the values known from measurements if there are any (a prior's
 // band would dwarf them), else that of all.
 std::string range_command(const Figure& figure, const FigureData& data) {
   Extremes known, all;

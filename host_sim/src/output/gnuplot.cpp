@@ -35,7 +35,7 @@ bool is_complete(const std::string& path) {
   return end.find("</svg>") != std::string::npos || end.find("IEND") != std::string::npos;
 }
 
-// The absolute path of a program; empty where there is none. Relative folders of PATH are left
+// The absolute path of a program; empty if there is none. Relative folders of PATH are left
 // out: the child's folder is that of the figures.
 std::string find_program(const std::string& name) {
   const char* const path = std::getenv("PATH");

@@ -17,7 +17,7 @@ namespace condyle::host {
 /// the file cannot take ends the writing, not the recording.
 class LiveEstimates {
  public:
-  /// An InputError where the file cannot be made.
+  /// Throws InputError if the file cannot be made.
   LiveEstimates(const std::string& path, int axis_count, bool has_joint);
   ~LiveEstimates();
   LiveEstimates(const LiveEstimates&) = delete;
@@ -31,7 +31,7 @@ class LiveEstimates {
 
   /// After finish: rows that had no room.
   std::uint64_t dropped() const { return dropped_; }
-  /// Why the file is not complete; empty where it is.
+  /// Why the file is not complete; empty if it is.
   std::string problem() const;
 
  private:

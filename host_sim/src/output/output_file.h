@@ -46,7 +46,7 @@ class OutputFile {
 /// Gives all of the closed `files` their names; returns these, a line each.
 std::string commit_all(const std::vector<std::unique_ptr<OutputFile>>& files);
 
-/// Throws an InputError where one of `outputs` is one of `inputs` or named twice. Empty names are
+/// Throws InputError if one of `outputs` is one of `inputs` or named twice. Empty names are
 /// left out.
 void refuse_same_files(const std::vector<std::string>& inputs,
                        const std::vector<std::string>& outputs);

@@ -42,7 +42,7 @@ class ReplaySummary {
   /// What to warn about beside the summary.
   virtual std::vector<std::string> warnings() const;
 
-  /// Why nothing can be said of the recording, however many numbers come out; empty where it can.
+  /// Why nothing can be said of the recording, however many numbers come out; empty if it can.
   std::string unusable() const;
   /// "value +- half of the interval of `level`, unit, provenance".
   static std::string with_interval(const Quantity<double>& quantity, double shown_per_si,

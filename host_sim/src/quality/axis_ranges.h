@@ -27,7 +27,7 @@ class AxisRanges {
 };
 
 /// The axis along which a point moves at least `ratio` times as far as along `followed`, and by at
-/// least `least_m`: the one with the longest range. `followed` where there is none.
+/// least `least_m`: the one with the longest range. `followed` if there is none.
 std::size_t livelier_axis(const std::array<double, 3>& ranges_m, std::size_t followed, double ratio,
                           double least_m);
 

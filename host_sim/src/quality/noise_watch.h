@@ -27,24 +27,24 @@ class NoiseWatch {
   static constexpr double kWorstSmoothed_percent = 0.3, kWorstSlow_percent = 25;
 
   /// Adds what one sample said: the standardised innovation, no unit, and the measured position,
-  /// `step_s` after the one before; NaN where there was none.
+  /// `step_s` after the one before; NaN if there was none.
   void add(double standardised, double position_m, double step_s) {
     monitor_.add(standardised, position_m, step_s);
     if (std::isfinite(position_m)) rounding_.add(position_m);
   }
 
   const InnovationMonitor<double>& monitor() const { return monitor_; }
-  /// The step that positions are rounded to (m); 0 where there is none.
+  /// The step that positions are rounded to (m); 0 if there is none.
   double rounding_step_m() const { return rounding_.step_m(); }
-  /// True where rounding makes so much of the noise that smoothing would not show.
+  /// True if rounding makes so much of the noise that smoothing would not show.
   bool hides_smoothing() const {
     const double step_m = rounding_.step_m(), sd_m = monitor_.noise_sd_m();
     return step_m > 0 && step_m * step_m / 12 >= kRoundedShare * sd_m * sd_m;
   }
-  /// True where the noise is not white and rounding is not the reason.
+  /// True if the noise is not white and rounding is not the reason.
   bool is_filtered() const { return monitor_.is_filtered() && !hides_smoothing(); }
   bool is_correlated() const { return monitor_.is_correlated(); }
-  /// True where nothing speaks against the stated intervals.
+  /// True if nothing speaks against the stated intervals.
   bool is_trusted() const {
     return !monitor_.is_filtered() && !is_correlated() && !hides_smoothing();
   }

@@ -5,7 +5,7 @@
 //   d_k   step of the position from sample k - 1 to sample k
 //   s_k   the same of a straight line through three steps on either side of it; a position that is
 //         held may be caught up with by the next step, which is then left out
-//   q_k   d_k . s_k / s_k^2: 1 where motion goes on, 2 where a frame is missing, 0 where it is held
+//   q_k   d_k . s_k / s_k^2: 1 if motion goes on, 2 if a frame is missing, 0 if it is held
 //
 // A step is judged where time stamps are even to 10 %, where its six neighbours and it lie within
 // kScatter of the line and s_k is at least kFewestGridSteps roundings long. Noise, uneven frames
@@ -59,7 +59,7 @@ class StepWatch {
     bool is_found() const;
   };
 
-  // q of the step at kSide, `left_out` of the steps after it left out; NaN where not judged.
+  // q of the step at kSide, `left_out` of the steps after it left out; NaN if not judged.
   double ratio(std::size_t left_out) const;
 
   std::array<Step, kWindow> steps_{};  // the oldest first

@@ -18,7 +18,7 @@ struct FollowedChoice {
   std::vector<double>
       jaw_point_mm;  ///< x, y, z in the jaw's frame; empty: a point of the instrument
 
-  /// An InputError where samples of `kind`, which `source` gives, do not have it.
+  /// Throws InputError if samples of `kind`, which `source` gives, do not have it.
   void check(const std::string& source, SampleKind kind) const;
   /// The point; `fits`: see FollowedPoint.
   FollowedPoint point(BodyFits* fits = nullptr) const;

@@ -57,7 +57,7 @@ class Recording {
   virtual const RecordingInfo& info() const = 0;
   /// Where the sample last returned stands: "FILE:LINE", or the like for files without lines.
   virtual std::string place() const = 0;
-  /// Share of the file read so far, 0 to 1; 0 where it is not known.
+  /// Share of the file read so far, 0 to 1; 0 if it is not known.
   virtual double progress() const = 0;
 };
 

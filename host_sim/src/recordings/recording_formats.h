@@ -46,7 +46,7 @@ class RowReader {
 /// used again from row to row.
 void split_row(std::string_view row, std::vector<std::string_view>& fields);
 
-/// True where `start`, the beginning of a file, has the two header lines of ArtiSynth probe text.
+/// True if `start`, the beginning of a file, has the two header lines of ArtiSynth probe text.
 bool looks_like_probe_text(std::string_view start);
 
 /// Time of row `index` of a recording with regular steps. An InputError naming `path` where it
@@ -58,7 +58,7 @@ TimeNs regular_time_ns(TimeNs start_ns, std::uint64_t index, double step_s,
 class FaultRule {
  public:
   explicit FaultRule(FaultPolicy policy) : policy_(policy) {}
-  /// True where `status` is ok. Else: false for an empty or non-finite value under
+  /// True if `status` is ok. Otherwise: false for an empty or non-finite value under
   /// FaultPolicy::event, an InputError naming `place` and `column` for everything else.
   bool accept(NumberStatus status, const std::string& place, std::string_view column,
               std::string_view text) const;

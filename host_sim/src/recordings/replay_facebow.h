@@ -27,15 +27,15 @@ class ReplayFacebow final : public hal::Facebow {
   hal::Status read(TimeNs deadline_ns, Sample& sample) override;
   void close() override;
 
-  /// What is wrong with the recording; empty where nothing is.
+  /// What is wrong with the recording; empty if nothing is.
   const std::string& problem() const { return problem_; }
   /// What the recording says of itself; only while open.
   const RecordingInfo& info() const { return recording_->info(); }
   /// Time between samples as the recording states it, else the median (of the first kLookAhead);
-  /// absent where no time passes.
+  /// absent if no time passes.
   std::optional<TimeNs> median_step_ns() const { return median_step_ns_; }
   /// Time between samples by which gaps are found: as it was live for a device's recording, else
-  /// the median step; 0 where it is not known.
+  /// the median step; 0 if it is not known.
   TimeNs expected_step_ns() const {
     return (info().is_of_device ? info().nominal_step_ns : median_step_ns_).value_or(0);
   }

@@ -166,7 +166,7 @@ double profile_at(const FitLikelihood& likelihood, const FitSetting& setting, st
   return found.value;
 }
 
-// True where log l falls by kLikelihoodOf95 on the way from the optimum to both bounds.
+// True if log l falls by kLikelihoodOf95 on the way from the optimum to both bounds.
 bool is_bounded(const FitLikelihood& likelihood, const FitSetting& setting, std::size_t held,
                 const SearchOptimum& best) {
   for (const double end : {setting.bounds.low[held], setting.bounds.high[held]}) {
@@ -310,7 +310,7 @@ WhiteStandIn stand_in_of(const NoiseModel& model, const std::vector<double>& ste
   return all;
 }
 
-// True where all of `model` but the correlation time is known, and that is no less than its bound:
+// True if all of `model` but the correlation time is known, and that is no less than its bound:
 // more of it would serve as well.
 bool is_usable(const FittedModel& model) {
   const auto is_known = [](const FittedParameter& parameter) {

@@ -77,8 +77,9 @@ struct LikelihoodTuning {
   bool stopped = false;
 };
 
-/// Tunes to `recordings`, of which there is at least one. An InputError where gaps leave nothing to
-/// fit to or nothing to hold out. `show(share)` on the way; `control.stop` is asked by all threads.
+/// Tunes to `recordings`, of which there is at least one. Throws InputError if gaps leave nothing
+/// to fit to or nothing to hold out. `show(share)` on the way; `control.stop` is asked by all
+/// threads.
 LikelihoodTuning tune_by_likelihood(const std::vector<TuningRecording>& recordings,
                                     const LikelihoodPlan& plan,
                                     const std::function<void(double)>& show,

@@ -93,7 +93,7 @@ struct PublishedTuningResult {
   std::optional<PublishedTuning> closest;  ///< smallest J, where none satisfies it
   double lowest_friction_Ns_m = 0, highest_friction_Ns_m = 0;  ///< of `tunings`
   std::uint64_t at_initial_friction = 0;  ///< of `tunings`: within `steady_share` of initial_Ns_m
-  /// Highest over lowest friction; 1 where there is none.
+  /// Highest over lowest friction; 1 if there is none.
   double friction_ratio() const {
     return tunings.empty() ? 1 : highest_friction_Ns_m / lowest_friction_Ns_m;
   }
@@ -101,7 +101,7 @@ struct PublishedTuningResult {
 
 /// Searches for tunings around `base`, which must satisfy `is_valid`. The result is the same for
 /// every number of threads. `control.stop` is asked by all threads, also on the way.
-/// InputError where there is no recording, one is too short or its position never changes (stage 3
+/// InputError if there is no recording, one is too short or its position never changes (stage 3
 /// would have nothing to find the mass from), its sample time is out of range, or the plan has a
 /// number out of range.
 PublishedTuningResult tune_by_published_criterion(std::span<const PublishedRecording> recordings,

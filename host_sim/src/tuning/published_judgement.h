@@ -31,7 +31,7 @@ struct PublishedRecording {
   bool is_cut = false;             ///< it goes on, but is too long to be kept
 };
 
-/// What a tuning makes of one recording, over the last quarter. NaN where the
+/// What a tuning makes of one recording, over the last quarter. NaN if the
 /// filters were not finite.
 struct TunedRecording {
   double friction_Ns_m = 0;   ///< mean

@@ -27,7 +27,7 @@ std::string published_tunings_csv(const PublishedTuningResult& result);
 
 /// Draws friction and, below, mass over time, as the tunings that satisfy the criterion have them
 /// for `recording`, as published_tunings.svg and .png: twelve tunings at most, spread evenly over
-/// the frictions found. None where none satisfies it. The files are closed, and wait for `commit`.
+/// the frictions found. None if none satisfies it. The files are closed, and wait for `commit`.
 /// `name` is the recording's in the title.
 std::vector<std::unique_ptr<OutputFile>> draw_published_tunings(
     const std::string& directory, const std::string& name, const PublishedTuningResult& result,

@@ -39,7 +39,7 @@ double middle_of(std::vector<double> values) {
   return *middle;
 }
 
-// Noise in the windows that move least; 0 where there is no window.
+// Noise in the windows that move least; 0 if there is no window.
 double rest_noise_m(std::span<const TuningRecording> recordings) {
   std::vector<Window> windows;
   for (const TuningRecording& recording : recordings) {

@@ -59,7 +59,7 @@ class SampleCollector {
   }
 
   const InnovationMonitor<double>& monitor() const { return monitor_; }
-  /// True where two positions that differ were measured.
+  /// True if two positions that differ were measured.
   bool has_moved() const { return highest_m_ > lowest_m_; }
 
  private:

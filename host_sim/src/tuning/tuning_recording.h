@@ -17,9 +17,9 @@ namespace condyle::host {
 /// One sample of a stretch.
 struct TuningSample {
   double step_s = 0;  ///< since the sample before; 0 where a stretch begins
-  /// Along the followed axis; NaN where there is none, or it was an outlier.
+  /// Along the followed axis; NaN if there is none, or it was an outlier.
   double position_m = std::numeric_limits<double>::quiet_NaN();
-  /// Score of the adaptive estimator's innovation (innovation_likelihood.h); NaN where there is
+  /// Score of the adaptive estimator's innovation (innovation_likelihood.h); NaN if there is
   /// none.
   double adaptive_score = std::numeric_limits<double>::quiet_NaN();
 };
@@ -72,8 +72,8 @@ struct TuningInput {
 /// Fewest innovations of a recording that it is tuned with.
 inline constexpr std::size_t kFewestTuned = 200;
 
-/// Reads `path`. An InputError where it cannot be read, has too few positions, or where they do not
-/// vary. `show(share)`, 0 to 1, is called on the way; `should_stop()` may end it.
+/// Reads `path`. Throws InputError if it cannot be read, has too few positions, or where they do
+/// not vary. `show(share)`, 0 to 1, is called on the way; `should_stop()` may end it.
 TuningRecording read_for_tuning(const std::string& path, const TuningInput& input,
                                 const std::function<void(double)>& show,
                                 const std::function<bool()>& should_stop);

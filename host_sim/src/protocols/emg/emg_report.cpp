@@ -90,7 +90,7 @@ Json json_of(const Value& value) {
           {"information", value.information}};
 }
 
-// What the smallest difference of friction would be that this recording tells; none where the model
+// What the smallest difference of friction would be that this recording tells; none if the model
 // does not hold or the prior says most.
 bool has_resolution(EmgLimit limit) {
   return limit != EmgLimit::no_emg && limit != EmgLimit::too_early && limit != EmgLimit::model &&

@@ -29,7 +29,7 @@ struct EmgResult {
   std::string rows;  ///< CSV, one for each position
 };
 
-/// Reads both recordings and identifies with `muscles`. An InputError where they cannot be used.
+/// Reads both recordings and identifies with `muscles`. Throws InputError if they cannot be used.
 EmgResult identify_from_emg(const EmgSource& source, const MuscleFile& muscles);
 
 /// Its values with provenance, uncertainty and limit.

@@ -42,7 +42,7 @@ struct HeadMotionDeviations {
 /// Those of `plan` after `duration_s`.
 HeadMotionDeviations expected_deviations(const HeadMotionPlan& plan, double duration_s);
 
-/// The duration that reaches `sd_per_s` for kv/m; none where what is stated is more.
+/// The duration that reaches `sd_per_s` for kv/m; none if what is stated is more.
 std::optional<double> duration_for(const HeadMotionPlan& plan, double sd_per_s);
 
 /// All of it in words.

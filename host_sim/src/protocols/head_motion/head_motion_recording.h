@@ -41,7 +41,7 @@ struct IdentifiedHeadMotion {
   DriveCounts counts;
 };
 
-/// Reads and identifies it. An InputError where the recordings cannot be used.
+/// Reads and identifies it. Throws InputError if the recordings cannot be used.
 IdentifiedHeadMotion identify_head_motion(const HeadMotionSource& source,
                                           const HeadMotionParameters& parameters);
 

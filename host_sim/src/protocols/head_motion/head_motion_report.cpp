@@ -67,7 +67,7 @@ const char* reason(JointLimit limit) {
   }
 }
 
-// True where the interval holds the value, however wide it is.
+// True if the interval holds the value, however wide it is.
 bool has_interval(const Value& value) {
   return !is_failure(value.limit) && std::isfinite(value.fitted_sd);
 }

@@ -18,7 +18,7 @@ struct ReleasePlan {
 };
 
 /// Standard deviations of one release of `duration_s`: the Cramer-Rao bound with rest, start and
-/// starting velocity unknown, by the delta method. Not finite where it has too few samples.
+/// starting velocity unknown, by the delta method. Not finite if it has too few samples.
 ReleaseDeviations<double> expected_deviations(const ReleasePlan& plan, double duration_s);
 
 /// How to reach a standard deviation of kv/m.
@@ -28,7 +28,7 @@ struct ReleaseEffort {
 };
 
 /// The shortest single release of up to 10 s that reaches `sd_per_s`; where none does, releases of
-/// the shortest duration that is within 5 % of the best. Nothing where no release tells anything.
+/// the shortest duration that is within 5 % of the best. Nothing if no release tells anything.
 std::optional<ReleaseEffort> effort_for(const ReleasePlan& plan, double sd_per_s);
 
 /// All of it in words.

@@ -69,7 +69,7 @@ std::vector<std::size_t> find_motion_begins(const std::vector<double>& time_s,
   const auto [low, high] = std::minmax_element(position_m.begin(), position_m.end());
   const double limit_m =
       std::max(kShare * (*high - *low), kNoises * noise_by_sixth_differences(position_m));
-  // True where a still stretch ends before `end`, and sample i and the next have left it.
+  // True if a still stretch ends before `end`, and sample i and the next have left it.
   const auto leaves = [&](std::size_t i, std::size_t end) {
     std::size_t first = end;
     while (first > 0 && time_s[end - 1] - time_s[first] < kStill_s) --first;

@@ -34,7 +34,7 @@ struct ReleaseStretch {
 /// Longest recording that is read.
 inline constexpr std::size_t kMostReleaseSamples = 1'000'000;
 
-/// Reads it. An InputError where there is no such stretch, or more than one.
+/// Reads it. Throws InputError if there is no such stretch, or more than one.
 ReleaseStretch read_release(const ReleaseSource& source);
 
 /// Samples with which a motion begins after a still stretch of at least 0.15 s: the first sample

@@ -52,7 +52,7 @@ const char* residuals_name(ReleaseResiduals residuals) {
   return names[static_cast<int>(residuals)];
 }
 
-// What is wrong, and what the user can do; empty where nothing is.
+// What is wrong, and what the user can do; empty if nothing is.
 std::string advice(const PassiveRelease<double>& fit) {
   switch (fit.residuals) {
     case ReleaseResiduals::as_stated:

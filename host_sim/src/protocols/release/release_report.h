@@ -19,7 +19,8 @@ struct FittedRelease {
   PassiveRelease<double> fit;
 };
 
-/// Fits the release that `source` names. An InputError where it cannot be fitted, with the way out.
+/// Fits the release that `source` names. Throws InputError if it cannot be fitted, with the way
+/// out.
 FittedRelease fit_release(const ReleaseSource& source, const ReleaseSettings& settings);
 
 /// Its values with intervals and provenance, and what the residuals say.
