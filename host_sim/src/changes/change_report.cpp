@@ -19,7 +19,7 @@ std::string time_text(TimeNs time_ns) {
   return fmt::format("{:.1f} s", seconds(time_ns));
 }
 
-// How many cycles, and why the others do not count.
+// How many cycles, and why the others are not counted.
 std::string cycles_text(const ChangeWatch& watch) {
   std::string others;
   for (const CycleOutcome outcome : {CycleOutcome::irregular, CycleOutcome::incomplete,

@@ -17,7 +17,7 @@ nlohmann::json parse(const std::string& box, int status, const std::string& text
   return json;
 }
 
-// The text of a key that an answer has to have.
+// The text of a required key of an answer.
 std::string text_of(const std::string& box, int status, const nlohmann::json& json,
                     const char* key) {
   const auto found = json.find(key);

@@ -58,7 +58,7 @@ hal::StartMessage start_of(const BridgeOptions& options, const BridgeInput& inpu
   return start;
 }
 
-// The same run on this computer, whose answers are to be the target's, byte for byte.
+// The same run on this computer; its answers must equal the microcontroller's byte for byte.
 class Twin {
  public:
   Twin(unsigned scalar_size, const hal::ReportLayout& layout, const hal::StartMessage& start,
@@ -77,7 +77,7 @@ class Twin {
   void reconnect() { client_.reconnect(); }
   void finish() { client_.finish(); }
 
-  // Compares an answer of the target's with the next one here. `name` names it for the user.
+  // Compares an answer of the microcontroller with the next one here. `name` names it for the user.
   template <class Name>
   void compare(NodeAnswer answer, const hal::LinkFrame& frame, Name name) {
     const TimeNs deadline_ns = clock_.now_ns() + kTwinPatience_ns;
@@ -132,7 +132,7 @@ struct BridgeCounts {
 
 enum class Fed { report, nothing, reconnected, end };
 
-// Takes the next report, waiting no longer than `wait_ns`.
+// Takes the next report; waits at most `wait_ns`.
 Fed take_report(BridgeInput& input, TimeNs wait_ns, hal::Clock& clock, hal::RawReport& report,
                 BridgeCounts& counts) {
   switch (input.source->read(clock.now_ns() + wait_ns, report)) {
@@ -163,7 +163,7 @@ std::string health_words(const std::optional<hal::HealthMessage>& health) {
       health->stack_used_bytes, health->stack_size_bytes);
 }
 
-// Between a source of reports and a target.
+// Connects a source of reports and a microcontroller.
 class Bridge {
  public:
   Bridge(BridgeInput& input, NodeClient& client, Twin* twin, NodeRows& rows,
@@ -181,10 +181,10 @@ class Bridge {
     for (NodeAnswer answer = NodeAnswer::none; answer != NodeAnswer::finished;) {
       if (has_input_ && stop_requested()) {
         if (!input_.is_live) return false;
-        finish();  // a live run ends when the user says so
+        finish();  // the user ends a live run
       }
       if (has_input_ && client_.has_room()) feed();
-      // A recording has its next report at once; a device is looked after every millisecond.
+      // A recording has its next report at once; a device is polled every millisecond.
       const TimeNs wait_ns = !client_.has_room() ? kPatience_ns : input_.is_live ? 1'000'000 : 0;
       answer = client_.receive(clock_.now_ns() + wait_ns);
       if (answer != NodeAnswer::none) take(answer);
@@ -298,7 +298,7 @@ int bridge(const BridgeOptions& options) {
       return report_stop();
     }
   } catch (const InputError& error) {
-    // What was measured live cannot be measured again.
+    // A live measurement cannot be repeated, so its estimates are kept.
     if (!input.is_live || !estimates) throw;
     keep_estimates();
     throw InputError(std::string(error.what()) + "; the estimates so far are in " + options.out);

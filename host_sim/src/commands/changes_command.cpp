@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks for changes of effective damping in a recording with a measured drive.
+// Detects changes of effective damping in a recording with a measured drive.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -33,7 +33,7 @@ struct ChangesOptions : RecordingChoice {
   std::optional<double> smallest_change_Ns_m;
 };
 
-// What came out of the recording.
+// The result of the recording.
 struct WatchedRecording {
   std::vector<TimedCycle<double>> cycles;
   JointEstimate<double> identified;
@@ -58,7 +58,7 @@ RecommendedParameters choose_parameters(const ChangesOptions& options, const Rec
         "this command counts all friction as effective damping, including Coulomb friction",
         "leave it out, and remove coulomb_N and coulomb_sd_N from the parameter file");
   }
-  // Of 1, a change of damping is one of what the drive misses as well.
+  // With a share of 1, a change of the missing force looks like a change of damping.
   if (parameters.joint.drive.missing_share >= 1) {
     throw InputError(
         "--drive-missing",
@@ -157,7 +157,7 @@ int changes(const ChangesOptions& options) {
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
   check(options, facebow.info());
   const RecommendedParameters parameters = choose_parameters(options, facebow.info());
-  // Opened first, so that an output that cannot be written is said before the work.
+  // Opened first, to report an output that cannot be written before the work.
   std::unique_ptr<OutputFolder> folder;
   if (!options.figures.empty()) folder = std::make_unique<OutputFolder>(options.figures);
   std::vector<std::unique_ptr<OutputFile>> files;

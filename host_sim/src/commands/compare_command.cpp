@@ -26,7 +26,7 @@ struct CompareOptions {
   ComparisonPlan plan;
 };
 
-// A session as the command line names it.
+// A session as given on the command line.
 struct SessionFiles {
   std::string name;
   std::vector<std::string> recordings;
@@ -134,7 +134,7 @@ std::vector<Session> group(const std::vector<SessionFiles>& sessions,
   return result;
 }
 
-// What is said, and the content of the table; the figures join `files`.
+// The text, and the content of the table; adds the figures to `files`.
 struct Outcome {
   std::string text, table;
 };
@@ -176,7 +176,7 @@ int compare(const CompareOptions& options) {
   }
   refuse_same_files(inputs, {options.out});
   check_recordings(sources, plan);
-  // Opened first, so that an output that cannot be written is said before the work.
+  // Opened first, to report an output that cannot be written before the work.
   std::unique_ptr<OutputFolder> folder;
   if (!options.figures.empty()) folder = std::make_unique<OutputFolder>(options.figures);
   std::vector<std::unique_ptr<OutputFile>> files;

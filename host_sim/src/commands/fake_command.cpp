@@ -73,7 +73,7 @@ Command add_fake(CommandLine app) {
       .add_option("--product-id", options->product_id,
                   "Product id of a uhid device, to distinguish several")
       .show_default();
-  options->device.run.settle_s = 0.2;  // kernels drop what comes too early
+  options->device.run.settle_s = 0.2;  // kernels drop reports that come too early
   fake::add_arguments(command, options->device);
   return [options] { return run_fake(*options); };
 }

@@ -18,7 +18,7 @@ namespace {
 
 constexpr Range kPositive{1e-9, 1e6}, kTimes{0, 1e9};
 
-// What is stated of the accelerometer and of muscles, in the user's units.
+// What the user states about accelerometer and muscles, in the user's units.
 struct Stated {
   double gain_sd = HeadMotionParameters{}.gain_sd;
   double lever_sd = HeadMotionParameters{}.lever_sd;

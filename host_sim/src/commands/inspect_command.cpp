@@ -58,18 +58,18 @@ int list_devices(const InspectOptions& options) {
   return kExitOk;
 }
 
-// A text that is written again and again in the same place of a terminal.
+// A text that is rewritten in the same place of a terminal.
 class Panel {
  public:
   void show(std::string text) {
     winsize size{};
     const bool has_size = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 1;
-    std::size_t end = 0;  // one row less than there are, or the terminal would scroll
+    std::size_t end = 0;  // one row less than the terminal has, or it would scroll
     for (int rows = has_size ? size.ws_row - 1 : 23; rows > 0 && end < text.size(); --rows) {
       end = std::min(text.find('\n', end), text.size() - 1) + 1;
     }
     text.resize(end);
-    // Long lines are cut, for wrapped ones would be counted wrongly.
+    // Long lines are cut, because wrapped ones would be miscounted.
     std::fprintf(stderr, "\r\x1b[J\x1b[?7l%s\x1b[?7h", text.c_str());
     const auto lines = std::count(text.begin(), text.end(), '\n');
     if (lines > 0) std::fprintf(stderr, "\x1b[%dA", static_cast<int>(lines));
@@ -83,7 +83,7 @@ class Panel {
   bool is_shown_ = false;
 };
 
-// Reads until the time is up, the user has seen enough or the device is gone. False if it went.
+// Reads until the time is up, the user stops or the device disconnects. False if it disconnected.
 template <class Read, class Words>
 bool watch(hal::Clock& clock, double duration_s, const Read& read, const Words& words) {
   constexpr TimeNs kRepaint_ns = 250'000'000, kPatience_ns = 50'000'000;
@@ -102,7 +102,7 @@ bool watch(hal::Clock& clock, double duration_s, const Read& read, const Words& 
   return true;
 }
 
-// Which interface is looked at, where the device has several.
+// Which interface is read, if the device has several.
 std::string interface_words(const hal::DeviceAddress& address) {
   std::string others;
   for (const hal::HidDevice& device :

@@ -23,7 +23,7 @@ namespace {
 std::atomic<bool> stop_signal{false};  // also read by threads
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-// Without SA_RESTART, so that waiting for a pipe ends as well.
+// Without SA_RESTART, so that a signal also ends a wait for a pipe.
 void stop_on(int signal) {
   struct sigaction action = {};
   action.sa_handler = [](int) { stop_signal = true; };
@@ -86,12 +86,12 @@ int run_command(int argc, char** argv) {
 int run(int argc, char** argv) {
   stop_on(SIGINT);
   stop_on(SIGTERM);
-  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a write error, reported as one
-  std::signal(SIGXFSZ, SIG_IGN);  // and so is a file that may not grow
+  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is then a reported write error
+  std::signal(SIGXFSZ, SIG_IGN);  // so is a file at its size limit
   try {
     return run_command(argc, argv);
   } catch (const InputError& error) {
-    if (stop_requested()) {  // what looks like an error is the interrupted wait
+    if (stop_requested()) {  // the error is the interrupted wait
       return report_stop();
     }
     print_error(error.what());

@@ -18,7 +18,7 @@
 namespace condyle::host {
 namespace {
 
-// What `release` and `combine` share.
+// Options of both `release` and `combine`.
 struct FitOptions {
   ReleaseSource source;  // without the recording and its times
   double noise_mm = 0;
@@ -60,7 +60,7 @@ struct FitOptions {
   }
 };
 
-// Writes what was asked for beside the text, then prints that.
+// Writes the requested files, then prints the text.
 int finish(const FitOptions& options, const std::vector<std::string>& recordings,
            const std::string& text, const std::string& json,
            const std::vector<std::pair<std::string, const FittedRelease*>>& releases) {

@@ -38,7 +38,7 @@ struct RecordOptions {
   std::uint64_t samples = 0;
 };
 
-// Says how the recording goes while it does.
+// Shows the state of the recording while it runs.
 class Monitor {
  public:
   Monitor(const hal::DeviceFacebow& facebow, const SessionDevice& device,
@@ -51,7 +51,7 @@ class Monitor {
         clock_(clock),
         begin_ns_(clock.now_ns()) {}
 
-  // To be called often.
+  // Call it often.
   void look() {
     const TimeNs now_ns = clock_.now_ns();
     if (facebow_.counts().received != received_) last_received_ns_ = now_ns;
@@ -63,7 +63,7 @@ class Monitor {
                       (serial_.empty() ? "" : ", serial number " + serial_));
     }
     for (std::size_t i = 0; i < companions_.size(); ++i) {
-      // For a second at the start it is only being opened.
+      // In the first second the device is still being opened.
       const bool is_there = companions_[i]->companion.is_open() ||
                             (were_there_[i] && now_ns - begin_ns_ < 1'000'000'000);
       if (is_there == were_there_[i]) continue;
@@ -151,7 +151,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
   const hal::DeviceProfile& profile = devices.front().profile;
   hal::RecordedSource source(devices.front().device->source(), log, 0, clock);
   hal::DeviceFacebow facebow(source, hal::layout_of(profile));
-  // It was there a moment ago; whatever keeps it now, it is waited for as after an unplugging.
+  // The device was found a moment ago, so any failure is treated like an unplugging: wait for it.
   bool has_failed = false;
   while (facebow.open() != hal::Status::ok && !stop_requested()) {
     if (!has_failed) print_error("the device can no longer be opened; waiting for it");
@@ -208,7 +208,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
   return kExitBadInput;
 }
 
-// FILE, or FILE@SERIAL if there is no file of that whole name.
+// FILE, or FILE@SERIAL if no file has the whole text as its name.
 std::pair<std::string, std::string> split_serial(const std::string& text) {
   const std::size_t at = text.rfind('@');
   if (at == std::string::npos || std::filesystem::exists(text)) return {text, ""};

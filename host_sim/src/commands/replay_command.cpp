@@ -43,7 +43,7 @@ struct ReplayOptions : RecordingChoice {
   DriveOptions drive_stated;
 };
 
-// Which recording, and what of it is followed.
+// The recording, and what is followed in it.
 std::string recording_text(const ReplayOptions& options, const RecordingInfo& info) {
   return fmt::format("{}, {}, {}", options.recording, info.format, options.text(info.kind));
 }
@@ -68,13 +68,13 @@ std::string summary_json(const ReplayOptions& options, const RecordingInfo& info
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-// Runs `sensor` over the open `facebow` and writes what was asked for. `row_of_step(sample,
+// Runs `sensor` over the open `facebow` and writes the requested outputs. `row_of_step(sample,
 // estimate)` gives a row, or none while a lag fills.
 template <class Sensor, class RowOfStep>
 int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
                    const firmware::RunSettings& settings, Sensor& sensor, int axis_count,
                    bool has_joint, const RowOfStep& row_of_step, ReplaySummary& summary) {
-  // Opened first, so that an output that cannot be written is said before the work.
+  // Opened first, to report an output that cannot be written before the work.
   std::unique_ptr<OutputFolder> figure_folder;
   if (!options.figures.empty()) figure_folder = std::make_unique<OutputFolder>(options.figures);
   std::unique_ptr<EstimatesFile> estimates;
@@ -103,7 +103,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   }
 
   const std::vector<std::string> drive_notes = summary.drive_notes();
-  // Everything is written and closed before anything gets its name.
+  // Write and close everything before renaming anything.
   const std::string name = std::filesystem::path(options.recording).filename().string();
   std::vector<std::unique_ptr<OutputFile>> figures;
   if (figure_folder) figures = draw_figures(options.figures, name, figure_data);

@@ -26,7 +26,7 @@ struct SessionOptions {
 
 constexpr std::chrono::seconds kPatience{30};
 
-// Ends what the client waits for once the time is over, however slowly an answer comes.
+// Ends the client's wait after a time limit, even if an answer arrives slowly.
 class Deadline {
  public:
   explicit Deadline(httplib::Client& client)
@@ -57,7 +57,7 @@ class Deadline {
   std::thread thread_;
 };
 
-// What came, and its HTTP status.
+// The answer and its HTTP status.
 struct BoxAnswer {
   int status = 0;
   std::string text;

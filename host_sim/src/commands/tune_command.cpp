@@ -28,7 +28,7 @@ struct TuneOptions {
   std::vector<std::string> recordings;
   std::string criterion = "likelihood", parameters, out, figures, tunings;
   RecordingChoice choice;
-  std::size_t starts = 0, most_samples = 0;  // 0: as the criterion has it
+  std::size_t starts = 0, most_samples = 0;  // 0: the criterion's default
   std::uint64_t seed = 1;
   std::vector<double> noise_mm, jerk_density;
 
@@ -59,7 +59,7 @@ auto read_all(const TuneOptions& options, hal::Clock& clock, const Read& read) {
   return recordings;
 }
 
-// The progress of a search and what may stop it.
+// Progress of a search, and its stop condition.
 struct ShownSearch {
   explicit ShownSearch(hal::Clock& clock) : progress("tuning", clock, 1) {
     control.stop = [] { return stop_requested(); };
@@ -102,7 +102,7 @@ LikelihoodPlan plan_of(const TuneOptions& options, const RecommendedParameters& 
   return plan;
 }
 
-// Says what it found.
+// Prints the result.
 int report(const std::string& found, const std::vector<std::unique_ptr<OutputFile>>& files,
            int exit_code) {
   print_output(banner() + found + commit_all(files));
@@ -220,7 +220,7 @@ void check(const TuneOptions& options) {
 
 int tune(const TuneOptions& options) {
   check(options);
-  // Opened first, so that an output that cannot be written is said before the work.
+  // Opened first, to report an output that cannot be written before the work.
   std::unique_ptr<OutputFolder> folder;
   if (!options.figures.empty()) folder = std::make_unique<OutputFolder>(options.figures);
   std::vector<std::unique_ptr<OutputFile>> files;
