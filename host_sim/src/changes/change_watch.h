@@ -51,14 +51,13 @@ struct ChangeWatch {
   std::optional<std::size_t> lost_from;
   double false_alarm_cycles = 0;  ///< cycles in the interval; may be out of range
   std::size_t counted = 0, judged = 0;
-  double mean_duration_s = 0;  ///< of the counted ones, like the following
-  double mean_Ns_m = 0,
-         sd_Ns_m = 0;        ///< weighted mean; rms of the cycles' stated standard deviations
-  double spread = 1;         ///< ChangeDetector's, at the end
-  double of_drive_Ns_m = 0;  ///< as in DetectedChange, without a change of the rhythm
+  double mean_duration_s = 0;         ///< of the counted ones, like the following
+  double mean_Ns_m = 0, sd_Ns_m = 0;  ///< weighted mean; stated sd of a cycle, rms
+  double spread = 1;                  ///< ChangeDetector's, at the end
+  double of_drive_Ns_m = 0;           ///< as in DetectedChange, without a change of the rhythm
 };
 
-/// Runs the detector; nothing is judged where `false_alarm_cycles` is out of range.
+/// Runs the detector; judges no cycle if `false_alarm_cycles` is out of range.
 ChangeWatch watch_cycles(const std::vector<TimedCycle<double>>& cycles,
                          const WatchSettings& settings);
 

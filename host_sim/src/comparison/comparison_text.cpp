@@ -122,7 +122,7 @@ void append_quantity(std::string& text, const Quantity<double>& quantity) {
   text += ',';
   append_number(text, quantity.value);
   text += ',';
-  // The filter's own for an assumed value is that of its tuning.
+  // The filter's interval for an assumed value depends only on its tuning.
   if (quantity.provenance == Provenance::measured) append_number(text, quantity.standard_deviation);
   text += fmt::format(",{}", provenance_name(quantity.provenance));
 }

@@ -15,24 +15,24 @@ namespace condyle::host {
 namespace {
 
 constexpr double kDetectionShare = 0.95;
-// Rates that differ by more let the estimators see another motion.
+// With rates that differ by more, the estimators see different motions.
 constexpr double kRateTolerance = 0.05;
 
-// Durations, and noise of sessions, that differ by more make the quantities that depend on them
-// differ.
+// Larger differences in duration, or in the noise of sessions, change the quantities that depend on
+// them.
 constexpr double kLongerDuration = 1.2, kMoreNoise = 1.5;
-// Likeness of neighbouring repeats that chance makes this seldom.
+// Probability below which successive repeats count as alike.
 constexpr double kAlikeByChance = 0.01;
 
 enum DependsOn : unsigned { kNothing = 0, kDuration = 1, kNoise = 2 };
 
-// A quantity and where it stands in a report.
+// A quantity and its place in a report.
 struct ComparedQuantity {
   const char *name, *column, *unit;
   double (*value)(const RunReport&);
-  const char* missing;                              // what is the matter if there is no value
-  unsigned depends_on = kNothing;                   // beside the subject
-  double (*stated_sd)(const RunReport&) = nullptr;  // that repeats do not show
+  const char* missing;                              // the reason if there is no value
+  unsigned depends_on = kNothing;                   // in addition to the subject
+  double (*stated_sd)(const RunReport&) = nullptr;  // not visible in repeats
 };
 
 double measured_value(const Quantity<double>& quantity) {
@@ -66,7 +66,7 @@ const ComparedQuantity kQuantities[] = {
 };
 
 bool is_copy(const RunReport& a, const RunReport& b) {
-  // Noise makes each recording's prediction error its own, to the last digit.
+  // Noise makes the prediction errors of any two recordings different, so equal ones reveal a copy.
   return std::isfinite(a.score) && a.score == b.score && a.error_rms_m == b.error_rms_m &&
          a.range_m == b.range_m;
 }
@@ -108,8 +108,8 @@ double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-// Mean square of what the recordings of a session state; the same is wrong in all, so that their
-// number does not help.
+// Mean square of the standard deviations that a session's recordings state; the error is common to
+// all, so more recordings do not reduce it.
 double stated_variance(const ComparedQuantity& quantity, const Session& session) {
   if (quantity.stated_sd == nullptr) return 0;
   double sum = 0;

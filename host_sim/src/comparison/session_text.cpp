@@ -14,7 +14,7 @@
 namespace condyle::host {
 namespace {
 
-// Share of measured samples below which what was missed may be what differs.
+// Below this share of measured samples, missing samples may cause a difference.
 constexpr double kFewMeasured = 0.95;
 
 std::string sessions_text(const std::vector<Session>& sessions) {

@@ -72,7 +72,7 @@ std::string error_table(const Evaluation& evaluation) {
   return text;
 }
 
-// Samples at which something is missing that is there at others.
+// Samples without a value that other samples have.
 std::string missing_text(const Evaluation& evaluation) {
   std::string text;
   std::uint64_t unusable = 0;
@@ -94,7 +94,7 @@ std::string consistency_text(const std::string& name, const ConsistencyReport& r
                      r.bounds.low, r.bounds.high, r.inside ? "inside" : "OUTSIDE");
 }
 
-// NIS and whiteness, of each axis where there are three.
+// NIS and whiteness, of each axis if there are three.
 std::string innovations_text(const Evaluation& evaluation) {
   std::string text, correlations;
   for (int axis = 0; axis < evaluation.innovation_axes; ++axis) {

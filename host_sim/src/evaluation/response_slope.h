@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How an estimate answers to a change of the truth: the least-squares line estimate = a + b truth.
-// b is 1 for an estimate that follows, 0 for one that does not see the quantity.
+// How an estimate responds to a change of the truth: the least-squares line estimate = a + b truth.
+// b is 1 for an estimate that follows, 0 for one that does not depend on it.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,11 @@ struct SlopeReport {
   double intercept = 0;
 };
 
-/// Collects pairs. They must be independent: one a run. Constant memory.
+/// Collects pairs. They must be independent: one from each run. Constant memory.
 class ResponseSlope {
  public:
   void add(double truth, double estimate);
-  /// Takes the pairs of `later` after its own.
+  /// Appends the pairs of `later`.
   void merge(const ResponseSlope& later);
   SlopeReport report(double confidence) const;
 

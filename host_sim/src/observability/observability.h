@@ -15,8 +15,7 @@
 //               equation. Right: k_v' = 0.
 //   (29)        the derivative of a row vector, which has no value. Right: (0 1 0 0).
 //   (38), (39)  friction column u/m at order 1 and, following from it, -(kv/m) u/m - a/m at
-//   order 2.
-//               Right: -v/m and (2 kv v - u)/m^2.
+//               order 2. Right: -v/m and (2 kv v - u)/m^2.
 //   (43)        mass column at order 2 over m^4. Right: over m^2 (2 kv a / m^2 for constant u).
 #pragma once
 
