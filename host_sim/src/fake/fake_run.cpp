@@ -8,13 +8,13 @@
 namespace condyle::host::fake {
 namespace {
 
-constexpr TimeNs kSlice_ns = 5'000'000;  // between two looks at `stop`
+constexpr TimeNs kSlice_ns = 5'000'000;  // between two checks of `stop`
 
 std::size_t index_of(FaultKind kind) {
   return static_cast<std::size_t>(kind);
 }
 
-// Faults that are done to the report itself; one a report.
+// Faults of the report itself; at most one for each report.
 bool spoils(FaultKind kind) {
   return kind >= FaultKind::stall;
 }
@@ -60,7 +60,7 @@ bool FakeRun::plug_and_wait() {
     if (!serve_while([this] { return !transport_.is_read(); })) return false;
     if (!serve_until(clock_.now_ns() + nanoseconds(options_.settle_s))) return false;
   } while (!transport_.is_read());
-  // The device's time goes on while it waits, except before it was ever read.
+  // The device's time continues while it waits, except before the first read.
   if (account_.plugged_in == 1) {
     origin_ns_ = clock_.now_ns();
   } else if (options_.pacing == Pacing::real_time) {
@@ -197,7 +197,7 @@ void FakeRun::spoil(FacebowReport& report, const Fault& fault, Packet& packet) {
       for (std::size_t i = 1; i < report.size(); ++i) {
         report[i] = static_cast<std::uint8_t>(random_.next());
       }
-      // Chance may not make the checksum right.
+      // The random bytes must not have a valid checksum.
       seal(report);
       report[kChecksumOffset] ^= static_cast<std::uint8_t>(1 + random_.next() % 255);
       break;

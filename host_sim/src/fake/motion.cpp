@@ -11,11 +11,10 @@
 namespace condyle::host::fake {
 namespace {
 
-// Points 1 to 3 at rest, where the recording says how one of them moves: as the simulated
-// facebow's.
+// Rest positions of points 1 to 3, for recordings of a single point: as the simulated facebow's.
 constexpr double kPlaces_m[3][3] = {{0, 0, 0}, {0.025, 0, 0.03}, {-0.025, 0, 0.03}};
 
-// The share of a recording that its rate is taken from.
+// The part of a recording that determines its rate.
 constexpr int kRowsForRate = 256;
 
 std::optional<double> mean_rate_Hz(Recording& recording) {

@@ -70,7 +70,7 @@ void UhidTransport::unplug() {
 }
 
 void UhidTransport::send(const Packet& packet) {
-  while (wait_readable(file_.get(), 0)) serve(0);  // a reader may have come or gone
+  while (wait_readable(file_.get(), 0)) serve(0);  // a reader may have opened or closed the device
   if (!is_open_) {
     ++deliveries_.lost_unread;
     return;
@@ -100,7 +100,7 @@ void UhidTransport::serve(TimeNs deadline_ns) {
     case UHID_CLOSE:
       is_open_ = false;
       break;
-    case UHID_GET_REPORT:  // the device has no report that could be asked for
+    case UHID_GET_REPORT:  // the device has no such report
       reply.type = UHID_GET_REPORT_REPLY;
       reply.u.get_report_reply.id = event.u.get_report.id;
       reply.u.get_report_reply.err = EIO;

@@ -112,7 +112,7 @@ void VhciTransport::plug() {
   hal::SteadyClock clock;
   const TimeNs give_up_ns = clock.now_ns() + kPortWait_ns;
   int port = free_port();
-  while (port < 0) {  // ports are freed some time after the unplugging
+  while (port < 0) {  // the kernel frees ports some time after the unplugging
     if (clock.now_ns() > give_up_ns) {
       throw InputError(kController, "all its ports are in use", "detach other USB/IP devices");
     }
@@ -224,7 +224,7 @@ void VhciTransport::answer_endpoint_0(const Command& command) {
   }
 }
 
-// A transfer that was taken back is not completed; one that was completed cannot be taken back.
+// A cancelled transfer is not completed; a completed one cannot be cancelled.
 void VhciTransport::unlink(const Command& command) {
   const auto found = std::find(transfers_.begin(), transfers_.end(), command.unlinked_sequence());
   const bool is_waiting = found != transfers_.end();

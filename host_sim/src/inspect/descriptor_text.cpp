@@ -9,7 +9,7 @@
 namespace condyle::host {
 namespace {
 
-// The usages a facebow is likely to have. Source: HID Usage Tables 1.4, sections 3 and 4.
+// Likely usages of a facebow. Source: HID Usage Tables 1.4, sections 3 and 4.
 const char* usage_name(std::uint32_t usage) {
   constexpr std::pair<std::uint32_t, const char*> kNames[] = {{0x00010001, "pointer"},
                                                               {0x00010002, "mouse"},
@@ -78,7 +78,7 @@ std::string field_words(const hal::DescriptorField& field) {
   return text + '\n';
 }
 
-// Any JSON reader can hold these, and tell an absent value from 0.
+// Every JSON reader can represent these values, and distinguish an absent value from 0.
 nlohmann::ordered_json field_json(const hal::DescriptorField& field) {
   auto usages = nlohmann::ordered_json::array();
   for (const hal::UsageRange& range : field.usages) {

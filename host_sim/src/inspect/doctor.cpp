@@ -27,8 +27,8 @@ bool is_there(const Machine& machine, const char* path) {
   return fs::exists(machine.root / fs::path(path).relative_path(), error);
 }
 
-// Keyboards, mice, their neighbours and media keys: no facebows, and rightly nobody's to read.
-// HID Usage Tables 1.4, sections 4 and 15.
+// Keyboards, mice, related devices and media keys: not facebows, and rightly protected from
+// reading. HID Usage Tables 1.4, sections 4 and 15.
 bool is_everyday(const hal::HidDevice& device) {
   const bool is_desktop = device.usage_page == 0x01;
   return device.usage_page == 0x0C ||
@@ -38,10 +38,10 @@ bool is_everyday(const hal::HidDevice& device) {
 
 struct Rule {
   fs::path file;
-  std::string group;  // empty: it names none
+  std::string group;  // empty: the rule names none
 };
 
-// Whether a line of a rules file lets the device be read.
+// Whether a line of a rules file allows reading the device.
 bool is_for(const std::string& line, const hal::HidDevice& device, DeviceBackEnd back_end) {
   const auto has = [&line](const std::string& text) {
     return line.find(text) != std::string::npos;
@@ -55,7 +55,7 @@ bool is_for(const std::string& line, const hal::HidDevice& device, DeviceBackEnd
          has(fmt::format(":{:04X}:{:04X}.*\"", device.vendor_id, device.product_id));
 }
 
-// The udev rule for a device, where one is installed.
+// The installed udev rule for a device, if any.
 std::optional<Rule> find_rule(const Machine& machine, const hal::HidDevice& device,
                               DeviceBackEnd back_end) {
   for (const char* folder : {"etc/udev/rules.d", "run/udev/rules.d", "usr/lib/udev/rules.d",

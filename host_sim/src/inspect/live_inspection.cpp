@@ -15,9 +15,9 @@
 namespace condyle::host {
 namespace {
 
-constexpr std::uint32_t kMostValues = 32;  // shown of a field
+constexpr std::uint32_t kMostValues = 32;  // shown for one field
 
-// The number of a descriptor's field that stands for one of its values.
+// The place of one value of a descriptor's field.
 hal::ReportField value_field(const hal::DescriptorField& field, std::uint32_t index) {
   hal::ReportField value;
   value.offset_bits = field.offset_bits + index * field.width_bits;
@@ -34,8 +34,8 @@ struct DescribedValue {
   std::string unit;
 };
 
-// What the descriptor says of the bytes of `report`. Vendor-defined bytes say nothing by
-// themselves.
+// The bytes of `report`, decoded by the descriptor. Vendor-defined bytes are skipped: they have no
+// meaning by themselves.
 std::vector<DescribedValue> described_values(const hal::ReportDescriptor& descriptor,
                                              std::uint8_t id, const hal::RawReport& report) {
   std::vector<DescribedValue> values;
