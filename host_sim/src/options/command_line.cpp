@@ -229,7 +229,7 @@ CommandText describe(const CLI::App& app, const std::string& name) {
   return text;
 }
 
-// The command that `words` name, and how many of them do.
+// The command that `words` name, and the number of words in its name.
 const CommandText& find(const CommandText& program, const std::vector<std::string>& words,
                         std::size_t& count) {
   const CommandText* here = &program;

@@ -34,7 +34,7 @@ void append_value(std::string& row, bool is_valid, double value) {
   if (is_valid) append_number(row, value);
 }
 
-// Gives what became of the reports, in words.
+// Counts of reports, as text.
 std::string write_rows(hal::ReportSource& source, const hal::DeviceProfile& profile,
                        OutputFile& file) {
   hal::DeviceFacebow device(source, hal::layout_of(profile));
@@ -64,7 +64,7 @@ bool has_values(const hal::DeviceProfile& profile) {
   return profile.drive_N.has_value() || !profile.auxiliary.empty();
 }
 
-// The file of the device called `name`; what the user should know of its reports is noted.
+// The file of the device called `name`; adds notes on its reports for the user.
 void write_file(hal::ReportSource& source, const hal::DeviceProfile& profile,
                 const std::string& folder, const std::string& name,
                 std::vector<std::unique_ptr<OutputFile>>& files, std::vector<std::string>& notes) {

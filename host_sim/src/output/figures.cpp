@@ -15,7 +15,7 @@
 namespace condyle::host {
 namespace {
 
-// One figure: an estimated quantity, and what it is held against.
+// One figure: an estimated quantity, and the values for comparison.
 struct Figure {
   const char* name;
   const char* axis_label;
@@ -35,7 +35,7 @@ constexpr Figure kFigures[] = {
     {"friction", "friction (Ns/m)", "friction", &FigureRun::friction_Ns_m, nullptr, "", 1},
     {"mass", "mass (kg)", "mass", &FigureRun::mass_kg, nullptr, "", 1}};
 
-// How a provenance is drawn. gnuplot draws one curve per provenance, blank where another holds.
+// Style of a provenance. gnuplot draws one curve for each provenance, with gaps for the others.
 struct Style {
   Provenance provenance;
   const char* line;
@@ -120,8 +120,8 @@ std::string plot_command(const Figure& figure, const FigureData& data) {
   return plot;
 }
 
-// The vertical range: that of the values known from measurements if there are any (a prior's
-// band would dwarf them), else that of all.
+// The vertical range: that of the measured and derived values if there are any (a prior's band
+// would dwarf them), otherwise that of all.
 std::string range_command(const Figure& figure, const FigureData& data) {
   Extremes known, all;
   for (const FigureRun& run : data.runs()) {
@@ -138,7 +138,7 @@ std::string range_command(const Figure& figure, const FigureData& data) {
   return fmt::format("set yrange [{:.9g}:{:.9g}]\n", low - margin, high + margin);
 }
 
-// Words above a figure whose values are all assumed.
+// Label above a figure with only assumed values.
 std::string label_command(const Figure& figure, const FigureData& data) {
   const bool all_assumed =
       std::all_of(data.runs().begin(), data.runs().end(), [&](const FigureRun& run) {
@@ -162,7 +162,7 @@ std::string time_label(const FigureData& data) {
   return label + " s (s)";
 }
 
-// gnuplot warns where all times are the same.
+// gnuplot warns if all times are the same.
 std::string time_range_command(const FigureData& data) {
   Extremes time;
   for (const FigureRun& run : data.runs()) time.add(run.time_s);

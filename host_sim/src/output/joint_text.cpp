@@ -12,7 +12,7 @@
 namespace condyle::host {
 namespace {
 
-// Why a value is not measured, and what would show it.
+// Why a value is not measured, and the remedy.
 std::string limit_words(const IdentifiedValue<double>& value) {
   switch (value.limit) {
     case JointLimit::none:
@@ -72,7 +72,7 @@ std::string limit_words(const IdentifiedValue<double>& value) {
   return "";
 }
 
-// In which unit the drive would give the mass that is nearest to a jaw's.
+// The unit of the drive that would give the mass closest to a jaw's.
 std::string unit_words(double mass_kg, const JointParameters& parameters) {
   constexpr struct {
     double N;
@@ -93,8 +93,8 @@ std::string unit_words(double mass_kg, const JointParameters& parameters) {
       mass_kg, parameters.least_mass_kg, parameters.most_mass_kg, in_unit);
 }
 
-// What speaks of a wrong unit without proving it: a mass that few jaws have, a noise that few
-// sensors have, or one that is far from what was stated.
+// Signs of a wrong unit: a mass that few jaws have, a noise that few sensors have, or a noise far
+// from the stated one.
 constexpr double kUsualLeast_kg = 0.08, kUsualMost_kg = 1;
 constexpr double kLeastNoise_N = 1e-4, kMostNoise_N = 1, kFarNoise = 4;
 

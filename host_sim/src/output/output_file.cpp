@@ -28,7 +28,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   std::error_code no_link;
   const auto target = std::filesystem::canonical(path_, no_link);
   if (!no_link && std::filesystem::is_symlink(path_) && std::filesystem::is_regular_file(target)) {
-    path_ = target.string();  // the file behind a link is replaced, not the link
+    path_ = target.string();  // replaces the target of a link, not the link
   }
   temporary_path_ = path_;
   struct stat status = {};
@@ -54,7 +54,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
 
 OutputFile::~OutputFile() {
   if (file_ != nullptr) {
-    // What is buffered is not wanted, and no reader is waited for.
+    // Discards the buffer, and does not wait for a reader.
     if (path_ != "-") fcntl(fileno(file_), F_SETFL, O_NONBLOCK);
     std::fclose(file_);
   }
@@ -113,7 +113,7 @@ void refuse_same_files(const std::vector<std::string>& inputs,
       }
     }
     for (std::size_t k = 0; k < i; ++k) {
-      // A device takes any number of outputs.
+      // A device may receive several outputs.
       if (!outputs[k].empty() && is_same(outputs[k], outputs[i]) &&
           !std::filesystem::is_character_file(outputs[i])) {
         throw InputError(outputs[i], "is given for two outputs", "give each output its own file");
@@ -137,7 +137,7 @@ OutputFolder::OutputFolder(const std::string& path) : path_(std::filesystem::abs
 OutputFolder::~OutputFolder() {
   if (first_made_.empty()) return;
   std::error_code error;
-  // remove() leaves what is not empty.
+  // remove() keeps folders that are not empty.
   for (auto folder = path_; !error && std::filesystem::remove(folder, error);) {
     if (folder == first_made_) break;
     folder = folder.parent_path();

@@ -65,7 +65,7 @@ std::string RecommendedSummary::consistency_text() const {
   add_line(text, "mean NIS", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {
                                return s.watches_[axis].monitor().mean_nis();
                              }) + " of the samples not rejected (1 if the noise is as stated)");
-  // A monitor that had nothing to compare says 0.
+  // A monitor without pairs returns 0.
   const InnovationMonitor<double>& followed = watches_[followed_index()].monitor();
   add_line(text, "whiteness",
            followed.innovation_correlation() == 0
@@ -159,7 +159,7 @@ std::string RecommendedSummary::axes_where(bool (NoiseWatch::*is)() const) const
   return axes;
 }
 
-// Where the noise shows most that it is not white, unless it is between neighbours.
+// The distance at which the noise deviates most from white, unless it is 1.
 std::string RecommendedSummary::filtered_text() const {
   std::string text;
   for (int axis = 0; axis < axis_count(); ++axis) {

@@ -13,25 +13,24 @@ namespace condyle::host {
 namespace {
 
 constexpr double kUnevenShare = 0.01;
-// Values below such a part of their interval are shown as 0.
+// Values below this fraction of their interval are shown as 0.
 constexpr double kNothing = 1e-4;
 constexpr std::uint64_t kFewestPositions = 3;
-// Mean NIS beyond which the intervals are said to be off: they are then wrong by 22 % and more.
+// Mean NIS beyond which the summary warns: the intervals are then wrong by 22 % or more.
 constexpr double kTrustedNis = 1.5;
-// Another axis is named from so many times the followed one's range on.
+// Ratio of ranges from which the summary suggests another axis.
 constexpr double kFarther = 2, kLeastMotion_m = 1e-3;
-// A jaw, its head free to move, stays within the one; the noise of the best tracker spans the
-// other.
+// Upper limit: a jaw in a freely moving head. Lower limit: the noise of the best tracker.
 constexpr double kWidest_m = 0.5, kNarrowest_m = 3e-5;
 constexpr double kShortestStep_s = 1.0 / 5000;
 
-// No interval: the filter's own would be that of its tuning.
+// No interval: the filter's own depends only on its tuning.
 std::string without_interval(const Quantity<double>& quantity, const char* unit) {
   if (quantity.provenance == Provenance::not_computed) return "none";
   return fmt::format("{:.4g} {}, {}", quantity.value, unit, provenance_name(quantity.provenance));
 }
 
-// Why a force is derived; `acceleration` is where its acceleration comes from.
+// Why a force is derived; `acceleration`: provenance of its acceleration.
 const char* force_words(Provenance force, Provenance acceleration) {
   if (force != Provenance::derived) return "";
   return acceleration == Provenance::derived
@@ -149,7 +148,7 @@ std::string ReplaySummary::unusable() const {
         "enough decimals",
         repeated, samples_);
   }
-  if (positions_ == 0) return {};  // there is a better reason
+  if (positions_ == 0) return {};  // another message gives the reason
   if (positions_ < kFewestPositions) {
     return fmt::format(
         "{} of its samples {} a position, and a velocity takes {} at least; give a longer "
