@@ -15,7 +15,7 @@
 namespace condyle::host {
 namespace {
 
-// `Source`: SessionLogSource or UsbmonCapture, which both say what is wrong with their file.
+// `Source`: SessionLogSource or UsbmonCapture, which both report problems of their file.
 template <class Source>
 class DeviceRecording : public Recording {
  public:

@@ -2,9 +2,9 @@
 // ArtiSynth probe text, the form of Zebris JMA text exports and of the JAWS3D recordings:
 //   line 1   START STOP SCALE
 //   line 2   INTERPOLATION COLUMNS STEP_s    or    INTERPOLATION COLUMNS explicit
-//   then     rows of COLUMNS numbers, with the time (s) before them where it is explicit
+//   then     rows of COLUMNS numbers, after the time (s) if it is explicit
 // 9 columns are x, y, z of three points, 3 columns of one. The format states no unit: millimetres
-// unless the user says otherwise.
+// by default.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -133,7 +133,7 @@ class ProbeTextRecording final : public Recording {
   double progress() const override { return reader_->progress(); }
 
  private:
-  // With fixed steps the header says when the recording ends.
+  // With fixed steps the header states the end of the recording.
   void note_unexpected_end() {
     if (explicit_time_ || noted_end_) return;
     noted_end_ = true;

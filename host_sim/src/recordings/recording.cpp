@@ -22,7 +22,7 @@ constexpr std::string_view kFormats =
     "condyle reads CSV with named columns (time_s,position_m), Zebris text and XML exports, JAWS3D "
     "text, SSFF, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
 
-// Control characters that no text file of ours has; bytes from 0x80 on may be UTF-8.
+// Control characters that are not in the text formats; bytes from 0x80 on may be UTF-8.
 bool is_text(std::string_view start) {
   return std::none_of(start.begin(), start.end(), [](char c) {
     const auto byte = static_cast<unsigned char>(c);

@@ -125,7 +125,7 @@ firmware::RunSettings ReplayFacebow::run_settings(FollowedCoordinate followed) c
   settings.followed = followed;
   settings.expects_drive = info().has_drive;
   settings.nominal_step_ns = expected_step_ns();
-  settings.reopen_pause_ns = 1;  // it is back at once
+  settings.reopen_pause_ns = 1;  // it reconnects at once
   return settings;
 }
 

@@ -2,8 +2,7 @@
 // SSFF (Simple Signal File Format, Emu Speech Database): a text header with Machine (byte order),
 // Record_Freq (Hz), Start_Time (s) and Column NAME TYPE COUNT lines up to a line of dashes, then
 // binary records. The columns whose names end in posx, posy, posz are the position of one point;
-// orientations and other columns are not read. The format states no unit: millimetres unless the
-// user says otherwise.
+// orientations and other columns are not read. The format states no unit: millimetres by default.
 #include <fmt/format.h>
 
 #include <algorithm>

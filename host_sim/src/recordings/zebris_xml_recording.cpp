@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Zebris XML export. Read tolerantly, because the maker does not document it:
+// Zebris XML export. Read tolerantly, because the manufacturer does not document it:
 //   ROOT / movements / movement[k] / tracks / track[1..3] / frequency (Hz)
 //                                                         / quants / quant / x, y, z
 // Each value is a child element or an attribute of that name, in any case of letters. No other
-// element is read: exports carry the patient's identity. The unit is not stated, so it is asked
-// for.
+// element is read: exports carry the patient's identity. The file does not state the unit, so the
+// user must.
 #include <fmt/format.h>
 #include <strings.h>
 
@@ -18,7 +18,7 @@
 namespace condyle::host {
 namespace {
 
-// The whole document is held: its text, and what the parser makes of each of its parts.
+// The whole document is in memory: its text, and the parser's nodes.
 constexpr std::size_t kLargestFile = std::size_t{128} << 20, kMostParsed = std::size_t{320} << 20;
 constexpr std::size_t kElement = 64, kAttribute = 48;
 constexpr std::size_t kLineBlock = 65536;
@@ -122,7 +122,7 @@ class ZebrisXmlRecording final : public Recording {
                                    parsed / kElement / 1'000'000),
                        "export fewer movements, or as text");
     }
-    // In place: the text is not held twice.
+    // Parse in place, so that the text is in memory only once.
     const pugi::xml_parse_result result = document_.load_buffer_inplace(text_.data(), text_.size());
     if (!result) {
       throw InputError(fmt::format("{}:{}", path_, line_at(result.offset)),
@@ -182,7 +182,7 @@ class ZebrisXmlRecording final : public Recording {
     frequency_Hz_ = frequency_Hz;
   }
 
-  // A value alone in its element may be written with a decimal comma.
+  // A value that is the only content of its element may have a decimal comma.
   static std::string value_text(pugi::xml_node node, const char* name) {
     const pugi::xml_attribute attribute =
         node.find_attribute([name](pugi::xml_attribute a) { return is_named(a.name(), name); });
@@ -193,7 +193,7 @@ class ZebrisXmlRecording final : public Recording {
     return text;
   }
 
-  // The parser has changed the text: the file tells how many lines end within the block.
+  // The parser changed the text, so count the lines of the block in the file.
   std::uint64_t line_at(std::ptrdiff_t offset) const {
     const std::size_t block = static_cast<std::size_t>(offset) / kLineBlock;
     if (block >= block_lines_.size()) return block_lines_.empty() ? 1 : block_lines_.back();

@@ -14,7 +14,7 @@
 namespace condyle::host {
 namespace {
 
-// Rows of the file as they stand there, times apart.
+// Rows of the file, without their times.
 class EmgFile {
  public:
   EmgFile(const std::string& path, const MuscleFile& muscles, FaultPolicy faults)
@@ -99,7 +99,7 @@ double median_rate_Hz(const std::string& path, const std::vector<EmgRow>& rows) 
   return 1 / *middle;
 }
 
-// Raw EMG becomes excitations.
+// Converts raw EMG to excitations.
 void make_envelopes(const std::string& path, const MuscleFile& muscles, const EmgReading& reading,
                     EmgRecording& recording) {
   for (std::size_t n = 0; n < muscles.channels.size(); ++n) {

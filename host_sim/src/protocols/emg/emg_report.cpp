@@ -90,8 +90,8 @@ Json json_of(const Value& value) {
           {"information", value.information}};
 }
 
-// What the smallest difference of friction would be that this recording tells; none if the model
-// does not hold or the prior says most.
+// The smallest difference of friction that this recording can resolve; none if the model does not
+// hold or the prior dominates.
 bool has_resolution(EmgLimit limit) {
   return limit != EmgLimit::no_emg && limit != EmgLimit::too_early && limit != EmgLimit::model &&
          limit != EmgLimit::information;

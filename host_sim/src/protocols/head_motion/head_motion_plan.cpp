@@ -10,7 +10,7 @@
 namespace condyle::host {
 namespace {
 
-// Shorter ones are not concluded from.
+// Shorter ones give no conclusion.
 const double kShortest_s =
     PointConclusion<double>::kFewestBlocks * RegressionBlocks<double>::kFirstBlock_s;
 

@@ -20,7 +20,7 @@ RecordingOptions options_of(const HeadMotionSource& source) {
   return options;
 }
 
-// Times from the recording's first one; the acceleration's by its own delay earlier.
+// Times since the recording's first sample; those of the acceleration minus its delay.
 class Reader {
  public:
   Reader(const HeadMotionSource& source, IdentifiedHeadMotion& motion)
@@ -37,7 +37,7 @@ class Reader {
     const auto recording = open_recording(source_.recording, options_of(source_));
     const RecordingInfo& info = recording->info();
     source_.choice.check(source_.recording, info);
-    // What a device measured as its drive is a force.
+    // The drive of a device is a force, not an acceleration.
     const bool has_acceleration = info.has_drive && !info.is_of_device;
     if (is_apart == has_acceleration) {
       throw InputError(source_.recording,
@@ -63,7 +63,7 @@ class Reader {
   }
 
   void read_acceleration() {
-    RecordingOptions options;  // the others are RECORDING's
+    RecordingOptions options;  // the other options apply to RECORDING
     options.faults = source_.choice.reading.faults;
     options.drive_column = kColumn;
     options.reads_drive_alone = true;
@@ -103,7 +103,7 @@ class Reader {
   std::optional<TimeNs> first_ns_;
 };
 
-// Whether a position has accelerations on either side, none farther than the longest gap.
+// Whether a position has accelerations before and after it, within the longest gap.
 std::size_t count_taken(const IdentifiedHeadMotion& motion) {
   const auto& times_s = motion.acceleration_time_s;
   return static_cast<std::size_t>(

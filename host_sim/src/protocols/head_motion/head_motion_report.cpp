@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Value = IdentifiedValue<double>;
 
-// Why a value is not measured, and what the user can do.
+// Why a value is not measured, and the remedy.
 const char* reason(JointLimit limit) {
   switch (limit) {
     case JointLimit::no_drive:
@@ -67,7 +67,7 @@ const char* reason(JointLimit limit) {
   }
 }
 
-// True if the interval holds the value, however wide it is.
+// True if the interval contains the value, regardless of its width.
 bool has_interval(const Value& value) {
   return !is_failure(value.limit) && std::isfinite(value.fitted_sd);
 }
@@ -101,7 +101,7 @@ Json json_of(const Value& value) {
           {"limit", limit_name(value.limit)}};
 }
 
-// " (A stated)" where that is another noise.
+// " (A stated)" if the stated noise differs.
 std::string unlike(double noise, const std::optional<double>& stated, double shown_per_si) {
   constexpr double kFar = 1.5;
   if (!stated || (noise < kFar * *stated && noise * kFar > *stated)) return "";
@@ -118,7 +118,7 @@ std::string block(const IdentifiedHeadMotion& motion) {
   return text + "EOD\n";
 }
 
-// The vertical range is that of the second half.
+// The second half determines the vertical range.
 std::string range_of(const IdentifiedHeadMotion& motion, double HeadMotionPoint::*value,
                      double HeadMotionPoint::*deviation) {
   double low = HUGE_VAL, high = -HUGE_VAL;

@@ -25,7 +25,7 @@ std::string row(const ReleasePlan& plan, double duration_s) {
                      deviations.damping_ratio, kPerTurn * deviations.natural_frequency_rad_s);
 }
 
-// Durations, each 5 % longer.
+// Durations in steps of 5 %.
 std::vector<double> durations(const ReleasePlan& plan) {
   std::vector<double> result;
   for (double d = 6 / plan.rate_Hz; d < 1.05 * kLongest_s; d *= 1.05) result.push_back(d);

@@ -62,14 +62,15 @@ double find_begin_s(const ReleaseSource& source, const ReleaseStretch& stretch) 
 std::vector<std::size_t> find_motion_begins(const std::vector<double>& time_s,
                                             const std::vector<double>& position_m) {
   constexpr double kStill_s = 0.145 /* 0.15 but for rounding */, kShare = 0.03, kNoises = 8;
-  constexpr double kLeft = 1.5;  // so that no swing that looks still leaves itself
+  constexpr double kLeft =
+      1.5;  // factor: motion within the limit of rest does not count as leaving it
   constexpr std::size_t kFewest = 5, kSlowStart = 4;
   std::vector<std::size_t> begins;
   if (position_m.size() < 2 * kFewest) return begins;
   const auto [low, high] = std::minmax_element(position_m.begin(), position_m.end());
   const double limit_m =
       std::max(kShare * (*high - *low), kNoises * noise_by_sixth_differences(position_m));
-  // True if a still stretch ends before `end`, and sample i and the next have left it.
+  // True if a part at rest ends before `end`, and samples i and i + 1 have left it.
   const auto leaves = [&](std::size_t i, std::size_t end) {
     std::size_t first = end;
     while (first > 0 && time_s[end - 1] - time_s[first] < kStill_s) --first;
@@ -82,7 +83,7 @@ std::vector<std::size_t> find_motion_begins(const std::vector<double>& time_s,
     const double now_m = position_m[i] - mean_m, next_m = position_m[i + 1] - mean_m;
     return std::min(std::abs(now_m), std::abs(next_m)) > kLeft * limit_m && now_m * next_m > 0;
   };
-  // A slow start leaves the stretch within some samples.
+  // A slow start leaves the rest within a few samples.
   for (std::size_t i = kFewest; i + 1 < position_m.size(); ++i) {
     if (!begins.empty() && i <= begins.back() + kSlowStart) continue;
     for (std::size_t end = i; end >= kFewest && end + kSlowStart > i; --end) {

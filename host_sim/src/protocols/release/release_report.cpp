@@ -52,7 +52,7 @@ const char* residuals_name(ReleaseResiduals residuals) {
   return names[static_cast<int>(residuals)];
 }
 
-// What is wrong, and what the user can do; empty if nothing is.
+// The problem and its remedy; empty if there is none.
 std::string advice(const PassiveRelease<double>& fit) {
   switch (fit.residuals) {
     case ReleaseResiduals::as_stated:
