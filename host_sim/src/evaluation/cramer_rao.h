@@ -18,15 +18,15 @@
 //   J_{k+1} = D22 - D21 (J_k + D11)^-1 D12
 // It holds for every smooth f and h, but needs Q positive definite: every state must be driven.
 //
-// Covariance form, also where Q is singular (constant parameters) or zero:
+// Covariance form, also if Q is singular (constant parameters) or zero:
 //   P- = E[F] P_k E[F]' + Q      P_{k+1} = (I + P- M)^-1 P-
 // which is J_{k+1} = (P-)^-1 + M wherever P- has an inverse.
 //
-// The two agree, by the matrix inversion lemma, where Q is positive definite and F is the same
-// along all trajectories: dynamics linear in the whole state, or one prescribed trajectory. Where F
-// varies, D11 exceeds E[F]' Q^-1 E[F]; the information form then gives the smaller P, and the
-// covariance form is an approximation, no bound. Run it there along each trajectory by itself,
-// which is the covariance of a Kalman filter linearised at the truth, and average P over the
+// The two agree, by the matrix inversion lemma, if Q is positive definite and F is the same along
+// all trajectories: dynamics linear in the whole state, or one prescribed trajectory. If F varies,
+// D11 exceeds E[F]' Q^-1 E[F]; the information form then gives the smaller P, and the covariance
+// form is an approximation, not a bound. In this case run it along each trajectory separately,
+// which gives the covariance of a Kalman filter linearised at the truth, and average P over the
 // trajectories: for Q = 0 and a flat prior this is the Cramer-Rao bound of unbiased estimates,
 // otherwise close to it while the errors are small. A small Q added to make the information form
 // work describes another model and a loose bound: the variation of F, divided by Q, counts as

@@ -68,7 +68,7 @@ class CommandLine {
   template <class Value>
   Option add_option(const std::string& name, Value& value, const std::string& meaning) const;
   Option add_flag(const std::string& name, bool& value, const std::string& meaning) const;
-  /// Calls `take` where the option is given.
+  /// Calls `take` if the option is given.
   Option on_option(const std::string& name, std::function<void(const std::string&)> take,
                    const std::string& meaning) const;
   Option on_flag(const std::string& name, std::function<void()> take,

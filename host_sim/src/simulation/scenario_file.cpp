@@ -19,7 +19,7 @@ constexpr Range kShare{0, 1};
 constexpr double kMostJitter = 0.2;  // of the sampling period
 constexpr Range kPlace_m{-0.1, 0.1};
 
-// The jaw: one of the tabulated subjects, then whatever the file changes in it.
+// The jaw: one of the tabulated subjects, with the changes of the file.
 void read_subject(TomlReader& file, Scenario& scenario) {
   SubjectParameters& subject = scenario.subject;
   std::size_t motion = 0;
@@ -68,7 +68,7 @@ void read_subject(TomlReader& file, Scenario& scenario) {
   file.number("subject", "release_s", subject.release_s, "s", {0, 1e4});
 }
 
-// The integration's step: as small as the forces need, or what the file asks for beyond that.
+// The integration step: as small as the forces require, or smaller if the file requests it.
 void read_steps(TomlReader& file, SubjectParameters& subject) {
   constexpr double most = 1000;
   const double needed = needed_steps_per_millisecond(subject);
@@ -88,7 +88,7 @@ void read_steps(TomlReader& file, SubjectParameters& subject) {
   subject.steps_per_millisecond = static_cast<int>(steps);
 }
 
-// A hinge cannot open further than its incisor point turns down.
+// The lowest point of the incisor's circle limits the opening of a hinge.
 void check_reach(const TomlReader& file, const SubjectParameters& subject) {
   const MotionTask& task = subject.task;
   const double far_m = task.amplitude_m * (1 + 3 * task.amplitude_spread) + 3 * task.tremor_m;

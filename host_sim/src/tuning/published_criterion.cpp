@@ -14,9 +14,9 @@
 namespace condyle::host {
 namespace {
 
-constexpr std::size_t kFewestPositions = 40;  // ten to judge by
+constexpr std::size_t kFewestPositions = 40;  // ten for the judgement
 constexpr double kFirstStep = 0.5;            // decades
-constexpr double kSmallestStep = 0.01;        // decades: a search that moves less is at its end
+constexpr double kSmallestStep = 0.01;        // decades: the search ends when it moves less
 
 using Exponents = std::vector<double>;  // decimal, of the factors
 
@@ -95,7 +95,7 @@ void refuse_recordings(std::span<const PublishedRecording> recordings,
   }
 }
 
-// What became of a start.
+// The result of a start.
 struct SearchedStart {
   PublishedTuning best;  // the first that satisfies the criterion, or the smallest J
   std::uint64_t evaluations = 0;

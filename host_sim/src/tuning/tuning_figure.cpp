@@ -15,7 +15,7 @@ constexpr double kDeepest = -10;  // of the profiles
 constexpr std::size_t kMostStretches = 2000;
 constexpr std::uint64_t kFewestShown = 10;  // innovations of a stretch
 
-// The surface as rows of cells; a blank line ends each.
+// The surface as rows of cells; a blank line ends each row.
 std::string surface_data(const LikelihoodTuning& tuning) {
   const LikelihoodSurface& surface = *tuning.surface;
   std::string text = "$surface << EOD\n";
@@ -58,7 +58,7 @@ std::string correlation_data(const char* name, const HeldOutCheck& check) {
   return text + "EOD\n";
 }
 
-// NIS of stretches, one recording after the other, thinned where there are many.
+// NIS of stretches, one recording after the other, thinned if there are many.
 std::string stretch_data(const LikelihoodTuning& tuning) {
   const auto& stretches = tuning.written_check.stretches;
   const std::size_t stride = stretches.size() / kMostStretches + 1;
@@ -69,7 +69,7 @@ std::string stretch_data(const LikelihoodTuning& tuning) {
     (stretch.is_held_out ? held_out : fitted) +=
         fmt::format("{} {:.9g}\n", i + 1, std::max(stretch.mean_nis, 0.01));
   }
-  // So that a block without any is still one.
+  // gnuplot needs at least one row in a block.
   return fitted + "0 NaN\nEOD\n" + held_out + "0 NaN\nEOD\n";
 }
 
@@ -122,10 +122,10 @@ std::string held_out_plots(const LikelihoodTuning& tuning) {
       "plot $white_correlation using 1:3 with lines dt 2 lc rgb '#909090' title '95 % if white', "
       "$white_correlation using 1:(-$3) with lines dt 2 lc rgb '#909090' notitle, "
       "$white_correlation with impulses lw 4 lc rgb '#0b559f' title 'white noise'{1}\n"
-      "set origin 0.42,0\nset size 0.58,0.47\nset title 'mean NIS of parts{2}' noenhanced\n"
-      "set xlabel 'part, one recording after the other'\nset xrange [0.5:{3}]\n"
+      "set origin 0.42,0\nset size 0.58,0.47\nset title 'mean NIS of stretches{2}' noenhanced\n"
+      "set xlabel 'stretch, one recording after the other'\nset xrange [0.5:{3}]\n"
       "set logscale y\nset yrange [*<0.5:2<*]\nset xtics format '%g'\n"
-      "plot {4:.9g} dt 2 lc rgb '#909090' title '95 % of parts', {5:.9g} dt 2 lc rgb '#909090' "
+      "plot {4:.9g} dt 2 lc rgb '#909090' title '95 % of stretches', {5:.9g} dt 2 lc rgb '#909090' "
       "notitle, 1 lc rgb '#303030' notitle, $fitted with points pt 6 ps 0.8 lc rgb '#909090' title "
       "'fitted to', $held_out with points pt 7 ps 0.9 lc rgb '#b35900' title 'held out'\n",
       HeldOutCheck::kLags + 1,

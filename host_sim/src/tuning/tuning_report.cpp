@@ -27,7 +27,8 @@ constexpr Unit kUnits[] = {
 
 constexpr const char* kOfModel = "of white noise and white jerk";
 
-// `rests_on`: what the interval is of; that of the best-fitting model, not of the instrument.
+// `rests_on`: the condition of the interval, which is that of the best-fitting model, not of the
+// instrument.
 std::string parameter_text(const FittedParameter& parameter, const Unit& unit,
                            const char* rests_on = kOfModel) {
   if (parameter.at_bound) {
@@ -44,7 +45,8 @@ std::string parameter_text(const FittedParameter& parameter, const Unit& unit,
                      unit.scale * parameter.value * factor, rests_on);
 }
 
-// `text` without what a comment of a TOML file may not hold: names of files are free.
+// `text` without characters that a TOML comment must not contain, because file names may contain
+// any.
 std::string in_comment(const std::string& text) {
   std::string clean;
   for (const char c : text) clean += c >= 0x20 && c < 0x7f ? c : '?';
@@ -74,7 +76,7 @@ std::string check_text(const HeldOutCheck& check) {
                           check.nis_bounds.low, check.nis_bounds.high));
 }
 
-// Of several recordings, those that the values suit least, and whether by chance.
+// Of several recordings, those that the values fit worst, and whether this exceeds chance.
 std::string extremes_text(const std::vector<TuningRecording>& recordings,
                           const HeldOutCheck& check) {
   if (recordings.size() < 2) return "";
@@ -181,10 +183,10 @@ std::string tuning_text(const std::vector<TuningRecording>& recordings, const Li
   if (recordings.size() > kMostNamed) {
     text += line("", fmt::format("and {} more", recordings.size() - kMostNamed));
   }
-  text +=
-      line("positions",
-           fmt::format("{} used of {} samples, {} outliers left out; a third of the parts held out",
-                       usable, seen, rejected));
+  text += line(
+      "positions",
+      fmt::format("{} used of {} samples, {} outliers left out; a third of the stretches held out",
+                  usable, seen, rejected));
   if (samples < seen) {
     text += line("", fmt::format("{} samples were kept, evenly spread (--most-samples)", samples));
   }
