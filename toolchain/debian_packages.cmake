@@ -95,14 +95,14 @@ set(CPACK_DEBIAN_COMMAND_DESCRIPTION "virtual sensor for jaw motion: the command
 Estimates velocity, force, friction and mass of the lower jaw from positions
 that a facebow (an optical jaw tracker) measures, in recordings or live, and
 says of each value whether it was measured, derived or assumed. Research use
-only; it diagnoses nothing.")
+only; not a diagnosis.")
 set(CPACK_DEBIAN_COMMAND_PACKAGE_DEPENDS ${same_version})
 set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS gnuplot-nox)
 
 set(CPACK_DEBIAN_BOX_DESCRIPTION "virtual sensor for jaw motion: the measurement box
 A service for a small computer next to a facebow (an optical jaw tracker). It
 sends estimates of the jaw's motion as they come, over UDP and HTTP, and
-records sessions, unattended. Research use only; it diagnoses nothing.")
+records sessions, unattended. Research use only; not a diagnosis.")
 set(CPACK_DEBIAN_BOX_PACKAGE_DEPENDS "${same_version}, systemd | systemd-standalone-sysusers")
 set(CPACK_DEBIAN_BOX_PACKAGE_RECOMMENDS condyle)
 set(CPACK_DEBIAN_COMMON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/toolchain/debian/common/postinst)

@@ -36,10 +36,10 @@ TEST_P(Inspect, ShowsWhatAnUnknownDeviceSends) {
   const Played played = inspect({"--device", "1209:0001"});
   ASSERT_EQ(played.exit_code, 0) << played.text;
   EXPECT_THAT(played.text, HasSubstr("report 1, input, 232 bits"));
-  EXPECT_THAT(played.text, HasSubstr("report 1: 29 bytes, 100 of them; "));
-  EXPECT_THAT(played.text, HasSubstr("byte 1 to 4, little-endian: goes up by 1 a report"));
-  EXPECT_THAT(played.text, HasSubstr("byte 5 to 8, little-endian: goes up by 2000 a report"));
-  EXPECT_THAT(played.text, HasSubstr("the device went away"));
+  EXPECT_THAT(played.text, HasSubstr("report 1: 29 bytes, 100 reports; "));
+  EXPECT_THAT(played.text, HasSubstr("byte 1 to 4, little-endian: increases by 1 per report"));
+  EXPECT_THAT(played.text, HasSubstr("byte 5 to 8, little-endian: increases by 2000 per report"));
+  EXPECT_THAT(played.text, HasSubstr("the device was disconnected"));
 }
 
 TEST_P(Inspect, ShowsWhatAProfileMakesOfIt) {
@@ -55,7 +55,7 @@ TEST_P(Inspect, ShowsWhatAProfileMakesOfIt) {
 TEST_P(Inspect, EndsWhenItsTimeIsOver) {
   const Played played = inspect({"--device", "1209:0001"}, kGuard_s, "0.1");
   ASSERT_EQ(played.exit_code, 0) << played.text;
-  EXPECT_THAT(played.text, testing::Not(HasSubstr("the device went away")));
+  EXPECT_THAT(played.text, testing::Not(HasSubstr("the device was disconnected")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Umockdev, Inspect, testing::Values("hidraw", "libusb"),
@@ -82,7 +82,7 @@ TEST_F(PluggedIn, IsListed) {
 
 TEST_F(PluggedIn, IsSeenByTheDoctor) {
   const Played played = run({"doctor", "--device", "1209:0001"});
-  EXPECT_THAT(played.text, HasSubstr("ok        1209:0001 condyle fake facebow may be read"));
+  EXPECT_THAT(played.text, HasSubstr("ok        1209:0001 condyle fake facebow is readable"));
   const Played another =
       run({"doctor", "--profile",
            testing_support::source_path("/hal/profiles/self_describing_3_axis.toml")});

@@ -94,7 +94,7 @@ void expect_every_report_accounted_for(const Played& played, int exit_code = 0) 
                 number_before(played.text, "lost\n"),
             played.account_count("made") + played.account_count("counter_jumped"))
       << played.text;
-  EXPECT_THAT(played.text, testing::HasSubstr("0 reports and 0 events had no room"));
+  EXPECT_THAT(played.text, testing::HasSubstr("0 reports and 0 events were dropped"));
 }
 
 // In real time a busy machine loses some of the damaged reports too, in the kernel's queue.
@@ -136,7 +136,7 @@ TEST_P(Record, GoesOnWhereTheEstimatesCannotBeWritten) {
   const Played played = record(600, {"--by-consumption"}, "/dev/full");
   expect_every_report_accounted_for(played, 2);
   EXPECT_EQ(number_before(played.text, "reports received"), 600) << played.text;
-  EXPECT_THAT(played.text, testing::HasSubstr("the recording is complete, replay it"));
+  EXPECT_THAT(played.text, testing::HasSubstr("the recording is complete; replay it"));
 }
 
 // A pipe that nobody empties holds up nothing.
@@ -148,7 +148,7 @@ TEST_P(Record, DoesNotWaitForWhoReadsTheEstimates) {
   ::close(reader);
   expect_every_report_accounted_for(played, 2);
   EXPECT_EQ(number_before(played.text, "reports received"), 1500) << played.text;
-  EXPECT_GT(number_before(played.text, "rows had no room"), 500) << played.text;
+  EXPECT_GT(number_before(played.text, "rows were dropped"), 500) << played.text;
 }
 
 // Nobody can know what was lost, and that is said.
@@ -220,7 +220,7 @@ TEST_P(Record, EndsWhereNothingComesAnyMore) {
   program.insert(program.end(), {"--idle-s", "0.05"});
   const Played played = play(GetParam(), {"--count", "1", "--linger-s", kGuard_s}, program);
   ASSERT_EQ(played.exit_code, 0) << played.text;
-  EXPECT_THAT(played.text, testing::Not(testing::HasSubstr("the device went away")));
+  EXPECT_THAT(played.text, testing::Not(testing::HasSubstr("the device was disconnected")));
 }
 
 // As fast as they are taken: nothing is lost. How fast that is, is shown and not judged. The

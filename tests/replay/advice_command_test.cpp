@@ -115,14 +115,14 @@ class AdviceTest : public testing::Test {
       words.insert(words.end(), {"--faults", "event"});
     } else if (errors.find("give the device's profile with --profile") != std::string::npos) {
       words.insert(words.end(), {"--profile", profile_});
-    } else if (errors.find("say it: --unit mm") != std::string::npos) {
+    } else if (errors.find("give --unit mm") != std::string::npos) {
       words.insert(words.end(), {"--unit", "mm"});
     } else if (std::regex_search(errors, found, std::regex("choose (--movement) (1) to"))) {
       words = without(words, found[1]);
       words.insert(words.end(), {found[1], found[2]});
     } else if (std::regex_search(errors, found, std::regex("leave out (--[a-z-]+)")) ||
                std::regex_search(errors, found,
-                                 std::regex("(--[a-z-]+) goes with [^;]*; leave it out"))) {
+                                 std::regex("(--[a-z-]+) applies only to [^;]*; leave it out"))) {
       words = without(words, found[1]);
     } else {
       ADD_FAILURE() << "no advice that this test can follow in: " << errors;
@@ -175,7 +175,7 @@ TEST_F(AdviceTest, OfRowsThatCannotBeUsed) {
 TEST_F(AdviceTest, OfColumns) {
   expect_of_all(csv("r.csv", "time_s,position_m,note\n", ",3"), {}, "the column is not known");
   expect_of_all(csv("r.csv", "time_s,position_m,position_mm\n", ",3"), {},
-                "another column gives the same quantity");
+                "another column contains the same quantity");
 }
 
 TEST_F(AdviceTest, OfWhatIsFollowed) {
@@ -202,10 +202,11 @@ TEST_F(AdviceTest, OfOtherFormats) {
                         track + "</tracks></movement></movements></dental_measurement>\n");
   expect_of_all(zebris, {}, "does not state the unit");
   expect_of_all(zebris, {"--unit", "mm", "--movement", "3"}, "choose --movement 1");
-  expect_of_all(good_, {"--unit", "mm"}, "--unit goes with");
-  expect_of_all(good_, {"--movement", "2"}, "--movement goes with");
-  expect_of_all(good_, {"--profile", profile_}, "--profile goes with");
-  expect_of_all(zebris, {"--unit", "mm", "--ignore-column", "note"}, "--ignore-column goes with");
+  expect_of_all(good_, {"--unit", "mm"}, "--unit applies only to");
+  expect_of_all(good_, {"--movement", "2"}, "--movement applies only to");
+  expect_of_all(good_, {"--profile", profile_}, "--profile applies only to");
+  expect_of_all(zebris, {"--unit", "mm", "--ignore-column", "note"},
+                "--ignore-column applies only to");
 }
 
 // Of several recordings, one has a column that is left out.

@@ -70,7 +70,7 @@ TEST_F(BadInput, Overflow) {
 }
 TEST_F(BadInput, TimeRunningBackwards) {
   expect_refused(csv("0,1\n0.02,1\n0.01,1\n"),
-                 {"bad.csv:4: time: it runs backwards", "--faults event"});
+                 {"bad.csv:4: time: runs backwards", "--faults event"});
 }
 TEST_F(BadInput, RowWithMissingColumns) {
   expect_refused(csv("0,1\n0.02\n"),
@@ -79,8 +79,8 @@ TEST_F(BadInput, RowWithMissingColumns) {
 }
 TEST_F(BadInput, Binary) {
   expect_refused(folder_.write("bad.csv", std::string("\x89PNG\r\n\x1a\n\0\0", 10)),
-                 {"bad.csv: is a binary file of no known format"});
-  expect_refused(csv(std::string("0,\0\x01\n", 5)), {"bad.csv: is a binary file"});
+                 {"bad.csv: has an unknown binary format"});
+  expect_refused(csv(std::string("0,\0\x01\n", 5)), {"bad.csv: has an unknown binary format"});
   std::string late;  // beyond what recognition looks at
   for (int i = 0; i < 2000; ++i) late += std::to_string(i) + ",1\n";
   expect_refused(csv(late + std::string("2000,\x1b[2J\0\n", 12)),
@@ -165,7 +165,7 @@ TEST_F(BadInput, FilesThatMayNotGrow) {
       run_condyle({"replay", recording, "--figures", results / "figures"}, limited);
   EXPECT_EQ(figures.exit_code, 2);
   EXPECT_THAT(figures.errors, AllOf(HasSubstr("gnuplot: cannot draw the figures: "),
-                                    HasSubstr(" is not complete; make room on the disk")));
+                                    HasSubstr(" is not complete; free space on the disk")));
   EXPECT_EQ(results.count(), 0);
 }
 
@@ -181,7 +181,7 @@ TEST_F(BadInput, StandardOutputThatTakesNothing) {
 TEST_F(BadInput, XmlOfMoreElementsThanFitInMemory) {
   std::string xml = "<d>";
   for (int i = 0; i < 6'000'000; ++i) xml += "<a/>";
-  expect_refused(folder_.write("bad.xml", xml + "</d>"), {"bad.xml", "more than fit in memory"},
+  expect_refused(folder_.write("bad.xml", xml + "</d>"), {"bad.xml", "too many for the memory"},
                  {"--unit", "mm"});
 }
 
@@ -210,7 +210,7 @@ TEST_F(BadInput, FiguresWithoutGnuplot) {
 TEST_F(BadInput, NoUsableSampleTime) {
   expect_refused(csv("0,1\n0,1\n"), {"no time passes between its samples", "sample_time_s"},
                  {"--estimator", "published"});
-  expect_refused(csv("0,1\n100,1\n"), {"median step of 100 s is no usable sample time"},
+  expect_refused(csv("0,1\n100,1\n"), {"median step of 100 s is not a usable sample time"},
                  {"--estimator", "published"});
   expect_refused(csv("0,1\n100,1\n"), {"median step of 100 s is longer than longest_gap_s"});
 }

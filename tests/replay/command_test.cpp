@@ -76,7 +76,7 @@ TEST(Replay, OfTheShippedRecordingLeavesEverything) {
     EXPECT_THAT(svg, HasSubstr("research use only"));
     EXPECT_THAT(svg, HasSubstr("</svg>"));
     const bool assumed = std::string(name) == "friction" || std::string(name) == "mass";
-    EXPECT_EQ(svg.find("ASSUMED: says nothing about the subject") != std::string::npos, assumed)
+    EXPECT_EQ(svg.find("ASSUMED: does not describe the subject") != std::string::npos, assumed)
         << name;
     EXPECT_EQ(read_file(figures + "/" + name + ".png").substr(1, 3), "PNG");
   }

@@ -38,7 +38,7 @@ TEST_F(CompareSessions, SessionsOfASubjectThatChanged) {
   EXPECT_THAT(result.output,
               AllOf(HasSubstr("before to later: +"), HasSubstr("CHANGED, also among so many"),
                     HasSubstr("of 18 comparisons exceed"), HasSubstr("(0.9 of these)"),
-                    HasSubstr("it diagnoses nothing"), HasSubstr("mounted anew")));
+                    HasSubstr("it is not a diagnosis"), HasSubstr("mounted anew")));
   const Table table = read_table(out);
   ASSERT_EQ(table.rows, 18U);  // six quantities, three pairs
   for (std::size_t i = 0; i < table.rows; ++i) {
@@ -65,7 +65,7 @@ TEST_F(CompareSessions, WithoutRepeatsTheSmallestChangeIsNotKnown) {
                    session("b", {record(2, 0.03)}), "--out", out});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output, AllOf(HasSubstr("NOT KNOWN, no session has repeats"),
-                                   HasSubstr("whether it is more than chance is not known"),
+                                   HasSubstr("whether it exceeds chance is not known"),
                                    Not(HasSubstr("CHANGED"))));
   for (const char* column : {"smallest_change", "smallest_change_single", "exceeds"}) {
     EXPECT_EQ(read_table(out).columns.at(column)[0], "") << column;
@@ -109,22 +109,22 @@ TEST_F(CompareSessions, SaysWhatItCannotUse) {
   const std::string a = record(1), b = record(2), fast = record(3, 0.015, 120);
   const std::string copy = folder_.write("copy.csv", read_file(a));
   refuse({}, "has nothing to compare");
-  refuse({"--session", session("a", {a, b})}, "one session alone");
+  refuse({"--session", session("a", {a, b})}, "one session cannot be compared");
   refuse({"--session", "a=", "--session", session("b", {b})}, "a: has no recordings");
   refuse({"--session", "a=" + a + ",,", "--session", session("b", {b})}, "names is empty");
-  refuse({"--session", a, "--session", session("b", {b})}, "does not say its name");
+  refuse({"--session", a, "--session", session("b", {b})}, "lacks a name");
   refuse({"--session", session("a", {a}), "--session", session("a", {b})}, "is given twice");
-  refuse({"--session", session("a", {a, b}), "--session", session("b", {b})}, "is named twice");
+  refuse({"--session", session("a", {a, b}), "--session", session("b", {b})}, "is given twice");
   refuse({"--session", session("a", {a, b}), "--session", session("b", {copy})}, "is a copy of");
   refuse({"--session", session("a", {a, b}), "--session", session("b", {fast})},
          "compare recordings of one rate");
   refuse({"--session", session("a", {a, b}), "--session", session("b", {kOneAxis})},
          "compare recordings of one kind");
-  refuse({a, "--session", session("a", {a}), "--session", session("b", {b})}, "named apart");
+  refuse({a, "--session", session("a", {a}), "--session", session("b", {b})}, "outside a session");
   refuse({"--session", session("a", {a}), "--session", session("b", {b}), "--with", "recommended",
           "--with", "published"},
-         "compared by one estimator");
-  refuse({a, a}, "is named twice");
+         "compared with one estimator");
+  refuse({a, a}, "is given twice");
   refuse({a, folder_ / "missing.csv"}, "missing.csv");
   refuse({a, "--with", "kalman"}, "kalman: is no estimator");
   refuse({a, "--with", "recommended:" + folder_ / "none.toml"}, "none.toml");

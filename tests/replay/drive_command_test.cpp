@@ -132,14 +132,14 @@ TEST_F(Drive, NoticesUnitsThatCannotBe) {
     return replay_changed([factor](double&, double& drive_N) { drive_N *= factor; }).output;
   };
   const auto withheld = AllOf(HasSubstr("0.05 Ns/m, assumed"), HasSubstr("0.25 kg, assumed"));
-  EXPECT_THAT(scaled(1e-3), AllOf(withheld, HasSubstr("were the drive in kN, it would be 0.25 kg"),
-                                  HasSubstr("1.1e-05 N, which few sensors have")));
-  EXPECT_THAT(scaled(1 / 9.80665), AllOf(withheld, HasSubstr("were the drive in kgf")));
-  EXPECT_THAT(scaled(1e3), AllOf(withheld, HasSubstr("were the drive in mN")));
+  EXPECT_THAT(scaled(1e-3), AllOf(withheld, HasSubstr("if the drive is in kN, it would be 0.25 kg"),
+                                  HasSubstr("1.1e-05 N, unusual for a sensor")));
+  EXPECT_THAT(scaled(1 / 9.80665), AllOf(withheld, HasSubstr("if the drive is in kgf")));
+  EXPECT_THAT(scaled(1e3), AllOf(withheld, HasSubstr("if the drive is in mN")));
   EXPECT_THAT(scaled(-1), AllOf(withheld, HasSubstr("the sign of the drive or of the axis")));
   // The motion cannot tell: what the values rest on is said.
   EXPECT_THAT(scaled(0.2), AllOf(HasSubstr("few jaws have such a mass"),
-                                 HasSubstr("rests on    what was stated: drive in N")));
+                                 HasSubstr("assumes     as stated: drive in N")));
   auto stated = complete_;
   stated.insert(stated.end(), {"--drive-noise-N", "0.1"});
   EXPECT_THAT(replay(recording_, stated).output, HasSubstr("0.011 N, 0.1 N was stated"));
@@ -180,7 +180,8 @@ TEST_F(Drive, RefusesWhatItCannotUse) {
   };
   expect(replay(recording_, {"--drive", recording_}), "no column drive_N");
   expect(replay(with_column(), {"--drive", drive_}), "has a drive of its own");
-  expect(replay(recording_, {"--drive-missing", "0"}), "has no drive that could be described");
+  expect(replay(recording_, {"--drive-missing", "0"}),
+         "has no drive, so options of the drive do not apply");
   expect(replay(recording_, {"--drive", drive_, "--estimator", "published"}),
          "is not supported by --estimator published");
   expect(replay(recording_, {"--drive", folder_ / "none.csv"}), "none.csv");

@@ -48,7 +48,7 @@ TEST(InspectCommand, ReadsHexadecimalTextHoweverItIsWritten) {
   }
   const CommandResult odd = inspect(folder.write("odd.txt", "05 01\n060 00\n"));
   EXPECT_EQ(odd.exit_code, 2);
-  EXPECT_THAT(odd.errors, HasSubstr("odd.txt:2: \"060\" is no byte"));
+  EXPECT_THAT(odd.errors, HasSubstr("odd.txt:2: \"060\" is not a hexadecimal byte"));
 }
 
 TEST(InspectCommand, RefusesWithTheByte) {

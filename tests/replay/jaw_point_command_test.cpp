@@ -99,7 +99,7 @@ TEST_F(HingedJaw, ABadFirstSampleMovesNothingAndTheFitIsReported) {
     EXPECT_NE(table.columns.at("position_m")[14], "");
     EXPECT_THAT(summary_, HasSubstr("14 not_started"));
     EXPECT_THAT(summary_, HasSubstr("body        residual of its fit "));
-    EXPECT_THAT(summary_, HasSubstr("0 samples beyond 0.1 mm not taken; 14 held back"));
+    EXPECT_THAT(summary_, HasSubstr("0 samples beyond 0.1 mm not used; 14 withheld"));
     return largest(table, "y_position_m");
   };
   EXPECT_LT(at_hinge(3), 5e-5);
@@ -162,8 +162,8 @@ TEST_F(HingedJaw, SaysWhyThePoseIsNotKnown) {
   EXPECT_THAT(summary_, HasSubstr("estimates   none: the jaw's pose is not known: 600 samples had "
                                   "three points that coincide or lie on a line\n"));
   replay(write([](int i, double* points) { points[3] += 20 * (i % 2) + 20 * (i % 3); }), jaw_point);
-  EXPECT_THAT(summary_, HasSubstr("586 samples had points that did not keep their distances, 14 "
-                                  "samples were held back to learn the body's shape, which takes "
+  EXPECT_THAT(summary_, HasSubstr("586 samples had points whose distances changed, 14 "
+                                  "samples were withheld to learn the body's shape, which takes "
                                   "15\n"));
 }
 
@@ -174,7 +174,7 @@ TEST_F(HingedJaw, StandsStillForOtherCommands) {
                                             "0.6",      "--end-s", "1.1"};
   std::vector<std::string> at_hinge = release;
   at_hinge.insert(at_hinge.end(), {"--jaw-point-mm", "0", "80", "40"});
-  EXPECT_THAT(run_condyle(at_hinge).errors, HasSubstr("no motion beyond the noise"));
+  EXPECT_THAT(run_condyle(at_hinge).errors, HasSubstr("no motion above the noise"));
   EXPECT_THAT(run_condyle(release).errors, testing::Not(HasSubstr("no motion")));
   const CommandResult compared = run_condyle(
       {"compare", recording, "--with", "recommended", "--jaw-point-mm", "0", "80", "40"});

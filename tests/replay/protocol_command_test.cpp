@@ -129,7 +129,7 @@ TEST(ProtocolRelease, SaysWhatItCannotUse) {
   refuse({"release", path, "--begin-s", "0.9", "--end-s", "0.5"}, "is not after the begin");
   refuse({"release", path, "--begin-s", "1.15"}, "a fit needs 10");
   refuse({"release", path, "--noise-mm", "0.05", "--begin-s", "0.01", "--end-s", "0.19"},
-         "no motion beyond the noise");
+         "no motion above the noise");
   refuse({"release", folder / "none.csv"}, "none.csv");
   refuse({"release", path, "--out", path}, "is also an input");
   std::string text = "time_s,position_mm\n";
@@ -140,7 +140,7 @@ TEST(ProtocolRelease, SaysWhatItCannotUse) {
     const double up = i < 60 ? 0.0 : i < 120 ? 10.0 * (1 - std::exp(-0.2 * (i - 60))) : 1.0;
     text += fmt::format("{:.6f},{:.6f}\n", i / 60.0, up);
   }
-  refuse({"release", folder.write("two.csv", text)}, "say which is the release with --begin-s");
+  refuse({"release", folder.write("two.csv", text)}, "choose the release with --begin-s");
   refuse({"combine", path, path}, "no load is given");
   refuse({"combine", path, path, "--added-spring-N-m", "10", "--added-weight-N", "1"},
          "cannot be used together");
@@ -170,7 +170,7 @@ TEST(ProtocolCombine, GivesFrictionStiffnessAndMass) {
   const auto refused = run_condyle(
       {"protocol", "combine", first, tense, "--noise-mm", "0.05", "--added-mass-kg", "0.1"});
   ASSERT_EQ(refused.exit_code, 0) << refused.errors;
-  EXPECT_THAT(refused.output, HasSubstr("NOT KNOWN: no one (kv, ks, m) explains both"));
+  EXPECT_THAT(refused.output, HasSubstr("NOT KNOWN: no single (kv, ks, m) explains both"));
 }
 
 }  // namespace

@@ -126,8 +126,9 @@ TEST_F(RealRecordings, GlitchesAndDropoutsMakeNoVelocity) {
     EXPECT_LT(largest_speed_mm_s(zebris), 150);
     EXPECT_THAT(zebris.columns.at("events")[447],
                 AnyOf(HasSubstr("outlier_rejected"), HasSubstr("motion_changed")));
-    EXPECT_THAT(errors_,
-                HasSubstr("they were smoothed or otherwise filtered before they were recorded"));
+    EXPECT_THAT(
+        errors_,
+        HasSubstr("the positions were smoothed or otherwise filtered before they were recorded"));
     const Table speech = replay({reference_data("ema_jaw/0020.jaw"), "--lag", lag});
     EXPECT_LT(largest_speed_mm_s(speech), 150);
     EXPECT_THAT(summary_, HasSubstr("40 zero_filled"));

@@ -183,7 +183,7 @@ TEST(Recommended, SaysNothingOfConsistencyFromTooFewSamples) {
     }
     EXPECT_THAT(summary(300, 0, estimator), has("mean NIS"));
   }
-  EXPECT_THAT(summary(3, 0, "recommended"), has("innovations of the 100 that it takes"));
+  EXPECT_THAT(summary(3, 0, "recommended"), has("innovations of the 100 required"));
   EXPECT_THAT(summary(300, 0, "recommended"), has("noise floor -0.8"));
   EXPECT_THAT(summary(300, 0.5, "recommended"), has("noise floor not computed"));
 }
@@ -200,7 +200,7 @@ TEST(Recommended, SaysWhereTheForcesAccelerationComesFrom) {
   EXPECT_THAT(force(""), HasSubstr("derived: assumed mass times measured acceleration"));
   EXPECT_THAT(
       force("30,nan\n"),
-      HasSubstr("derived: assumed mass times an acceleration that the motion model carried"));
+      HasSubstr("derived: assumed mass times an acceleration that the motion model predicted"));
 }
 
 // Noise that was smoothed before it was recorded is said; white noise is not.
@@ -226,7 +226,7 @@ TEST(Recommended, SaysWhereTheMakerSmoothed) {
   };
   EXPECT_THAT(warning(1), testing::IsEmpty());
   EXPECT_THAT(warning(3), HasSubstr("warning: "));
-  EXPECT_THAT(warning(3), HasSubstr("its intervals are not to be relied on"));
+  EXPECT_THAT(warning(3), HasSubstr("its intervals are not reliable"));
 }
 
 TEST(Recommended, RefusesWhatIsNotItsOwn) {

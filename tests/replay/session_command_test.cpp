@@ -87,7 +87,8 @@ TEST(SessionCommand, BelievesABoxAlone) {
     for (const char* action : {"start", "stop", "status"}) {
       const CommandResult result = session(stranger.url(), action);
       EXPECT_EQ(result.exit_code, 2) << body << action;
-      EXPECT_THAT(result.errors, HasSubstr("what answers there is no condyle-box")) << body;
+      EXPECT_THAT(result.errors, HasSubstr("the server at this address is not condyle-box"))
+          << body;
       EXPECT_EQ(result.output, "") << body;
     }
   }

@@ -108,7 +108,7 @@ TEST(Sources, OfDevicesAreNoRecordings) {
                                        profile + "' --backend libusb --out session.mcap"));
   const CommandResult made_up = run_condyle({"replay", "synth:" + profile});
   EXPECT_EQ(made_up.exit_code, 2);
-  EXPECT_THAT(made_up.errors, HasSubstr("is a made-up device, which never ends"));
+  EXPECT_THAT(made_up.errors, HasSubstr("is a synthetic device, which never ends"));
 }
 
 TEST(Friction, DrawsItsTextbookFigures) {
@@ -128,7 +128,7 @@ TEST(Simulate, RefusesBadInput) {
         std::pair{"duration_s = 0\n", "duration_s = 0 is out of range"},
         std::pair{"[friction]\nmodel = \"coulomb\"\nsmoothing_velocity_m_s = 1e-6\n",
                   "the forces are so stiff"},
-        std::pair{"[task]\namplitude_m = 0.06\n", "the task reaches -61.0 mm, this jaw"},
+        std::pair{"[task]\namplitude_m = 0.06\n", "the task reaches -61.0 mm, but this jaw"},
         std::pair{"[facebow]\njitter_s = 0.01\n", "more than a fifth of the sampling period"},
         std::pair{"[head]\nrate_Hz = 120\n", "the head's acceleration drives a point_mass only"},
         std::pair{"colour = \"red\"\n", "unknown key 'colour'"}}) {
@@ -148,7 +148,7 @@ TEST(Simulate, RefusesBadInput) {
   EXPECT_THAT(run_condyle({"simulate", path, "--out", path}).errors, HasSubstr("is also an input"));
   EXPECT_THAT(
       run_condyle({"simulate", path, "--out", folder / "r", "--truth", folder / "r"}).errors,
-      HasSubstr("is named for two outputs"));
+      HasSubstr("is given for two outputs"));
   const std::string nothing =
       folder.write("s.toml", "duration_s = 1\n[facebow]\nlost_share = 0.99\nrate_Hz = 5\n");
   for (const char* estimator : {"recommended", "published"}) {

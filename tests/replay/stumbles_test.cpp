@@ -41,7 +41,8 @@ TEST(StandardOutput, TakesOneFileOnly) {
   EXPECT_EQ(both.exit_code, 2);
   const CommandResult beside = run_condyle({"simulate", scenario, "--out", "-"});
   EXPECT_EQ(beside.exit_code, 2);
-  EXPECT_THAT(beside.errors, HasSubstr("--out -: the scenario's companions are written beside"));
+  EXPECT_THAT(beside.errors,
+              HasSubstr("--out -: the scenario also writes drive, EMG or head motion"));
   const CommandResult log = run_condyle(
       {"record", "--profile", source_path("/hal/profiles/condyle_facebow.toml"), "--out", "-"});
   EXPECT_EQ(log.exit_code, 2);
@@ -70,7 +71,7 @@ TEST(Recordings, ThatSayNothingAreNamedSoInOneSentence) {
   const Case cases[] = {
       {rows(1, 0.005, 1), "1 of its samples has a position, and a velocity takes 3 at least"},
       {rows(2, 0.005, 2), "2 of its samples have a position, and a velocity takes 3 at least"},
-      {rows(500, 0, 500), "positions are the same, which no instrument measures"},
+      {rows(500, 0, 500), "positions are the same, which a real instrument does not measure"},
       {rows(900, 0.005, 300), "599 of 900 samples have the time of the sample before"},
   };
   const TemporaryFolder folder;

@@ -113,7 +113,7 @@ TEST_F(Tune, SaysThatTheMakerSmoothedAndWhatServesThen) {
   const CommandResult result = tune({record("smoothed.csv", 3)}, {"--starts", "2"});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output,
-              AllOf(HasSubstr("NOT WHITE"), HasSubstr("smoothed before it came"),
+              AllOf(HasSubstr("NOT WHITE"), HasSubstr("smoothed before recording"),
                     HasSubstr("if the noise were white, which it is not"), HasSubstr("stand-in")));
   EXPECT_THAT(read_file(out_), HasSubstr("The noise is not white"));
   EXPECT_THAT(tune({record("white.csv", 1)}, {"--starts", "1"}).output,
@@ -139,7 +139,7 @@ TEST_F(Tune, KeepsTheNamesOfFilesOutOfTheParameters) {
 
 TEST_F(Tune, SaysThatAValueAtItsBoundIsNotKnown) {
   const CommandResult result = tune({kShipped}, {"--noise-bounds-mm", "0.2", "1"});
-  EXPECT_THAT(result.output, HasSubstr("at its bound, so that it is NOT known"));
+  EXPECT_THAT(result.output, HasSubstr("at its bound, so it is NOT known"));
 }
 
 TEST_F(Tune, TakesAHundredRecordingsInBoundedMemory) {
@@ -170,7 +170,7 @@ TEST_F(Tune, ByThePublishedCriterionListsTuningsThatItCannotTellApart) {
   const CommandResult result = tune({kShipped}, {"--criterion", "published", "--tunings", tunings,
                                                  "--figures", folder_ / "figures"});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
-  EXPECT_THAT(result.output, AllOf(HasSubstr("cannot tell these tunings apart"),
+  EXPECT_THAT(result.output, AllOf(HasSubstr("does not distinguish these tunings"),
                                    HasSubstr("ASSUMED"), HasSubstr("published_tunings.png")));
   const auto table = testing_support::read_table(tunings);
   ASSERT_GE(table.rows, 5U);
@@ -228,16 +228,16 @@ TEST_F(Tune, RefusesBadInputAndLeavesNoFile) {
   for (int i = 0; i < 1500; ++i) {
     bursts += fmt::format("{:.3f},{:.6f}\n", 0.01 * i + i / 15, 1e-3 * std::sin(0.3 * i));
   }
-  refused({folder_.write("bursts.csv", bursts)}, {}, "0 in a row long enough");
+  refused({folder_.write("bursts.csv", bursts)}, {}, "0 in runs long enough");
   refused({two}, {"--criterion", "published"}, "has 2 measured positions");
-  refused({nan}, {"--faults", "event"}, "never there");
-  refused({kShipped, kShipped}, {}, "is named twice");
+  refused({nan}, {"--faults", "event"}, "always missing");
+  refused({kShipped, kShipped}, {}, "is given twice");
   refused({kShipped}, {"--noise-bounds-mm", "1", "0.1"}, "is not below the upper");
   refused({kShipped}, {"--jerk-density-bounds", "5", "5"}, "is not below the upper");
   refused({kShipped}, {"--noise-bounds-mm", "nan", "1"}, "is not a number");
-  refused({kShipped}, {"--tunings", folder_ / "t.csv"}, "no such thing");
+  refused({kShipped}, {"--tunings", folder_ / "t.csv"}, "is not supported by the criterion");
   refused({kShipped}, {"--criterion", "published", "--jerk-density-bounds", "1", "2"},
-          "no such thing");
+          "is not supported by the criterion");
   refused({kShipped},
           {"--parameters", testing_support::source_path("/host_sim/recordings/chewing_60hz.toml")},
           "published");

@@ -24,8 +24,8 @@ void put_number(double value, std::size_t place, hal::RawReport& report) {
   }
 }
 
-// The samples of a recording as reports: their numbers one after the other, NaN where there is
-// none, at the time of the sample.
+// The samples of a recording as reports: the numbers in order, NaN for a missing one, at the time
+// of the sample.
 class SampleReports final : public hal::ReportSource {
  public:
   SampleReports(const std::string& path, const RecordingOptions& options, hal::Clock& clock)
@@ -43,7 +43,7 @@ class SampleReports final : public hal::ReportSource {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     const std::size_t count = coordinate_count(sample.kind);
     report.host_time_ns = sample.time_ns;
-    // Out of range goes along as it is, for the decoder to say so.
+    // Values out of range pass unchanged: the decoder reports them.
     const bool has_numbers =
         sample.position_valid || is_out_of_range(sample.kind, sample.coordinates);
     for (std::size_t i = 0; i < count; ++i) {
@@ -96,7 +96,7 @@ BridgeInput of_samples(const std::string& path, const RecordingOptions& options,
   return input;
 }
 
-// What a device's profile says of its reports.
+// The part of a device's profile that describes its reports.
 void describe_by(const hal::DeviceProfile& profile, BridgeInput& input) {
   input.layout = hal::layout_of(profile);
   input.has_drive = profile.drive_N.has_value();
@@ -122,14 +122,14 @@ BridgeInput of_device(const SourceSpec& spec, const std::string& serial, hal::Cl
   facebow->find(stop);
   BridgeInput input;
   input.words = facebow->profile().name +
-                (facebow->device() == nullptr ? ", made up"
+                (facebow->device() == nullptr ? ", synthetic"
                                               : fmt::format(", through {}", backend_of(spec.kind)));
   input.is_live = true;
   describe_by(facebow->profile(), input);
   input.problem = [] { return std::string(); };
   input.source = {facebow, &facebow->source()};
   if (input.source->open() != hal::Status::ok) {
-    throw InputError(spec.file, "the device cannot be opened", "condyle doctor says why");
+    throw InputError(spec.file, "the device cannot be opened", "run condyle doctor to see why");
   }
   return input;
 }

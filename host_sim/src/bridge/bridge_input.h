@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bridge feeds a target with: the reports of a device or of a session log, or the samples of
-// a recording, each made a report of its own.
+// What a bridge sends to a microcontroller: the reports of a device or of a session log, or the
+// samples of a recording, each as a report.
 #pragma once
 
 #include <functional>
@@ -15,23 +15,22 @@
 
 namespace condyle::host {
 
-/// Reports, what they mean, and how they are to be followed.
+/// Reports, their meaning, and what is followed in them.
 struct BridgeInput {
   std::string words;  ///< "session log of condyle facebow"
   bool is_live = false;
   bool has_drive = false;
   hal::ReportLayout layout;
   std::optional<TimeNs> nominal_step_ns;      ///< for gaps
-  std::optional<TimeNs> median_step_ns;       ///< as recorded; of a device as its profile says
+  std::optional<TimeNs> median_step_ns;       ///< as recorded; for a device, from its profile
   std::shared_ptr<hal::ReportSource> source;  ///< open
-  std::function<double()> progress;           ///< share read so far; 0 where it is not known
-  std::function<std::string()> problem;       ///< of the recording; empty where there is none
+  std::function<double()> progress;           ///< share read so far; 0 if it is not known
+  std::function<std::string()> problem;       ///< of the recording; empty if there is none
 };
 
-/// Opens `name`: "hid:PROFILE", "usb:PROFILE" or "synth:PROFILE", a device; else a recording (see
-/// open_recording).
-/// `serial`: of a device, where several are plugged in; it is waited for until `stop`. An
-/// InputError where it cannot be used.
+/// Opens `name`: "hid:PROFILE", "usb:PROFILE" or "synth:PROFILE", a device; otherwise a recording
+/// (see open_recording). `serial`: of a device, if several are plugged in; the call waits for it
+/// until `stop`. Throws InputError if it cannot be used.
 BridgeInput open_bridge_input(const std::string& name, const std::string& serial,
                               const RecordingOptions& options, hal::Clock& clock,
                               const std::function<bool()>& stop);

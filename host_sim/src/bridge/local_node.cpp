@@ -33,7 +33,7 @@ LocalNode::LocalNode(unsigned scalar_size, hal::Clock& clock) : near_(clock), fa
 }
 
 LocalNode::~LocalNode() {
-  near_.close();  // which the thread sees as a line that was cut
+  near_.close();  // ends the thread's read
   thread_.join();
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A target's twin on this computer: the same node, fed with the same frames over a pair of sockets.
+// A microcontroller's twin on this computer: the same node receives the same frames over a pair of
+// sockets.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +14,8 @@ namespace condyle::host {
 /// Serves on a thread of its own until it is destroyed.
 class LocalNode {
  public:
-  /// `scalar_size`: 4 or 8, of the numbers that it computes with (bytes). An InputError where the
-  /// system has no pair of sockets left.
+  /// `scalar_size`: size of the numbers that it computes with, 4 or 8 (bytes). Throws InputError if
+  /// the system has no pair of sockets left.
   LocalNode(unsigned scalar_size, hal::Clock& clock);
   ~LocalNode();
   LocalNode(const LocalNode&) = delete;

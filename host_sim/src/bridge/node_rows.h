@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of estimates from what a target sends.
+// Rows of estimates from the frames of a microcontroller.
 #pragma once
 
 #include <cstdint>
@@ -13,22 +13,22 @@ namespace condyle::host {
 /// Reads the estimates of one run.
 class NodeRows {
  public:
-  /// `axis_count`: 1 or 3, or 0 of the published cascade; `scalar_size`: of the target's numbers
-  /// (bytes), 4 or 8; `has_joint`: friction and mass are identified.
+  /// `axis_count`: 1 or 3, or 0 for the published cascade; `scalar_size`: size of the
+  /// microcontroller's numbers, 4 or 8 (bytes); `has_joint`: friction and mass are identified.
   NodeRows(int axis_count, FollowedCoordinate followed, unsigned scalar_size, bool has_joint)
       : axis_count_(axis_count),
         followed_(followed),
         scalar_size_(scalar_size),
         has_joint_(has_joint) {}
 
-  /// The row of an estimate's frame, without the measured position where it is the published
-  /// cascade's; none while a lag fills, and where it cannot be read.
+  /// The row of an estimate's frame, without the measured position if it is the published
+  /// cascade's; none while a lag fills, or if it cannot be read.
   std::optional<EstimateRow> row_of(const hal::LinkFrame& frame);
-  /// Takes a conclusion, which the rows after it have.
+  /// Takes a conclusion; the rows after it contain it.
   void take_conclusion(const hal::LinkFrame& frame);
   /// The last one.
   const JointEstimate<double>& conclusion() const { return conclusion_; }
-  /// Frames that could not be read, or are not of this run.
+  /// Frames that could not be read, or belong to another run.
   std::uint64_t unreadable() const { return unreadable_; }
 
  private:

@@ -19,7 +19,7 @@ std::string time_text(TimeNs time_ns) {
   return fmt::format("{:.1f} s", seconds(time_ns));
 }
 
-// How many cycles, and why the others do not count.
+// How many cycles, and why the others are not counted.
 std::string cycles_text(const ChangeWatch& watch) {
   std::string others;
   for (const CycleOutcome outcome : {CycleOutcome::irregular, CycleOutcome::incomplete,
@@ -51,8 +51,8 @@ std::string change_text(const ChangeWatch& watch, const DetectedChange& found) {
                   found.first_after + 1, time_text(watch.cycles[found.first_after].end_ns));
   if (found.is_told()) return line("change", what) + line("", when);
   return line("WITHHELD",
-              fmt::format("an alarm whose size ({:.2g} Ns/m) the drive may have made by "
-                          "itself: as stated, up to {:.2g} Ns/m",
+              fmt::format("the drive alone may have caused this alarm of {:.2g} Ns/m: as stated, "
+                          "it can cause up to {:.2g} Ns/m",
                           std::abs(change.after_Ns_m - change.before_Ns_m), found.of_drive_Ns_m)) +
          line("", when);
 }
@@ -73,7 +73,7 @@ std::string could_find_text(const ChangeWatch& watch, const WatchSettings& setti
   for (const double change_Ns_m : {smallest, 2 * smallest, 4 * smallest}) {
     const DetectionDelay delay = expected_delay(watch, settings.detector, change_Ns_m);
     if (text.empty()) {
-      text = line("could find", fmt::format("a lasting change after {} such cycles, simulated:",
+      text = line("can detect", fmt::format("a lasting change after {} such cycles, simulated:",
                                             delay.after_cycles));
     }
     text += delay_text(watch, change_Ns_m, delay);
@@ -83,12 +83,11 @@ std::string could_find_text(const ChangeWatch& watch, const WatchSettings& setti
 
 std::string lost_text(const ChangeWatch& watch) {
   if (!watch.lost_from) return "";
-  return line(
-      "WITHHELD",
-      fmt::format("from {} on: the point no longer moves as it was identified: it slipped, "
-                  "another force acts,\n              or damping, mass or stiffness are far "
-                  "from what they were; watch a recording that begins there",
-                  time_text(watch.cycles[*watch.lost_from].end_ns)));
+  return line("WITHHELD",
+              fmt::format("from {} on: the motion no longer fits the identified model: the point "
+                          "slipped, another force acts,\n              or damping, mass or "
+                          "stiffness changed much; analyse a recording that begins there",
+                          time_text(watch.cycles[*watch.lost_from].end_ns)));
 }
 
 std::string numbers(const std::vector<WatchedCycle>& cycles, bool are_counted) {
@@ -112,29 +111,30 @@ std::string numbers(const std::vector<WatchedCycle>& cycles, bool are_counted) {
 std::string changes_text(const ChangeWatch& watch, const WatchSettings& settings) {
   std::string text = cycles_text(watch);
   text +=
-      line("false alarms", fmt::format("one in {:g} h of chewing, as asked for: {:.0f} cycles",
+      line("false alarms", fmt::format("one in {:g} h of chewing, as requested: {:.0f} cycles",
                                        settings.false_alarm_interval_h, watch.false_alarm_cycles));
   for (const DetectedChange& found : watch.changes) text += change_text(watch, found);
   if (watch.judged == 0) {
-    text += line("NOT WATCHED", fmt::format("the detector learns from {:g} cycles before it judges "
-                                            "one; record longer",
-                                            settings.detector.baseline_cycles));
+    text += line(
+        "NOT WATCHED",
+        fmt::format("the detector learns from {:g} cycles before it judges the next; record longer",
+                    settings.detector.baseline_cycles));
   } else if (watch.changes.empty()) {
     text += line("no change", watch.lost_from ? "none was found before" : "none was found");
   }
   text += lost_text(watch);
   if (watch.of_drive_Ns_m > 0) {
-    text += line(watch.of_drive_Ns_m < settings.detector.change_Ns_m ? "note" : "WITHHELD",
-                 fmt::format("what the drive may miss, as stated, can make or hide a change of up "
-                             "to {:.2g} Ns/m; one as\n              small is not told",
-                             watch.of_drive_Ns_m));
+    text +=
+        line(watch.of_drive_Ns_m < settings.detector.change_Ns_m ? "note" : "WITHHELD",
+             fmt::format("the stated share that the drive may miss can cause or hide a change of "
+                         "up to {:.2g} Ns/m; a change\n              that small is not reported",
+                         watch.of_drive_Ns_m));
   }
   if (watch.counted > 0) text += could_find_text(watch, settings);
   return text +
-         "It detects a change in effective damping; it diagnoses nothing; research use only. "
-         "Joint, "
-         "muscle, tissue, food, a drive\nthat misses another force or comes later than before look "
-         "alike. A slow drift is not seen, nor a change while it learns.\n";
+         "This detects a change in effective damping; it is not a diagnosis; research use only. "
+         "Joint, muscle, tissue, food, and a drive\nwith another missing force or delay look "
+         "alike. A slow drift is not detected, nor a change during learning.\n";
 }
 
 std::string changes_csv(const ChangeWatch& watch) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a watch for changes found, in words, as CSV and as a picture.
+// The result of the change detector, as text, CSV and figure.
 #pragma once
 
 #include <memory>
@@ -11,15 +11,15 @@
 
 namespace condyle::host {
 
-/// Cycles, changes or that none was found, and what could have been found.
+/// Cycles, changes if any, and the smallest change that could have been detected.
 std::string changes_text(const ChangeWatch& watch, const WatchSettings& settings);
 
-/// A row per cycle that ended, counted or not; cycles are numbered from 1.
+/// One row for each cycle that ended, counted or not; cycles are numbered from 1.
 std::string changes_csv(const ChangeWatch& watch);
 
 /// Draws each cycle's damping with its standard deviation, and the statistics against the threshold
-/// below, as changes.svg and changes.png. The files are closed, and wait for `commit`. `name` is
-/// the recording's.
+/// below, as changes.svg and changes.png. The files are closed but not committed. `name`: of the
+/// recording.
 std::vector<std::unique_ptr<OutputFile>> draw_changes(const std::string& directory,
                                                       const std::string& name,
                                                       const ChangeWatch& watch);

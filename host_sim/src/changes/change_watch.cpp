@@ -19,7 +19,7 @@ bool counts(const WatchedCycle& cycle) {
   return cycle.is_watched && cycle.report.outcome == CycleOutcome::counted;
 }
 
-// Means over the counted cycles of a stretch.
+// Means over the counted cycles of a range.
 struct Stretch {
   double drive_per_velocity_Ns_m = 0, rhythm2_rad2_s2 = 0;
 };
@@ -142,7 +142,7 @@ std::size_t count_of(const ChangeWatch& watch, CycleOutcome outcome) {
 DetectionDelay expected_delay(const ChangeWatch& watch, const ChangeParameters& detector,
                               double change_Ns_m) {
   constexpr std::size_t kRuns = 400;
-  constexpr double kMostLearned = 390;  // more hardly helps
+  constexpr double kMostLearned = 390;  // more cycles hardly help
   ChangeParameters parameters = detector_of(detector, watch.false_alarm_cycles);
   parameters.baseline_cycles = std::min(parameters.baseline_cycles, kMostLearned);
   DetectionDelay result;
@@ -157,7 +157,7 @@ DetectionDelay expected_delay(const ChangeWatch& watch, const ChangeParameters& 
       simulated.add(shift_Ns_m + sd_Ns_m * random.normal(), watch.sd_Ns_m);
     };
     for (std::size_t i = 0; i < result.after_cycles; ++i) add(0);
-    if (simulated.is_alarm()) continue;  // a false one
+    if (simulated.is_alarm()) continue;  // a false alarm
     int delay = 0;
     while (!simulated.is_alarm() && delay <= DetectionDelay::kLongest) {
       add(change_Ns_m);

@@ -12,14 +12,14 @@
 
 namespace condyle::host {
 
-/// A cycle, and what the detector said after it.
+/// A cycle, and the detector's state after it.
 struct WatchedCycle {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   TimeNs end_ns = 0;
   CycleReport<double> report;
   double statistic_up = kNone, statistic_down = kNone, threshold = kNone;  ///< if it counted
   ChangeState state = ChangeState::learning;
-  bool is_watched = true;  ///< false: the point had been lost by then
+  bool is_watched = true;  ///< false: the point was lost before
 };
 
 /// An alarm.
@@ -27,37 +27,37 @@ struct DetectedChange {
   DampingChange<double> change;            ///< its cycle numbers are not used
   std::size_t alarm = 0, first_after = 0;  ///< cycles of the recording
   bool is_increase = false;
-  /// What the drive, as it is stated, may make of no change at all (Ns/m): what it misses, before
-  /// and after, and its delay where the rhythm changed with the damping.
+  /// Apparent change that the stated drive can cause without a real one (Ns/m): by the force that
+  /// it misses before and after, and by its delay if the rhythm changed with the damping.
   double of_drive_Ns_m = 0;
-  /// False: that may be as much as the change, whose size is uncertain.
+  /// False: this may be as large as the detected change.
   bool is_told() const;
 };
 
-/// What is taken for granted.
+/// What is assumed.
 struct WatchSettings {
-  ChangeParameters detector;          ///< but for its false_alarm_cycles
+  ChangeParameters detector;          ///< its false_alarm_cycles is not used
   double false_alarm_interval_h = 0;  ///< of chewing, between two false alarms
   DriveParameters drive;              ///< its missing share and the uncertainty of its delay
   double mass_kg = 0;                 ///< of the baseline
 };
 
-/// A recording's cycles and changes. After an alarm the detector learns anew.
+/// A recording's cycles and changes. After an alarm the detector learns again.
 struct ChangeWatch {
   std::vector<WatchedCycle> cycles;
   std::vector<DetectedChange> changes;
-  /// First cycle of those in which the point was lost for good: three of ten. It, and those after
-  /// it, are not watched.
+  /// First cycle from which the point stayed lost (three of ten cycles). This cycle and later ones
+  /// are not watched.
   std::optional<std::size_t> lost_from;
-  double false_alarm_cycles = 0;  ///< as many as the interval holds; may be out of range
+  double false_alarm_cycles = 0;  ///< cycles in the interval; may be out of range
   std::size_t counted = 0, judged = 0;
   double mean_duration_s = 0;         ///< of the counted ones, like the following
-  double mean_Ns_m = 0, sd_Ns_m = 0;  ///< weighted mean; what is said of a cycle, rms
+  double mean_Ns_m = 0, sd_Ns_m = 0;  ///< weighted mean; stated sd of a cycle, rms
   double spread = 1;                  ///< ChangeDetector's, at the end
   double of_drive_Ns_m = 0;           ///< as in DetectedChange, without a change of the rhythm
 };
 
-/// Runs the detector; nothing is judged where `false_alarm_cycles` is out of range.
+/// Runs the detector; judges no cycle if `false_alarm_cycles` is out of range.
 ChangeWatch watch_cycles(const std::vector<TimedCycle<double>>& cycles,
                          const WatchSettings& settings);
 
@@ -71,8 +71,9 @@ struct DetectionDelay {
   static constexpr int kLongest = 1000;
 };
 
-/// How soon a change of `change_Ns_m` would be found among cycles as alike as those of `watch`, if
-/// it comes after half of them, at least the detector's baseline_cycles and at most 390.
+/// How soon a change of `change_Ns_m` would be detected among cycles that scatter like those of
+/// `watch`, if it comes after half of them, but after at least the detector's baseline_cycles and
+/// at most 390.
 DetectionDelay expected_delay(const ChangeWatch& watch, const ChangeParameters& detector,
                               double change_Ns_m);
 

@@ -17,7 +17,7 @@ nlohmann::json parse(const std::string& box, int status, const std::string& text
   return json;
 }
 
-// The text of a key that an answer has to have.
+// The text of a required key of an answer.
 std::string text_of(const std::string& box, int status, const nlohmann::json& json,
                     const char* key) {
   const auto found = json.find(key);
@@ -30,8 +30,8 @@ std::string text_of(const std::string& box, int status, const nlohmann::json& js
 }  // namespace
 
 void refuse_stranger(const std::string& box, const std::string& why) {
-  throw InputError(box, "what answers there is no condyle-box: " + why,
-                   "say with --box where the box is");
+  throw InputError(box, "the server at this address is not condyle-box: " + why,
+                   "give the address of the box with --box");
 }
 
 std::string read_command_answer(const std::string& box, int status, const std::string& text) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a measurement box answers, as `condyle session` reads it.
+// Reads a measurement box's answers for `condyle session`.
 #pragma once
 
 #include <cstddef>
@@ -7,17 +7,17 @@
 
 namespace condyle::host {
 
-/// Longest answer that is read.
+/// Longest answer that is accepted (bytes).
 inline constexpr std::size_t kLongestBoxAnswer = std::size_t{1} << 20;
 
-/// What a box said to a command. An InputError where it refused, and where `text` is not a box's
-/// answer; `box` is where it came from.
+/// The result of a command to a box. Throws InputError if the box refused, or if `text` is not the
+/// answer of a box; `box` is its address.
 std::string read_command_answer(const std::string& box, int status, const std::string& text);
 
-/// The status of a box, `text` itself. An InputError where it is not one.
+/// The status of a box, `text` itself. Throws InputError if it is not one.
 std::string read_status_answer(const std::string& box, int status, const std::string& text);
 
-/// Throws the InputError that what answers is not a box.
+/// Throws the InputError for a server that is not a box.
 [[noreturn]] void refuse_stranger(const std::string& box, const std::string& why);
 
 }  // namespace condyle::host

@@ -58,7 +58,7 @@ hal::StartMessage start_of(const BridgeOptions& options, const BridgeInput& inpu
   return start;
 }
 
-// The same run on this computer, whose answers are to be the target's, byte for byte.
+// The same run on this computer; its answers must equal the microcontroller's byte for byte.
 class Twin {
  public:
   Twin(unsigned scalar_size, const hal::ReportLayout& layout, const hal::StartMessage& start,
@@ -77,7 +77,7 @@ class Twin {
   void reconnect() { client_.reconnect(); }
   void finish() { client_.finish(); }
 
-  // Compares an answer of the target's with the next one here. `name` names it for the user.
+  // Compares an answer of the microcontroller with the next one here. `name` names it for the user.
   template <class Name>
   void compare(NodeAnswer answer, const hal::LinkFrame& frame, Name name) {
     const TimeNs deadline_ns = clock_.now_ns() + kTwinPatience_ns;
@@ -132,7 +132,7 @@ struct BridgeCounts {
 
 enum class Fed { report, nothing, reconnected, end };
 
-// Takes the next report, waiting no longer than `wait_ns`.
+// Takes the next report; waits at most `wait_ns`.
 Fed take_report(BridgeInput& input, TimeNs wait_ns, hal::Clock& clock, hal::RawReport& report,
                 BridgeCounts& counts) {
   switch (input.source->read(clock.now_ns() + wait_ns, report)) {
@@ -156,14 +156,14 @@ Fed take_report(BridgeInput& input, TimeNs wait_ns, hal::Clock& clock, hal::RawR
 }
 
 std::string health_words(const std::optional<hal::HealthMessage>& health) {
-  if (!health) return "not known: it did not answer any more";
+  if (!health) return "not known: it no longer answers";
   return fmt::format(
-      "{} frames refused, {} lost; {} bytes overrun, {} without room; {} of {} bytes of stack used",
+      "{} frames refused, {} lost; {} bytes overrun, {} dropped; {} of {} bytes of stack used",
       health->frames.refused(), health->frames.lost, health->uart_overruns, health->dropped_bytes,
       health->stack_used_bytes, health->stack_size_bytes);
 }
 
-// Between a source of reports and a target.
+// Connects a source of reports and a microcontroller.
 class Bridge {
  public:
   Bridge(BridgeInput& input, NodeClient& client, Twin* twin, NodeRows& rows,
@@ -175,16 +175,16 @@ class Bridge {
         estimates_(estimates),
         clock_(clock) {}
 
-  // False where the user stopped a recording.
+  // False if the user stopped a recording.
   bool run() {
     Progress progress("feeding", clock_);
     for (NodeAnswer answer = NodeAnswer::none; answer != NodeAnswer::finished;) {
       if (has_input_ && stop_requested()) {
         if (!input_.is_live) return false;
-        finish();  // a live run ends when the user says so
+        finish();  // the user ends a live run
       }
       if (has_input_ && client_.has_room()) feed();
-      // A recording has its next report at once; a device is looked after every millisecond.
+      // A recording has its next report at once; a device is polled every millisecond.
       const TimeNs wait_ns = !client_.has_room() ? kPatience_ns : input_.is_live ? 1'000'000 : 0;
       answer = client_.receive(clock_.now_ns() + wait_ns);
       if (answer != NodeAnswer::none) take(answer);
@@ -256,7 +256,7 @@ int bridge(const BridgeOptions& options) {
   refuse_same_files({options.input, options.estimator.parameters, options.choice.reading.profile},
                     {options.out});
   options.estimator.refuse_if_published("--lag", options.estimator.lag > 0);
-  options.estimator.refuse_if_published("--drive-missing and the like",
+  options.estimator.refuse_if_published("an option of the drive, such as --drive-missing",
                                         options.drive_stated.is_given());
   hal::SteadyClock clock;
   BridgeInput input = open_bridge_input(options.input, options.serial, options.choice.reading,
@@ -266,12 +266,14 @@ int bridge(const BridgeOptions& options) {
 
   hal::SerialPort port(clock);
   if (port.open(options.port, options.baud) != hal::Status::ok) {
-    throw InputError(options.port, port.problem(), "name a serial port, or unix:SOCKET");
+    throw InputError(options.port, port.problem(), "give a serial port, or unix:SOCKET");
   }
   NodeClient client(port, clock, options.port);
   client.connect(stop_requested);
   const unsigned scalar_size = client.greeting().scalar_size;
-  if (client.fault()) print_error("the target had stopped: " + fault_words(*client.fault()));
+  if (client.fault()) {
+    print_error("the microcontroller had stopped: " + fault_words(*client.fault()));
+  }
   start.identifies =
       input.has_drive && !options.estimator.is_published() && client.greeting().identifies;
   client.begin(input.layout, start);
@@ -296,7 +298,7 @@ int bridge(const BridgeOptions& options) {
       return report_stop();
     }
   } catch (const InputError& error) {
-    // What was measured live cannot be measured again.
+    // A live measurement cannot be repeated, so its estimates are kept.
     if (!input.is_live || !estimates) throw;
     keep_estimates();
     throw InputError(std::string(error.what()) + "; the estimates so far are in " + options.out);
@@ -307,18 +309,19 @@ int bridge(const BridgeOptions& options) {
   const std::optional<hal::HealthMessage> health = client.ask_health();
   const BridgeCounts& counts = bridge.counts();
 
-  ReportText report(12);
+  ReportText report(17);
   const auto line = [&report](const char* label, const std::string& words) {
     report.line(label, words);
   };
   line("input", options.input + ", " + input.words);
-  line("target", options.port + ": " + greeting_words(client.greeting()));
+  line("microcontroller", options.port + ": " + greeting_words(client.greeting()));
   line("reports", fmt::format("{} sent, {} lost on the line; {} estimates, {} without one",
                               client.reports_sent(), client.reports_lost(), counts.estimates,
                               counts.without_estimate));
   if (counts.disconnections > 0) {
-    line("device", fmt::format("went away {} times; the target knows of {}", counts.disconnections,
-                               health ? std::to_string(health->disconnections) : "no number"));
+    line("device", fmt::format("disconnected {} times; counted by the microcontroller: {}",
+                               counts.disconnections,
+                               health ? std::to_string(health->disconnections) : "not known"));
   }
   if (counts.without_time > 0) {
     line("left out", fmt::format("{} samples without a time", counts.without_time));
@@ -326,17 +329,18 @@ int bridge(const BridgeOptions& options) {
   if (start.identifies) {
     report.add(joint_text(rows.conclusion(), start.recommended.joint));
   } else if (input.has_drive && !is_published) {
-    line("drive", "not used: the target has no memory to identify friction and mass");
+    line("drive",
+         "not used: the microcontroller has too little memory to identify friction and mass");
   }
-  line("its side", health_words(health));
-  line("this side",
+  line("its health", health_words(health));
+  line("this computer",
        fmt::format("{} frames refused, {} lost", client.frames_refused(), client.frames_lost()));
   if (twin) line("check", twin->words());
   if (estimates) line("estimates", options.out);
   print_output(report.text());
   const bool is_whole =
       client.reports_lost() == 0 && client.frames_lost() == 0 && rows.unreadable() == 0;
-  if (!is_whole) print_error("warning: not every report has its estimate");
+  if (!is_whole) print_error("warning: some reports have no estimate");
   return is_whole && (!twin || twin->is_same()) ? kExitOk : kExitRefused;
 }
 
@@ -344,34 +348,34 @@ int bridge(const BridgeOptions& options) {
 
 Command add_bridge(CommandLine app) {
   auto options = std::make_shared<BridgeOptions>();
-  const CommandLine command = app.add_command(
-      "bridge",
-      "Feed an estimator on a microcontroller with reports over a serial line, and take its "
-      "estimates; Ctrl-C ends a live run",
-      "Measure with a device");
+  const CommandLine command =
+      app.add_command("bridge",
+                      "Send reports to an estimator on a microcontroller over a serial line, and "
+                      "receive its estimates; Ctrl-C ends a live run",
+                      "Measure with a device");
   command.add_example("condyle bridge jaw.csv --port /dev/ttyUSB0 --check --out estimates.csv",
                       "Replay a recording through a microcontroller, and compare each answer with "
                       "this computer's.");
   command.add_example("condyle bridge hid:bow.toml --port /dev/ttyUSB0 --out estimates.csv",
-                      "Feed it with the reports of a device.");
+                      "Send it the reports of a device.");
   command
-      .add_option(
-          "INPUT", options->input,
-          "hid:PROFILE or usb:PROFILE, a device; synth:PROFILE, a made-up one; or a recording, "
-          "as for replay")
+      .add_option("INPUT", options->input,
+                  "hid:PROFILE or usb:PROFILE, a device; synth:PROFILE, a synthetic one; or a "
+                  "recording, as for replay")
       .required();
   command
       .add_option("--port", options->port,
                   "Serial port of the microcontroller, or unix:SOCKET of an emulator")
       .required();
-  command.add_option("--baud", options->baud, "Symbols per second").show_default();
-  command.add_flag("--check", options->checks,
-                   "Run the same estimator here as well and compare every answer, byte for byte");
+  command.add_option("--baud", options->baud, "Baud rate").show_default();
+  command.add_flag(
+      "--check", options->checks,
+      "Also run the same estimator on this computer, and compare every answer byte by byte");
   options->estimator.add_to(command);
   options->drive_stated.add_to(command);
   // The line to the microcontroller names points of the instrument only.
   options->choice.add_to(command, JawPoints::no);
-  command.add_option("--serial", options->serial, "Serial number, where several are plugged in");
+  command.add_option("--serial", options->serial, "Serial number, if several are plugged in");
   command.group("Output").add_option("-o,--out=FILE", options->out, "CSV file for the estimates");
   return [options] { return bridge(*options); };
 }

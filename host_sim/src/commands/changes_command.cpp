@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks for changes of effective damping in a recording with a measured drive.
+// Detects changes of effective damping in a recording with a measured drive.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -33,7 +33,7 @@ struct ChangesOptions : RecordingChoice {
   std::optional<double> smallest_change_Ns_m;
 };
 
-// What came out of the recording.
+// The result of the recording.
 struct WatchedRecording {
   std::vector<TimedCycle<double>> cycles;
   JointEstimate<double> identified;
@@ -53,16 +53,18 @@ RecommendedParameters choose_parameters(const ChangesOptions& options, const Rec
   double& change_Ns_m = parameters.changes.detector.change_Ns_m;
   change_Ns_m = options.smallest_change_Ns_m.value_or(change_Ns_m);
   if (parameters.joint.coulomb_N.mean != 0 || parameters.joint.coulomb_N.sd != 0) {
-    throw InputError("--coulomb-sd-N",
-                     "all friction counts as effective damping here, Coulomb friction as well",
-                     "leave it out, as coulomb_N and coulomb_sd_N of a parameter file");
+    throw InputError(
+        "--coulomb-sd-N",
+        "this command counts all friction as effective damping, including Coulomb friction",
+        "leave it out, and remove coulomb_N and coulomb_sd_N from the parameter file");
   }
-  // Of 1, a change of damping is one of what the drive misses as well.
+  // With a share of 1, a change of the missing force looks like a change of damping.
   if (parameters.joint.drive.missing_share >= 1) {
-    throw InputError("--drive-missing",
-                     "nobody says how much of the force the drive misses, and where it is not "
-                     "known in full neither is a change of damping",
-                     "state the largest share that it may miss (0 to 1), and do so truly");
+    throw InputError(
+        "--drive-missing",
+        "must be given, below 1: a change of damping is known only if the share of the "
+        "force that the drive misses is known",
+        "state the largest share of the total force (0 to 1) that the drive may miss");
   }
   return parameters;
 }
@@ -76,10 +78,10 @@ void check(const ChangesOptions& options, const RecordingInfo& info) {
                          : "leave out --drive, or its column with --ignore-column drive_N");
   }
   if (options.drive.empty() && !info.has_drive) {
-    throw InputError(options.recording,
-                     "has no drive, and without the force that moves the jaw nothing is known of "
-                     "its damping",
-                     "give one with --drive FILE");
+    throw InputError(
+        options.recording,
+        "has no drive; the damping is known only if the force that moves the jaw is measured",
+        "give one with --drive FILE");
   }
 }
 
@@ -122,18 +124,17 @@ WatchedRecording watch(const ChangesOptions& options, const RecommendedParameter
 [[noreturn]] void refuse_unwatched(const ChangesOptions& options,
                                    const RecommendedParameters& parameters, JointLimit limit) {
   if (is_failure(limit) && limit != JointLimit::no_drive && limit != JointLimit::too_early) {
-    throw InputError(
-        options.recording,
-        fmt::format("drive and model do not explain the motion, so that its damping is "
-                    "not known ({}; `condyle replay` says more)",
-                    limit_name(limit)),
-        "measure the total force, unfiltered, and leave out contacts");
+    throw InputError(options.recording,
+                     fmt::format("drive and model do not explain the motion, so the damping is not "
+                                 "known ({}; run `condyle replay` for details)",
+                                 limit_name(limit)),
+                     "measure the total force, unfiltered, and leave out contacts");
   }
-  throw InputError(options.recording,
-                   fmt::format("ends before the point was identified, which takes {:g} s of motion "
-                               "with its drive",
-                               parameters.changes.identification_s),
-                   "record longer");
+  throw InputError(
+      options.recording,
+      fmt::format("is too short to identify the point, which takes {:g} s of motion with its drive",
+                  parameters.changes.identification_s),
+      "record longer");
 }
 
 // The interval in cycles is known only now.
@@ -156,7 +157,7 @@ int changes(const ChangesOptions& options) {
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
   check(options, facebow.info());
   const RecommendedParameters parameters = choose_parameters(options, facebow.info());
-  // Opened first, so that an output that cannot be written is said before the work.
+  // Opened first, to report an output that cannot be written before the work.
   std::unique_ptr<OutputFolder> folder;
   if (!options.figures.empty()) folder = std::make_unique<OutputFolder>(options.figures);
   std::vector<std::unique_ptr<OutputFile>> files;
@@ -210,7 +211,7 @@ int changes(const ChangesOptions& options) {
 Command add_changes(CommandLine app) {
   auto options = std::make_shared<ChangesOptions>();
   const CommandLine command = app.add_command(
-      "changes", "Detect changes in effective damping, where the drive is measured in full",
+      "changes", "Detect changes in effective damping, if the total drive is measured",
       "Analyse recordings");
   command.add_example(
       "condyle changes chewing.csv --drive chewing.drive.csv --drive-missing 0 "
@@ -231,13 +232,13 @@ Command add_changes(CommandLine app) {
                   "Smallest lasting change that matters to you (0.05)")
       .number_in({1e-9, 1e6});
   command.add_option("--drive=FILE", options->drive,
-                     "Total force along the followed axis, recorded apart: CSV with time_s and "
+                     "Total force along the followed axis, in its own file: CSV with time_s and "
                      "drive_N, or a session log");
   options->drive_stated.add_to(command);
   command.add_option("--parameters=FILE", options->parameters, "TOML file, as for replay");
   options->add_to(command);
   command.group("Output").add_option("-o,--out=FILE", options->out,
-                                     "CSV file with a row per cycle");
+                                     "CSV file with one row for each cycle");
   command.group("Output").add_option("--figures=FOLDER", options->figures,
                                      "Folder for figures (SVG and PNG)");
   return [options] { return changes(*options); };

@@ -14,11 +14,11 @@ namespace condyle::host {
 inline constexpr int kExitOk = 0;
 /// The command line or an input cannot be used.
 inline constexpr int kExitBadInput = 2;
-/// What was to be judged is not as it must be; the message says where and why.
+/// The judged object is not as required; the message states where and why.
 inline constexpr int kExitRefused = 3;
 /// Stopped by the user.
 inline constexpr int kExitInterrupted = 130;
-/// A defect of condyle's own.
+/// A defect of condyle.
 inline constexpr int kExitInternal = 70;
 
 using Command = std::function<int()>;
@@ -54,13 +54,13 @@ Command add_doctor(CommandLine app);
 /// `condyle fake`
 Command add_fake(CommandLine app);
 
-/// Writes `text` to the standard output, or to the error output where a file was named "-"; an
-/// InputError where that is closed or full.
+/// Writes `text` to the standard output, or to the error output if an output file is "-"; throws
+/// InputError if that is closed or full.
 void print_output(const std::string& text);
-/// Writes "condyle: `text`" to the error output, if anybody listens.
+/// Writes "condyle: `text`" to the error output, if it is open.
 void print_error(const std::string& text);
 
-/// Says that the user stopped the command, which leaves no file; its exit code.
+/// Reports that the user stopped the command, which leaves no file; returns its exit code.
 int report_stop();
 
 /// True once the user asked the program to stop (SIGINT, SIGTERM).

@@ -26,7 +26,7 @@ struct CompareOptions {
   ComparisonPlan plan;
 };
 
-// A session as the command line names it.
+// A session as given on the command line.
 struct SessionFiles {
   std::string name;
   std::vector<std::string> recordings;
@@ -35,7 +35,7 @@ struct SessionFiles {
 SessionFiles parse_session(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) {
-    throw InputError("--session " + text, "does not say its name and its recordings",
+    throw InputError("--session " + text, "lacks a name or recordings",
                      "write --session before=A.csv,B.csv,C.csv");
   }
   SessionFiles session{text.substr(0, equals), {}};
@@ -52,7 +52,7 @@ SessionFiles parse_session(const std::string& text) {
   }
   if (text.ends_with(',')) {
     throw InputError("--session " + session.name, "one of its names is empty",
-                     "leave out the last comma");
+                     "remove the last comma");
   }
   return session;
 }
@@ -62,7 +62,7 @@ void refuse_repeated_names(const char* option, const std::vector<std::string>& n
     if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
         names.begin() + static_cast<std::ptrdiff_t>(i)) {
       throw InputError(fmt::format("{} {}", option, names[i]), "is given twice",
-                       "give each its own name, once");
+                       "give each name once");
     }
   }
 }
@@ -102,7 +102,7 @@ std::vector<SessionFiles> choose_sessions(const CompareOptions& options) {
                      "name recordings, or sessions with --session NAME=A.csv,B.csv");
   }
   if (!options.recordings.empty()) {
-    throw InputError("--session", "does not go with recordings named apart",
+    throw InputError("--session", "cannot be combined with recordings outside a session",
                      "put each recording into its session");
   }
   std::vector<SessionFiles> sessions;
@@ -113,11 +113,10 @@ std::vector<SessionFiles> choose_sessions(const CompareOptions& options) {
   }
   refuse_repeated_names("--session", names);
   if (sessions.size() < 2) {
-    throw InputError("--session", "one session alone has nothing to be compared with",
-                     "give a second --session");
+    throw InputError("--session", "one session cannot be compared", "give a second --session");
   }
   if (options.estimators.size() > 1) {
-    throw InputError("--with", "sessions are compared by one estimator", "give one");
+    throw InputError("--with", "sessions are compared with one estimator", "give one");
   }
   return sessions;
 }
@@ -135,7 +134,7 @@ std::vector<Session> group(const std::vector<SessionFiles>& sessions,
   return result;
 }
 
-// What is said, and the content of the table; the figures join `files`.
+// The text, and the content of the table; adds the figures to `files`.
 struct Outcome {
   std::string text, table;
 };
@@ -177,7 +176,7 @@ int compare(const CompareOptions& options) {
   }
   refuse_same_files(inputs, {options.out});
   check_recordings(sources, plan);
-  // Opened first, so that an output that cannot be written is said before the work.
+  // Opened first, to report an output that cannot be written before the work.
   std::unique_ptr<OutputFolder> folder;
   if (!options.figures.empty()) folder = std::make_unique<OutputFolder>(options.figures);
   std::vector<std::unique_ptr<OutputFile>> files;
@@ -212,13 +211,13 @@ int compare(const CompareOptions& options) {
 
 Command add_compare(CommandLine app) {
   auto options = std::make_shared<CompareOptions>();
-  const CommandLine command = app.add_command(
-      "compare",
-      "Compare estimators on the same recordings, or sessions of one subject, with the smallest "
-      "change that can be told from repeat recordings",
-      "Analyse recordings");
+  const CommandLine command =
+      app.add_command("compare",
+                      "Compare estimators on the same recordings, or sessions of one subject with "
+                      "the smallest detectable change",
+                      "Analyse recordings");
   command.add_example("condyle compare jaw.csv --with recommended --with published",
-                      "Judge two estimators by the next sample, which neither has seen.");
+                      "Compare how well two estimators predict the next sample.");
   command.add_example(
       "condyle compare --session before=a.csv,b.csv,c.csv --session after=d.csv,e.csv,f.csv",
       "Compare two sessions, with the smallest detectable change.");
@@ -226,23 +225,22 @@ Command add_compare(CommandLine app) {
   command
       .add_option("--with", options->estimators,
                   "An estimator: recommended, published, recommended:FILE.toml or "
-                  "published:FILE.toml with its parameters; may be given several times, the first "
-                  "is what the others are held to. Without it both, for sessions recommended")
+                  "published:FILE.toml with its parameters; may be given several times. The first "
+                  "is the baseline. Default: both (with --session: recommended only)")
       .one_value_each();
   command
       .add_option("--session", options->sessions,
                   "NAME=A.csv,B.csv,C.csv: a session and its repeat recordings; may be given "
                   "several times")
       .one_value_each();
-  command.add_option("--lag", options->lag, "Samples that an estimate waits for (recommended)")
+  command.add_option("--lag", options->lag, "Fixed lag in samples (recommended)")
       .within(0, 16)
       .show_default();
   options->plan.choice.add_to(command);
   options->plan.drive.add_to(command);
-  command.group("Output").add_option(
-      "-o,--out=FILE", options->out,
-      "CSV file: a row per recording and estimator; for sessions per quantity and "
-      "pair of sessions");
+  command.group("Output").add_option("-o,--out=FILE", options->out,
+                                     "CSV file: one row for each recording and estimator; with "
+                                     "--session, for each quantity and pair of sessions");
   command.group("Output").add_option("--figures=FOLDER", options->figures,
                                      "Folder for the figure (SVG and PNG)");
   return [options] { return compare(*options); };

@@ -35,7 +35,7 @@ int examine_and_tell(const DoctorOptions& options) {
   const Machine machine = this_machine();
   if (options.rule) {
     if (!wanted) {
-      throw InputError("--rule", "the device is not named",
+      throw InputError("--rule", "no device is given",
                        "add --device 1209:0001 with the ids of condyle inspect, or --profile FILE");
     }
     print_output(udev_rule(device_for_rule(machine, *wanted), back_end, machine.devices) + "\n");
@@ -62,18 +62,18 @@ Command add_doctor(CommandLine app) {
                       "Check whether you may read a device, and print how to fix it.");
   const Option device =
       command.add_option("--device", options->device,
-                         "Device to look at: 1209:0001, /dev/hidraw0, or its USB port, 1-1.4");
-  command.add_option("--profile=FILE", options->profile, "TOML file of the device to look at")
+                         "Device to check: 1209:0001, /dev/hidraw0, or its USB port, 1-1.4");
+  command.add_option("--profile=FILE", options->profile, "TOML file of the device to check")
       .excludes(device);
   command
       .add_option("--backend", options->backend,
-                  "What is to read it: hidapi, the kernel's driver; libusb, which takes the whole "
-                  "device")
+                  "Driver that reads the device: hidapi, the kernel's; libusb, which takes the "
+                  "whole device")
       .one_of({"hidapi", "libusb"})
       .show_default();
-  command.add_flag("--rule", options->rule,
-                   "Print only the udev rule that lets the device be read, for a file in "
-                   "/etc/udev/rules.d");
+  command.add_flag(
+      "--rule", options->rule,
+      "Print only the udev rule that allows reading the device, for a file in /etc/udev/rules.d");
   return [options] { return examine_and_tell(*options); };
 }
 

@@ -60,15 +60,16 @@ int run(const EmgOptions& options) {
 
 Command add_emg(CommandLine app) {
   auto options = std::make_shared<EmgOptions>();
-  const CommandLine command = app.add_command(
-      "emg",
-      "Friction from EMG and a muscle model, with the mass assumed; or that it is not known");
+  const CommandLine command = app.add_command("emg",
+                                              "Estimate friction from EMG and a muscle model, with "
+                                              "the mass assumed; or report that it is not known");
   command.add_option("RECORDING", options->source.recording, "As for replay").required();
-  command.add_option("--emg=FILE", options->source.emg, "CSV: time_s and a column per muscle")
+  command
+      .add_option("--emg=FILE", options->source.emg, "CSV: time_s and one column for each muscle")
       .required();
   command
       .add_option("--muscles=FILE", options->muscles,
-                  "TOML file: jaw, muscles, their columns; host_sim/muscles has some")
+                  "TOML file: jaw, muscles, their columns; host_sim/muscles has examples")
       .required();
   command.add_flag("--raw", options->source.emg_reading.is_raw,
                    "The columns are raw EMG, not envelopes");
@@ -83,7 +84,7 @@ Command add_emg(CommandLine app) {
       .number_in({0, 100});
   command
       .add_option("--error-share", options->error_share,
-                  "rms of what the muscles' force gets wrong, of that force (0.46)")
+                  "rms error of the muscles' force, as a share of that force (0.46)")
       .number_in({1e-3, 10});
   command
       .add_option("--friction-resolution-Ns-m", options->resolution_Ns_m,
@@ -93,8 +94,9 @@ Command add_emg(CommandLine app) {
       .number_in({1e-6, 100})
       .show_default();
   options->source.choice.add_to(command);
-  command.group("Output").add_option("-o,--out=FILE", options->out,
-                                     "NAME.json for the values, NAME.csv for a row per position");
+  command.group("Output").add_option(
+      "-o,--out=FILE", options->out,
+      "NAME.json for the values, NAME.csv for one row for each position");
   return [options] { return run(*options); };
 }
 

@@ -32,8 +32,8 @@ EstimatorSettings choose_settings(const EvaluateOptions& options, const Scenario
   estimator.refuse_if_published("--lag", estimator.lag > 0);
   estimator.refuse_if_published("--drive-...", options.drive.is_given());
   if (options.drive.is_given() && !(scenario.drive.rate_Hz > 0)) {
-    throw InputError(options.scenario, "has no drive that could be described",
-                     "give it a [drive] with rate_Hz");
+    throw InputError(options.scenario, "has no drive, so options of the drive do not apply",
+                     "add a [drive] section with rate_Hz");
   }
   const double step_s = 1 / scenario.facebow.rate_Hz;
   if (estimator.is_published()) {
@@ -64,7 +64,7 @@ int evaluate(const EvaluateOptions& options) {
   if (options.plan.runs < 2 * variants) {
     throw InputError(
         "--runs", fmt::format("{} runs are too few for {} variants", options.plan.runs, variants),
-        "give at least two a variant");
+        "give at least two runs for each variant");
   }
   refuse_same_files({options.scenario, options.estimator.parameters}, {options.out});
   const EstimatorSettings settings = choose_settings(options, scenario);
@@ -112,11 +112,11 @@ Command add_evaluate(CommandLine app) {
       "evaluate", "Compare an estimator with the truth of simulated subjects, over many seeds",
       "Simulate");
   command.add_example("condyle evaluate chewing.toml --runs 10",
-                      "Hold the recommended estimator against the truth, ten times.");
+                      "Compare the recommended estimator with the truth, over ten seeds.");
   command.add_example(
       "condyle evaluate point_mass.toml --runs 10 --estimator published --friction-factors 1,22",
       "Show that the published friction does not follow the true one.");
-  command.add_option("SCENARIO", options->scenario, "TOML file; host_sim/scenarios has some")
+  command.add_option("SCENARIO", options->scenario, "TOML file; host_sim/scenarios has examples")
       .required();
   options->estimator.add_to(command);
   options->drive.add_to(command);
@@ -126,12 +126,12 @@ Command add_evaluate(CommandLine app) {
   command.add_option("--seed", options->plan.first_seed, "First seed").show_default();
   command
       .add_option("--friction-factors", options->plan.friction_factors,
-                  "The subject's friction is multiplied by these in turn, separated by commas")
+                  "Factors of the subject's friction, one variant for each, separated by commas")
       .separated_by(',')
       .number_in({0, 1e6});
   command
       .add_option("--mass-factors", options->plan.mass_factors,
-                  "The subject's mass and inertia are multiplied by these in turn")
+                  "Factors of the subject's mass and inertia, one variant for each")
       .separated_by(',')
       .number_in({1e-3, 1e3});
   command.group("Output").add_option("-o,--out=FILE", options->out, "CSV file for the table");

@@ -27,19 +27,20 @@ std::unique_ptr<fake::Transport> make_transport(const Options& options) {
     return std::make_unique<fake::UhidTransport>(options.product_id);
   }
   if (options.product_id == fake::kProductId) return std::make_unique<fake::VhciTransport>();
-  throw InputError("--product-id", "is for uhid", "leave it out, or use --transport uhid");
+  throw InputError("--product-id", "works with uhid only", "leave it out, or use --transport uhid");
 }
 
 int run_fake(const Options& options) {
   const auto transport = make_transport(options);
   if (options.device.run.pacing == fake::Pacing::by_consumption && !transport->knows_taken()) {
-    throw InputError("--by-consumption", options.transport + " cannot tell what was taken",
+    throw InputError("--by-consumption",
+                     options.transport + " does not report which reports were read",
                      "use --transport vhci, or leave it out");
   }
   fake::FakeSetup setup = fake::set_up(options.device);
   hal::SteadyClock clock;
   fake::FakeRun run(setup.device, setup.script, *transport, clock, setup.run);
-  print_error(setup.description + "; Ctrl-C ends it");
+  print_error(setup.description + "; press Ctrl-C to end it");
   {
     Progress progress("playing", clock, 1);
     run.run([&] {
@@ -70,9 +71,9 @@ Command add_fake(CommandLine app) {
       .show_default();
   command
       .add_option("--product-id", options->product_id,
-                  "Product id of a uhid device, so that several can be told apart")
+                  "Product id of a uhid device, to distinguish several")
       .show_default();
-  options->device.run.settle_s = 0.2;  // kernels drop what comes too early
+  options->device.run.settle_s = 0.2;  // kernels drop reports that come too early
   fake::add_arguments(command, options->device);
   return [options] { return run_fake(*options); };
 }

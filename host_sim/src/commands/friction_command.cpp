@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of the simulated friction laws' textbook behaviours.
+// Figures of the textbook behaviour of the simulated friction laws.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -95,7 +95,7 @@ std::string hysteresis() {
   return text;
 }
 
-// A mass of 0.25 kg under a force that grows steadily: the greatest force its bristles hold.
+// A mass of 0.25 kg under a force that grows steadily: the largest force that its bristles resist.
 std::string break_away() {
   constexpr double mass_kg = 0.25, step_s = 2e-5;
   const FrictionLaw law = law_of(FrictionModel::lugre);
@@ -103,7 +103,7 @@ std::string break_away() {
   for (const double growth_N_s : {0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0}) {
     std::array<double, 3> x{};
     double time_s = 0;
-    double spring_N = 0;  // the bristles' greatest hold
+    double spring_N = 0;  // largest bristle force
     for (; x[1] < 10 * law.stribeck_velocity_m_s && time_s < 10; time_s += step_s) {
       runge_kutta_4_step(x, time_s, step_s, [&](double t, const auto& s, auto& rate) {
         rate[0] = s[1];
@@ -155,10 +155,9 @@ int draw(const std::string& directory) {
 Command add_friction(CommandLine app) {
   auto directory = std::make_shared<std::string>();
   const CommandLine command =
-      app.add_command("friction", "Draw what the simulator's friction laws do", "Simulate");
-  command.add_example("condyle friction --figures figures",
-                      "Draw the friction laws of the simulator.");
-  command.add_example("condyle friction --figures ~/friction", "The same, into another folder.");
+      app.add_command("friction", "Draw the friction laws of the simulator", "Simulate");
+  command.add_example("condyle friction --figures figures", "Draw them into the folder figures.");
+  command.add_example("condyle friction --figures ~/friction", "Draw them into another folder.");
   command.group("Output")
       .add_option("--figures=FOLDER", *directory, "Folder for figures (SVG and PNG)")
       .required();

@@ -18,7 +18,7 @@ namespace {
 
 constexpr Range kPositive{1e-9, 1e6}, kTimes{0, 1e9};
 
-// What is stated of the accelerometer and of muscles, in the user's units.
+// What the user states about accelerometer and muscles, in the user's units.
 struct Stated {
   double gain_sd = HeadMotionParameters{}.gain_sd;
   double lever_sd = HeadMotionParameters{}.lever_sd;
@@ -33,19 +33,19 @@ struct Stated {
         .show_default();
     command
         .add_option("--lever-sd", lever_sd,
-                    "Share of the acceleration that the head's turning may add or take off, where "
-                    "the accelerometer is away from the jaw's axis")
+                    "Share of the acceleration by which the head's rotation may change it, if the "
+                    "accelerometer is away from the jaw's axis")
         .number_in({0, 1})
         .show_default();
     command
         .add_option("--acceleration-delay-sd-ms", delay_sd_ms,
-                    "Uncertainty of how late its samples are stamped")
+                    "Uncertainty of the delay of its time stamps")
         .number_in({0, 1000})
         .show_default();
     command
         .add_option("--muscle-share", muscle_share,
                     "Largest share of the inertial force that muscles may add; 0: the jaw is "
-                    "relaxed, 1: nobody knows")
+                    "relaxed, 1: not known")
         .number_in({0, 1})
         .show_default();
   }
@@ -90,7 +90,7 @@ int run(HeadMotionOptions& options) {
   }
   std::string text = banner() + head_motion_text(motion);
   if (!options.figures.empty() && motion.course.empty()) {
-    text += "figures             none: nothing is known yet that could be drawn\n";
+    text += "figures             none: there are no values to draw\n";
   }
   text += commit_all(files);
   print_output(text);
@@ -107,24 +107,25 @@ Command add_plan_head_motion(CommandLine protocol) {
   auto planned = std::make_shared<Planned>();
   HeadMotionPlan& plan = planned->plan;
   const CommandLine command = protocol.add_command(
-      "plan-head-motion", "Print the standard deviation to expect, and how long to record");
+      "plan-head-motion", "Print the expected standard deviation, and how long to record");
   const auto add = [&](const char* name, double& value, const char* meaning, Range range) {
     command.add_option(name, value, meaning).number_in(range).show_default();
   };
-  add("--rate-Hz", plan.rate_Hz, "Samples per second, of both", {1, 1e3});
+  add("--rate-Hz", plan.rate_Hz, "Samples per second, of positions and accelerations", {1, 1e3});
   add("--noise-mm", plan.noise_mm, "Standard deviation of a measured position", {1e-6, 100});
   add("--acceleration-noise-m-s2", plan.acceleration_noise_sd_m_s2,
       "Standard deviation of a measured acceleration", kPositive);
   add("--duration-s", plan.duration_s, "Length of the recording", {1, 900});
-  add("--amplitude-mm", plan.amplitude_mm, "Amplitude of the head along the axis", {1e-3, 1e3});
-  add("--frequency-Hz", plan.frequency_Hz, "Frequency of the head", {1e-2, 100});
+  add("--amplitude-mm", plan.amplitude_mm, "Amplitude of the head motion along the axis",
+      {1e-3, 1e3});
+  add("--frequency-Hz", plan.frequency_Hz, "Frequency of the head motion", {1e-2, 100});
   add("--damping-rate-per-s", plan.damping_rate_per_s, "Expected kv/m", {0, 1e4});
   add("--natural-frequency-Hz", plan.natural_frequency_Hz,
       "Expected natural frequency, sqrt(ks/m) / (2 pi)", {1e-2, 100});
   planned->stated.add_to(command);
   command
       .add_option("--wanted-damping-rate-sd-per-s", plan.wanted_damping_rate_sd_per_s,
-                  "Standard deviation of kv/m to reach")
+                  "Target standard deviation of kv/m")
       .number_in({1e-9, 1e9});
   return [planned] {
     planned->stated.apply(planned->plan.stated);
@@ -137,7 +138,7 @@ Command add_head_motion(CommandLine protocol) {
   auto options = std::make_shared<HeadMotionOptions>();
   const CommandLine command = protocol.add_command(
       "head-motion",
-      "Identify kv/m and ks/m of a relaxed jaw from how the head's acceleration moves it");
+      "Identify kv/m and ks/m of a relaxed jaw from its response to the head's acceleration");
   HeadMotionSource& source = options->source;
   command.add_option("RECORDING", source.recording, "As for replay; relative to the head")
       .required();
@@ -146,25 +147,24 @@ Command add_head_motion(CommandLine protocol) {
                      "position: CSV with time_s and acceleration_m_s2; else a column of RECORDING");
   command
       .add_option("--acceleration-noise-m-s2", source.acceleration_noise_sd_m_s2,
-                  "Its noise, of each sample, to be compared with what it shows itself")
+                  "Stated noise of each sample, for comparison with the noise found")
       .number_in(kPositive);
-  command
-      .add_option("--acceleration-delay-ms", options->delay_ms, "How late its samples are stamped")
+  command.add_option("--acceleration-delay-ms", options->delay_ms, "Delay of its time stamps")
       .number_in({-1000, 1000})
       .show_default();
   options->stated.add_to(command);
   source.choice.add_to(command);
   command
       .add_option("--noise-mm", options->noise_mm,
-                  "Standard deviation of a measured position, to be compared with what they show")
+                  "Standard deviation of a measured position, for comparison with the noise found")
       .number_in({1e-6, 100});
   command.add_option("--begin-s", source.begin_s, "First time, from the first sample")
       .number_in(kTimes);
   command.add_option("--end-s", source.end_s, "Last time, from the first sample").number_in(kTimes);
   command
       .add_option("--damping-rate-resolution-per-s", options->resolution_per_s,
-                  "Smallest difference of kv/m that matters to you; measured is what is known to "
-                  "half of it")
+                  "Smallest difference of kv/m that matters to you; a value counts as measured if "
+                  "known to half of it")
       .number_in({1e-9, 1e9})
       .show_default();
   command.group("Output").add_option("-o,--out=FILE", options->out, "JSON file for the values");

@@ -35,7 +35,7 @@ struct InspectOptions {
 int inspect_descriptor(const InspectOptions& options) {
   const auto result = hal::parse_report_descriptor(read_descriptor_file(options.descriptor));
   if (!result.descriptor) {
-    print_error(fmt::format("{}: byte {}: {}; it is no report descriptor that can be decoded",
+    print_error(fmt::format("{}: byte {}: {}; this report descriptor cannot be decoded",
                             options.descriptor, result.error.byte_offset, result.error.reason));
     return kExitRefused;
   }
@@ -49,7 +49,7 @@ int list_devices(const InspectOptions& options) {
   if (options.as_json) {
     print_output(nlohmann::ordered_json{{"devices", devices_json(devices)}}.dump(2) + '\n');
   } else if (devices.empty()) {
-    print_output("no HID device is plugged in, or none can be seen; condyle doctor says more\n");
+    print_output("no HID device is plugged in or visible; run condyle doctor for details\n");
   } else {
     print_output(devices_words(devices) + "condyle inspect --device " +
                  id_words(devices.front().vendor_id, devices.front().product_id) +
@@ -58,18 +58,18 @@ int list_devices(const InspectOptions& options) {
   return kExitOk;
 }
 
-// A text that is written again and again in the same place of a terminal.
+// A text that is rewritten in the same place of a terminal.
 class Panel {
  public:
   void show(std::string text) {
     winsize size{};
     const bool has_size = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 1;
-    std::size_t end = 0;  // one row less than there are, or the terminal would scroll
+    std::size_t end = 0;  // one row less than the terminal has, or it would scroll
     for (int rows = has_size ? size.ws_row - 1 : 23; rows > 0 && end < text.size(); --rows) {
       end = std::min(text.find('\n', end), text.size() - 1) + 1;
     }
     text.resize(end);
-    // Long lines are cut, for wrapped ones would be counted wrongly.
+    // Long lines are cut, because wrapped ones would be miscounted.
     std::fprintf(stderr, "\r\x1b[J\x1b[?7l%s\x1b[?7h", text.c_str());
     const auto lines = std::count(text.begin(), text.end(), '\n');
     if (lines > 0) std::fprintf(stderr, "\x1b[%dA", static_cast<int>(lines));
@@ -83,7 +83,7 @@ class Panel {
   bool is_shown_ = false;
 };
 
-// Reads until the time is up, the user has seen enough or the device is gone. False where it went.
+// Reads until the time is up, the user stops or the device disconnects. False if it disconnected.
 template <class Read, class Words>
 bool watch(hal::Clock& clock, double duration_s, const Read& read, const Words& words) {
   constexpr TimeNs kRepaint_ns = 250'000'000, kPatience_ns = 50'000'000;
@@ -102,7 +102,7 @@ bool watch(hal::Clock& clock, double duration_s, const Read& read, const Words& 
   return true;
 }
 
-// Which interface is looked at, where the device has several.
+// Which interface is read, if the device has several.
 std::string interface_words(const hal::DeviceAddress& address) {
   std::string others;
   for (const hal::HidDevice& device :
@@ -166,17 +166,18 @@ int inspect_device(const InspectOptions& options) {
     print_output(json.dump(2) + '\n');
     return kExitOk;
   }
-  print_output(interface_words(choice.address) + "what the device says of its reports\n" +
+  print_output(interface_words(choice.address) + "report descriptor of the device\n" +
                (undecoded.empty() ? descriptor_words(*descriptor.descriptor) : undecoded + '\n') +
-               "what came\n" + words() + (stayed ? "" : "the device went away\n"));
+               "reports received\n" + words() + (stayed ? "" : "the device was disconnected\n"));
   return kExitOk;
 }
 
 int inspect(const InspectOptions& options) {
   const bool is_live = !options.device.empty() || !options.profile.empty();
   if (!options.descriptor.empty() && is_live) {
-    throw InputError("--descriptor", "is a file, --device and --profile mean what is plugged in",
-                     "give one of them");
+    throw InputError("--descriptor",
+                     "names a file, but --device and --profile name a device that is plugged in",
+                     "give only one of them");
   }
   if (!options.descriptor.empty()) return inspect_descriptor(options);
   return is_live ? inspect_device(options) : list_devices(options);
@@ -186,11 +187,10 @@ int inspect(const InspectOptions& options) {
 
 Command add_inspect(CommandLine app) {
   auto options = std::make_shared<InspectOptions>();
-  const CommandLine command = app.add_command(
-      "inspect",
-      "List the HID devices that are plugged in; show what one of them sends; say what a report "
-      "descriptor describes",
-      "Measure with a device");
+  const CommandLine command = app.add_command("inspect",
+                                              "List the HID devices that are plugged in, show what "
+                                              "one of them sends, or decode a report descriptor",
+                                              "Measure with a device");
   command.add_example("condyle inspect", "List the HID devices of this computer.");
   command.add_example("condyle inspect --device 1209:0001 --duration-s 10",
                       "Show what a device sends.");
@@ -199,18 +199,18 @@ Command add_inspect(CommandLine app) {
       "Device to read: its ids as in 1209:0001, /dev/hidraw0, or its USB port, 1-1.4");
   command.add_option(
       "--profile=FILE", options->profile,
-      std::string(kProfileMeaning) + "; read that device, and show what the profile makes of them");
+      std::string(kProfileMeaning) + "; read that device, and show the decoded values");
   command.add_option(
       "--descriptor=FILE", options->descriptor,
       "File with a report descriptor, binary or hexadecimal text, instead of a device");
-  command.add_option("--serial", options->serial, "Serial number, where several are plugged in");
+  command.add_option("--serial", options->serial, "Serial number, if several are plugged in");
   command.add_option("--backend", options->backend, "hidapi: the kernel's driver; libusb: directly")
       .one_of({"hidapi", "libusb"})
       .show_default();
-  command.add_option("--duration-s", options->duration_s, "How long to look; Ctrl-C ends it sooner")
+  command.add_option("--duration-s", options->duration_s, "How long to read; Ctrl-C ends it sooner")
       .number_in({0.1, 1e7})
       .show_default();
-  command.add_flag("--json", options->as_json, "As JSON, for programs");
+  command.add_flag("--json", options->as_json, "Print JSON, for programs");
   return [options] { return inspect(*options); };
 }
 

@@ -23,7 +23,7 @@ namespace {
 std::atomic<bool> stop_signal{false};  // also read by threads
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-// Without SA_RESTART, so that waiting for a pipe ends as well.
+// Without SA_RESTART, so that a signal also ends a wait for a pipe.
 void stop_on(int signal) {
   struct sigaction action = {};
   action.sa_handler = [](int) { stop_signal = true; };
@@ -54,7 +54,7 @@ Commands add_commands(CommandLine line) {
 
 int run_command(int argc, char** argv) {
   Program program("condyle", CONDYLE_VERSION,
-                  "Virtual sensor for jaw motion. Research use only; it diagnoses nothing.");
+                  "Virtual sensor for jaw motion. Research use only; not a diagnosis.");
   const CommandLine line = program.line();
   line.require_command();
   const Commands commands = add_commands(line);
@@ -86,12 +86,12 @@ int run_command(int argc, char** argv) {
 int run(int argc, char** argv) {
   stop_on(SIGINT);
   stop_on(SIGTERM);
-  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a write error, reported as one
-  std::signal(SIGXFSZ, SIG_IGN);  // and so is a file that may not grow
+  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is then a reported write error
+  std::signal(SIGXFSZ, SIG_IGN);  // so is a file at its size limit
   try {
     return run_command(argc, argv);
   } catch (const InputError& error) {
-    if (stop_requested()) {  // what looks like an error is the interrupted wait
+    if (stop_requested()) {  // the error is the interrupted wait
       return report_stop();
     }
     print_error(error.what());
@@ -111,7 +111,7 @@ void print_output(const std::string& raw) {
   std::FILE* const to = is_taken ? stderr : stdout;
   if (std::fwrite(text.data(), 1, text.size(), to) != text.size() || std::fflush(to) != 0) {
     throw InputError(is_taken ? "standard error" : "standard output", "cannot be written",
-                     "give it a place that takes the text");
+                     "redirect it to a file or pipe that accepts the text");
   }
 }
 

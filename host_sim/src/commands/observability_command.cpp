@@ -17,8 +17,8 @@ template <class Matrix>
 std::string row(const char* system, const char* form, const Matrix& matrix) {
   const auto result = judge_observability(matrix);
   if (result.rank < 0) {
-    throw InputError("observability", "the matrix leaves the range of numbers",
-                     "choose a state nearer to a jaw's");
+    throw InputError("observability", "the matrix exceeds the range of numbers",
+                     "choose a state closer to that of a jaw");
   }
   return fmt::format("{:<44}{:<11}{} of {}   {:<12.4g}{:<12.4g}{}\n", system, form, result.rank,
                      result.states, result.smallest_singular_value, result.condition_number,
@@ -48,11 +48,11 @@ int print_table(const Point& point) {
   text += row("drive unknown: p, v, kv, m, u, u'; p; -", "corrected",
               observability_matrix<UnknownDriveSystem>(point));
   text +=
-      "\nPrinted: (24) holds a spring ks that enters no equation; (38, 39) u/m for -v/m; (43) m^4 "
-      "for m^2; (30) as it should be.\n"
+      "\nPrinted: (24) contains a spring ks that is in no equation; (38, 39) u/m for -v/m; (43) "
+      "m^4 for m^2; (30) is correct.\n"
       "Stages 2 and 3 count u as known. In the published cascade u is stage 1's own estimate, m0 "
-      "times the acceleration\nseen, so their rank says nothing about the subject: the row with "
-      "the drive unknown does.\n";
+      "times the acceleration\nseen, so their rank is not a property of the subject. The row with "
+      "the drive unknown is.\n";
   print_output(text);
   return kExitOk;
 }

@@ -18,7 +18,7 @@
 namespace condyle::host {
 namespace {
 
-// What `release` and `combine` share.
+// Options of both `release` and `combine`.
 struct FitOptions {
   ReleaseSource source;  // without the recording and its times
   double noise_mm = 0;
@@ -30,14 +30,13 @@ struct FitOptions {
     source.choice.add_to(command);
     command
         .add_option("--noise-mm", noise_mm,
-                    "Standard deviation of a measured position; without it, the residuals' own, "
-                    "which cannot tell a wrong model by its size")
+                    "Standard deviation of a measured position; without it, that of the residuals, "
+                    "which cannot reveal a wrong model")
         .number_in({1e-6, 100});
     command
-        .add_option(
-            "--let-go-ms", let_go_ms,
-            "The support was gone this long after the begin, for certain; without it a slow "
-            "hand and an overdamped jaw cannot be told apart")
+        .add_option("--let-go-ms", let_go_ms,
+                    "Time after the begin at which the support was certainly gone; without it a "
+                    "slow hand and an overdamped jaw look alike")
         .number_in({0, 1000});
     command.group("Output").add_option("-o,--out=FILE", out, "JSON file for the values");
     command.group("Output").add_option("--figures=FOLDER", figures,
@@ -61,7 +60,7 @@ struct FitOptions {
   }
 };
 
-// Writes what was asked for beside the text, then prints that.
+// Writes the requested files, then prints the text.
 int finish(const FitOptions& options, const std::vector<std::string>& recordings,
            const std::string& text, const std::string& json,
            const std::vector<std::pair<std::string, const FittedRelease*>>& releases) {
@@ -90,21 +89,21 @@ const Range kTimeRange{0, 1e9};
 Command add_plan(CommandLine app) {
   auto plan = std::make_shared<ReleasePlan>();
   const CommandLine command = app.add_command(
-      "plan-release", "Print the standard deviation to expect, and how long to record");
+      "plan-release", "Print the expected standard deviation, and how long to record");
   const auto add = [&](const char* name, double& value, const char* meaning, Range range) {
     command.add_option(name, value, meaning).number_in(range).show_default();
   };
   add("--rate-Hz", plan->rate_Hz, "Samples per second", {1, 1e4});
   add("--noise-mm", plan->noise_mm, "Standard deviation of a measured position", {1e-6, 100});
   add("--duration-s", plan->duration_s, "Length of the release", {1e-3, 60});
-  add("--opening-mm", plan->opening_mm, "From the rest position to where the jaw is let go",
+  add("--opening-mm", plan->opening_mm, "Distance from the rest position to the release",
       {1e-3, 100});
   add("--damping-rate-per-s", plan->damping_rate_per_s, "Expected kv/m", {0, 1e4});
   add("--natural-frequency-Hz", plan->natural_frequency_Hz,
       "Expected natural frequency, sqrt(ks/m) / (2 pi)", {1e-2, 1e3});
   command
       .add_option("--wanted-damping-rate-sd-per-s", plan->wanted_damping_rate_sd_per_s,
-                  "Standard deviation of kv/m to reach")
+                  "Target standard deviation of kv/m")
       .number_in({1e-9, 1e9});
   return [plan] {
     print_output(plan_text(*plan));
@@ -124,17 +123,16 @@ Command add_release(CommandLine app) {
   options->add_to(command);
   command
       .add_option("--begin-s", options->begin_s,
-                  "First time at which nobody held the jaw, from the first sample; else it is "
-                  "looked for")
+                  "Time of the release, from the first sample; by default it is detected")
       .number_in(kTimeRange);
   command
       .add_option("--end-s", options->end_s,
-                  "Last time, from the first sample; else 0.6 s after the begin")
+                  "Last time, from the first sample; by default 0.6 s after the begin")
       .number_in(kTimeRange);
   command
       .add_option("--damping-rate-resolution-per-s", options->resolution.damping_rate_per_s,
-                  "Smallest difference of kv/m that matters to you; measured is what is known to "
-                  "half of it")
+                  "Smallest difference of kv/m that matters to you; a value counts as measured if "
+                  "known to half of it")
       .number_in({1e-9, 1e9})
       .show_default();
   return [options] {
@@ -156,14 +154,14 @@ Command add_combine(CommandLine app) {
   const CommandLine command = app.add_command(
       "combine", "Combine two releases, the second with a known load, into kv, ks and m");
   command.add_option("FIRST", options->first, "Recording without the load").required();
-  command.add_option("SECOND", options->second, "Recording with it").required();
+  command.add_option("SECOND", options->second, "Recording with the load").required();
   options->add_to(command);
   const auto add_times = [command](const char* name, std::vector<double>& value,
                                    const char* meaning) {
     command.add_option(name, value, meaning).values(2).number_in(kTimeRange);
   };
-  add_times("--begin-s", options->begin_s, "Begin of the first and of the second release");
-  add_times("--end-s", options->end_s, "Their ends");
+  add_times("--begin-s", options->begin_s, "Begin of the first and the second release");
+  add_times("--end-s", options->end_s, "End of the first and the second release");
   const auto add_load = [command](const std::string& name, const char* unit, KnownLoad& load,
                                   const char* meaning) {
     const Option value = command.add_option("--added-" + name + "-" + unit, load.value, meaning)
@@ -178,9 +176,9 @@ Command add_combine(CommandLine app) {
   add_load("mass", "kg", options->pair.load.mass_kg,
            "Mass fixed to the followed point; its weight counts only with --added-weight-N");
   add_load("spring", "N-m", options->pair.load.stiffness_N_m,
-           "Spring between it and the head (N/m)");
+           "Spring between the point and the head (N/m)");
   add_load("weight", "N", options->pair.load.weight_N,
-           "Constant force on it, in the direction in which the position grows");
+           "Constant force on the point, positive in the direction of growing position");
   command
       .add_option("--friction-resolution-Ns-m", options->pair.friction_resolution_Ns_m,
                   "Smallest difference of kv that matters to you")
@@ -189,13 +187,13 @@ Command add_combine(CommandLine app) {
   return [options] {
     const ReleaseLoad& load = options->pair.load;
     if (load.mass_kg.value == 0 && load.stiffness_N_m.value == 0 && load.weight_N.value == 0) {
-      throw InputError("combine", "no load is given, and without one no scale is known",
+      throw InputError("combine", "no load is given; without one the scale is not known",
                        "give --added-mass-kg, --added-spring-N-m or --added-weight-N");
     }
     if (load.stiffness_N_m.value != 0 && load.weight_N.value != 0) {
       throw InputError("--added-weight-N",
-                       "cannot be used together with --added-spring-N-m, whose "
-                       "own rest position is not known",
+                       "cannot be used together with --added-spring-N-m, because the rest position "
+                       "of the spring is not known",
                        "use one of them");
     }
     options->source.choice.reading.may_lack_ignored = true;

@@ -38,7 +38,7 @@ struct RecordOptions {
   std::uint64_t samples = 0;
 };
 
-// Says how the recording goes while it does.
+// Shows the state of the recording while it runs.
 class Monitor {
  public:
   Monitor(const hal::DeviceFacebow& facebow, const SessionDevice& device,
@@ -51,7 +51,7 @@ class Monitor {
         clock_(clock),
         begin_ns_(clock.now_ns()) {}
 
-  // To be called often.
+  // Call it often.
   void look() {
     const TimeNs now_ns = clock_.now_ns();
     if (facebow_.counts().received != received_) last_received_ns_ = now_ns;
@@ -59,17 +59,17 @@ class Monitor {
     const std::uint64_t disconnections = facebow_.transport_counts().disconnections;
     if (disconnections > disconnections_) {
       disconnections_ = disconnections;
-      say(now_ns, "the device went away; waiting for it" +
+      say(now_ns, "the device was disconnected; waiting for it" +
                       (serial_.empty() ? "" : ", serial number " + serial_));
     }
     for (std::size_t i = 0; i < companions_.size(); ++i) {
-      // For a second at the start it is only being opened.
+      // In the first second the device is still being opened.
       const bool is_there = companions_[i]->companion.is_open() ||
                             (were_there_[i] && now_ns - begin_ns_ < 1'000'000'000);
       if (is_there == were_there_[i]) continue;
       were_there_[i] = is_there;
-      say(now_ns,
-          companions_[i]->profile.name + (is_there ? " is back" : " is away; waiting for it"));
+      say(now_ns, companions_[i]->profile.name +
+                      (is_there ? " is back" : " is disconnected; waiting for it"));
     }
     if (!is_terminal_ || now_ns < next_ns_) return;
     next_ns_ = now_ns + 200'000'000;
@@ -128,18 +128,18 @@ std::string summary(const RecordOptions& options, const hal::DeviceProfile& prof
   line("latency", latency_words(latency));
   for (const auto& companion : companions) {
     const hal::DeviceFacebow& beside = companion->companion.device();
-    line("beside it", companion->profile.name);
+    line("companion", companion->profile.name);
     line("reports", reports_words(companion->profile, beside.counts(), beside.transport_counts()));
     if (companion->profile.device_time) line("clock", clock_words(beside.clock_fit()));
   }
-  line("recording", fmt::format("{}: {} reports, {} events, {} bytes; {} reports and {} events had "
-                                "no room",
-                                options.out, log.reports_written, log.events_written,
-                                log.bytes_written, log.reports_lost, log.events_lost));
+  line("recording",
+       fmt::format("{}: {} reports, {} events, {} bytes; {} reports and {} events were dropped",
+                   options.out, log.reports_written, log.events_written, log.bytes_written,
+                   log.reports_lost, log.events_lost));
   if (estimates != nullptr) {
     line("estimates",
          options.estimates + (estimates->dropped() > 0
-                                  ? fmt::format("; {} rows had no room", estimates->dropped())
+                                  ? fmt::format("; {} rows were dropped", estimates->dropped())
                                   : ""));
   }
   return report.text();
@@ -151,10 +151,10 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
   const hal::DeviceProfile& profile = devices.front().profile;
   hal::RecordedSource source(devices.front().device->source(), log, 0, clock);
   hal::DeviceFacebow facebow(source, hal::layout_of(profile));
-  // It was there a moment ago; whatever keeps it now, it is waited for as after an unplugging.
+  // The device was found a moment ago, so any failure is treated like an unplugging: wait for it.
   bool has_failed = false;
   while (facebow.open() != hal::Status::ok && !stop_requested()) {
-    if (!has_failed) print_error("the device cannot be opened any more; waiting for it");
+    if (!has_failed) print_error("the device can no longer be opened; waiting for it");
     has_failed = true;
     clock.sleep_until(clock.now_ns() + 20'000'000);
   }
@@ -199,16 +199,16 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
   print_output(
       summary(options, profile, facebow, log.status(), companions, estimates, latency, elapsed_ns));
   if (failure != hal::SessionLogFailure::none) {
-    print_error(fmt::format("{}: recording stopped: {}; what reached the disk before is whole",
+    print_error(fmt::format("{}: recording stopped: {}; the part already on the disk is intact",
                             options.out, hal::session_log_failure_name(failure)));
     return kExitBadInput;
   }
   if (estimates == nullptr || estimates->problem().empty()) return kExitOk;
-  print_error(estimates->problem() + "; the recording is complete, replay it");
+  print_error(estimates->problem() + "; the recording is complete; replay it to get the estimates");
   return kExitBadInput;
 }
 
-// FILE, or FILE@SERIAL where there is no file of that whole name.
+// FILE, or FILE@SERIAL if no file has the whole text as its name.
 std::pair<std::string, std::string> split_serial(const std::string& text) {
   const std::size_t at = text.rfind('@');
   if (at == std::string::npos || std::filesystem::exists(text)) return {text, ""};
@@ -217,8 +217,8 @@ std::pair<std::string, std::string> split_serial(const std::string& text) {
 
 int record(const RecordOptions& options) {
   if (!hal::is_subject_code(options.subject)) {
-    throw InputError("--subject", "is no pseudonym that may stand in a log",
-                     "use at most 32 letters, digits, - and _, and no name");
+    throw InputError("--subject", "is not a valid pseudonym",
+                     "use at most 32 letters, digits, - and _, and not a person's name");
   }
   if (options.out == "-") {
     throw InputError("--out -", "a session log cannot go to standard output",
@@ -274,7 +274,7 @@ int record(const RecordOptions& options) {
   }
   if (failure != hal::SessionLogFailure::none) {
     throw InputError(options.out, hal::session_log_failure_name(failure),
-                     "name a new file in a folder that may be written");
+                     "name a new file in a writable folder");
   }
   return record_devices(options, devices, parameters, log, estimates.get(), clock);
 }
@@ -284,7 +284,7 @@ int record(const RecordOptions& options) {
 Command add_record(CommandLine app) {
   auto options = std::make_shared<RecordOptions>();
   const CommandLine command = app.add_command(
-      "record", "Record the raw reports of a facebow, and estimate while they come; Ctrl-C ends it",
+      "record", "Record the raw reports of a facebow, and estimate live; Ctrl-C ends the recording",
       "Measure with a device");
   command.add_example("condyle record --profile bow.toml --out session.mcap",
                       "Record until Ctrl-C.");
@@ -299,25 +299,24 @@ Command add_record(CommandLine app) {
   command.add_option("--backend", options->backend, "hidapi: the kernel's driver; libusb: directly")
       .one_of({"hidapi", "libusb"})
       .show_default();
-  command.add_option("--serial", options->serial, "Serial number, where several are plugged in");
+  command.add_option("--serial", options->serial, "Serial number, if several are plugged in");
   command
       .add_option("--companion", options->companions,
                   "Profile of an instrument to record beside the facebow, such as a force sensor; "
-                  "FILE@SERIAL where several are plugged in; may be given several times")
+                  "FILE@SERIAL if several are plugged in; may be given several times")
       .one_value_each();
   command.add_option("--subject", options->subject, "Pseudonymous code of the subject");
   command.add_option("--estimates=FILE", options->estimates, "CSV file for the estimates");
   command.add_option("--parameters=FILE", options->parameters,
                      "TOML file with parameters of the recommended estimator");
   add_followed_options(command, options->choice);
-  command.add_option("--duration-s", options->duration_s, "Stop after so long; 0: never")
+  command.add_option("--duration-s", options->duration_s, "Stop after this time; 0: never")
       .number_in({0, 1e7})
       .show_default();
-  command
-      .add_option("--idle-s", options->idle_s, "Stop when nothing has come for so long; 0: never")
+  command.add_option("--idle-s", options->idle_s, "Stop after this time without a report; 0: never")
       .number_in({0, 1e7})
       .show_default();
-  command.add_option("--samples", options->samples, "Stop after so many samples; 0: never")
+  command.add_option("--samples", options->samples, "Stop after this number of samples; 0: never")
       .show_default();
   return [options] { return record(*options); };
 }

@@ -43,7 +43,7 @@ struct ReplayOptions : RecordingChoice {
   DriveOptions drive_stated;
 };
 
-// Which recording, and what of it is followed.
+// The recording, and what is followed in it.
 std::string recording_text(const ReplayOptions& options, const RecordingInfo& info) {
   return fmt::format("{}, {}, {}", options.recording, info.format, options.text(info.kind));
 }
@@ -68,13 +68,13 @@ std::string summary_json(const ReplayOptions& options, const RecordingInfo& info
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-// Runs `sensor` over the open `facebow` and writes what was asked for. `row_of_step(sample,
+// Runs `sensor` over the open `facebow` and writes the requested outputs. `row_of_step(sample,
 // estimate)` gives a row, or none while a lag fills.
 template <class Sensor, class RowOfStep>
 int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
                    const firmware::RunSettings& settings, Sensor& sensor, int axis_count,
                    bool has_joint, const RowOfStep& row_of_step, ReplaySummary& summary) {
-  // Opened first, so that an output that cannot be written is said before the work.
+  // Opened first, to report an output that cannot be written before the work.
   std::unique_ptr<OutputFolder> figure_folder;
   if (!options.figures.empty()) figure_folder = std::make_unique<OutputFolder>(options.figures);
   std::unique_ptr<EstimatesFile> estimates;
@@ -103,7 +103,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   }
 
   const std::vector<std::string> drive_notes = summary.drive_notes();
-  // Everything is written and closed before anything gets its name.
+  // Write and close everything before renaming anything.
   const std::string name = std::filesystem::path(options.recording).filename().string();
   std::vector<std::unique_ptr<OutputFile>> figures;
   if (figure_folder) figures = draw_figures(options.figures, name, figure_data);
@@ -230,7 +230,7 @@ int replay(const ReplayOptions& options) {
                          : "leave out --drive, or its column with --ignore-column drive_N");
   }
   if (options.drive.empty() && options.drive_stated.is_given() && !info.has_drive) {
-    throw InputError(options.recording, "has no drive that could be described",
+    throw InputError(options.recording, "has no drive, so options of the drive do not apply",
                      "give one with --drive FILE");
   }
   if (options.estimator.is_published()) {
@@ -247,7 +247,7 @@ Command add_replay(CommandLine app) {
       "replay", "Estimate motion, force and, with a drive, friction and mass from a recording",
       "Analyse recordings");
   command.add_example("condyle replay jaw.csv --out estimates.csv --figures figures",
-                      "Write a row of estimates for each sample, and draw them.");
+                      "Write one row of estimates for each sample, and draw them.");
   command.add_example("condyle replay jaw.csv --drive jaw.drive.csv --drive-missing 0",
                       "Measure friction and mass with a complete force sensor.");
   command
@@ -261,7 +261,7 @@ Command add_replay(CommandLine app) {
       .number_in({0, 1e6})
       .show_default();
   command.add_option("--drive=FILE", options->drive,
-                     "Total force along the followed axis, recorded apart: CSV with time_s and "
+                     "Total force along the followed axis, in its own file: CSV with time_s and "
                      "drive_N, or a session log");
   options->drive_stated.add_to(command);
   command.group("Output").add_flag("--json", options->as_json,
@@ -269,7 +269,7 @@ Command add_replay(CommandLine app) {
   command.group("Output").add_option("-o,--out=FILE", options->out, "CSV file for the estimates");
   command.group("Output").add_option(
       "--values=FOLDER", options->values,
-      "Folder for what the devices of a session log or capture measured beside position: force, "
+      "Folder for the other values that devices of a session log or capture measured: force, "
       "EMG (CSV)");
   command.group("Output").add_option("--figures=FOLDER", options->figures,
                                      "Folder for figures (SVG and PNG)");

@@ -26,7 +26,7 @@ struct SessionOptions {
 
 constexpr std::chrono::seconds kPatience{30};
 
-// Ends what the client waits for once the time is over, however slowly an answer comes.
+// Ends the client's wait after a time limit, even if an answer arrives slowly.
 class Deadline {
  public:
   explicit Deadline(httplib::Client& client)
@@ -57,7 +57,7 @@ class Deadline {
   std::thread thread_;
 };
 
-// What came, and its HTTP status.
+// The answer and its HTTP status.
 struct BoxAnswer {
   int status = 0;
   std::string text;
@@ -66,7 +66,7 @@ struct BoxAnswer {
 BoxAnswer ask(const SessionOptions& options, httplib::Request request) {
   httplib::Client client(options.box);
   if (!client.is_valid()) {
-    throw InputError("--box", "\"" + options.box + "\" is no address of a box",
+    throw InputError("--box", "\"" + options.box + "\" is not the address of a box",
                      "write it like http://127.0.0.1:8750");
   }
   client.set_connection_timeout(5);
@@ -88,12 +88,12 @@ BoxAnswer ask(const SessionOptions& options, httplib::Request request) {
   const bool has_answer = client.send(request, response, error);
   const bool is_late = deadline.has_passed();
   if (is_too_long) refuse_stranger(options.box, "its answer is longer than 1 MiB");
-  if (is_late) refuse_stranger(options.box, "its answer does not come to an end");
+  if (is_late) refuse_stranger(options.box, "its answer does not end");
   if (!has_answer) {
     const std::string why =
         error == httplib::Error::Connection ? "nothing listens there" : httplib::to_string(error);
     throw InputError(options.box, "no box answers: " + why,
-                     "start condyle-box, or say with --box where it is");
+                     "start condyle-box, or give its address with --box");
   }
   answer.status = response.status;
   return answer;
@@ -129,14 +129,15 @@ Command add_session(CommandLine app) {
                       "Start a recording on the box of this computer.");
   command.add_example("condyle session status --box http://192.0.2.7:8750 --token-file token",
                       "Show the state of another box.");
-  command.add_option("--box", options->box, "Where the box listens").show_default();
+  command.add_option("--box", options->box, "Address of the box").show_default();
   command.add_option("--token-file=FILE", options->token_file, "File with the box's token");
-  const CommandLine start = command.add_command("start", "Begin to record");
+  const CommandLine start = command.add_command("start", "Start a recording");
   start.add_option("--subject", options->subject, "Pseudonymous code of the subject");
-  const CommandLine mark = command.add_command("mark", "Note something that happens now");
-  mark.add_option("TEXT", options->text, "What happens").required();
+  const CommandLine mark =
+      command.add_command("mark", "Add a marker to the recording, at the present time");
+  mark.add_option("TEXT", options->text, "Text of the marker").required();
   const CommandLine stop = command.add_command("stop", "End the recording");
-  const CommandLine status = command.add_command("status", "Show how the box does, as JSON");
+  const CommandLine status = command.add_command("status", "Show the state of the box as JSON");
   command.require_command();
   for (CommandLine part : {start, mark, stop, status}) part.pass_on_unknown();
   return [options, start, mark, stop] {

@@ -42,8 +42,10 @@ int simulate(const SimulateOptions& options) {
   const std::string head_path =
       scenario.head.rate_Hz > 0 ? beside(options.out, "head") : std::string();
   if (options.out == "-" && !(drive_path + emg_path + head_path).empty()) {
-    throw InputError("--out -", "the scenario's companions are written beside the recording",
-                     "name a file");
+    throw InputError(
+        "--out -",
+        "the scenario also writes drive, EMG or head motion into files beside the recording",
+        "name a file");
   }
   refuse_same_files({options.scenario},
                     {options.out, options.truth, drive_path, emg_path, head_path});
@@ -105,19 +107,21 @@ int simulate(const SimulateOptions& options) {
 
 Command add_simulate(CommandLine app) {
   auto options = std::make_shared<SimulateOptions>();
-  const CommandLine command =
-      app.add_command("simulate", "Simulate a subject and the instruments that see it", "Simulate");
+  const CommandLine command = app.add_command(
+      "simulate", "Simulate a subject and the instruments that measure it", "Simulate");
   command.add_example("condyle simulate chewing.toml --out jaw.csv --truth truth.csv",
                       "Write a recording of a simulated subject, and the truth.");
-  command.add_example("condyle simulate chewing.toml --out jaw.csv --seed 7", "Draw other noise.");
-  command.add_option("SCENARIO", options->scenario, "TOML file; host_sim/scenarios has some")
+  command.add_example("condyle simulate chewing.toml --out jaw.csv --seed 7",
+                      "Use another random seed.");
+  command.add_option("SCENARIO", options->scenario, "TOML file; host_sim/scenarios has examples")
       .required();
   command.group("Output")
       .add_option("-o,--out=FILE", options->out, "CSV file for the recording")
       .required();
   command.group("Output").add_option("--truth=FILE", options->truth,
                                      "CSV file for the true states");
-  command.add_option("--seed", options->seed, "Seed of all random numbers, not the scenario's");
+  command.add_option("--seed", options->seed,
+                     "Seed of all random numbers, instead of the scenario's");
   return [options] { return simulate(*options); };
 }
 

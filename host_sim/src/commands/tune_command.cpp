@@ -28,7 +28,7 @@ struct TuneOptions {
   std::vector<std::string> recordings;
   std::string criterion = "likelihood", parameters, out, figures, tunings;
   RecordingChoice choice;
-  std::size_t starts = 0, most_samples = 0;  // 0: as the criterion has it
+  std::size_t starts = 0, most_samples = 0;  // 0: the criterion's default
   std::uint64_t seed = 1;
   std::vector<double> noise_mm, jerk_density;
 
@@ -59,7 +59,7 @@ auto read_all(const TuneOptions& options, hal::Clock& clock, const Read& read) {
   return recordings;
 }
 
-// The progress of a search and what may stop it.
+// Progress of a search, and its stop condition.
 struct ShownSearch {
   explicit ShownSearch(hal::Clock& clock) : progress("tuning", clock, 1) {
     control.stop = [] { return stop_requested(); };
@@ -102,7 +102,7 @@ LikelihoodPlan plan_of(const TuneOptions& options, const RecommendedParameters& 
   return plan;
 }
 
-// Says what it found.
+// Prints the result.
 int report(const std::string& found, const std::vector<std::unique_ptr<OutputFile>>& files,
            int exit_code) {
   print_output(banner() + found + commit_all(files));
@@ -171,7 +171,7 @@ int tune_published(const TuneOptions& options, std::vector<std::unique_ptr<Outpu
   std::string found;
   for (const PublishedRecording& recording : recordings) {
     if (!recording.is_cut) continue;
-    found += fmt::format("{:<14}of {} the first {} samples alone are judged (--most-samples)\n",
+    found += fmt::format("{:<14}of {}, only the first {} samples are judged (--most-samples)\n",
                          "note", recording.name, recording.position_m.size());
   }
   found += published_tuning_text(result);
@@ -180,13 +180,12 @@ int tune_published(const TuneOptions& options, std::vector<std::unique_ptr<Outpu
     return report(found, files, kExitRefused);
   }
   parameters.values = result.tunings.front().parameters;
-  files[0]->write(fmt::format(
-      "# Tuned by condyle {} until the assumed mass came back, as the paper does: one of {} such "
-      "tunings\n# found, whose frictions lie a factor of {:.3g} apart. Friction and mass are "
-      "assumed, "
-      "not measured.\n# Research use only.\n{}",
-      CONDYLE_VERSION, result.tunings.size(), result.friction_ratio(),
-      parameters_toml(parameters)));
+  files[0]->write(
+      fmt::format("# Tuned by condyle {} so that it returns the assumed mass, as in the paper: one "
+                  "of {} such tunings\n# found, with frictions a factor of {:.3g} apart. Friction "
+                  "and mass are assumed, not measured.\n# Research use only.\n{}",
+                  CONDYLE_VERSION, result.tunings.size(), result.friction_ratio(),
+                  parameters_toml(parameters)));
   files[0]->close();
   if (!options.tunings.empty()) {
     files[1]->write(published_tunings_csv(result));
@@ -205,7 +204,7 @@ int tune_published(const TuneOptions& options, std::vector<std::unique_ptr<Outpu
 void check(const TuneOptions& options) {
   const auto refuse = [&](const char* option, bool given, const char* criterion) {
     if (!given || options.criterion == criterion) return;
-    throw InputError(option, fmt::format("the criterion {} has no such thing", options.criterion),
+    throw InputError(option, fmt::format("is not supported by the criterion {}", options.criterion),
                      fmt::format("leave it out, or give --criterion {}", criterion));
   };
   refuse("--jaw-point-mm", !options.choice.jaw_point_mm.empty(), "likelihood");
@@ -221,7 +220,7 @@ void check(const TuneOptions& options) {
 
 int tune(const TuneOptions& options) {
   check(options);
-  // Opened first, so that an output that cannot be written is said before the work.
+  // Opened first, to report an output that cannot be written before the work.
   std::unique_ptr<OutputFolder> folder;
   if (!options.figures.empty()) folder = std::make_unique<OutputFolder>(options.figures);
   std::vector<std::unique_ptr<OutputFile>> files;
@@ -237,27 +236,27 @@ Command add_tune(CommandLine app) {
   const CommandLine command = app.add_command(
       "tune", "Find an estimator's noise parameters from recordings", "Analyse recordings");
   command.add_example("condyle tune jaw.csv --out tuned.toml",
-                      "Fit noise and liveliness to a recording.");
+                      "Fit noise and jerk density to a recording.");
   command.add_example("condyle tune a.csv b.csv --out tuned.toml --figures figures",
                       "Fit them to several recordings, and draw the likelihood.");
   command.add_option("RECORDING", options->recordings, "As for replay; one or more").required();
   command
       .add_option("--criterion", options->criterion,
-                  "likelihood: what makes the recordings most likely (recommended estimator); "
-                  "published: that the published cascade returns its assumed mass, as the paper "
-                  "tunes, with all that this leaves open")
+                  "likelihood: make the recordings most likely (recommended estimator); published: "
+                  "make the published cascade return its assumed mass, as in the paper, which "
+                  "leaves much open")
       .one_of({"likelihood", "published"})
       .show_default();
   command.group("Output")
       .add_option("-o,--out=FILE", options->out, "TOML file for the parameters")
       .required();
   command.add_option("--parameters=FILE", options->parameters,
-                     "TOML file to start from; it also gives what is not tuned");
+                     "TOML file to start from; parameters that are not tuned keep its values");
   command
       .add_option("--starts", options->starts,
                   "Number of starts of the search (likelihood 12, published 100)")
       .within(1, 100'000);
-  command.add_option("--seed", options->seed, "From which starts are drawn").show_default();
+  command.add_option("--seed", options->seed, "Seed of the random starts").show_default();
   command
       .add_option("--noise-bounds-mm", options->noise_mm,
                   "Lowest and highest noise (0.0001 10; likelihood)")
@@ -265,7 +264,7 @@ Command add_tune(CommandLine app) {
       .number_in({1e-4, 100});
   command
       .add_option("--jerk-density-bounds", options->jerk_density,
-                  "Lowest and highest density of the jerk in m^2/s^5 (1e-6 1e6; likelihood)")
+                  "Lowest and highest jerk density in m^2/s^5 (1e-6 1e6; likelihood)")
       .values(2)
       .number_in({1e-6, 1e6});
   command

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The mean of numbers that follow each other in time, and how sure it is. Neighbours depend on each
-// other, so the scatter is taken between the means of blocks; of blocks as they are and of blocks
-// two, four ... times as long, as long as kFewestBlocks remain, the widest interval counts (H.
-// Flyvbjerg and H. G. Petersen, J. Chem. Phys. 91 (1989) 461-466). Constant memory: where there are
-// too many blocks, two become one.
+// The mean of successive numbers, and its uncertainty. Neighbours depend on each other, so the
+// scatter is taken between the means of blocks. Blocks of one, two, four ... times the length are
+// tried as long as kFewestBlocks remain, and the widest interval counts (H. Flyvbjerg and H. G.
+// Petersen, J. Chem. Phys. 91 (1989) 461-466). Constant memory: too many blocks are merged in
+// pairs.
 #pragma once
 
 #include <array>
@@ -19,11 +19,11 @@ namespace condyle::host {
 /// A mean, in the unit of the numbers.
 struct BlockMean {
   double mean = 0;            ///< NaN without numbers
-  double standard_error = 0;  ///< that of `interval`; NaN where it is not known
-  Interval interval;          ///< by Student's t; infinite where there are too few blocks
-  std::uint64_t blocks = 0;   ///< that `interval` rests on; 0: too few
+  double standard_error = 0;  ///< that of `interval`; NaN if it is not known
+  Interval interval;          ///< by Student's t; infinite if there are too few blocks
+  std::uint64_t blocks = 0;   ///< that determine `interval`; 0: too few
 
-  /// True where zero is not in the interval.
+  /// True if zero is not in the interval.
   bool differs_from_zero() const { return blocks > 0 && !interval.contains(0); }
 };
 
@@ -31,8 +31,7 @@ class BlockMeans {
  public:
   static constexpr std::size_t kMostBlocks = 64, kFewestBlocks = 8;
 
-  /// `block`: numbers in a block; 0 where no length can be said to be long enough: there is then no
-  /// interval.
+  /// `block`: numbers in a block; 0 if no sufficient length is known: there is then no interval.
   explicit BlockMeans(std::uint64_t block) : block_(block) {}
 
   void add(double value) {
@@ -72,7 +71,7 @@ class BlockMeans {
   }
 
  private:
-  // Makes one block of each two; returns their number. An odd one at the end is left out.
+  // Merges blocks in pairs; returns their number. Leaves out an odd one at the end.
   static std::size_t halve(std::array<double, kMostBlocks>& means, std::size_t blocks) {
     for (std::size_t i = 0; i < blocks / 2; ++i) {
       means[i] = (means[2 * i] + means[2 * i + 1]) / 2;

@@ -24,7 +24,7 @@ class ComparedPublished final : public ComparedEstimator {
   PublishedSensor<double> sensor_;
 };
 
-// `Sensor`: with a drive or without.
+// `Sensor`: with or without a drive.
 template <class Sensor>
 class ComparedRecommended final : public ComparedEstimator {
  public:

@@ -17,11 +17,11 @@ namespace condyle::host {
 class ComparedEstimator {
  public:
   virtual ~ComparedEstimator() = default;
-  /// The row that is ready after `sample`, of `lag` samples ago; none while the lag fills.
+  /// The row of `lag` samples ago, after `sample`; none while the lag fills.
   virtual std::optional<EstimateRow> process(const Sample& sample, EventSet events) = 0;
-  /// After the last sample: the next row that waited for later ones.
+  /// After the last sample: the next row that is still delayed by the lag.
   virtual std::optional<EstimateRow> drain() = 0;
-  /// It learns noise and jerk from the recording.
+  /// True if it learns noise and jerk from the recording.
   virtual bool estimates_noise() const = 0;
 };
 

@@ -14,8 +14,8 @@
 namespace condyle::host {
 namespace {
 
-// All estimators behind the run loop as one virtual sensor. Rows of one instant come together,
-// whatever the estimators' lags.
+// Runs all estimators in the run loop as one virtual sensor. Collects the rows of one instant,
+// independent of the estimators' lags.
 class LockstepSensor {
  public:
   struct Estimate {
@@ -45,7 +45,7 @@ class LockstepSensor {
     return has_more;
   }
 
-  // The next rows that all have, one an estimator; false where one still waits.
+  // The next rows of one instant, one for each estimator; false if one is still delayed.
   bool next_rows(std::vector<EstimateRow>& rows) {
     for (const auto& queue : waiting_) {
       if (queue.empty()) return false;
@@ -63,10 +63,10 @@ class LockstepSensor {
   std::vector<std::deque<EstimateRow>> waiting_;  // at most the longest lag
 };
 
-// Time from row to row, of those in order.
+// Time between rows, if in order.
 class RowSteps {
  public:
-  // Seconds since the row before; NaN where that is not known.
+  // Seconds since the row before; NaN if that is not known.
   double add(const EstimateRow& row) {
     double step_s = EstimateRow::kNone;
     if (!row.time_ns || row.events.has(Event::time_reversed)) return step_s;
@@ -92,7 +92,7 @@ void check_recording(const std::string& source, const RecordingInfo& info,
                    "give it a column drive_N, or leave out the options of a drive");
 }
 
-// The recommended estimator where no file is named for it.
+// The recommended estimator without a parameter file.
 bool takes_own_parameters(const NamedEstimator& named) {
   return !named.option.is_published() && named.option.parameters.empty();
 }
@@ -186,7 +186,7 @@ void check_recordings(const std::vector<std::string>& sources, const ComparisonP
     }
   }
   for (const std::string& source : sources) {
-    if (std::filesystem::is_fifo(source_of(source).file)) continue;  // a pipe is read once
+    if (std::filesystem::is_fifo(source_of(source).file)) continue;  // a pipe can be read only once
     check_recording(source, open_recording(source, plan.choice.reading)->info(), plan);
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recordings run through estimators that are to be compared: all estimators see each sample of a
-// recording at once, so that a recording of any length takes the same memory.
+// Runs recordings through the compared estimators. All estimators see each sample in turn, so the
+// memory does not depend on the length of a recording.
 #pragma once
 
 #include <functional>
@@ -12,20 +12,20 @@
 
 namespace condyle::host {
 
-/// An estimator and what the user calls it.
+/// An estimator and the user's name for it.
 struct NamedEstimator {
   std::string name;
   EstimatorOption option;
 };
 
-/// What is run, and how.
+/// What to run, and how.
 struct ComparisonPlan {
-  std::vector<NamedEstimator> estimators;  ///< at least one; the first is what others are held to
+  std::vector<NamedEstimator> estimators;  ///< at least one; the first is the baseline
   RecordingChoice choice;
-  DriveOptions drive;  ///< what is stated of a drive that the recordings hold
+  DriveOptions drive;  ///< statements about a drive in the recordings
 };
 
-/// What came out of one recording.
+/// The result of one recording.
 struct RecordingReport {
   std::string source, format;
   SampleKind kind = SampleKind::one_axis;
@@ -34,10 +34,10 @@ struct RecordingReport {
   double step_s = 0;           ///< expected between samples; 0: not known
   std::uint64_t compared = 0;  ///< samples that all estimators had predicted
   std::vector<std::string> notes;
-  std::vector<RunReport> runs;  ///< one an estimator
+  std::vector<RunReport> runs;  ///< one for each estimator
 };
 
-/// How work on recordings is watched and ended.
+/// Progress of the work on recordings, and its stop condition.
 struct ComparisonControl {
   std::function<void(double share)> progress;  ///< called on the caller's thread
   std::function<bool()> should_stop;           ///< called on any thread
@@ -47,15 +47,15 @@ struct ComparisonControl {
 inline constexpr double kScoreBlock_s = 2;
 
 /// The estimator of "recommended", "published", "recommended:FILE" or "published:FILE"; `lag` is
-/// the recommended one's. An InputError for anything else.
+/// the recommended one's. Throws InputError for anything else.
 NamedEstimator parse_estimator(const std::string& text, int lag);
 
-/// Opens each recording and loads each parameter file once, so that what cannot be used is said
-/// before the work: an InputError.
+/// Opens each recording and loads each parameter file once, to throw InputError for an unusable one
+/// before the work.
 void check_recordings(const std::vector<std::string>& sources, const ComparisonPlan& plan);
 
 /// Runs each recording through all estimators of `plan`, on all cores; the result does not depend
-/// on their number. Fewer reports where it was told to stop. Problems are InputErrors.
+/// on their number. Fewer reports if it was stopped. Problems are InputErrors.
 std::vector<RecordingReport> compare_recordings(const std::vector<std::string>& sources,
                                                 const ComparisonPlan& plan,
                                                 const ComparisonControl& control);

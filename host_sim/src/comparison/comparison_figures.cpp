@@ -19,7 +19,7 @@ constexpr std::size_t kLongestRecording = 30, kLongestEstimator = 60;
 struct Panel {
   const char* label;
   bool is_logarithmic;
-  bool shows_first;  // else the first estimator, which the others are held to, is left out
+  bool shows_first;  // otherwise the baseline is left out
   double (*value)(const RunReport&);
   Interval (*interval)(const RunReport&);  // of the value; null: none
 };
@@ -35,9 +35,9 @@ const Panel kPanels[] = {
      [](const RunReport& run) { return 1e3 * run.error_rms_m; }, nullptr},
     {"mean NIS; grey: 95 % if right", true, true, [](const RunReport& run) { return run.mean_nis; },
      nullptr},
-    {"log score to the first, 95 %", false, false, sure_difference,
+    {"log score against the first, 95 %", false, false, sure_difference,
      [](const RunReport& run) { return run.score_difference.interval; }},
-    {"velocity to the first, rms (mm/s)", false, false,
+    {"velocity against the first, rms (mm/s)", false, false,
      [](const RunReport& run) { return 1e3 * run.velocity_difference_m_s; }, nullptr},
 };
 
@@ -58,8 +58,8 @@ std::string number_or_gap(double value) {
   return std::isfinite(value) ? fmt::format("{:.9g}", value) : "NaN";
 }
 
-// Rows "row value low high" of an estimator in a panel; low and high: of the value, or for NIS what
-// it should be.
+// Rows "row value low high" of an estimator in a panel; low and high: of the value, or for NIS its
+// expected range.
 std::string panel_data(const Drawing& drawing, std::size_t k, std::size_t estimator,
                        Extremes& all) {
   const Panel& panel = kPanels[k];
@@ -86,7 +86,7 @@ std::string panel_data(const Drawing& drawing, std::size_t k, std::size_t estima
   return block + "EOD\n";
 }
 
-// Range and tics, five or so.
+// Range and about five tics.
 std::string axis_text(const Panel& panel, Extremes all) {
   if (panel.is_logarithmic) {
     all.add(0.5);
@@ -185,7 +185,7 @@ std::vector<std::unique_ptr<OutputFile>> draw_comparison(
   plot += legend_text(estimators, height);
 
   Gnuplot gnuplot(directory);
-  // One estimator alone has none to be held to.
+  // A single estimator has no baseline.
   const auto panels = static_cast<std::size_t>(std::count_if(
       std::begin(kPanels), std::end(kPanels),
       [&](const Panel& panel) { return panel.shows_first || estimators.size() > 1; }));

@@ -37,11 +37,11 @@ std::string score_words(const RunReport& run, bool is_first) {
   const BlockMean& difference = run.score_difference;
   if (!std::isfinite(difference.mean)) return "-";
   if (difference.blocks == 0) {
-    return fmt::format("{:+.3g}, how sure is not known: too short", difference.mean);
+    return fmt::format("{:+.3g}, interval not known: too short", difference.mean);
   }
   return fmt::format("{:+.3g} ({:+.3g} to {:+.3g}): {}", difference.mean, difference.interval.low,
                      difference.interval.high,
-                     !difference.differs_from_zero() ? "no difference to tell"
+                     !difference.differs_from_zero() ? "no detectable difference"
                      : difference.mean > 0           ? "predicts better"
                                                      : "predicts worse");
 }
@@ -122,7 +122,7 @@ void append_quantity(std::string& text, const Quantity<double>& quantity) {
   text += ',';
   append_number(text, quantity.value);
   text += ',';
-  // The filter's own for an assumed value is that of its tuning.
+  // The filter's interval for an assumed value depends only on its tuning.
   if (quantity.provenance == Provenance::measured) append_number(text, quantity.standard_deviation);
   text += fmt::format(",{}", provenance_name(quantity.provenance));
 }
@@ -135,8 +135,8 @@ std::string warning_words(const RunReport& run) {
            "were recorded";
   }
   if (run.is_correlated) {
-    return "neighbouring innovations are correlated, as smoothed positions or a motion unlike the "
-           "model's make them";
+    return "neighbouring innovations are correlated: the positions were smoothed, or the motion "
+           "does not fit the model";
   }
   return {};
 }
@@ -164,8 +164,8 @@ std::string comparison_text(const std::vector<NamedEstimator>& estimators,
       const RunReport& run = recording.runs[i];
       if (const std::string warning = warning_words(run); !warning.empty()) {
         text += fmt::format(
-            "  note: {}: {}; intervals are not to be relied on, and who predicts such positions "
-            "better need not follow the jaw better\n",
+            "  note: {}: {}; intervals are not to be relied on, and better predictions of such "
+            "positions do not imply better tracking of the jaw\n",
             label_of(estimators[i]), warning);
       }
       has_assumed = has_assumed || run.friction_Ns_m.provenance == Provenance::assumed;
@@ -176,14 +176,14 @@ std::string comparison_text(const std::vector<NamedEstimator>& estimators,
   }
   if (tests > 0) {
     text += fmt::format(
-        "{} of {} comparisons of predictions differ; where estimators predict equally well, one in "
-        "20 does by chance ({:.2g} of these).\n",
+        "{} of {} comparisons of predictions differ; if estimators predict equally well, one in 20 "
+        "differs by chance ({:.2g} of these).\n",
         findings, tests, 0.05 * static_cast<double>(tests));
   }
   if (has_assumed) {
     text +=
-        "Assumed friction and mass are decided by prior and tuning; they say nothing about the "
-        "subject, and no difference of them does.\n";
+        "Prior and tuning determine assumed friction and mass; these values and their differences "
+        "do not describe the subject.\n";
   }
   return text;
 }

@@ -10,17 +10,17 @@
 
 namespace condyle::host {
 
-/// What `run` says against its own intervals, in words; empty where there is nothing.
+/// Evidence in `run` against its own intervals, in words; empty if there is none.
 std::string warning_words(const RunReport& run);
 
-/// `text` as a field of a CSV file, in quotation marks where it needs them.
+/// `text` as a field of a CSV file, in quotation marks if it needs them.
 std::string csv_field(const std::string& text);
 
 /// The estimators on each recording in words.
 std::string comparison_text(const std::vector<NamedEstimator>& estimators,
                             const std::vector<RecordingReport>& recordings);
 
-/// A row per recording and estimator, with all digits; an empty field is not known.
+/// One row for each recording and estimator, with all digits; an empty field is not known.
 std::string comparison_csv(const std::vector<NamedEstimator>& estimators,
                            const std::vector<RecordingReport>& recordings);
 

@@ -10,7 +10,7 @@
 namespace condyle::host {
 
 /// Quantiles of numbers that are not negative, in constant memory: the mean of those within 0.2 %
-/// of the quantile. Numbers below 1e-9 lie in one bin, those above 1e3 in another.
+/// of the quantile. Numbers below 1e-9 share one bin, those above 1e3 another.
 class QuantileHistogram {
  public:
   QuantileHistogram() : bins_(kBins) {}

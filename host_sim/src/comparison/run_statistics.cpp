@@ -10,7 +10,7 @@ namespace {
 constexpr double kIntervalShare = 0.95;
 constexpr double kGlitchShare = 0.001, kGlitchRange_mm = 100;
 
-// The estimator had no position to take.
+// The estimator had no usable position.
 bool is_without_position(const EstimateRow& row) {
   for (const Event event :
        {Event::time_missing, Event::time_reversed, Event::position_missing, Event::zero_filled,
@@ -113,7 +113,7 @@ RunReport RunStatistics::report() const {
   report.velocity_peak_down_m_s = down_m_s_.quantile(kPeakShare);
   report.velocity_difference_m_s = std::sqrt(velocity_difference_square_.mean());
 
-  // At its floor or ceiling the noise is not known, nor where it is not white.
+  // At its lowest or highest value the noise is not known, nor if it is not white.
   const bool is_noise_known =
       2 * at_limit_ <= noise_variance_m2_.count() && !report.is_filtered && !report.is_correlated;
   report.noise_sd_m = is_noise_known ? std::sqrt(noise_variance_m2_.mean()) : EstimateRow::kNone;

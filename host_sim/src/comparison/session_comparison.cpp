@@ -15,24 +15,24 @@ namespace condyle::host {
 namespace {
 
 constexpr double kDetectionShare = 0.95;
-// Rates that differ by more let the estimators see another motion.
+// With rates that differ by more, the estimators see different motions.
 constexpr double kRateTolerance = 0.05;
 
-// Durations, and noise of sessions, that differ by more make the quantities that depend on them
-// differ.
+// Larger differences in duration, or in the noise of sessions, change the quantities that depend on
+// them.
 constexpr double kLongerDuration = 1.2, kMoreNoise = 1.5;
-// Likeness of neighbouring repeats that chance makes this seldom.
+// Probability below which successive repeats count as alike.
 constexpr double kAlikeByChance = 0.01;
 
 enum DependsOn : unsigned { kNothing = 0, kDuration = 1, kNoise = 2 };
 
-// A quantity and where it stands in a report.
+// A quantity and its place in a report.
 struct ComparedQuantity {
   const char *name, *column, *unit;
   double (*value)(const RunReport&);
-  const char* missing;                              // what is the matter where there is no value
-  unsigned depends_on = kNothing;                   // beside the subject
-  double (*stated_sd)(const RunReport&) = nullptr;  // that repeats do not show
+  const char* missing;                              // the reason if there is no value
+  unsigned depends_on = kNothing;                   // in addition to the subject
+  double (*stated_sd)(const RunReport&) = nullptr;  // not visible in repeats
 };
 
 double measured_value(const Quantity<double>& quantity) {
@@ -41,7 +41,8 @@ double measured_value(const Quantity<double>& quantity) {
 
 constexpr const char* kNoMotion = "no sample measures it";
 constexpr const char* kNoNoise =
-    "it is not learned, at its floor or ceiling most of the time, or the positions were smoothed";
+    "it is not learned, it is at its lowest or highest value most of the time, or the positions "
+    "were smoothed";
 constexpr const char* kNotMeasured = "it is not measured";
 
 const ComparedQuantity kQuantities[] = {
@@ -65,7 +66,7 @@ const ComparedQuantity kQuantities[] = {
 };
 
 bool is_copy(const RunReport& a, const RunReport& b) {
-  // Noise makes each recording's prediction error its own, to the last digit.
+  // Noise makes the prediction errors of any two recordings different, so equal ones reveal a copy.
   return std::isfinite(a.score) && a.score == b.score && a.error_rms_m == b.error_rms_m &&
          a.range_m == b.range_m;
 }
@@ -88,16 +89,16 @@ void refuse_incomparable(const std::vector<Session>& sessions) {
                        "compare recordings of one rate");
     }
     if ((recording.kind == SampleKind::one_axis) != (first.kind == SampleKind::one_axis)) {
-      throw InputError(recording.source,
-                       "and " + first.source +
-                           " are not known to hold the same coordinate: one has a single axis, "
-                           "the other has three",
-                       "compare recordings of one kind");
+      throw InputError(
+          recording.source,
+          "and " + first.source +
+              " may not contain the same coordinate: one has a single axis, the other has three",
+          "compare recordings of one kind");
     }
     for (std::size_t k = 0; k < i; ++k) {
       if (!is_copy(recording.runs[0], all[k]->runs[0])) continue;
       throw InputError(recording.source,
-                       "is a copy of " + all[k]->source + ", and a copy is no repeat",
+                       "is a copy of " + all[k]->source + ", which is not a repeat",
                        "give each recording once");
     }
   }
@@ -107,8 +108,8 @@ double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-// Mean square of what the recordings of a session state; the same is wrong in all, so that their
-// number does not help.
+// Mean square of the standard deviations that a session's recordings state; the error is common to
+// all, so more recordings do not reduce it.
 double stated_variance(const ComparedQuantity& quantity, const Session& session) {
   if (quantity.stated_sd == nullptr) return 0;
   double sum = 0;
@@ -119,7 +120,7 @@ double stated_variance(const ComparedQuantity& quantity, const Session& session)
   return sum / static_cast<double>(session.recordings.size());
 }
 
-// Why a quantity that depends on `depends_on` is not compared; empty where it is.
+// Why a quantity that depends on `depends_on` is not compared; empty if it is.
 std::string differing_conditions(const std::vector<Session>& sessions, unsigned depends_on) {
   double shortest_s = std::numeric_limits<double>::infinity(), longest_s = 0;
   double least_m = shortest_s, most_m = 0;  // mean noise of a session
@@ -136,14 +137,14 @@ std::string differing_conditions(const std::vector<Session>& sessions, unsigned 
   }
   if ((depends_on & kDuration) != 0 && longest_s > kLongerDuration * shortest_s) {
     return fmt::format(
-        "the recordings last {:.3g} to {:.3g} s, and a longer one has more of it by that alone; "
+        "the recordings last {:.3g} to {:.3g} s, and a longer recording gives a larger value; "
         "compare recordings of one duration",
         shortest_s, longest_s);
   }
   if ((depends_on & kNoise) != 0 && most_m > kMoreNoise * least_m) {
     return fmt::format(
-        "the noise of the instrument is {:.2g} mm in one session and {:.2g} mm in another, which "
-        "changes it by itself; compare recordings of one instrument and set-up",
+        "the noise of the instrument is {:.2g} mm in one session and {:.2g} mm in another, and the "
+        "noise changes this quantity; compare recordings of one instrument and set-up",
         1e3 * least_m, 1e3 * most_m);
   }
   return "";
@@ -172,8 +173,8 @@ QuantityComparison compare_quantity(const ComparedQuantity& quantity,
   const double by_chance = probability_of_order(result.values);
   if (by_chance < kAlikeByChance) {
     result.withheld = fmt::format(
-        "repeats in a row are more alike than chance makes them (probability {:.2g}), so that "
-        "their scatter is not that between sessions; spread the repeats, or mix their order",
+        "successive repeats are more alike than by chance (probability {:.2g}), so their scatter "
+        "does not predict that between sessions; spread the repeats, or mix their order",
         by_chance);
     return result;
   }

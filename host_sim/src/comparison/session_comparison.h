@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sessions of one subject, each with repeat recordings: what changes, and how large a change must
-// be to be told from the scatter of repeats.
+// be to exceed the scatter of repeats.
 //
 //   x_ij   value of recording j of session i, n_i of them
 //   s_w    within-session standard deviation, pooled: s_w^2 = sum (x_ij - mean_i)^2 / dof,
@@ -10,19 +10,18 @@
 //          of the means of two sessions        t s_w sqrt(1/n_1 + 1/n_2)
 //
 // J. M. Bland and D. G. Altman, Statistics Notes: Measurement error, BMJ 312 (1996) 1654; J. P.
-// Weir, J. Strength Cond. Res. 19 (2005) 231-240, with Student's t in place of 1.96, for s_w is
-// estimated. Where nothing has changed, one comparison in 20 exceeds it by chance; so each also has
-// Holm's adjusted probability (S. Holm, Scand. J. Stat. 6 (1979) 65-70), by which one false finding
-// in 20 such tables is made. The repeats are taken as independent, normal and equally scattered in
-// all sessions; where repeats in a row are alike (repeat_order.h) a quantity is not compared, nor
-// one that the duration or the instrument's noise changes where these differ. What differs from
-// session to session but not within one (how the instrument was mounted, the day) is part of the
-// change.
+// Weir, J. Strength Cond. Res. 19 (2005) 231-240, with Student's t in place of 1.96, because s_w is
+// estimated. Without any change, one comparison in 20 exceeds it by chance; so each also has Holm's
+// adjusted probability (S. Holm, Scand. J. Stat. 6 (1979) 65-70), which allows one false finding in
+// 20 such tables. The repeats are assumed independent, normal and equally scattered in all
+// sessions. A quantity is not compared if successive repeats are alike (repeat_order.h), or if it
+// depends on the duration or the instrument's noise and these differ. A difference between sessions
+// that does not vary within one (mounting of the instrument, the day) is part of the change.
 //
-// Friction and mass have a standard deviation of their own, which also holds what the drive as
-// stated gets wrong in every repeat alike. It may have been wrong otherwise in the other session:
-// sd_1^2 + sd_2^2 of these is added to the variance of the difference, whose degrees of freedom
-// follow from its parts (F. E. Satterthwaite, Biometrics Bull. 2 (1946) 110-114).
+// Friction and mass have their own standard deviation, which includes the stated error of the drive
+// that is common to all repeats. This error may differ in the other session: sd_1^2 + sd_2^2 of
+// these is added to the variance of the difference, whose degrees of freedom follow from its parts
+// (F. E. Satterthwaite, Biometrics Bull. 2 (1946) 110-114).
 #pragma once
 
 #include <cstddef>
@@ -39,14 +38,14 @@ struct Repeatability {
   std::size_t degrees_of_freedom = 0;
   double within_sd = 0;  ///< NaN without degrees of freedom
   Interval interval;     ///< 95 % of within_sd, by chi-square
-  /// False without repeats, and where they do not differ at all: nothing is then known.
+  /// False without repeats, or if they do not differ at all: nothing is then known.
   bool is_known() const { return degrees_of_freedom > 0 && within_sd > 0; }
   /// Smallest detectable change of the difference of means of `n_1` and `n_2` recordings; NaN
   /// unless it is known.
   /// `stated_variance` is added to that of the difference.
   double smallest_change(std::size_t n_1, std::size_t n_2, double stated_variance = 0) const;
-  /// Probability that repeats alone, and what is stated, make a difference as large as `change`, or
-  /// larger; NaN unless it is known.
+  /// Probability that repeats alone, with the stated variance, differ by `change` or more; NaN
+  /// unless it is known.
   double probability(double change, std::size_t n_1, std::size_t n_2,
                      double stated_variance = 0) const;
 };
@@ -68,7 +67,7 @@ struct SessionChange {
   std::size_t from = 0, to = 0;  ///< index of the sessions
   double change = 0;             ///< difference of their means
   double smallest = 0;           ///< smallest detectable change of it; NaN: not known
-  double of_drive = 0;           ///< what the drive as stated may make by itself; within `smallest`
+  double of_drive = 0;           ///< what the stated drive alone can cause; within `smallest`
   double probability = 0, adjusted_probability = 0;  ///< NaN: not known
   bool exceeds() const { return probability < 0.05; }
   bool exceeds_adjusted() const { return adjusted_probability < 0.05; }
@@ -77,7 +76,7 @@ struct SessionChange {
 /// One quantity in all sessions.
 struct QuantityComparison {
   const char *name = "", *column = "", *unit = "";
-  std::string withheld;                     ///< why it is not compared; empty where it is
+  std::string withheld;                     ///< why it is not compared; empty if it is
   std::vector<std::vector<double>> values;  ///< of each session's recordings
   std::vector<double> means;                ///< of each session
   Repeatability repeats;
@@ -92,8 +91,8 @@ struct SessionComparison {
   std::size_t tests() const;
 };
 
-/// Compares the sessions, at least two, by the first estimator of their recordings. An InputError
-/// where recordings cannot be compared: other rates or kinds, or copies of each other.
+/// Compares the sessions, at least two, by the first estimator of their recordings. Throws
+/// InputError if recordings cannot be compared: different rates or kinds, or copies of each other.
 SessionComparison compare_sessions(const std::vector<Session>& sessions);
 
 }  // namespace condyle::host

@@ -14,7 +14,7 @@ namespace {
 constexpr int kPanelWidth = 400, kPanelHeight = 300, kHead = 64;
 constexpr std::size_t kMostColumns = 3;
 
-// Widths in sessions, which are 1 apart.
+// Widths; sessions are 1 apart.
 constexpr double kRepeatSpread = 0.24, kMeanHalfWidth = 0.2;
 
 std::string blocks_of(const QuantityComparison& quantity, std::size_t index) {
@@ -58,7 +58,7 @@ std::vector<std::unique_ptr<OutputFile>> draw_sessions(const std::string& direct
   const std::size_t lines = (shown.size() + columns - 1) / columns;
   const int width = kPanelWidth * static_cast<int>(std::max<std::size_t>(columns, 2));
   const int height = kPanelHeight * static_cast<int>(lines) + kHead;
-  // Labels that would overlap are cut shorter; of many sessions the numbers stand there.
+  // Labels that would overlap are shortened; many sessions have numbers as labels.
   const std::size_t longest = std::max<std::size_t>(4, 48 / sessions.size());
   std::string names;
   for (std::size_t i = 0; i < sessions.size(); ++i) {
@@ -76,8 +76,8 @@ std::vector<std::unique_ptr<OutputFile>> draw_sessions(const std::string& direct
       gnuplot_quoted("Sessions of one subject, " + figure_label(estimator, 48) +
                      "  (research use only)"),
       1 - 17.0 / height,
-      gnuplot_quoted("points: recordings; line: mean; grey: a mean within it cannot be told from "
-                     "the first session's by the scatter of repeats (95 %)"),
+      gnuplot_quoted("points: recordings; line: mean; grey: within it, a mean does not differ "
+                     "detectably from the first session's (95 %)"),
       1 - 41.0 / height);
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const QuantityComparison& quantity = *shown[i];

@@ -14,7 +14,7 @@
 namespace condyle::host {
 namespace {
 
-// Share of measured samples below which what was missed may be what differs.
+// Below this share of measured samples, missing samples may cause a difference.
 constexpr double kFewMeasured = 0.95;
 
 std::string sessions_text(const std::vector<Session>& sessions) {
@@ -46,12 +46,12 @@ std::string repeats_text(const QuantityComparison& quantity) {
 }
 
 std::string change_words(const SessionChange& change) {
-  if (std::isnan(change.smallest)) return "; whether it is more than chance is not known";
+  if (std::isnan(change.smallest)) return "; whether it exceeds chance is not known";
   return fmt::format("; smallest change {:.3g}: {}", change.smallest,
-                     !change.exceeds() ? "not told from repeats"
+                     !change.exceeds() ? "not detectable"
                      : change.exceeds_adjusted()
                          ? "CHANGED, also among so many comparisons"
-                         : "larger, but among so many comparisons chance does that too often");
+                         : "larger, but expected by chance among so many comparisons");
 }
 
 std::string quantity_text(const QuantityComparison& quantity,
@@ -109,16 +109,16 @@ std::string session_text(const std::string& estimator, const std::vector<Session
       }
     }
     text += fmt::format(
-        "{} of {} comparisons exceed the smallest detectable change; where nothing has changed, "
-        "one in 20 does ({:.2g} of these).\n"
-        "{} do so by Holm's adjustment, which makes one false finding in 20 such tables.\n",
+        "{} of {} comparisons exceed the smallest detectable change; without any change, one in 20 "
+        "does ({:.2g} of these).\n"
+        "{} do so after Holm's adjustment, which allows one false finding in 20 such tables.\n",
         exceeding, tests, 0.05 * static_cast<double>(tests), adjusted);
   }
   return text +
-         "The scatter is that of repeats within a session; with three or four of them it cannot be "
-         "seen whether those in a row\nare alike. An instrument mounted anew, another "
-         "day, another task or pace are\npart of a change. It speaks of change; it diagnoses "
-         "nothing; research use only.\n";
+         "The scatter is that of repeats within a session; with three or four of them, condyle "
+         "cannot check whether successive ones\nare alike. An instrument mounted anew, another "
+         "day, another task or pace are\npart of a change. This describes change; it is not a "
+         "diagnosis; research use only.\n";
 }
 
 std::string session_csv(const std::vector<Session>& sessions, const SessionComparison& comparison) {

@@ -10,15 +10,15 @@
 
 namespace condyle::host {
 
-/// The comparison of sessions in words; `estimator` is what the user calls it.
+/// The comparison of sessions in words; `estimator` is the user's name for it.
 std::string session_text(const std::string& estimator, const std::vector<Session>& sessions,
                          const SessionComparison& comparison);
 
-/// A row per quantity that is compared and pair of sessions, with all digits.
+/// One row for each compared quantity and pair of sessions, with all digits.
 std::string session_csv(const std::vector<Session>& sessions, const SessionComparison& comparison);
 
-/// Draws "sessions", a panel a quantity, into the folder `directory`. None where nothing is
-/// compared.
+/// Draws "sessions", with one panel for each quantity, into the folder `directory`. None if no
+/// quantity is compared.
 std::vector<std::unique_ptr<OutputFile>> draw_sessions(const std::string& directory,
                                                        const std::string& estimator,
                                                        const std::vector<Session>& sessions,

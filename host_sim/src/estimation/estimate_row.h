@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One row of estimates, whichever estimator it is from.
+// One row of estimates, from any estimator.
 #pragma once
 
 #include <array>
@@ -13,14 +13,13 @@
 
 namespace condyle::host {
 
-/// What one sample led to. NaN and `not_computed` where there is no value.
+/// The result of one sample. NaN and `not_computed` if there is no value.
 struct EstimateRow {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
   std::optional<TimeNs> time_ns;
   double measured_position_m = kNone;  ///< of the followed coordinate
-  /// Of the followed point, x, y, z (or the one axis): what was taken for its position; without one
-  /// NaN.
+  /// Of the followed point, x, y, z (or the one axis): its position as used; NaN without one.
   int point_axes = 1;
   std::array<double, 3> point_m = {kNone, kNone, kNone};
   Quantity<double> position_m, velocity_m_s, force_N, friction_Ns_m, mass_kg;
@@ -30,31 +29,32 @@ struct EstimateRow {
   Verdict verdict = Verdict::not_matched;  ///< published cascade only
   // Recommended estimator only:
   int axis_count = 0;             ///< 1 or 3
-  AxisEstimate<double> followed;  ///< the axis whose values lead
+  AxisEstimate<double> followed;  ///< the axis whose values come first
   AxisEstimate<double> axes[3];   ///< all of them, x, y, z
   bool has_joint = false;         ///< friction and mass are identified from a measured drive
   JointEstimate<double> joint;
 };
 
-/// Axes whose innovations `row` has: 3, or 1.
+/// Number of axes with innovations in `row`: 3 or 1.
 inline int innovation_axis_count(const EstimateRow& row) {
   return row.axis_count == 3 ? 3 : 1;
 }
 
-/// True where `row` only tells the measurement of the row before once more.
+/// True if `row` repeats the measurement of the previous row.
 bool is_told_twice(const EstimateRow& row);
 
 /// Innovation along an axis over its predicted standard deviation (stage 1's of the published
-/// cascade). NaN where there is none, and where it was rejected: it then says nothing of the noise.
+/// cascade). NaN if there is none, or if it was rejected: it then carries no information on the
+/// noise.
 double standardised_innovation(const EstimateRow& row, int axis);
 
 /// The published cascade's row for `sample`.
 EstimateRow row_of(const Sample& sample, FollowedCoordinate followed,
                    const PublishedEstimate<double>& estimate);
 
-/// The recommended estimator's row, `followed` being the axis whose values lead.
+/// The recommended estimator's row; `followed`: the axis whose values come first.
 EstimateRow row_of(const RecommendedEstimate<double>& estimate, Axis followed);
-/// The same with what the drive tells.
+/// The same with the result of the drive.
 EstimateRow row_of(const DrivenEstimate<double>& estimate, Axis followed);
 
 }  // namespace condyle::host

@@ -15,9 +15,10 @@ std::vector<std::string> drive_notes(DriveChannel* channel, const DriveCounts& c
   add(counts.drive_gaps, "gaps, which interrupt the identification");
   add(counts.drive_not_in_order, "samples out of order, left out");
   add(counts.positions_too_early,
-      "positions before the drive began or in its gaps, not used with it");
-  add(counts.positions_in_contact, "positions where teeth or food may touch, not used with it");
-  add(counts.positions_dropped, "positions had no room while they waited for the drive");
+      "positions before the drive began or in its gaps, not used with the drive");
+  add(counts.positions_in_contact,
+      "positions at which teeth or food may touch, not used with the drive");
+  add(counts.positions_dropped, "positions dropped while they waited for the drive");
   return notes;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A drive of its own recording beside the samples of another.
+// Combines a drive from one recording with the samples of another.
 #pragma once
 
 #include <algorithm>
@@ -25,12 +25,12 @@ struct TimeSpan {
 std::vector<std::string> drive_notes(DriveChannel* channel, const DriveCounts& counts,
                                      const TimeSpan& span);
 
-/// A `Sensor` (one with `add_drive`) whose drive may come from a recording of its own.
+/// A `Sensor` (one with `add_drive`) whose drive may come from a separate recording.
 template <class Sensor>
 class ReplayedDriveSensor : public Sensor {
  public:
-  /// `channel` may be null: the samples then hold the drive; `delay_s` is how late it is stamped.
-  /// The rest makes the Sensor.
+  /// `channel` may be null: the samples then contain the drive; `delay_s`: delay of its time
+  /// stamps. The other arguments construct the Sensor.
   template <class... Arguments>
   ReplayedDriveSensor(DriveChannel* channel, double delay_s, Arguments&&... arguments)
       : Sensor(std::forward<Arguments>(arguments)...),
@@ -55,8 +55,8 @@ class ReplayedDriveSensor : public Sensor {
     return Sensor::process(sample, events);
   }
 
-  /// For the summary: the channel's own notes, and what was not as it should be, a line each.
-  /// Throws InputError where the channel and the samples have no instant in common.
+  /// For the summary: the channel's own notes, and problems of the drive, one line each. Throws
+  /// InputError if the channel and the samples have no instant in common.
   std::vector<std::string> notes() const { return drive_notes(channel_, this->counts(), span_); }
 
  private:

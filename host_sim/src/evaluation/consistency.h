@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Consistency of a filter: is its covariance that of its errors?
+// Consistency of a filter: does its covariance equal that of its errors?
 //
 //   e, P   error of the state (estimate - truth) and its claimed covariance
 //   y, S   innovation and its claimed covariance
 //   NEES   e' P^-1 e, normalised estimation error squared: chi-square with n degrees of freedom
 //   NIS    y' S^-1 y, normalised innovation squared: chi-square with m degrees of freedom
 //
-// where the model holds (Bar-Shalom, Li and Kirubarajan 2001, Estimation with Applications to
-// Tracking and Navigation, section 5.4). Their averages over Monte-Carlo runs are held against the
-// bounds of an average of independent chi-squares. Innovations of a right filter are independent in
+// if the model holds (Bar-Shalom, Li and Kirubarajan 2001, Estimation with Applications to Tracking
+// and Navigation, section 5.4). Their averages over Monte-Carlo runs are compared with the bounds
+// of an average of independent chi-squares. Innovations of a consistent filter are independent in
 // time; its errors are not.
 #pragma once
 
@@ -21,7 +21,7 @@
 
 namespace condyle::host {
 
-/// x' C^-1 x; NaN where `covariance` is not positive definite.
+/// x' C^-1 x; NaN if `covariance` is not positive definite.
 template <int n>
 double normalised_square(const Eigen::Matrix<double, n, 1>& x,
                          const Eigen::Matrix<double, n, n>& covariance) {
@@ -42,7 +42,7 @@ class RunSquares {
   std::uint64_t unusable_ = 0;
 };
 
-/// What an average of normalised squares says. Without unit.
+/// Result of averaging normalised squares. Without unit.
 struct ConsistencyReport {
   std::uint64_t runs = 0, terms = 0, unusable = 0;
   double mean = 0;
@@ -54,16 +54,16 @@ struct ConsistencyReport {
 /// Averages normalised squares over many runs. Constant memory.
 class ConsistencyStatistics {
  public:
-  /// What counts as an independent chi-square.
+  /// Which terms count as independent chi-squares.
   enum class Independent {
-    runs,  ///< NEES. Bounds: exact for one term a run, wide for more
+    runs,  ///< NEES. Bounds: exact for one term in each run, wide for more
     terms  ///< NIS
   };
   ConsistencyStatistics(int degrees_of_freedom, Independent independent)
       : degrees_of_freedom_(degrees_of_freedom), independent_(independent) {}
 
   void add_run(const RunSquares& run);
-  /// Takes the runs of `later`, of the same kind, after its own.
+  /// Appends the runs of `later`, of the same kind.
   void merge(const ConsistencyStatistics& later);
   /// A consistent filter is inside with probability `confidence`.
   ConsistencyReport report(double confidence) const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Posterior Cramer-Rao bound: the smallest error covariance any estimator can have, the measure of
-// how much of the information a filter uses.
+// Posterior Cramer-Rao bound: the smallest error covariance that any estimator can have. It
+// measures how much of the information a filter uses.
 //
 //   x_{k+1} = f_k(x_k) + w_k,   w_k ~ N(0, Q)   n states; w and r independent of all else
 //   z_k     = h_k(x_k) + r_k,   r_k ~ N(0, R)   m measurements
@@ -18,15 +18,15 @@
 //   J_{k+1} = D22 - D21 (J_k + D11)^-1 D12
 // It holds for every smooth f and h, but needs Q positive definite: every state must be driven.
 //
-// Covariance form, also where Q is singular (constant parameters) or zero:
+// Covariance form, also if Q is singular (constant parameters) or zero:
 //   P- = E[F] P_k E[F]' + Q      P_{k+1} = (I + P- M)^-1 P-
 // which is J_{k+1} = (P-)^-1 + M wherever P- has an inverse.
 //
-// The two agree, by the matrix inversion lemma, where Q is positive definite and F is the same
-// along all trajectories: dynamics linear in the whole state, or one prescribed trajectory. Where F
-// varies, D11 exceeds E[F]' Q^-1 E[F]; the information form then gives the smaller P, and the
-// covariance form is an approximation, no bound. Run it there along each trajectory by itself,
-// which is the covariance of a Kalman filter linearised at the truth, and average P over the
+// The two agree, by the matrix inversion lemma, if Q is positive definite and F is the same along
+// all trajectories: dynamics linear in the whole state, or one prescribed trajectory. If F varies,
+// D11 exceeds E[F]' Q^-1 E[F]; the information form then gives the smaller P, and the covariance
+// form is an approximation, not a bound. In this case run it along each trajectory separately,
+// which gives the covariance of a Kalman filter linearised at the truth, and average P over the
 // trajectories: for Q = 0 and a flat prior this is the Cramer-Rao bound of unbiased estimates,
 // otherwise close to it while the errors are small. A small Q added to make the information form
 // work describes another model and a loose bound: the variation of F, divided by Q, counts as
@@ -54,7 +54,7 @@ class BoundStep {
   /// `Q` positive semidefinite, `R` positive definite: the same for all trajectories.
   BoundStep(const StateMatrix& Q, const MeasurementMatrix& R) : Q_(Q), R_factor_(R), Q_factor_(Q) {}
 
-  /// Takes the Jacobians along one more trajectory. A lost measurement has `H` = 0.
+  /// Adds the Jacobians along one more trajectory. A lost measurement has `H` = 0.
   void add(const StateMatrix& F, const MeasurementJacobian& H) {
     sum_F_ += F;
     if (has_information_form()) {
@@ -64,7 +64,7 @@ class BoundStep {
     ++trajectories_;
   }
 
-  /// Takes the trajectories of `later`, of the same step, after its own.
+  /// Appends the trajectories of `later`, of the same step.
   void merge(const BoundStep& later) {
     sum_F_ += later.sum_F_;
     sum_FQF_ += later.sum_FQF_;
@@ -73,18 +73,19 @@ class BoundStep {
   }
 
   std::uint64_t trajectories() const { return trajectories_; }
-  /// E[H' R^-1 H], what the measurement at k + 1 tells by itself.
+  /// E[H' R^-1 H], the information of the measurement at k + 1 alone.
   StateMatrix measurement_information() const { return sum_HRH_ / count(); }
 
   /// Is Q positive definite?
   bool has_information_form() const {
     if (Q_factor_.info() != Eigen::Success) return false;
-    // What is left of each variance once the states before it are known: rounding alone is none.
+    // The remainder of each variance given the previous states: a remainder within rounding counts
+    // as zero.
     const auto left = Q_factor_.matrixLLT().diagonal().cwiseAbs2().eval();
     return (left.array() > 1e-12 * Q_.diagonal().array()).all();
   }
 
-  /// J_{k+1} from J_k. Empty where Q is singular.
+  /// J_{k+1} from J_k. Empty if Q is singular.
   std::optional<StateMatrix> advance_information(const StateMatrix& J) const {
     if (!has_information_form()) return std::nullopt;
     const StateMatrix D12 = -Q_factor_.solve(StateMatrix(sum_F_ / count())).transpose();
@@ -94,7 +95,7 @@ class BoundStep {
     return StateMatrix((next + next.transpose()) / 2);
   }
 
-  /// P_{k+1} from P_k, also where either is singular.
+  /// P_{k+1} from P_k, also if either is singular.
   StateMatrix advance_covariance(const StateMatrix& P) const {
     const StateMatrix F = sum_F_ / count();
     const StateMatrix predicted = F * P * F.transpose() + Q_;
@@ -129,7 +130,7 @@ inline double ratio_to_bound(double error_rms, double bound_variance) {
   return error_rms / std::sqrt(bound_variance);
 }
 
-/// Where the ratio lies for an estimator at the bound with normal errors, one sample a run.
+/// Range of the ratio for an estimator at the bound with normal errors, one sample in each run.
 inline Interval ratio_to_bound_bounds(std::uint64_t runs, double confidence) {
   const Interval square = mean_chi_square_bounds(1, runs, confidence);
   return {std::sqrt(square.low), std::sqrt(square.high)};

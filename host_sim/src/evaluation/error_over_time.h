@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How wrong an estimate is in the course of a run, and how wrong it says it is.
+// Error of an estimate, and its claimed standard deviation, over the course of a run.
 #pragma once
 
 #include <cstddef>
@@ -8,24 +8,25 @@
 
 namespace condyle::host {
 
-/// Root mean squares of error and claimed standard deviation in equal stretches of time. Constant
+/// Root mean squares of error and claimed standard deviation in equal intervals of time. Constant
 /// memory.
 class ErrorOverTime {
  public:
   /// Over runs that last `duration_s`; without it, nothing is collected until one is merged.
   explicit ErrorOverTime(double duration_s = 0);
 
-  /// Error and claimed standard deviation at `time_s` of a run; what is not finite is left out.
+  /// Error and claimed standard deviation at `time_s` of a run; values that are not finite are left
+  /// out.
   void add(double time_s, double error, double standard_deviation);
-  /// Takes what `later`, of the same duration, collected.
+  /// Adds the values of `later`, of the same duration.
   void merge(const ErrorOverTime& later);
 
-  /// What is said of one stretch. Units: the quantity's.
+  /// The result of one interval of time. Units: the quantity's.
   struct Stretch {
     double middle_s = 0;  ///< time
     double error_rms = 0, claimed_rms = 0;
   };
-  /// The stretches that have values, in order.
+  /// The intervals of time that have values, in order.
   std::vector<Stretch> stretches() const;
 
  private:

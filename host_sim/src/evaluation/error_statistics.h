@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Monte-Carlo runs say of an estimated scalar: how wrong it is, and whether it knows.
+// Error of an estimated scalar over Monte-Carlo runs, and whether its stated uncertainty is right.
 //
 //   e    error, estimate - truth              s    standard deviation claimed for it
 //   N    runs                                 n*   effective number of independent samples
 //
 // The samples of one run depend on each other, the runs do not. So each run is reduced to its means
 // (of e, e^2, the covered share, e^2/s^2), each run counts once, and the standard errors come from
-// the scatter between runs. With one sample a run every interval is the textbook's.
+// the scatter between runs. With one sample in each run every interval is the textbook's.
 //
 // Coverage: Korn and Graubard (1998, Survey Methodology 24(2), 193-201), the Clopper-Pearson
 // interval for n* = p (1 - p) / var(p) trials times (t_{n-1} / t_{N-1})^2, var(p) from the scatter
-// between runs, n all samples. Where all runs agree exactly, their scatter says nothing and n* is
-// N.
+// between runs, n all samples. If all runs agree exactly, their scatter carries no information and
+// n* is N.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@
 
 namespace condyle::host {
 
-/// Share of the errors that the intervals of this report are meant to cover.
+/// Nominal coverage of the intervals of this report.
 inline constexpr double kNominalCoverage = 0.95;
 /// Half width of a normal interval of nominal coverage, in standard deviations.
 
@@ -32,7 +32,7 @@ class RunErrors {
   /// Takes the error and the standard deviation claimed for it, both in the quantity's unit. The
   /// interval is estimate +- kNormalQuantile95 standard deviations.
   void add(double error, double standard_deviation);
-  /// The same where the interval reported to the user is another one.
+  /// The same for an estimate whose reported interval differs.
   void add(double error, double standard_deviation, bool covered);
 
  private:
@@ -41,7 +41,7 @@ class RunErrors {
   std::uint64_t unusable_ = 0;
 };
 
-/// What is said of one quantity. Units: the quantity's, unless said otherwise.
+/// The result of one quantity. Units: the quantity's, unless stated otherwise.
 struct ErrorReport {
   std::uint64_t runs = 0;         ///< with samples
   std::uint64_t samples = 0;      ///< of all runs
@@ -65,7 +65,7 @@ struct ErrorReport {
 class ErrorStatistics {
  public:
   void add_run(const RunErrors& run);
-  /// Takes the runs of `later` after its own.
+  /// Appends the runs of `later`.
   void merge(const ErrorStatistics& later);
   /// Intervals and bounds hold with probability `confidence`.
   ErrorReport report(double confidence) const;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// The bound after so many samples that it no longer changes.
+// The bound after enough samples that it no longer changes.
 std::array<double, kEvaluatedQuantities> bound_of_stage_1(const PublishedParameters& p) {
   const auto matrix = [](const double* variances) {
     return Eigen::Matrix3d(Eigen::Map<const Eigen::Vector3d>(variances).asDiagonal());

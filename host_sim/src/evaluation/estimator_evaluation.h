@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// An estimator against the truth of a simulated subject, over many seeds.
+// Compares an estimator with the truth of a simulated subject, over many seeds.
 //
 // Published cascade only: verdicts, and the posterior Cramer-Rao bound of stage 1's own model,
-// reached where the motion is what that model says, and only there.
+// reached only if the motion follows that model.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@
 
 namespace condyle::host {
 
-/// How the runs differ: friction and mass of the subject are multiplied by these in turn; runs with
-/// the same task and noise follow one another.
+/// How the runs differ: one variant for each factor of the subject's friction and mass; runs with
+/// the same task and noise are successive.
 struct EvaluationPlan {
   std::uint64_t runs = 40;
   std::uint64_t first_seed = 1;
@@ -27,16 +27,16 @@ struct EvaluationPlan {
 /// The innovations along one axis, of all runs.
 struct InnovationStatistics {
   ConsistencyStatistics nis{1, ConsistencyStatistics::Independent::terms};
-  Moments correlation;  ///< of neighbours, one value a run
+  Moments correlation;  ///< of neighbours, one value for each run
 };
 
-/// What was said of friction or of mass at the ends of the runs.
+/// Friction or mass at the ends of the runs.
 struct IdentifiedStatistics {
-  Moments error;              ///< of what was fitted, shown or not; its square is the bias' part
-  Moments square;             ///< of these errors
-  Moments fitted_sd;          ///< that it stated
-  std::uint64_t shown = 0;    ///< as measured
-  std::uint64_t covered = 0;  ///< of these, by the 95 % interval
+  Moments error;      ///< of the fitted value, shown or not; its square is the part of the bias
+  Moments square;     ///< of these errors
+  Moments fitted_sd;  ///< that it stated
+  std::uint64_t shown = 0;                           ///< as measured
+  std::uint64_t covered = 0;                         ///< of these, by the 95 % interval
   std::array<std::uint64_t, kJointLimits> limits{};  ///< why not
 };
 
@@ -53,23 +53,23 @@ struct Evaluation {
   std::uint64_t samples = 0;
   EventCounts events;
   ResponseSlope friction_slope, mass_slope;
-  std::vector<ResponsePair> friction, mass;  ///< one a run, for the pictures
+  std::vector<ResponsePair> friction, mass;  ///< one for each run, for the figures
   std::array<std::uint64_t, 3> verdicts{};
   /// Standard deviations that the bound allows, each in its quantity's unit; NaN: no bound.
   std::array<double, kEvaluatedQuantities> bound{};
 
-  /// True where a quantity was computed at any sample.
+  /// True if a quantity was computed at any sample.
   bool is_computed(EvaluatedIndex quantity) const {
     return errors[quantity].report(kNominalCoverage).samples > 0;
   }
 };
 
-/// Told the share of the work that is done, 0 to 1, on the thread that called.
+/// Receives the share of the work that is done, 0 to 1, on the calling thread.
 using EvaluationProgress = std::function<void(double share)>;
 
-/// All runs of `plan`, on all cores; the result does not depend on how many there are. `control` as
-/// in run_monte_carlo; its `stop` is asked by every thread. An InputError where no sample of any
-/// run could be compared.
+/// All runs of `plan`, on all cores; the result does not depend on their number. `control` as in
+/// run_monte_carlo; every thread calls its `stop`. Throws InputError if no sample of any run could
+/// be compared.
 Evaluation evaluate_estimator(const Scenario& scenario, const EstimatorSettings& settings,
                               const EvaluationPlan& plan, const EvaluationProgress& progress = {},
                               MonteCarloControl control = {});

@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kTitleOptions = "font ',11'";
 
-// Logarithmic: errors at the start and after a fault are many times those between.
+// Logarithmic: errors at the start and after a fault are many times the others.
 void draw_velocity_error(Gnuplot& gnuplot, const std::string& title, const ErrorOverTime& errors) {
   std::string block = "$velocity << EOD\n";
   for (const auto& stretch : errors.stretches()) {
@@ -28,17 +28,17 @@ void draw_velocity_error(Gnuplot& gnuplot, const std::string& title, const Error
   gnuplot.draw("velocity_error",
                "plot $velocity using 1:2 with lines lw 1.6 lc rgb '#0b559f' title 'error against "
                "the truth', $velocity using 1:3 with lines lw 1.6 dt (8,6) lc rgb '#b35900' title "
-               "'standard deviation that the estimator claims'",
+               "'standard deviation that the estimator states'",
                960, 480);
   gnuplot.send("unset logscale\n");
 }
 
-// Estimate against truth, with the line on which a measurement would lie.
+// Estimate against truth, with the line of perfect measurement.
 void draw_response(Gnuplot& gnuplot, const std::string& title, const char* name, const char* unit,
                    const std::vector<ResponsePair>& pairs) {
   const auto [low, high] = std::minmax_element(
       pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.truth < b.truth; });
-  if (!(high->truth > low->truth)) return;  // a response needs a truth that varies
+  if (!(high->truth > low->truth)) return;  // without a varying truth there is no response
   std::string block = fmt::format("${} << EOD\n", name);
   for (const ResponsePair& pair : pairs) {
     if (std::isfinite(pair.estimate)) block += fmt::format("{} {}\n", pair.truth, pair.estimate);

@@ -56,7 +56,7 @@ class RunComparison {
     if (is_there(row.friction_Ns_m)) run_.friction.estimate = row.friction_Ns_m.value;
     if (is_there(row.mass_kg)) {
       run_.mass.estimate = row.mass_kg.value;
-      // A sample that was not taken has no verdict either.
+      // A sample that was not used has no verdict.
       if (!row.has_joint) run_.verdict = row.verdict;
     }
     if (truth.time_s < left_out_s_) return;
@@ -103,8 +103,8 @@ class RunComparison {
   Moments friction_, mass_;  // true ones
 };
 
-// A simulated subject's facebow, and the truth of its samples. `add_drive(time_ns, force_N)` takes
-// the drive, before the samples that it leads to.
+// A simulated subject's facebow, and the truth of its samples. `add_drive(time_ns, force_N)`
+// receives the drive before the corresponding samples.
 template <class AddDrive>
 class SimulatedFacebow final : public hal::Facebow {
  public:
@@ -126,7 +126,7 @@ class SimulatedFacebow final : public hal::Facebow {
   }
   void close() override {}
 
-  // Of the first sample whose truth was not taken yet.
+  // Of the first sample whose truth is still unused.
   SubjectTruth take_truth() {
     const SubjectTruth truth = truths_.front();
     truths_.pop_front();

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// One run of an estimator against the truth of a simulated subject.
+// Compares one run of an estimator with the truth of a simulated subject.
 //
-// Each estimate is held against the truth of the instant it estimates, however many samples it
-// waited for: that at which its sample was taken, whatever the device's clock says. The first fifth
-// of the run is left out. Position, velocity and acceleration are compared with those of the
-// followed coordinate, the only one whose truth the simulation has; the force with effective mass x
-// acceleration; friction and mass with the effective ones at the followed point. What is not
-// computed, or is said to be assumed though a drive was measured, is not compared: it is counted.
-// Innovations are those of every axis (stage 1's of the
-// published cascade) that were not rejected.
+// Each estimate is compared with the truth of the instant that it estimates: the true instant of
+// its sample, independent of the lag and of the device's clock. The first fifth of the run is left
+// out. Position, velocity and acceleration are compared with those of the followed coordinate, the
+// only one whose truth the simulation has; the force with effective mass x acceleration; friction
+// and mass with the effective ones at the followed point. A value that is not computed, or that is
+// labelled assumed although a drive was measured, is counted but not compared. Innovations are
+// those of every axis (stage 1's of the published cascade) that were not rejected.
 //
 // Published cascade only: its acceleration is stage 1's net force over the assumed mass; NEES is
 // stage 1's (position, velocity, net force at the assumed mass) at the last sample.
@@ -61,7 +60,7 @@ inline constexpr EvaluatedQuantity kEvaluated[kEvaluatedQuantities] = {
     {"position", "m"}, {"velocity", "m/s"},  {"acceleration", "m/s^2"},
     {"force", "N"},    {"friction", "Ns/m"}, {"mass", "kg"}};
 
-/// A true value and what was found.
+/// A true value and its estimate.
 struct ResponsePair {
   double truth = std::numeric_limits<double>::quiet_NaN();
   double estimate = std::numeric_limits<double>::quiet_NaN();
@@ -73,13 +72,13 @@ struct RunInnovations {
   double correlation = std::numeric_limits<double>::quiet_NaN();  ///< of neighbours
 };
 
-/// What was known at the end of a run where the drive was measured.
+/// Friction and mass at the end of a run with a measured drive.
 struct IdentifiedRun {
   JointEstimate<double> last;
   double friction_Ns_m = 0, mass_kg = 0;  ///< mean truths
 };
 
-/// What one run gave.
+/// The result of one run.
 struct EvaluationRun {
   std::array<RunErrors, kEvaluatedQuantities> errors;
   std::array<std::uint64_t, kEvaluatedQuantities> not_computed{};  ///< samples compared without it

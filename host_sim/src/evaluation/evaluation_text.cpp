@@ -19,19 +19,19 @@ constexpr const char* kNotes =
     "of the runs' last\nfour fifths; events of all samples. NES: normalised error squared, 1 if "
     "the "
     "standard deviation is right. NIS: of\nthe samples not rejected. Force: the ASSUMED mass times "
-    "acceleration, held against the true net force, effective\nmass times acceleration; its "
-    "interval does not know that the masses differ.\n";
+    "acceleration, compared with the true net force, effective\nmass times acceleration; its "
+    "interval does not include the difference of the masses.\n";
 
 constexpr const char* kPublishedNotes =
     "Acceleration: stage 1's net force over the assumed mass. To bound: error rms over the "
-    "Cramer-Rao bound of stage 1's\nown model, a random walk of force; below 1 where the motion is "
+    "Cramer-Rao bound of stage 1's\nown model, a random walk of force; below 1 if the motion is "
     "smoother than that. With the drive unknown there is\nno information on friction and mass, so "
     "their bound is their prior.\n";
 
 constexpr const char* kIdentifiedNotes =
-    "Friction and mass: identified from the measured drive; shown where they are measured, by what "
-    "the parameters state of\nthe drive. Errors and standard deviations at the end of each run, of "
-    "what was fitted, shown or not.\n";
+    "Friction and mass: identified from the measured drive; shown if they are measured, given what "
+    "the parameters state about\nthe drive. Errors and standard deviations at the end of each run, "
+    "of what was fitted, shown or not.\n";
 
 constexpr const char* kRecommendedNotes =
     "Friction and mass are not estimated: position alone does not determine them.\n";
@@ -72,7 +72,7 @@ std::string error_table(const Evaluation& evaluation) {
   return text;
 }
 
-// Samples at which something is missing that is there at others.
+// Samples without a value that other samples have.
 std::string missing_text(const Evaluation& evaluation) {
   std::string text;
   std::uint64_t unusable = 0;
@@ -94,7 +94,7 @@ std::string consistency_text(const std::string& name, const ConsistencyReport& r
                      r.bounds.low, r.bounds.high, r.inside ? "inside" : "OUTSIDE");
 }
 
-// NIS and whiteness, of each axis where there are three.
+// NIS and whiteness, of each axis if there are three.
 std::string innovations_text(const Evaluation& evaluation) {
   std::string text, correlations;
   for (int axis = 0; axis < evaluation.innovation_axes; ++axis) {
@@ -122,8 +122,8 @@ std::string identified_text(const char* name, const char* unit, const Identified
                           limit_name(static_cast<JointLimit>(i)), of.limits[i]);
   }
   return fmt::format(
-      "{:<12}shown in {} of {} runs, the 95 % interval holds the truth in {}{}; bias {:.3g}, error "
-      "rms {:.3g}, stated sd {:.3g} {}\n",
+      "{:<12}shown in {} of {} runs, the 95 % interval contains the truth in {}{}; bias {:.3g}, "
+      "error rms {:.3g}, stated sd {:.3g} {}\n",
       name, of.shown, runs, of.covered, limits.empty() ? "" : "; withheld: " + limits,
       of.error.mean(), std::sqrt(of.square.mean()), of.fitted_sd.mean(), unit);
 }

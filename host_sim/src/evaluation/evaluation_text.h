@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an evaluation found, in words and as a table. No number is given for what the estimator
-// does not compute.
+// The result of an evaluation, as text and table. Quantities that the estimator does not compute
+// have no number.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace condyle::host {
 /// Errors, consistency and events for the reader, with units and intervals.
 std::string evaluation_text(const Evaluation& evaluation);
 
-/// The errors as CSV: a row for each quantity, with all digits, in the row's unit. An empty field
+/// The errors as CSV: one row for each quantity, with all digits, in the row's unit. An empty field
 /// was not computed.
 std::string evaluation_csv(const Evaluation& evaluation);
 

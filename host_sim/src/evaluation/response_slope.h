@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How an estimate answers to a change of the truth: the least-squares line estimate = a + b truth.
-// b is 1 for an estimate that follows, 0 for one that does not see the quantity.
+// How an estimate responds to a change of the truth: the least-squares line estimate = a + b truth.
+// b is 1 for an estimate that follows, 0 for one that does not depend on it.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +12,17 @@ namespace condyle::host {
 /// The fitted line. Slope without unit, intercept in the quantity's.
 struct SlopeReport {
   std::uint64_t pairs = 0, unusable = 0;  ///< unusable: not finite, left out of the fit
-  double slope = 0;                       ///< NaN where the truth did not vary
+  double slope = 0;                       ///< NaN if the truth did not vary
   double slope_standard_error = 0;        ///< from the residuals; infinite below three pairs
   Interval slope_interval;                ///< Student's t on pairs - 2 degrees of freedom
   double intercept = 0;
 };
 
-/// Collects pairs. They must be independent: one a run. Constant memory.
+/// Collects pairs. They must be independent: one from each run. Constant memory.
 class ResponseSlope {
  public:
   void add(double truth, double estimate);
-  /// Takes the pairs of `later` after its own.
+  /// Appends the pairs of `later`.
   void merge(const ResponseSlope& later);
   SlopeReport report(double confidence) const;
 

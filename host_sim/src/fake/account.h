@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fake facebow's exact account of every report it made.
+// The fake facebow's exact account of each report.
 #pragma once
 
 #include <array>
@@ -10,13 +10,13 @@
 
 namespace condyle::host::fake {
 
-/// What became of reports.
+/// Fates of reports.
 struct Deliveries {
   std::uint64_t intact = 0;          ///< delivered as made
-  std::uint64_t altered = 0;         ///< delivered with a fault in it
+  std::uint64_t altered = 0;         ///< delivered with a fault
   std::uint64_t lost_in_queue = 0;   ///< the reader was slow and the queue full
-  std::uint64_t lost_unread = 0;     ///< nobody had the device open
-  std::uint64_t lost_unplugged = 0;  ///< still on their way when the device was unplugged
+  std::uint64_t lost_unread = 0;     ///< no program had the device open
+  std::uint64_t lost_unplugged = 0;  ///< in transit when the device was unplugged
   std::uint64_t lost_failed = 0;     ///< in a failed transfer
 
   std::uint64_t total() const {
@@ -27,14 +27,14 @@ struct Deliveries {
 /// Of a run.
 struct Account {
   std::string transport;
-  std::string ended;  ///< by what
+  std::string ended;  ///< reason of the end
   std::uint64_t made = 0;
   Deliveries deliveries;
   std::uint32_t first_counter = 0, last_counter = 0;  ///< of the reports made
   std::int64_t counter_jumped = 0;                    ///< by faults, in all
-  std::uint64_t plugged_in = 0;                       ///< times
+  std::uint64_t plugged_in = 0;                       ///< number of times
   std::array<std::uint64_t, kFaultKinds> done{};
-  /// Faults that could not be done: two in one report, or this transport cannot.
+  /// Faults that were not possible: two in one report, or not supported by the transport.
   std::array<std::uint64_t, kFaultKinds> not_done{};
 
   /// Every report is accounted for once.

@@ -34,12 +34,13 @@ void FacebowDevice::jump_clock(TimeNs step_ns) {
 
 std::uint32_t FacebowDevice::clock_us(TimeNs time_ns) const {
   const TimeNs since_on_ns = time_ns - switched_on_ns_;
-  // The drift alone goes through a double: all of the time would lose its nanoseconds.
+  // Only the drift is computed in double: the full time would lose its nanoseconds.
   const TimeNs drift_ns =
       std::llround(static_cast<double>(since_on_ns) * options_.clock_drift_ppm * 1e-6);
   const TimeNs shown_ns = since_on_ns + drift_ns + clock_offset_ns_;
   const TimeNs shown_us = shown_ns >= 0 ? shown_ns / 1000 : -((-shown_ns + 999) / 1000);
-  return options_.first_time_us + static_cast<std::uint32_t>(shown_us);  // wraps, as in a device
+  return options_.first_time_us +
+         static_cast<std::uint32_t>(shown_us);  // wraps, as in a real device
 }
 
 }  // namespace condyle::host::fake

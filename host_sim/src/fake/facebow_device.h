@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fake facebow between its sensor and its USB plug: counter, clock and report k.
+// The electronics of the fake facebow: counter, clock and reports.
 #pragma once
 
 #include <cstdint>
@@ -13,26 +13,25 @@ namespace condyle::host::fake {
 /// How the device counts.
 struct DeviceOptions {
   std::uint32_t first_counter = 0;
-  std::uint32_t first_time_us = 0;     ///< what its clock shows when it is switched on
-  double clock_drift_ppm = 0;          ///< its clock runs fast by
-  bool restarts_on_reconnect = false;  ///< counter and clock start anew when plugged in; else a
-                                       ///< battery keeps them going
+  std::uint32_t first_time_us = 0;     ///< reading of its clock at power-on
+  double clock_drift_ppm = 0;          ///< rate by which its clock runs fast
+  bool restarts_on_reconnect = false;  ///< counter and clock restart; otherwise they run on
 };
 
-/// A facebow that sends one report a row of its motion.
+/// A facebow that sends one report for each row of its motion.
 class FacebowDevice {
  public:
   FacebowDevice(const DeviceOptions& options, Motion motion);
 
-  /// The next report, measured `time_ns` after the device was first switched on; the counter moves
-  /// on. False where the motion is at its end. InputErrors as Motion::next.
+  /// The next report, measured `time_ns` after the device was first switched on; the counter
+  /// increases. False at the end of the motion. InputErrors as Motion::next.
   bool next_report(TimeNs time_ns, FacebowReport& report);
 
   /// The device was plugged in again at `time_ns`.
   void reconnect(TimeNs time_ns);
-  /// A fault: the counter jumps by `step`, also backwards.
+  /// A fault: the counter jumps by `step`, which may be negative.
   void jump_counter(std::int64_t step);
-  /// A fault: the clock jumps by `step_ns`, also backwards.
+  /// A fault: the clock jumps by `step_ns`, which may be negative.
   void jump_clock(TimeNs step_ns);
 
   /// Counter of the next report.

@@ -63,7 +63,7 @@ Bytes string_descriptor(std::string_view text) {
   return bytes;
 }
 
-// Empty where there is none.
+// Empty if there is none.
 Bytes descriptor(const ControlRequest& request) {
   const unsigned type = request.value >> 8U, index = request.value & 0xffU;
   switch (type) {

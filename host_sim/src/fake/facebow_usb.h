@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the fake facebow says of itself on USB: descriptors, strings, answers on endpoint 0.
+// The USB side of the fake facebow: descriptors, strings, answers on endpoint 0.
 //
 // Sources: USB 2.0, chapter 9 (requests, standard descriptors); HID 1.11, sections 6.2 and 7
-// (HID and report descriptor, class requests). The ids are those that pid.codes keeps for tests.
+// (HID and report descriptor, class requests). The ids are reserved by pid.codes for tests.
 #pragma once
 
 #include <array>
@@ -20,11 +20,11 @@ inline constexpr std::uint16_t kDeviceVersion = 0x0100;  ///< binary-coded decim
 inline constexpr std::string_view kManufacturer = "condyle";
 inline constexpr std::string_view kProduct = "fake facebow";
 inline constexpr std::string_view kSerial = "FAKE0001";
-/// The endpoint that reports come from: interrupt IN.
+/// The endpoint of the reports: interrupt IN.
 inline constexpr std::uint8_t kEndpoint = 0x81;
 inline constexpr std::size_t kLargestPacket = 64;
 
-/// The descriptors, as they go over the bus.
+/// The descriptors, as sent over the bus.
 std::span<const std::uint8_t> device_descriptor();
 /// Configuration with interface, HID and endpoint descriptor.
 std::span<const std::uint8_t> configuration_descriptor();
@@ -39,19 +39,19 @@ struct ControlRequest {
 
   /// From the 8 bytes of a setup packet.
   explicit ControlRequest(std::span<const std::uint8_t, 8> setup);
-  /// True where data goes from the device to the host.
+  /// True if data goes from the device to the host.
   bool is_read() const { return (request_type & 0x80U) != 0; }
-  /// True for CLEAR_FEATURE(ENDPOINT_HALT) of the endpoint that reports come from.
+  /// True for CLEAR_FEATURE(ENDPOINT_HALT) of the endpoint of the reports.
   bool clears_halt() const;
 };
 
-/// The device's answer; `data` has at most the length that was asked for.
+/// The device's answer; `data` has at most the requested length.
 struct ControlAnswer {
   bool stalled = false;  ///< the device does not know the request
   std::vector<std::uint8_t> data;
 };
 
-/// Answers a request. The device keeps no settings: whatever may be set is accepted.
+/// Answers a request. The device has no settings: it accepts every valid one.
 ControlAnswer answer_control(const ControlRequest& request);
 
 }  // namespace condyle::host::fake

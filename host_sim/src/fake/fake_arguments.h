@@ -7,7 +7,7 @@
 namespace condyle::host::fake {
 
 /// Adds the command-line options of the device that all transports share; parsing fills `options`,
-/// which must live until then.
+/// which must outlive the parsing.
 void add_arguments(CommandLine command, FakeOptions& options);
 
 }  // namespace condyle::host::fake

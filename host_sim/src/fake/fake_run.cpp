@@ -8,13 +8,13 @@
 namespace condyle::host::fake {
 namespace {
 
-constexpr TimeNs kSlice_ns = 5'000'000;  // between two looks at `stop`
+constexpr TimeNs kSlice_ns = 5'000'000;  // between two checks of `stop`
 
 std::size_t index_of(FaultKind kind) {
   return static_cast<std::size_t>(kind);
 }
 
-// Faults that are done to the report itself; one a report.
+// Faults of the report itself; at most one for each report.
 bool spoils(FaultKind kind) {
   return kind >= FaultKind::stall;
 }
@@ -30,7 +30,7 @@ FakeRun::FakeRun(FacebowDevice& device, FaultScript& script, Transport& transpor
       options_(options),
       random_(options.seed, 1) {}
 
-// False where the user stopped it.
+// False if the user stopped it.
 bool FakeRun::serve_while(const std::function<bool()>& condition) {
   while (condition()) {
     if (stop_()) return false;
@@ -48,7 +48,7 @@ bool FakeRun::serve_until(TimeNs time_ns) {
   }
 }
 
-// False where the user stopped it.
+// False if the user stopped it.
 bool FakeRun::wait_until_taken() {
   return serve_while([this] { return !transport_.is_read() || !transport_.is_taken(); });
 }
@@ -60,7 +60,7 @@ bool FakeRun::plug_and_wait() {
     if (!serve_while([this] { return !transport_.is_read(); })) return false;
     if (!serve_until(clock_.now_ns() + nanoseconds(options_.settle_s))) return false;
   } while (!transport_.is_read());
-  // The device's time goes on while it waits, except before it was ever read.
+  // The device's time continues while it waits, except before the first read.
   if (account_.plugged_in == 1) {
     origin_ns_ = clock_.now_ns();
   } else if (options_.pacing == Pacing::real_time) {
@@ -92,7 +92,7 @@ Account FakeRun::account() const {
   return account;
 }
 
-// One report. False where the user stopped it.
+// One report. False if the user stopped it.
 bool FakeRun::step() {
   const bool is_last = options_.count > 0 && account_.made + 1 == options_.count;
   if (account_.made == 1 && !wait_until_taken()) return false;
@@ -129,7 +129,7 @@ bool FakeRun::step() {
   return true;
 }
 
-// False where the user stopped it.
+// False if the user stopped it.
 bool FakeRun::before_report(const Fault& fault) {
   ++account_.done[index_of(fault.kind)];
   switch (fault.kind) {
@@ -197,7 +197,7 @@ void FakeRun::spoil(FacebowReport& report, const Fault& fault, Packet& packet) {
       for (std::size_t i = 1; i < report.size(); ++i) {
         report[i] = static_cast<std::uint8_t>(random_.next());
       }
-      // Chance may not make the checksum right.
+      // The random bytes must not have a valid checksum.
       seal(report);
       report[kChecksumOffset] ^= static_cast<std::uint8_t>(1 + random_.next() % 255);
       break;

@@ -13,40 +13,41 @@
 
 namespace condyle::host::fake {
 
-/// When the next report comes.
+/// The time of the next report.
 enum class Pacing : std::uint8_t {
-  real_time,       ///< at its time, whether or not the last was taken
-  by_consumption,  ///< once the last was taken; pauses and time unplugged still take their time
+  real_time,       ///< at its time, whether or not the previous one was read
+  by_consumption,  ///< when the previous one was read; pauses and unplugged time still apply
 };
 
-/// How a run goes.
+/// Options of a run.
 struct RunOptions {
   double rate_Hz = 500;
-  std::uint64_t count = 0;  ///< reports; 0: until the motion ends or somebody stops it
+  std::uint64_t count = 0;  ///< reports; 0: until the motion ends or the user stops it
   Pacing pacing = Pacing::real_time;
-  /// Sends nothing for so long after somebody began to read: Linux drops what a HID device sends in
-  /// the first 50 ms (usbhid_open in drivers/hid/usbhid/hid-core.c).
+  /// Sends nothing for this time after a program starts to read: Linux drops reports of a HID
+  /// device in the first 50 ms (usbhid_open in drivers/hid/usbhid/hid-core.c).
   double settle_s = 0;
-  double linger_s = 1;     ///< stays plugged in after the last report was taken
+  double linger_s = 1;     ///< time plugged in after the last report was read
   std::uint64_t seed = 1;  ///< of garbage
 };
 
-/// Plays the device over a transport: reports, faults, account. Whenever it is plugged in, it sends
-/// nothing before somebody reads. Whoever reads can tell exactly how many reports were lost: what
-/// follows the first report waits until that was taken, the last of `count` until a reader is ready
-/// and has taken all before it, and faults by chance spare these two.
+/// Plays the device over a transport: reports, faults, account. When plugged in, it sends nothing
+/// before a program reads. A reader can count the lost reports exactly: the second report waits
+/// until the first was read, the last of `count` waits until a reader is ready and has read all
+/// others, and random faults spare these two.
 class FakeRun {
  public:
   FakeRun(FacebowDevice& device, FaultScript& script, Transport& transport, hal::Clock& clock,
           const RunOptions& options);
 
-  /// Runs to the end, or until `stop` says so; it is asked every few milliseconds, first when the
-  /// device is plugged in. The device is unplugged in the end. InputErrors of motion and transport.
+  /// Runs to the end, or until `stop` returns true. It calls `stop` every few milliseconds, first
+  /// when the device is plugged in. Unplugs the device at the end. InputErrors of motion and
+  /// transport.
   void run(const std::function<bool()>& stop);
 
-  /// What was done, and what became of it so far.
+  /// The account so far.
   Account account() const;
-  /// Reports made so far.
+  /// Number of reports so far.
   std::uint64_t made() const { return account_.made; }
 
  private:

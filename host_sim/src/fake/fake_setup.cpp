@@ -27,7 +27,7 @@ Motion::Opener opener_of(const FakeOptions& options) {
 std::string describe(const FakeOptions& options, const RunOptions& run,
                      std::optional<double> motion_rate_Hz) {
   std::string text =
-      fmt::format("fake facebow: {} at {:.6g} reports a second",
+      fmt::format("fake facebow: {} at {:.6g} reports per second",
                   options.motion.empty() ? "a simulated subject" : options.motion, run.rate_Hz);
   const double speed = run.rate_Hz / motion_rate_Hz.value_or(run.rate_Hz);
   if (speed < 0.99 || speed > 1.01) {

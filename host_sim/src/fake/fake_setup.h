@@ -13,17 +13,17 @@
 
 namespace condyle::host::fake {
 
-/// What the user asked of the fake facebow.
+/// The user's options for the fake facebow.
 struct FakeOptions {
   RecordingOptions reading;       ///< of the motion
   std::string motion;             ///< a recording, as open_recording takes it; empty: a simulation
-  bool stops_at_end = false;      ///< of the motion; else it repeats
+  bool stops_at_end = false;      ///< of the motion; otherwise it repeats
   std::optional<double> rate_Hz;  ///< absent: the motion's
   std::string fault_file;
   std::vector<std::string> faults;    ///< further ones, as text
-  std::optional<std::uint64_t> seed;  ///< of faults and garbage, not the file's
+  std::optional<std::uint64_t> seed;  ///< of faults and garbage, instead of the file's
   DeviceOptions device;
-  RunOptions run;  ///< its rate and seed are overwritten
+  RunOptions run;  ///< rate and seed are overwritten
 };
 
 /// A device ready to run.
@@ -31,7 +31,7 @@ struct FakeSetup {
   FacebowDevice device;
   FaultScript script;
   RunOptions run;
-  std::string description;  ///< what it does, for the user
+  std::string description;  ///< for the user
 };
 
 /// Builds the device; InputErrors of motion and faults.

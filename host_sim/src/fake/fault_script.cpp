@@ -31,7 +31,7 @@ FaultScript::FaultScript(std::vector<FaultRule> rules, std::uint64_t seed)
                    [](const FaultRule& a, const FaultRule& b) { return a.kind < b.kind; });
 }
 
-// Chance is a stream of its own for each report and kind, so that no rule changes another's.
+// Each report and kind has its own random stream, so that rules do not affect each other.
 bool FaultScript::hits(std::size_t index, std::uint64_t number, TimeNs time_ns,
                        bool spares_chance) {
   const FaultRule& rule = rules_[index];

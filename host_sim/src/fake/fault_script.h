@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faults of the fake facebow, by plan or by chance. A file has a section for each kind:
+// Faults of the fake facebow, planned or random. A file has a section for each kind:
 //
-//   seed = 7                   # of the faults by chance
+//   seed = 7                   # of the random faults
 //   [unplug]                   # or truncated, garbage, wrong_checksum, wrong_id, stall,
 //                              # transfer_error, pause, burst, counter_jump, clock_jump
 //   reports = [100, 250]       # before or in these reports; the first is 0
 //   times_s = [1.25]           # at these times since the device was first read
 //   every_reports = 60         # and in every 60th
-//   probability = 0.001        # and by chance, for each report
-//   off_s = 0.2                # how much, for the kinds that have it: see fault_type
+//   probability = 0.001        # and at random, for each report
+//   off_s = 0.2                # amount, for the kinds that have one: see fault_type
 //
 // The same as text, for a command line: unplug@100, unplug@1.25s, unplug/60, unplug~0.001, each
 // with the amount after "=": unplug@100=0.2.
@@ -26,10 +26,10 @@
 
 namespace condyle::host::fake {
 
-/// In the order in which they are tried where several hit the same report.
+/// In the order of their application, if several hit one report.
 enum class FaultKind : std::uint8_t {
   unplug,          ///< before the report; plugged in again after off_s
-  pause,           ///< nothing is measured for duration_s
+  pause,           ///< no measurement for duration_s
   counter_jump,    ///< by `step` counts
   clock_jump,      ///< by step_s
   burst,           ///< `count` reports are held back and sent at once
@@ -38,18 +38,18 @@ enum class FaultKind : std::uint8_t {
   truncated,       ///< the report ends after size_bytes
   garbage,         ///< random bytes after the report id
   wrong_checksum,
-  wrong_id,  ///< report id 2, the checksum in order
+  wrong_id,  ///< report id 2, with a valid checksum
 };
 
 inline constexpr std::size_t kFaultKinds = 11;
 
-/// What can be said of a kind.
+/// Properties of a kind.
 struct FaultType {
   std::string_view name;
-  std::string_view amount_key;  ///< "" where the kind has no amount
+  std::string_view amount_key;  ///< "" if the kind has no amount
   std::string_view unit;
   Range range{};
-  double amount = 0;  ///< unless said otherwise
+  double amount = 0;  ///< default
   bool is_whole = false;
 };
 
@@ -73,15 +73,15 @@ struct Fault {
   TimeNs time_ns = 0;  ///< not after the report's
 };
 
-/// The faults of one run. Same rules, same seed, same faults.
+/// The faults of one run. The same rules and seed give the same faults.
 class FaultScript {
  public:
   /// No faults.
   FaultScript() = default;
   FaultScript(std::vector<FaultRule> rules, std::uint64_t seed);
 
-  /// The faults that hit report `number` (from 0, asked for once each, in order), due at `time_ns`
-  /// after the device was first read; at most one of a kind. `spares_chance`: none by chance.
+  /// The faults that hit report `number` (from 0, one call for each, in order), due at `time_ns`
+  /// after the device was first read; at most one of a kind. `spares_chance`: no random ones.
   std::vector<Fault> faults_of(std::uint64_t number, TimeNs time_ns, bool spares_chance);
 
  private:
@@ -92,11 +92,11 @@ class FaultScript {
   std::uint64_t seed_ = 0;
 };
 
-/// Reads a file; InputErrors name line, column and mend. `seed` keeps its value where the file
-/// has none.
+/// Reads a file; InputErrors name line, column and remedy. `seed` keeps its value if the file has
+/// none.
 std::vector<FaultRule> load_faults(const std::string& path, std::uint64_t& seed);
 
-/// Reads one rule from text; an InputError where it is none.
+/// Reads one rule from text; throws InputError if the text is not a rule.
 FaultRule parse_fault(const std::string& text);
 
 }  // namespace condyle::host::fake

@@ -18,8 +18,8 @@ constexpr Range kEvery = {1, 9e15};
 constexpr Range kTimes_s = {0, 1e9};
 constexpr Range kProbability = {0, 1};
 constexpr const char* kForm =
-    "write KIND@REPORT, KIND@TIMEs, KIND/EVERY or KIND~PROBABILITY, and =AMOUNT after it where "
-    "the kind has one";
+    "write KIND@REPORT, KIND@TIMEs, KIND/EVERY or KIND~PROBABILITY, followed by =AMOUNT if the "
+    "kind has one";
 
 FaultKind kind_at(std::size_t index) {
   return static_cast<FaultKind>(index);
@@ -27,15 +27,15 @@ FaultKind kind_at(std::size_t index) {
 
 std::uint64_t whole(double value, const std::string& place, std::string_view key) {
   if (value != std::floor(value)) {
-    throw InputError(place, fmt::format("{} = {} is no whole number", key, value),
-                     "reports are counted from 0");
+    throw InputError(place, fmt::format("{} = {} is not a whole number", key, value),
+                     "give a whole number from 0");
   }
   return static_cast<std::uint64_t>(value);
 }
 
 void refuse_fraction(const FaultType& type, double amount, const std::string& place) {
   if (type.is_whole && amount != std::floor(amount)) {
-    throw InputError(place, fmt::format("{} = {} is no whole number", type.amount_key, amount),
+    throw InputError(place, fmt::format("{} = {} is not a whole number", type.amount_key, amount),
                      fmt::format("give whole {}", type.unit));
   }
 }
@@ -86,7 +86,7 @@ double number_of(const std::string& text, const std::string& number, Range range
   if (parse_number(number, value) != NumberStatus::ok || !range.contains(value)) {
     throw InputError(
         "fault " + quote(text),
-        fmt::format("{} is no number from {} to {}", quote(number), range.lowest, range.highest),
+        fmt::format("{} is not a number from {} to {}", quote(number), range.lowest, range.highest),
         kForm);
   }
   return value;
@@ -98,7 +98,7 @@ FaultKind kind_of(const std::string& text, const std::string& name) {
     if (fault_type(kind_at(i)).name == name) return kind_at(i);
     names += fmt::format("{}{}", i == 0 ? "" : ", ", fault_type(kind_at(i)).name);
   }
-  throw InputError("fault " + quote(text), quote(name) + " is no kind of fault",
+  throw InputError("fault " + quote(text), quote(name) + " is not a kind of fault",
                    "kinds are " + names);
 }
 
@@ -120,7 +120,7 @@ std::vector<FaultRule> load_faults(const std::string& path, std::uint64_t& seed)
 FaultRule parse_fault(const std::string& text) {
   const std::string place = "fault " + quote(text);
   const std::size_t mark = text.find_first_of("@/~");
-  if (mark == std::string::npos) throw InputError(place, "does not say when", kForm);
+  if (mark == std::string::npos) throw InputError(place, "lacks the time of the fault", kForm);
   const std::size_t equals = text.find('=', mark);
   FaultRule rule;
   rule.kind = kind_of(text, text.substr(0, mark));

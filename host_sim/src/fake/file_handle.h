@@ -34,8 +34,7 @@ class FileHandle {
   int file_ = -1;
 };
 
-/// Waits until `file` can be read (true), or `deadline_ns` of hal::SteadyClock or a signal has
-/// come.
+/// Waits until `file` is readable (true), or until `deadline_ns` of hal::SteadyClock or a signal.
 inline bool wait_readable(int file, TimeNs deadline_ns) {
   hal::SteadyClock clock;
   const TimeNs wait_ns = std::max<TimeNs>(0, deadline_ns - clock.now_ns());

@@ -11,11 +11,10 @@
 namespace condyle::host::fake {
 namespace {
 
-// Points 1 to 3 at rest, where the recording says how one of them moves: as the simulated
-// facebow's.
+// Rest positions of points 1 to 3, for recordings of a single point: as the simulated facebow's.
 constexpr double kPlaces_m[3][3] = {{0, 0, 0}, {0.025, 0, 0.03}, {-0.025, 0, 0.03}};
 
-// The share of a recording that its rate is taken from.
+// The part of a recording that determines its rate.
 constexpr int kRowsForRate = 256;
 
 std::optional<double> mean_rate_Hz(Recording& recording) {
@@ -47,8 +46,8 @@ Motion::Motion(Opener open, bool repeats) : open_(std::move(open)), repeats_(rep
   rate_Hz_ = mean_rate_Hz(*recording_);
   reopen();
   if (recording_->info().kind == SampleKind::pose) {
-    throw InputError(recording_->place(), "a pose cannot be shown",
-                     "name a recording of one or three points");
+    throw InputError(recording_->place(), "poses cannot be sent",
+                     "give a recording of one or three points");
   }
 }
 
@@ -62,7 +61,7 @@ bool Motion::next(RawCoordinates& coordinates) {
     if (!repeats_) return false;
     reopen();
     if (!recording_->next(sample)) {
-      throw InputError(recording_->place(), "has no samples", "name a recording with a motion");
+      throw InputError(recording_->place(), "has no samples", "give a recording with a motion");
     }
   }
   if (!sample.position_valid) {
@@ -75,7 +74,7 @@ bool Motion::next(RawCoordinates& coordinates) {
       throw InputError(recording_->place(),
                        fmt::format("{}{} = {:.6g} m does not fit the report", "xyz"[i % 3],
                                    i / 3 + 1, value * kCoordinateUnit_m),
-                       "it holds -0.131 to 0.131 m; choose another origin");
+                       "its range is -0.131 to 0.131 m; choose another origin");
     }
     coordinates[i] = static_cast<std::int16_t>(value);
   }

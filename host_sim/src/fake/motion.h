@@ -10,23 +10,24 @@
 
 namespace condyle::host::fake {
 
-/// The motion that the fake facebow shows: the rows of a recording, one a report, whatever their
-/// times. A recording of one axis or one point moves all three points alike, the axis along z.
+/// The motion of the fake facebow: the rows of a recording, one for each report, regardless of
+/// their times. A recording of one axis or one point moves all three points alike, the axis along
+/// z.
 class Motion {
  public:
   /// Opens a recording at its start; called again when it repeats.
   using Opener = std::function<std::unique_ptr<Recording>()>;
 
-  /// InputError where the recording cannot be shown: a pose, or no rows.
+  /// InputError if the recording cannot be sent: a pose, or no rows.
   Motion(Opener open, bool repeats);
 
-  /// Coordinates of the next row; false at the end. InputError where the recording is faulty or a
-  /// coordinate is beyond the report's 0.131 m.
+  /// Coordinates of the next row; false at the end. InputError if the recording is faulty or a
+  /// coordinate exceeds the report's 0.131 m.
   bool next(RawCoordinates& coordinates);
 
-  /// Mean rate of the recording's first rows, from their times; absent where they have none.
+  /// Mean rate of the recording's first rows, from their times; absent if they have none.
   std::optional<double> rate_Hz() const { return rate_Hz_; }
-  /// Share of the recording shown, 0 to 1; starts anew when it repeats.
+  /// Share of the recording sent, 0 to 1; starts again when it repeats.
   double progress() const { return recording_->progress(); }
 
  private:

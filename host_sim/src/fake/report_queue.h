@@ -7,8 +7,8 @@
 
 namespace condyle::host::fake {
 
-/// Reports waiting for the host, as many as a kernel's hidraw keeps (HIDRAW_BUFFER_SIZE); beyond
-/// that the newest is dropped. Keeps the account of them.
+/// Reports that wait for the host, as many as the kernel's hidraw keeps (HIDRAW_BUFFER_SIZE); a
+/// full queue drops the newest. Counts them.
 class ReportQueue {
  public:
   static constexpr std::size_t kLongest = 64;
@@ -24,7 +24,7 @@ class ReportQueue {
     return has_room;
   }
   bool empty() const { return waiting_.empty(); }
-  /// The oldest; it is not yet delivered.
+  /// The oldest, not yet delivered.
   Packet pop() {
     const Packet packet = waiting_.front();
     waiting_.pop_front();
@@ -35,12 +35,12 @@ class ReportQueue {
     if (packet.failure != TransferFailure::none) return;
     ++(packet.intact ? deliveries_.intact : deliveries_.altered);
   }
-  /// `packet` was on its way when the device went.
+  /// `packet` was in transit when the device was unplugged.
   void count_unplugged(const Packet& packet) {
     if (packet.failure == TransferFailure::none) ++deliveries_.lost_unplugged;
   }
   void count_unread() { ++deliveries_.lost_unread; }
-  /// Whatever waits is lost with the device.
+  /// Counts all waiting reports as lost with the device.
   void unplug() {
     while (!waiting_.empty()) count_unplugged(pop());
   }

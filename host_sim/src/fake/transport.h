@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The way from the fake facebow to its host. One thread uses it.
+// The connection of the fake facebow to its host. One thread uses it.
 #pragma once
 
 #include <array>
@@ -16,15 +16,15 @@ namespace condyle::host::fake {
 /// How a transfer can fail.
 enum class TransferFailure : std::uint8_t { none, stall, error };
 
-/// What goes over the bus in one interrupt transfer.
+/// The content of one interrupt transfer.
 struct Packet {
   std::array<std::uint8_t, kLargestPacket> bytes{};
   std::size_t size = 0;
-  bool intact = true;  ///< a report as the device made it
+  bool intact = true;  ///< an unaltered report
   TransferFailure failure = TransferFailure::none;
 };
 
-/// One way to the host. Whatever makes it unusable is an InputError that says what to do.
+/// A connection to the host. If it is unusable, it throws an InputError with the remedy.
 class Transport {
  public:
   virtual ~Transport() = default;
@@ -32,22 +32,22 @@ class Transport {
   virtual std::string name() const = 0;
   /// The device appears at the host.
   virtual void plug() = 0;
-  /// It disappears, where it is there; what was on its way is lost.
+  /// The device disappears, if it was there; reports in transit are lost.
   virtual void unplug() = 0;
-  /// Hands over a report; the transport says what became of it in `deliveries`.
+  /// Sends a report; `deliveries` counts the result.
   virtual void send(const Packet& packet) = 0;
-  /// True where transfers can be made to fail: then `send` takes packets with a failure, whose
-  /// report the transport does not count.
+  /// True if transfers can fail on request: then `send` accepts packets with a failure, and does
+  /// not count their reports.
   virtual bool can_fail() const = 0;
-  /// True where `is_taken` is more than a guess.
+  /// True if `is_taken` is reliable.
   virtual bool knows_taken() const = 0;
-  /// Answers the host until `deadline_ns` of hal::SteadyClock, or earlier where something happened.
+  /// Answers the host until `deadline_ns` of hal::SteadyClock, or earlier if something happened.
   virtual void serve(TimeNs deadline_ns) = 0;
-  /// True where a host is ready to take a report.
+  /// True if a host is ready to read a report.
   virtual bool is_read() = 0;
-  /// True where the host has taken all that was sent, or this transport cannot know.
+  /// True if the host has read all reports, or if this transport cannot know.
   virtual bool is_taken() = 0;
-  /// What became of the reports so far; complete once unplugged.
+  /// Fates of the reports so far; complete after the unplugging.
   virtual Deliveries deliveries() = 0;
 };
 

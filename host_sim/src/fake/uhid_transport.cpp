@@ -26,10 +26,10 @@ void put_text(__u8 (&field)[size], std::string_view text) {
 
 [[noreturn]] void fail_open(int error) {
   if (error == EACCES || error == EPERM) {
-    throw InputError(kNode, "may not be opened", "run as root");
+    throw InputError(kNode, "permission denied", "run as root");
   }
   throw InputError(kNode, std::string("cannot be opened: ") + std::strerror(error),
-                   "as root: modprobe uhid (Debian's \"cloud\" kernels have no such module)");
+                   "as root: modprobe uhid (Debian's \"cloud\" kernels lack this module)");
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ void put_text(__u8 (&field)[size], std::string_view text) {
 void UhidTransport::write_event(const uhid_event& event) const {
   if (write(file_.get(), &event, sizeof event) < 0) {
     throw InputError(kNode, std::string("the kernel refuses the device: ") + std::strerror(errno),
-                     "the kernel's log may say why");
+                     "see the kernel's log for the reason");
   }
 }
 
@@ -70,7 +70,7 @@ void UhidTransport::unplug() {
 }
 
 void UhidTransport::send(const Packet& packet) {
-  while (wait_readable(file_.get(), 0)) serve(0);  // a reader may have come or gone
+  while (wait_readable(file_.get(), 0)) serve(0);  // a reader may have opened or closed the device
   if (!is_open_) {
     ++deliveries_.lost_unread;
     return;
@@ -100,7 +100,7 @@ void UhidTransport::serve(TimeNs deadline_ns) {
     case UHID_CLOSE:
       is_open_ = false;
       break;
-    case UHID_GET_REPORT:  // the device has no report that could be asked for
+    case UHID_GET_REPORT:  // the device has no such report
       reply.type = UHID_GET_REPORT_REPLY;
       reply.u.get_report_reply.id = event.u.get_report.id;
       reply.u.get_report_reply.err = EIO;

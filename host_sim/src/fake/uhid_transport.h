@@ -11,8 +11,8 @@ struct uhid_event;
 namespace condyle::host::fake {
 
 /// The fake facebow as a HID device of the running kernel, through /dev/uhid (linux/uhid.h,
-/// Documentation/hid/uhid.rst). It has no USB: only hidraw sees it, and transfers cannot fail.
-/// Delivered means handed to the kernel, which drops what no reader takes in time.
+/// Documentation/hid/uhid.rst). It is not on USB: only hidraw sees it, and transfers cannot fail.
+/// Delivered means passed to the kernel, which drops reports that are not read in time.
 class UhidTransport final : public Transport {
  public:
   explicit UhidTransport(std::uint16_t product_id) : product_id_(product_id) {}

@@ -31,13 +31,13 @@ constexpr std::uint32_t kLargestData = 65536;
 
 [[noreturn]] void fail(const std::string& where, int error) {
   const bool is_permission = error == EACCES || error == EPERM;
-  throw InputError(where, std::strerror(error),
-                   is_permission ? "run as root"
-                                 : "as root: modprobe vhci-hcd (Debian's \"cloud\" kernels have no "
-                                   "such module)");
+  throw InputError(
+      where, std::strerror(error),
+      is_permission ? "run as root"
+                    : "as root: modprobe vhci-hcd (Debian's \"cloud\" kernels lack this module)");
 }
 
-// First high-speed port in state VDEV_ST_NULL (4: nothing attached); -1 where all are taken.
+// First high-speed port in state VDEV_ST_NULL (4: nothing attached); -1 if all are taken.
 int free_port() {
   const std::string path = kController + "/status";
   std::ifstream file(path);
@@ -112,9 +112,9 @@ void VhciTransport::plug() {
   hal::SteadyClock clock;
   const TimeNs give_up_ns = clock.now_ns() + kPortWait_ns;
   int port = free_port();
-  while (port < 0) {  // ports are freed some time after the unplugging
+  while (port < 0) {  // the kernel frees ports some time after the unplugging
     if (clock.now_ns() > give_up_ns) {
-      throw InputError(kController, "all its ports are taken", "detach other USB/IP devices");
+      throw InputError(kController, "all its ports are in use", "detach other USB/IP devices");
     }
     clock.sleep_until(clock.now_ns() + kNanosecondsPerSecond / 20);
     port = free_port();
@@ -224,7 +224,7 @@ void VhciTransport::answer_endpoint_0(const Command& command) {
   }
 }
 
-// A transfer that was taken back is not completed; one that was completed cannot be taken back.
+// A cancelled transfer is not completed; a completed one cannot be cancelled.
 void VhciTransport::unlink(const Command& command) {
   const auto found = std::find(transfers_.begin(), transfers_.end(), command.unlinked_sequence());
   const bool is_waiting = found != transfers_.end();

@@ -11,7 +11,7 @@ namespace condyle::host::fake {
 
 /// The fake facebow as a USB device of the running kernel, on its virtual host controller vhci-hcd.
 /// This process is the USB/IP server at the other end of a socket pair; no network is used
-/// (Documentation/usb/usbip_protocol.rst). Delivered means handed to the kernel.
+/// (Documentation/usb/usbip_protocol.rst). Delivered means passed to the kernel.
 class VhciTransport final : public Transport {
  public:
   std::string name() const override { return "vhci"; }
@@ -37,7 +37,8 @@ class VhciTransport final : public Transport {
 
   FileHandle socket_;
   std::uint32_t device_number_ = 0;
-  std::deque<std::uint32_t> transfers_;  // the host's, waiting for a report: sequence numbers
+  std::deque<std::uint32_t>
+      transfers_;  // sequence numbers of the host's transfers that wait for a report
   bool is_halted_ = false;
   ReportQueue queue_;
 };

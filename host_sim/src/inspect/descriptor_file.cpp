@@ -45,7 +45,7 @@ std::vector<std::uint8_t> read_descriptor_file(const std::string& path) {
   ByteReader reader(path);
   const std::string_view content = reader.peek(ByteReader::kLongestLine);
   if (content.size() == ByteReader::kLongestLine) {
-    throw InputError(path, "is longer than any report descriptor", "give the descriptor alone");
+    throw InputError(path, "is longer than any report descriptor", "give only the descriptor");
   }
   std::vector<std::uint8_t> bytes;
   if (content.empty() || !is_hexadecimal_text(content)) {
@@ -60,7 +60,7 @@ std::vector<std::uint8_t> read_descriptor_file(const std::string& path) {
       const auto line =
           1 + std::count(content.begin(), content.begin() + static_cast<long>(begin), '\n');
       throw InputError(path + ":" + std::to_string(line),
-                       "\"" + std::string(word.substr(0, 20)) + "\" is no byte in hexadecimal",
+                       "\"" + std::string(word.substr(0, 20)) + "\" is not a hexadecimal byte",
                        "write two digits for each byte, as in 05 01 or 0x05, 0x01");
     }
     begin = end;

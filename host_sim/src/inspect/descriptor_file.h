@@ -8,8 +8,8 @@
 namespace condyle::host {
 
 /// Bytes of the report descriptor in `path`: binary, or hexadecimal text ("05 01", "0x05, 0x01",
-/// "0501"; the file then holds nothing else). An InputError where the file cannot be read or its
-/// text is no sequence of bytes.
+/// "0501"; the file then contains nothing else). Throws InputError if the file cannot be read or
+/// its text is not a sequence of bytes.
 std::vector<std::uint8_t> read_descriptor_file(const std::string& path);
 
 }  // namespace condyle::host

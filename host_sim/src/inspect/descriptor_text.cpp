@@ -9,7 +9,7 @@
 namespace condyle::host {
 namespace {
 
-// The usages a facebow is likely to have. Source: HID Usage Tables 1.4, sections 3 and 4.
+// Likely usages of a facebow. Source: HID Usage Tables 1.4, sections 3 and 4.
 const char* usage_name(std::uint32_t usage) {
   constexpr std::pair<std::uint32_t, const char*> kNames[] = {{0x00010001, "pointer"},
                                                               {0x00010002, "mouse"},
@@ -78,7 +78,7 @@ std::string field_words(const hal::DescriptorField& field) {
   return text + '\n';
 }
 
-// Any JSON reader can hold these, and tell an absent value from 0.
+// Every JSON reader can represent these values, and distinguish an absent value from 0.
 nlohmann::ordered_json field_json(const hal::DescriptorField& field) {
   auto usages = nlohmann::ordered_json::array();
   for (const hal::UsageRange& range : field.usages) {
@@ -120,7 +120,7 @@ std::string descriptor_words(const hal::ReportDescriptor& descriptor) {
     const std::string id = report.id ? fmt::format("report {}", *report.id) : "unnumbered report";
     text += fmt::format("{}, {}, {} bits ({} bytes{})\n", id, hal::direction_name(report.direction),
                         report.size_bits, (report.size_bits + 7) / 8,
-                        report.id ? ", the first is its number" : "");
+                        report.id ? ", the first is the report number" : "");
     for (const hal::DescriptorField& field : report.fields) text += field_words(field);
   }
   for (const std::string& note : descriptor.notes) text += "note: " + note + '\n';

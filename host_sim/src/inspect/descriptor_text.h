@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A decoded report descriptor for people and for programs.
+// A decoded report descriptor as text and as JSON.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace condyle::host {
 
-/// "X (0001:0030)"; the numbers alone where the usage has no name here.
+/// "X (0001:0030)"; only the numbers if the usage has no name here.
 std::string usage_words(const hal::UsageRange& range);
 
-/// In words, a line for each field; ends with a line feed.
+/// As text, one line for each field; ends with a line feed.
 std::string descriptor_words(const hal::ReportDescriptor& descriptor);
 
 /// As a JSON object; hal/README.md describes it. Ends with a line feed.

@@ -92,8 +92,8 @@ std::optional<hal::DeviceAddress> find_device(const std::string& text, const std
     if (is_named && (serial.empty() || serial == device.serial)) found.push_back(&device);
   }
   if (found.empty()) return std::nullopt;
-  // Interfaces of one device count as one. Measuring devices speak where usages are the maker's
-  // own; others may be a keyboard for their buttons.
+  // Interfaces of one device count as one. Measuring devices send on vendor-defined usages; their
+  // other interfaces may be a keyboard for buttons.
   const auto is_vendor_defined = [](const hal::HidDevice* device) {
     return device->usage_page >= 0xFF00;
   };
@@ -107,7 +107,7 @@ std::optional<hal::DeviceAddress> find_device(const std::string& text, const std
     for (const hal::HidDevice* device : found) {
       places += (places.empty() ? "" : ", ") + device->path;
     }
-    throw InputError("device " + text, "is plugged in more than once", "say which: " + places);
+    throw InputError("device " + text, "is plugged in more than once", "give one of " + places);
   }
   return hal::DeviceAddress{.vendor_id = first.vendor_id,
                             .product_id = first.product_id,
@@ -126,10 +126,10 @@ hal::DeviceAddress wait_for_device(const std::string& text, const std::string& s
     if (ids || clock.now_ns() >= deadline_ns || stop()) break;
     clock.sleep_until(clock.now_ns() + kPause_ns);
   }
-  // Perhaps not HID, or without a driver, as only libusb sees it.
+  // It may not be HID, or have no driver: only libusb sees it then.
   if (ids) return {ids->first, ids->second, -1, serial, {}};
   throw InputError("device " + text, "is not plugged in",
-                   "condyle inspect lists what is; write 1209:0001, /dev/hidraw0 or 1-1.4");
+                   "run condyle inspect for a list; write 1209:0001, /dev/hidraw0 or 1-1.4");
 }
 
 }  // namespace condyle::host

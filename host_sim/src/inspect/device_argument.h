@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The devices that are plugged in: in words, and the one the user means.
+// The devices that are plugged in, as text, and the choice of one by the user.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -22,21 +22,21 @@ constexpr std::uint32_t device_usage(const hal::HidDevice& device) {
 /// "046d:c626 3Dconnexion SpaceNavigator".
 std::string name_words(const hal::HidDevice& device);
 
-/// The devices with where they are and who may use them, a few lines each.
+/// The devices with their places and permissions, a few lines each.
 std::string devices_words(std::span<const hal::HidDevice> devices);
-/// The same for programs.
+/// The same as JSON.
 nlohmann::ordered_json devices_json(std::span<const hal::HidDevice> devices);
 
 /// The address of the one of `devices` that `text` names: "046d:c626", "/dev/hidraw0" or a USB
 /// port, "1-1.4"; of several with the same ids the one with this serial number, if it is not empty;
-/// of one device's interfaces the first whose usages are vendor-defined, or else the first.
-/// Nothing where there is none; an InputError where there is more than one.
+/// of one device's interfaces the first with vendor-defined usages, otherwise the first. Nothing if
+/// there is none; throws InputError if there is more than one.
 std::optional<hal::DeviceAddress> find_device(const std::string& text, const std::string& serial,
                                               std::span<const hal::HidDevice> devices);
 
-/// The same among what is plugged in. Ids always give an address: the device may come, or be one
-/// that only libusb sees. For the others it waits up to 2 s or until `stop`; an InputError where
-/// there is none.
+/// The same among the devices that are plugged in. Ids always give an address: the device may
+/// appear later, or be visible to libusb only. For other texts it waits up to 2 s or until `stop`;
+/// throws InputError if there is no such device.
 hal::DeviceAddress wait_for_device(const std::string& text, const std::string& serial,
                                    hal::Clock& clock, const std::function<bool()>& stop);
 

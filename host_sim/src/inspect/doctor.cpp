@@ -27,8 +27,8 @@ bool is_there(const Machine& machine, const char* path) {
   return fs::exists(machine.root / fs::path(path).relative_path(), error);
 }
 
-// Keyboards, mice, their neighbours and media keys: no facebows, and rightly nobody's to read.
-// HID Usage Tables 1.4, sections 4 and 15.
+// Keyboards, mice, related devices and media keys: not facebows, and rightly protected from
+// reading. HID Usage Tables 1.4, sections 4 and 15.
 bool is_everyday(const hal::HidDevice& device) {
   const bool is_desktop = device.usage_page == 0x01;
   return device.usage_page == 0x0C ||
@@ -38,10 +38,10 @@ bool is_everyday(const hal::HidDevice& device) {
 
 struct Rule {
   fs::path file;
-  std::string group;  // empty: it names none
+  std::string group;  // empty: the rule names none
 };
 
-// Whether a line of a rules file lets the device be read.
+// Whether a line of a rules file allows reading the device.
 bool is_for(const std::string& line, const hal::HidDevice& device, DeviceBackEnd back_end) {
   const auto has = [&line](const std::string& text) {
     return line.find(text) != std::string::npos;
@@ -55,7 +55,7 @@ bool is_for(const std::string& line, const hal::HidDevice& device, DeviceBackEnd
          has(fmt::format(":{:04X}:{:04X}.*\"", device.vendor_id, device.product_id));
 }
 
-// The udev rule for a device, where one is installed.
+// The installed udev rule for a device, if any.
 std::optional<Rule> find_rule(const Machine& machine, const hal::HidDevice& device,
                               DeviceBackEnd back_end) {
   for (const char* folder : {"etc/udev/rules.d", "run/udev/rules.d", "usr/lib/udev/rules.d",
@@ -90,8 +90,8 @@ std::string permission_mend(const Machine& machine, const hal::HidDevice& device
     return fmt::format("sudo adduser {} {}\nthen log out and in again; /{} lets that group read it",
                        machine.user, rule->group, rule->file.string());
   }
-  return fmt::format("{}\nthen plug the device in again, for /{} was not applied to it", kReload,
-                     rule->file.string());
+  return fmt::format("{}\nthen plug the device in again, because /{} was not applied to it",
+                     kReload, rule->file.string());
 }
 
 // The file that libusb opens.
@@ -102,7 +102,8 @@ void examine_usb(const Machine& machine, const hal::HidDevice& device, DeviceBac
   const std::string name = name_words(device);
   if (device.usb_path.empty()) {
     if (is_needed) {
-      findings.push_back({Severity::missing, name + " is not on USB, which --backend libusb needs",
+      findings.push_back({Severity::missing,
+                          name + " is not on USB, but --backend libusb requires USB",
                           "leave out --backend libusb"});
     }
     return;
@@ -111,20 +112,21 @@ void examine_usb(const Machine& machine, const hal::HidDevice& device, DeviceBac
     case hal::DeviceAccess::permitted:
       if (!is_needed) return;
       findings.push_back(
-          {Severity::fine, fmt::format("{} may be taken: {}", name, device.usb_path), ""});
+          {Severity::fine, fmt::format("{} is accessible: {}", name, device.usb_path), ""});
       return;
     case hal::DeviceAccess::not_there:
       findings.push_back(
-          {severity, fmt::format("{}: no {}, which --backend libusb needs", name, device.usb_path),
+          {severity,
+           fmt::format("{}: {} is missing; --backend libusb requires it", name, device.usb_path),
            "in a container, pass /dev/bus/usb through"});
       return;
     case hal::DeviceAccess::not_permitted:
       findings.push_back(
           {severity,
-           fmt::format("{}: {} may not be read by {}, which --backend libusb needs", name,
+           fmt::format("{}: {} is not readable by {}; --backend libusb requires it", name,
                        device.usb_path, machine.user),
            is_needed ? permission_mend(machine, device, back_end)
-                     : fmt::format("if it is to be read so: condyle doctor --device {} --backend "
+                     : fmt::format("to read it with libusb: condyle doctor --device {} --backend "
                                    "libusb",
                                    id_words(device.vendor_id, device.product_id))});
   }
@@ -145,17 +147,17 @@ void examine_device(const Machine& machine, const hal::HidDevice& device, bool i
   switch (device.access) {
     case hal::DeviceAccess::permitted:
       findings.push_back(
-          {Severity::fine, fmt::format("{} may be read: {}", name, device.path), ""});
+          {Severity::fine, fmt::format("{} is readable: {}", name, device.path), ""});
       break;
     case hal::DeviceAccess::not_permitted:
       findings.push_back(
           {Severity::missing,
-           fmt::format("{} may not be read by {}: {}", name, machine.user, device.path),
+           fmt::format("{} is not readable by {}: {}", name, machine.user, device.path),
            permission_mend(machine, device, back_end)});
       break;
     case hal::DeviceAccess::not_there:
       findings.push_back({Severity::missing, fmt::format("{} has no file {}", name, device.path),
-                          "in a container, pass it through; else start udev"});
+                          "in a container, pass it through; otherwise start udev"});
   }
   if (device.access != hal::DeviceAccess::not_permitted) {
     examine_usb(machine, device, back_end, findings);
@@ -174,29 +176,28 @@ void examine_devices(const Machine& machine, const std::optional<hal::DeviceAddr
     examine_device(machine, device, wanted.has_value(), back_end, findings);
   }
   if (everyday > 0) {
-    findings.push_back({Severity::fine,
-                        fmt::format("{} keyboards, mice and the like are passed over", everyday),
-                        ""});
+    findings.push_back(
+        {Severity::fine,
+         fmt::format("{} keyboards, mice and similar devices are not listed", everyday), ""});
   }
   if (looked_at > 0) return;
   const std::string what =
       wanted ? "device " + id_words(wanted->vendor_id, wanted->product_id) : "a facebow";
-  findings.push_back(
-      {Severity::missing, what + " is not plugged in, or cannot be seen",
-       "plug it in, and give it power; if lsusb shows it, and condyle inspect does "
-       "not, it is no HID device\nin a virtual machine or container, pass it through"});
+  findings.push_back({Severity::missing, what + " is not plugged in, or not visible",
+                      "plug it in and power it; if lsusb lists it but condyle inspect does not, it "
+                      "is not a HID device\nin a virtual machine or container, pass it through"});
 }
 
 void examine_kernel(const Machine& machine, std::vector<Finding>& findings) {
   if (is_there(machine, "/sys/class/hidraw")) {
-    findings.push_back({Severity::fine, "the kernel hands out HID reports (hidraw)", ""});
+    findings.push_back({Severity::fine, "the kernel provides HID reports (hidraw)", ""});
   } else {
-    findings.push_back({Severity::missing, "the kernel hands out no HID reports (hidraw)",
+    findings.push_back({Severity::missing, "the kernel does not provide HID reports (hidraw)",
                         "sudo modprobe usbhid"});
   }
   if (!is_there(machine, "/dev/bus/usb")) {
     findings.push_back({Severity::optional,
-                        "no USB bus, which --backend libusb needs: /dev/bus/usb",
+                        "no USB bus at /dev/bus/usb; --backend libusb requires it",
                         "in a container, pass /dev/bus/usb through"});
   }
 }
@@ -205,11 +206,11 @@ void examine_fake(const Machine& machine, std::vector<Finding>& findings) {
   constexpr const char* kKernels =
       "as root; Debian's \"cloud\" kernels do not have it: sudo apt install linux-image-amd64";
   if (!is_there(machine, "/dev/uhid")) {
-    findings.push_back({Severity::optional, "condyle fake --transport uhid needs /dev/uhid",
+    findings.push_back({Severity::optional, "condyle fake --transport uhid requires /dev/uhid",
                         fmt::format("sudo modprobe uhid\n{}", kKernels)});
   }
   if (!is_there(machine, "/sys/devices/platform/vhci_hcd.0")) {
-    findings.push_back({Severity::optional, "condyle fake --transport vhci needs vhci-hcd",
+    findings.push_back({Severity::optional, "condyle fake --transport vhci requires vhci-hcd",
                         fmt::format("sudo modprobe vhci-hcd\n{}", kKernels)});
   }
 }
@@ -253,7 +254,7 @@ std::vector<Finding> examine(const Machine& machine,
   examine_devices(machine, wanted, back_end, findings);
   examine_fake(machine, findings);
   if (!has_program("gnuplot")) {
-    findings.push_back({Severity::optional, "condyle replay --figures needs gnuplot",
+    findings.push_back({Severity::optional, "condyle replay --figures requires gnuplot",
                         "sudo apt install gnuplot-nox"});
   }
   return findings;

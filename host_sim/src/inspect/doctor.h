@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a computer lacks to read a facebow, and the command that mends it.
+// Checks whether a computer can read a facebow, and gives the remedy for each problem.
 #pragma once
 
 #include <cstdint>
@@ -17,18 +17,18 @@ namespace condyle::host {
 /// How bad a finding is.
 enum class Severity : std::uint8_t {
   fine,
-  optional,  ///< something that not everybody needs is missing
+  optional,  ///< an optional component is missing
   missing,   ///< a device cannot be read
 };
 
-/// One thing looked at.
+/// The result of one check.
 struct Finding {
   Severity severity = Severity::fine;
   std::string what;
-  std::string mend;  ///< commands, or what to do; empty where nothing is to be done
+  std::string mend;  ///< commands or instructions; empty if none are needed
 };
 
-/// What is examined. `this_machine` fills it in.
+/// The examined computer. `this_machine` describes the present one.
 struct Machine {
   std::filesystem::path root = "/";  ///< of the file system
   std::string user;
@@ -37,16 +37,16 @@ struct Machine {
 };
 Machine this_machine();
 
-/// `wanted`: the device that is to be read; without one all but keyboards, mice and consumer
-/// controls are looked at. `back_end`: what is to read it.
+/// `wanted`: the device to read; without one, all devices except keyboards, mice and consumer
+/// controls are checked. `back_end`: the driver for it.
 std::vector<Finding> examine(const Machine& machine,
                              const std::optional<hal::DeviceAddress>& wanted,
                              DeviceBackEnd back_end = DeviceBackEnd::hidapi);
 
-/// The device that a rule is made for: as it is plugged in, else any of that model on USB.
+/// The device of a new rule: the one that is plugged in, otherwise any of that model on USB.
 hal::HidDevice device_for_rule(const Machine& machine, const hal::DeviceAddress& wanted);
 
-/// The findings as text, the mends indented under them.
+/// The findings as text, with the remedies indented below them.
 std::string findings_words(const std::vector<Finding>& findings);
 
 }  // namespace condyle::host

@@ -15,9 +15,9 @@
 namespace condyle::host {
 namespace {
 
-constexpr std::uint32_t kMostValues = 32;  // shown of a field
+constexpr std::uint32_t kMostValues = 32;  // shown for one field
 
-// The number of a descriptor's field that stands for one of its values.
+// The place of one value of a descriptor's field.
 hal::ReportField value_field(const hal::DescriptorField& field, std::uint32_t index) {
   hal::ReportField value;
   value.offset_bits = field.offset_bits + index * field.width_bits;
@@ -34,8 +34,8 @@ struct DescribedValue {
   std::string unit;
 };
 
-// What the descriptor says of the bytes of `report`. Vendor-defined bytes say nothing by
-// themselves.
+// The bytes of `report`, decoded by the descriptor. Vendor-defined bytes are skipped: they have no
+// meaning by themselves.
 std::vector<DescribedValue> described_values(const hal::ReportDescriptor& descriptor,
                                              std::uint8_t id, const hal::RawReport& report) {
   std::vector<DescribedValue> values;
@@ -92,13 +92,13 @@ hal::Status LiveInspection::read(TimeNs deadline_ns, hal::RawReport& report) {
 
 std::string LiveInspection::words() const {
   if (watches_.empty()) {
-    return "no reports came; many devices send nothing until their own software starts them\n";
+    return "no reports received; many devices send nothing until their own software starts them\n";
   }
   std::string text;
   for (const auto& [id, watch] : watches_) {
     text += id > 0 ? fmt::format("report {}", id) : "reports";
     text +=
-        fmt::format(": {}, {} of them; {}\n", size_words(watch), watch.count(), rate_words(watch));
+        fmt::format(": {}, {} reports; {}\n", size_words(watch), watch.count(), rate_words(watch));
     text += fmt::format("  last     {}\n", bytes_words(watch.last()));
     text += fmt::format("  changed  {}\n", changed_words(watch));
     for (const std::string& words : steady_words(watch)) text += "  steady   " + words + '\n';
@@ -163,7 +163,7 @@ nlohmann::ordered_json LiveInspection::json() const {
 }
 
 std::string profile_words(const hal::DeviceProfile& profile, const hal::DeviceFacebow& facebow) {
-  std::string text = fmt::format("as {} says\n", profile.name);
+  std::string text = fmt::format("decoded by the profile {}\n", profile.name);
   const hal::ReportCounts& counts = facebow.counts();
   text += "  " + reports_words(profile, counts, facebow.transport_counts()) + '\n';
   if (profile.device_time) text += "  " + clock_words(facebow.clock_fit()) + '\n';

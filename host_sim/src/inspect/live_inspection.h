@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A device being looked at: all that its reports show, without or with a profile.
+// Live inspection of a device: properties of its reports, without or with a profile.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -18,7 +18,7 @@ namespace condyle::host {
 /// Watches the reports that pass through it on their way from a source.
 class LiveInspection final : public hal::ReportSource {
  public:
-  /// `descriptor`: nothing where the device's could not be decoded.
+  /// `descriptor`: nothing if the device's could not be decoded.
   LiveInspection(hal::ReportSource& source, std::optional<hal::ReportDescriptor> descriptor)
       : source_(source), descriptor_(std::move(descriptor)) {}
 
@@ -27,10 +27,10 @@ class LiveInspection final : public hal::ReportSource {
   void close() override { source_.close(); }
   hal::TransportCounts counts() const override { return source_.counts(); }
 
-  /// What the reports show so far, in words: for each number the rate and its jitter, the last
-  /// bytes, the values the descriptor gives them, what changes and what looks like a counter.
+  /// The reports so far, as text: for each report number the rate and its jitter, the last bytes,
+  /// their values by the descriptor, the bytes that change and likely counters.
   std::string words() const;
-  /// The same for programs.
+  /// The same as JSON.
   nlohmann::ordered_json json() const;
 
  private:
@@ -39,8 +39,7 @@ class LiveInspection final : public hal::ReportSource {
   std::map<std::uint8_t, ReportWatch> watches_;  // by report id; 0: not numbered
 };
 
-/// What a profile makes of the last report, in words: millimetres, the counter, what was lost, the
-/// clock.
+/// The last report decoded by a profile, as text: millimetres, counter, losses, clock.
 std::string profile_words(const hal::DeviceProfile& profile, const hal::DeviceFacebow& facebow);
 
 }  // namespace condyle::host

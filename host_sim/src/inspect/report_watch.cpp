@@ -28,7 +28,8 @@ std::uint64_t read(const std::uint8_t* bytes, Form form) {
   return value;
 }
 
-// Clocks jitter. By more than a part of its lowest byte: then that byte is not one of the field.
+// Clocks jitter. If the jitter exceeds a part of the lowest byte, that byte does not belong to the
+// field.
 bool is_about(std::uint64_t step, std::uint64_t usual) {
   const std::uint64_t difference = step > usual ? step - usual : usual - step;
   return difference <= std::min<std::uint64_t>(usual / 20, 32);
@@ -114,8 +115,8 @@ std::vector<SteadyField> ReportWatch::steady_fields() const {
                      candidate.steps - candidate.steady});
     }
   }
-  // A field read in the wrong order or width is unsteady where it carries. Else the widest, and of
-  // those the one that begins lowest.
+  // A field read with the wrong byte order or width is unsteady at carries. Among equally steady
+  // ones prefer the widest, then the one that starts at the least significant byte.
   std::sort(all.begin(), all.end(), [](const Found& a, const Found& b) {
     return std::tuple(a.unsteady, b.field.width_bytes, b.field.step) <
            std::tuple(b.unsteady, a.field.width_bytes, a.field.step);
@@ -150,7 +151,7 @@ std::string changed_words(const ReportWatch& watch) {
 }
 
 std::string rate_words(const ReportWatch& watch) {
-  if (watch.count() < 3) return "too few to tell how often they come";
+  if (watch.count() < 3) return "too few to determine the rate";
   return fmt::format(
       "{:.1f} Hz: every {:.3f} ms, standard deviation {:.3f} ms; p99 {:.3f} ms, at "
       "most {:.3f} ms",
@@ -167,7 +168,7 @@ std::vector<std::string> steady_words(const ReportWatch& watch) {
       text += fmt::format(" to {}, {}-endian", field.offset_bytes + field.width_bytes - 1,
                           field.is_big_endian ? "big" : "little");
     }
-    text += fmt::format(": goes up by {} a report; a {}?", field.step,
+    text += fmt::format(": increases by {} per report; a {}?", field.step,
                         field.step == 1 ? "counter" : "clock");
     words.push_back(std::move(text));
   }

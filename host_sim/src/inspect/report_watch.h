@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What can be seen of reports whose meaning nobody has told yet: how often they come, how evenly,
-// which of their bytes change, and what looks like a counter or a clock.
+// Properties of reports without a known meaning: rate, jitter, bytes that change, and likely
+// counters or clocks.
 #pragma once
 
 #include <array>
@@ -13,15 +13,15 @@
 
 namespace condyle::host {
 
-/// A number in a report that goes up by about the same with each.
+/// A number in a report that increases by about the same step with each report.
 struct SteadyField {
   std::size_t offset_bytes = 0;
   std::size_t width_bytes = 0;
   bool is_big_endian = false;
-  std::uint64_t step = 0;  ///< median; 1: a counter, else perhaps a clock
+  std::uint64_t step = 0;  ///< median; 1: a counter, otherwise perhaps a clock
 };
 
-/// Reports of one number. Memory does not grow with their count.
+/// Reports with one report number. Constant memory.
 class ReportWatch {
  public:
   void add(const hal::RawReport& report);
@@ -33,28 +33,28 @@ class ReportWatch {
   std::size_t smallest() const { return smallest_; }
   std::size_t largest() const { return largest_; }
 
-  /// Reports a second by their arrivals; 0 before the second one.
+  /// Reports per second, from their arrival times; 0 before the second report.
   double rate_Hz() const;
-  /// Standard deviation of the time from one arrival to the next (s).
+  /// Standard deviation of the intervals between arrivals (s).
   double jitter_s() const;
-  /// Of the times from one arrival to the next.
+  /// Of the intervals between arrivals.
   const firmware::LatencyHistogram& intervals() const { return intervals_; }
 
-  /// True where the byte was not the same in all reports.
+  /// True if the byte was not the same in all reports.
   bool has_changed(std::size_t byte) const { return byte < largest_ && has_changed_[byte]; }
-  /// What goes up steadily in at least 9 of 10 reports; of fields that cover each other the
+  /// Fields that increase steadily in at least 9 of 10 reports; of overlapping fields the
   /// steadiest, then the widest.
   std::vector<SteadyField> steady_fields() const;
 
  private:
-  static constexpr std::size_t kWatched = 64;  // bytes in which steady fields are looked for
+  static constexpr std::size_t kWatched = 64;  // bytes that are searched for steady fields
   static constexpr std::size_t kForms = 5;     // 1 byte; 2 and 4, little- and big-endian
 
-  // A field that is tried: the step most often seen, by majority vote.
+  // A candidate field: its most frequent step, by majority vote.
   struct Candidate {
     std::uint64_t value = 0, step = 0;
     std::uint64_t lead = 0;    // of the vote
-    std::uint64_t steady = 0;  // reports that went on by about `step`
+    std::uint64_t steady = 0;  // reports with about this `step`
     std::uint64_t steps = 0;
   };
 
@@ -72,9 +72,10 @@ class ReportWatch {
 
 /// "1-4, 9": the bytes that changed; "none".
 std::string changed_words(const ReportWatch& watch);
-/// "500.0 Hz, every 2.000 ms +- 0.031 ms; p99 2.1 ms, at most 2.4 ms"; says where it is too early.
+/// "500.0 Hz, every 2.000 ms +- 0.031 ms; p99 2.1 ms, at most 2.4 ms"; or a note that there are too
+/// few reports.
 std::string rate_words(const ReportWatch& watch);
-/// "byte 1 to 4, little-endian: goes up by 1, a counter?"; one for each.
+/// "byte 1 to 4, little-endian: increases by 1 per report; a counter?", for each field.
 std::vector<std::string> steady_words(const ReportWatch& watch);
 
 }  // namespace condyle::host

@@ -49,7 +49,7 @@ std::string udev_rule(const hal::HidDevice& device, DeviceBackEnd back_end,
                        R"(ATTR{{idVendor}}=="{:04x}", ATTR{{idProduct}}=="{:04x}", {})",
                        device.vendor_id, device.product_id, kRights);
   }
-  // On other buses the ids stand in the name of the kernel's device.
+  // On other buses the name of the kernel's device contains the ids.
   if (device.bus != hal::DeviceBus::usb) {
     return fmt::format(R"(SUBSYSTEM=="hidraw", KERNELS=="{:04X}:{:04X}:{:04X}.*", {})",
                        bus_number(device.bus), device.vendor_id, device.product_id, kRights);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rule with which udev lets users and the box read a device, with the least rights.
+// The udev rule that allows users and the box to read a device, with the least rights.
 #pragma once
 
 #include <string>
@@ -9,17 +9,18 @@
 
 namespace condyle::host {
 
-/// What reads the device.
+/// The driver that reads the device.
 enum class DeviceBackEnd : std::uint8_t {
-  hidapi,  ///< the kernel's driver: its reports alone
+  hidapi,  ///< the kernel's driver: only its reports
   libusb,  ///< takes the whole device
 };
 
-/// The file in /etc/udev/rules.d, one for each model of device, so that none hides another.
+/// The file in /etc/udev/rules.d, one for each model of device, so that rules do not hide each
+/// other.
 std::string udev_rule_file(const hal::HidDevice& device);
 
-/// The rule for `device`: of the reports of one interface where `others` has more of the same
-/// device, of all its reports elsewhere.
+/// The rule for `device`: for the reports of one interface if `others` contains more of the same
+/// device, otherwise for all its reports.
 std::string udev_rule(const hal::HidDevice& device, DeviceBackEnd back_end,
                       const std::vector<hal::HidDevice>& others);
 

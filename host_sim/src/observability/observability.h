@@ -7,16 +7,15 @@
 //            L_0 = y,  L_k = (dL_{k-1}/dx) f + (dL_{k-1}/du) u'
 //   O        observability matrix: the gradients dL_k/dx, k = 0 ... n-1, one below the other
 //
-// A system with n states is locally observable at (x, u, u') where O has rank n. Lie derivatives
-// and gradients come from nested automatic differentiation of f (dual.h), none is written by hand.
+// A system with n states is locally observable at (x, u, u') if O has rank n. Lie derivatives and
+// gradients come from nested automatic differentiation of f (dual.h).
 //
-// Where the printed matrix differs from the right one, it is kept beside it, to show both:
+// Printed matrices that differ from the correct ones are kept, to show both:
 //   (24)        k_s' = 0 in a system whose equations hold k_v: k_s is then a state that enters no
 //               equation. Right: k_v' = 0.
 //   (29)        the derivative of a row vector, which has no value. Right: (0 1 0 0).
 //   (38), (39)  friction column u/m at order 1 and, following from it, -(kv/m) u/m - a/m at
-//   order 2.
-//               Right: -v/m and (2 kv v - u)/m^2.
+//               order 2. Right: -v/m and (2 kv v - u)/m^2.
 //   (43)        mass column at order 2 over m^4. Right: over m^2 (2 kv a / m^2 for constant u).
 #pragma once
 
@@ -30,7 +29,7 @@
 
 namespace condyle {
 
-/// A point at which observability is judged, SI units. A system reads the fields its model names.
+/// A point at which observability is judged, SI units. A system reads the fields of its model.
 template <class Scalar>
 struct OperatingPoint {
   Scalar position_m = Scalar(0.005);
@@ -168,13 +167,13 @@ T lie_derivative(const System& system, int output, const T* x, const T& u, const
   }
 }
 
-/// An observability matrix with, entry by entry, the size of the terms it was summed from.
+/// An observability matrix with the size of the summed terms for each entry.
 template <class Scalar, int rows, int columns>
 struct ObservabilityMatrix {
   Eigen::Matrix<Scalar, rows, columns> O;
   Eigen::Matrix<Scalar, rows, columns> term_size;
 
-  /// Puts another entry in the place of one.
+  /// Replaces an entry.
   void replace(int row, int column, const Tracked<Scalar>& entry) {
     O(row, column) = entry.value;
     term_size(row, column) = entry.size;
@@ -237,22 +236,22 @@ auto printed_mass_matrix(const OperatingPoint<Scalar>& at) {
 /// How observable a system is at a point.
 template <class Scalar>
 struct Observability {
-  int states;  ///< n: observable where the rank equals it
-  int rank;    ///< of O with rows and columns brought to length 1; -1: O not finite
-  Scalar smallest_singular_value;  ///< of O in SI units; 0 where the rank is short
+  int states;  ///< n: observable if the rank equals it
+  int rank;    ///< of O with rows and columns scaled to length 1; -1: O not finite
+  Scalar smallest_singular_value;  ///< of O in SI units; 0 if the rank is short
   Scalar condition_number;         ///< largest / smallest singular value; infinity likewise
 };
 
 /// Rank, smallest singular value and condition number of an observability matrix in SI units. Rank
-/// is independent of units, so it is taken after scaling rows and columns to comparable lengths; a
-/// singular value that rounding alone could have made counts as zero.
+/// is independent of units, so it is computed after scaling rows and columns to comparable lengths;
+/// a singular value within rounding counts as zero.
 template <class Scalar, int rows, int n>
 Observability<Scalar> judge_observability(const ObservabilityMatrix<Scalar, rows, n>& matrix) {
   constexpr Scalar infinity = std::numeric_limits<Scalar>::infinity();
   constexpr Scalar epsilon = std::numeric_limits<Scalar>::epsilon();
   if (!matrix.O.allFinite() || !matrix.term_size.allFinite()) return {n, -1, 0, infinity};
 
-  // Each entry is off by a few epsilon of its terms' size.
+  // The error of each entry is a few epsilon of its terms' size.
   constexpr Scalar few_epsilon = Scalar(16) * epsilon;
   auto scaled = matrix.O;
   auto rounding = matrix.term_size;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A number with the size of the terms it was computed from, which bounds what rounding can have
-// done to it: after a cancellation the value is small and the size is not.
+// A number with the size of its terms, which bounds the rounding error: after a cancellation the
+// value is small but the size is not.
 #pragma once
 
 #include <type_traits>
@@ -16,7 +16,7 @@ struct Tracked {
   Scalar size{};
 
   constexpr Tracked() = default;
-  /// A number known exactly to its last digit.
+  /// A number without error, except in its last digit.
   template <class Number, std::enable_if_t<std::is_arithmetic_v<Number>, int> = 0>
   constexpr Tracked(Number number)
       : value(static_cast<Scalar>(number)), size(value < 0 ? -value : value) {}

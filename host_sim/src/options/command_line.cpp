@@ -229,7 +229,7 @@ CommandText describe(const CLI::App& app, const std::string& name) {
   return text;
 }
 
-// The command that `words` name, and how many of them do.
+// The command that `words` name, and the number of words in its name.
 const CommandText& find(const CommandText& program, const std::vector<std::string>& words,
                         std::size_t& count) {
   const CommandText* here = &program;
@@ -269,7 +269,7 @@ std::string unknown_option(const CommandText& command, const std::string& word) 
 
 Program::Program(const std::string& name, const std::string& version, const std::string& meaning)
     : version_(name + " " + version), app_(std::make_unique<CLI::App>(meaning, name)) {
-  app_->set_help_flag("-h,--help", "Show this map of commands");
+  app_->set_help_flag("-h,--help", "Show this list of commands");
   app_->set_version_flag("-v,--version", version_, "Show the version");
 }
 
@@ -317,7 +317,7 @@ Program::Parsed Program::parse(int argc, const char* const* argv, std::string& t
       return Parsed::wrong;
     }
     if (has_parts && known == words.size()) {
-      text = command.name + " wants one of its commands:\n" + help_text(command);
+      text = command.name + " requires one of its commands:\n" + help_text(command);
       return Parsed::wrong;
     }
     text = command.name + ": " + clean_line(error.what()) + "\nRun " + command.name +

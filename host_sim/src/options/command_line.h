@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options of condyle's commands. CLI11 is behind them, and included by one file: it takes many
-// seconds to compile.
+// The options of condyle's commands. They hide CLI11, which only one file includes because it takes
+// many seconds to compile.
 #pragma once
 
 #include <functional>
@@ -26,17 +26,17 @@ class Option {
   explicit Option(CLI::Option& option) : option_(&option) {}
 
   Option required();
-  /// --help shows the value that the variable has now.
+  /// Makes --help show the present value of the variable.
   Option show_default();
   Option show_default(const std::string& value);
   Option one_of(std::initializer_list<const char*> words);
   /// A whole number from `lowest` to `highest`.
   Option within(int lowest, int highest);
-  /// A number in `range`, and a number: CLI11's own check lets NaN pass.
+  /// A number in `range`, not NaN: CLI11's own check accepts NaN.
   Option number_in(Range range);
-  /// It takes so many values.
+  /// The number of values that it takes.
   Option values(int count);
-  /// It takes one value each time that it is given.
+  /// It takes one value at each use.
   Option one_value_each();
   Option separated_by(char separator);
   Option excludes(const std::string& name);
@@ -51,31 +51,31 @@ class Option {
   CLI::Option* option_ = nullptr;
 };
 
-/// What is on the line after the name of a command; a handle, which may be copied.
+/// The options and arguments of a command; a handle, which may be copied.
 class CommandLine {
  public:
   explicit CommandLine(CLI::App& app) : app_(&app) {}
 
-  /// `group`: its heading in the map of commands.
+  /// `group`: its heading in the list of commands.
   CommandLine add_command(const std::string& name, const std::string& meaning,
                           const std::string& group = "Commands") const;
-  /// A command line that works, for the help.
+  /// A working command line, for the help.
   void add_example(const std::string& line, const std::string& meaning) const;
-  /// The same command; the options that it is given stand under `heading` in its help.
+  /// The same command; its help shows options added here under `heading`.
   CommandLine group(const std::string& heading) const;
   /// `name`: "--out", "-o,--out" or "RECORDING"; a word for the value may follow, "--out=FILE".
   /// Parsing fills `value`, which must live until then: text, a number, or several of them.
   template <class Value>
   Option add_option(const std::string& name, Value& value, const std::string& meaning) const;
   Option add_flag(const std::string& name, bool& value, const std::string& meaning) const;
-  /// Calls `take` where the option is given.
+  /// Calls `take` if the option is given.
   Option on_option(const std::string& name, std::function<void(const std::string&)> take,
                    const std::string& meaning) const;
   Option on_flag(const std::string& name, std::function<void()> take,
                  const std::string& meaning) const;
   /// One of its commands must be given.
   void require_command() const;
-  /// Options that it does not know are those of the command that it belongs to.
+  /// Passes unknown options to the parent command.
   void pass_on_unknown() const;
 
   /// After parsing: this command, or its command `name`.
@@ -90,8 +90,8 @@ class CommandLine {
   std::string group_;
 };
 
-/// A program and what it was started with. Without arguments, or asked for help, it prints the map
-/// of its commands.
+/// A program and its arguments. Without arguments, or with --help, it prints the list of its
+/// commands.
 class Program {
  public:
   /// --version prints name and version.
@@ -102,11 +102,11 @@ class Program {
 
   enum class Parsed {
     run,       ///< the arguments are good
-    answered,  ///< they asked for help or the version, which is in `text`
-    wrong,     ///< what is wrong with them, and the remedy, is in `text`
+    answered,  ///< `text` contains the requested help or version
+    wrong,     ///< `text` contains the error and the remedy
   };
   Parsed parse(int argc, const char* const* argv, std::string& text);
-  /// Commands and options, as they are.
+  /// All commands and options.
   CommandText describe() const;
 
  private:

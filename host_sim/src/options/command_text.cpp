@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMeaningColumn = 30;
 
-// `text` from column `begin` on, in lines; the first line stands at its place already.
+// `text` wrapped from column `begin` on; the first line is not indented.
 std::string wrapped(const std::string& text, std::size_t begin) {
   std::string lines;
   std::size_t column = begin;
@@ -31,7 +31,7 @@ std::string wrapped(const std::string& text, std::size_t begin) {
   return lines + "\n";
 }
 
-// A line of a list: what it is, and from a column of its own what it means.
+// An entry of a list: a name, and its meaning in a second column.
 std::string entry(const std::string& what, const std::string& meaning) {
   std::string line = "  " + what;
   if (line.size() + 2 > kMeaningColumn) {
@@ -49,7 +49,7 @@ std::string names_of(const OptionText& option) {
   return names;
 }
 
-// Groups in the order in which they first come.
+// Groups in the order of their first appearance.
 template <class Item>
 std::vector<std::string> groups_of(const std::vector<Item>& items) {
   std::vector<std::string> groups;
@@ -76,7 +76,7 @@ std::string usage(const CommandText& command) {
   return words + " [OPTION...]";
 }
 
-// A backslash, and a leading dot or quote, would be a macro.
+// Escapes a backslash, and a leading dot or quote, which man would take for macros.
 std::string for_man(const std::string& text) {
   std::string safe;
   for (const char c : text) {
@@ -91,7 +91,7 @@ std::string for_man(const std::string& text) {
   return !safe.empty() && (safe[0] == '.' || safe[0] == '\'') ? "\\&" + safe : safe;
 }
 
-// What may follow a command, and an option that has choices.
+// The words that may follow a command, or an option with choices.
 void add_words(const CommandText& command, std::string& cases) {
   std::string parts, options;
   for (const CommandText& part : command.commands) parts += part.last_name() + " ";
@@ -166,9 +166,9 @@ std::string man_page(const CommandText& command, const std::string& version) {
     page += fmt::format(".TP\n.B {}\n{}\n", for_man(example.line), for_man(example.meaning));
   }
   page +=
-      ".SH Exit status\n0 done; 2 unusable input; 3 the judgement is negative; 70 a defect of "
-      "condyle; 130 interrupted.\n";
-  page += ".SH Note\nResearch use only. It diagnoses nothing.\n";
+      ".SH Exit status\n0 done; 2 unusable input; 3 negative result; 70 a defect of condyle; 130 "
+      "interrupted.\n";
+  page += ".SH Note\nResearch use only. Not a diagnosis.\n";
   return page;
 }
 
@@ -203,7 +203,8 @@ std::string bash_completion(const CommandText& program) {
 }
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& words) {
-  // Letters to insert, to drop or to exchange (Levenshtein); a swap of neighbours counts as one.
+  // Number of insertions, deletions and substitutions (Levenshtein); a swap of neighbours counts as
+  // one.
   const auto distance = [](const std::string& a, const std::string& b) {
     std::vector<std::size_t> before_last, last, now(b.size() + 1);
     std::iota(now.begin(), now.end(), std::size_t{0});
@@ -227,7 +228,7 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
     if (d < least) least = d, nearest = known;
   }
   if (!nearest.empty()) return nearest;
-  // Or one begins with the other, as --figure and --figures, or --output and --out.
+  // A common beginning also counts, as in --figure and --figures, or --output and --out.
   for (const std::string& known : words) {
     const std::size_t common = std::min(known.size(), word.size());
     if (common >= 4 && known.compare(0, common, word, 0, common) == 0) return known;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a program's commands and options are, as text for people and shells: help, man pages,
-// completion. All of it comes from the one description that the command line is parsed by.
+// A program's commands and options as help, manual pages and shell completion. The same description
+// also defines the parser of the command line.
 #pragma once
 
 #include <string>
@@ -15,21 +15,21 @@ struct OptionText {
   std::string value;                 ///< word for its value; empty: a flag
   std::string meaning;               ///< with default
   std::string group;                 ///< heading in the help
-  std::vector<std::string> choices;  ///< values that it may have; empty: any
+  std::vector<std::string> choices;  ///< allowed values; empty: any
   bool is_argument = false;
   bool is_required = false;
 };
 
-/// A command line that works, and what it does.
+/// A working command line, and its effect.
 struct ExampleText {
   std::string line, meaning;
 };
 
-/// A command with its options; the program itself is one that has commands.
+/// A command with its options; the program itself is a command with subcommands.
 struct CommandText {
   std::string name;  ///< "condyle replay"
   std::string meaning;
-  std::string group;  ///< heading in the map
+  std::string group;  ///< heading in the list
   std::vector<ExampleText> examples;
   std::vector<OptionText> options;
   std::vector<CommandText> commands;
@@ -38,18 +38,18 @@ struct CommandText {
   std::string last_name() const { return name.substr(name.rfind(' ') + 1); }
 };
 
-/// Columns that help takes at most.
+/// Maximum width of help, in columns.
 inline constexpr std::size_t kHelpColumns = 100;
 
-/// What --help prints: of a program the map of its commands.
+/// The output of --help; for a program the list of its commands.
 std::string help_text(const CommandText& command);
 /// A manual page of section 1, in man(7) macros.
 std::string man_page(const CommandText& command, const std::string& version);
-/// Completion for bash, of commands, options and their choices; else of files.
+/// Completion for bash of commands, options and their choices, otherwise of files.
 std::string bash_completion(const CommandText& program);
 
-/// The one of `words` that `word` may have been meant for: at most a third of it is mistyped.
-/// Empty: none is near.
+/// The word of `words` closest to `word`, if at most a third of it is mistyped. Empty: none is
+/// close.
 std::string nearest_word(const std::string& word, const std::vector<std::string>& words);
 
 }  // namespace condyle::host

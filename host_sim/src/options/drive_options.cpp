@@ -11,11 +11,10 @@ namespace condyle::host {
 void DriveOptions::add_to(CommandLine line) {
   const CommandLine command = line.group("Measured drive");
   command
-      .add_option(
-          "--drive-missing", missing_share,
-          "Largest share of the total force that the drive may miss; not known unless given")
+      .add_option("--drive-missing", missing_share,
+                  "Largest share of the total force that the drive may miss; default: not known")
       .number_in({0, 1});
-  command.add_option("--drive-gain-sd", gain_sd, "Relative uncertainty of its gain (0.01)")
+  command.add_option("--drive-gain-sd", gain_sd, "Relative uncertainty of the drive's gain (0.01)")
       .number_in({0, 1});
   command
       .add_option("--position-scale-sd", position_scale_sd,
@@ -28,19 +27,20 @@ void DriveOptions::add_to(CommandLine line) {
   command
       .add_option(
           "--drive-noise-N", noise_sd_N,
-          "Its noise, of each sample, to be compared with what the drive itself shows (0.01)")
+          "Stated noise of each sample of the drive, for comparison with the noise found (0.01)")
       .number_in({1e-9, 1e3});
-  command.add_option("--drive-delay-ms", delay_ms, "How late its samples are stamped (0)")
+  command.add_option("--drive-delay-ms", delay_ms, "Delay of the drive's time stamps (0)")
       .number_in({-1000, 1000});
-  command.add_option("--drive-delay-sd-ms", delay_sd_ms, "Uncertainty of that (5)")
+  command.add_option("--drive-delay-sd-ms", delay_sd_ms, "Uncertainty of that delay (5)")
       .number_in({0, 1000});
-  command.add_flag("--drive-fit-delay", fits_delay,
-                   "Estimate the delay too, from there, rather than widen the intervals");
+  command.add_flag(
+      "--drive-fit-delay", fits_delay,
+      "Also estimate the delay, starting from these values, instead of widening the intervals");
   command
       .add_option("--coulomb-sd-N", coulomb_sd_N,
-                  "Show Coulomb friction apart, of about this size beforehand")
+                  "Estimate Coulomb friction separately; its expected size")
       .number_in({0, 1e6});
-  constexpr const char* contact = "are not taken: teeth or food may touch there";
+  constexpr const char* contact = "are not used: teeth or food may touch there";
   command
       .add_option("--contact-above-mm", contact_above_mm,
                   fmt::format("Positions above {}", contact))

@@ -8,8 +8,8 @@
 
 namespace condyle::host {
 
-/// What the user states of a measured drive, and of where it is not all of the force; it goes
-/// before the parameter file.
+/// The user's statements about a measured drive, and about contacts, at which it is not the whole
+/// force. They override the parameter file.
 struct DriveOptions {
   std::optional<double> missing_share, gain_sd, position_scale_sd, axis_angle_sd_deg, noise_sd_N,
       delay_ms, delay_sd_ms;

@@ -19,7 +19,8 @@ void EstimatorOption::add_to(CommandLine line) {
           "Fixed lag in samples: a larger lag gives more accurate, later estimates (recommended)")
       .within(0, 16)
       .show_default();
-  command.add_option("--parameters=FILE", parameters, "TOML file with its parameters");
+  command.add_option("--parameters=FILE", parameters,
+                     "TOML file with the parameters of the estimator");
 }
 
 void EstimatorOption::refuse_if_published(const char* option, bool given,
@@ -56,7 +57,7 @@ PublishedParameters load_published_for(const EstimatorOption& estimator,
   loaded.values.sample_time_s = seconds(*step_ns);
   if (!is_valid(loaded.values)) {
     throw InputError(source,
-                     fmt::format("its median step of {:.4g} s is no usable sample time",
+                     fmt::format("its median step of {:.4g} s is not a usable sample time",
                                  loaded.values.sample_time_s),
                      "check the unit of time_s or give sample_time_s in a parameter file");
   }
@@ -68,8 +69,8 @@ void refuse_long_step(const MotionEstimatorParameters& parameters, double step_s
   const double longest_gap_s = parameters.outliers.longest_gap_s;
   if (step_s <= longest_gap_s) return;
   throw InputError(source,
-                   fmt::format("{} of {:.4g} s is longer than longest_gap_s = {:.4g}, so that no "
-                               "sample would say anything of its neighbours",
+                   fmt::format("{} of {:.4g} s is longer than longest_gap_s = {:.4g}, so no two "
+                               "samples could be related",
                                step, step_s, longest_gap_s),
                    fmt::format("{}, or raise longest_gap_s in a parameter file", mend));
 }

@@ -11,7 +11,7 @@
 
 namespace condyle::host {
 
-/// Which estimator a command runs, as its options say.
+/// The user's choice of an estimator.
 struct EstimatorOption {
   std::string name = "recommended";  ///< or "published"
   std::string parameters;            ///< TOML file; empty: the defaults
@@ -21,7 +21,7 @@ struct EstimatorOption {
   void add_to(CommandLine command);
 
   bool is_published() const { return name == "published"; }
-  /// An InputError where `option`, which only the recommended estimator has, is `given` to the
+  /// Throws InputError if `option`, which only the recommended estimator has, is `given` to the
   /// published cascade. `chosen_by`: the option that chose it.
   void refuse_if_published(const char* option, bool given,
                            const char* chosen_by = "--estimator") const;
@@ -31,18 +31,19 @@ struct EstimatorOption {
   RecommendedParameters load_recommended() const;
 };
 
-/// The recommended estimator's parameters for the recording `source`: those that it was recorded
-/// with, if it holds them and no file is given.
+/// The recommended estimator's parameters for the recording `source`: those stored in the
+/// recording, if it has them and no file is given.
 RecommendedParameters load_recommended_for(const EstimatorOption& estimator,
                                            const RecordingInfo& info, const std::string& source);
 
-/// The published cascade's parameters for samples `step_ns` apart, where the file does not give
-/// sample_time_s. An InputError that names `source` where it is absent or no usable sample time.
+/// The published cascade's parameters for samples `step_ns` apart, if the file does not give
+/// sample_time_s. Throws an InputError that names `source` if `step_ns` is absent or not a usable
+/// sample time.
 PublishedParameters load_published_for(const EstimatorOption& estimator,
                                        std::optional<TimeNs> step_ns, const std::string& source);
 
-/// An InputError where a step of `step_s` is so long that each sample would lose the state. It
-/// names `source` and what of it is `step`; `mend` is one way out beside a longer gap.
+/// Throws InputError if a step of `step_s` is so long that each sample would lose the state. `step`
+/// names the step of `source` in the message; `mend` is a remedy in addition to a longer gap.
 void refuse_long_step(const MotionEstimatorParameters& parameters, double step_s,
                       const std::string& source, const char* step, const char* mend);
 

@@ -58,14 +58,14 @@ void RecordingChoice::add_to(CommandLine line, JawPoints jaw_points) {
 void add_reading_options(CommandLine command, RecordingOptions& reading) {
   command
       .add_option("--ignore-column", reading.ignored_columns,
-                  "CSV column to leave unread; may be given several times")
+                  "CSV column to ignore; may be given several times")
       .one_value_each();
   command.add_option("--profile=FILE", reading.profile,
                      fmt::format("{}; a capture needs it, a session log has one", kProfileMeaning));
   const auto take_unit = [&reading](const std::string& unit) {
     reading.units_per_metre = unit == "mm" ? 1000 : 1;
   };
-  command.on_option("--unit", take_unit, "Unit of coordinates where the format states none")
+  command.on_option("--unit", take_unit, "Unit of the coordinates, if the format does not state it")
       .one_of({"mm", "m"});
   command.add_option("--movement", reading.movement, "Movement of a Zebris XML file")
       .within(1, 1'000'000)
@@ -80,7 +80,7 @@ void refuse_repeated_recordings(const std::vector<std::string>& sources) {
     const bool is_known =
         !names.insert(source).second || (stat(source_of(source).file.c_str(), &file) == 0 &&
                                          !files.insert({file.st_dev, file.st_ino}).second);
-    if (is_known) throw InputError(source, "is named twice", "name each recording once");
+    if (is_known) throw InputError(source, "is given twice", "give each recording once");
   }
 }
 

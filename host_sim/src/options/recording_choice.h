@@ -12,9 +12,9 @@ namespace condyle::host {
 
 /// What --profile means in every command.
 inline constexpr const char* kProfileMeaning =
-    "TOML file that describes the device: what its reports mean";
+    "TOML file that describes the device and the meaning of its reports";
 
-/// Whether a command can follow points of the jaw beside those of the instrument.
+/// Whether a command can follow points of the jaw in addition to those of the instrument.
 enum class JawPoints { no, yes };
 
 /// Gives `command` --point, --axis and --jaw-point-mm, which fill `choice`; it must outlive them.
@@ -25,20 +25,20 @@ void add_followed_options(CommandLine command, FollowedChoice& choice,
 /// outlive them.
 void add_reading_options(CommandLine command, RecordingOptions& reading);
 
-/// How a command reads recordings and what of them it follows, as its options say.
+/// The user's choice of how to read recordings and what to follow in them.
 struct RecordingChoice : FollowedChoice {
   RecordingOptions reading;
 
   /// Gives `command` the options above and --faults, --ignore-column, --profile, --unit and
   /// --movement, which fill this; it must outlive them.
   void add_to(CommandLine command, JawPoints jaw_points = JawPoints::yes);
-  /// An InputError where the recording `source` does not have what is to be followed.
+  /// Throws InputError if the recording `source` lacks the followed point or axis.
   void check(const std::string& source, const RecordingInfo& info) const {
     FollowedChoice::check(source, info.kind);
   }
 };
 
-/// An InputError where two of `sources` are one recording.
+/// Throws InputError if two of `sources` are the same recording.
 void refuse_repeated_recordings(const std::vector<std::string>& sources);
 
 }  // namespace condyle::host

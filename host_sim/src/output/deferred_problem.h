@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A problem that does not stop a command: what it writes and prints is kept, the problem is told
-// after it, and the command exits as for any other bad input.
+// A problem that does not stop a command: its output is kept, the problem is reported at the end,
+// and the command exits as for any other bad input.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace condyle::host {
 
-/// Keeps a problem for the end of the command.
+/// Stores a problem for the end of the command.
 void defer_problem(const InputError& problem);
 
-/// What was kept, a message each.
+/// The stored problems, one message each.
 const std::vector<std::string>& deferred_problems();
 
 }  // namespace condyle::host

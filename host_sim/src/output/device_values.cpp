@@ -34,7 +34,7 @@ void append_value(std::string& row, bool is_valid, double value) {
   if (is_valid) append_number(row, value);
 }
 
-// Gives what became of the reports, in words.
+// Counts of reports, as text.
 std::string write_rows(hal::ReportSource& source, const hal::DeviceProfile& profile,
                        OutputFile& file) {
   hal::DeviceFacebow device(source, hal::layout_of(profile));
@@ -64,7 +64,7 @@ bool has_values(const hal::DeviceProfile& profile) {
   return profile.drive_N.has_value() || !profile.auxiliary.empty();
 }
 
-// The file of the device called `name`; what the user should know of its reports is noted.
+// The file of the device called `name`; adds notes on its reports for the user.
 void write_file(hal::ReportSource& source, const hal::DeviceProfile& profile,
                 const std::string& folder, const std::string& name,
                 std::vector<std::unique_ptr<OutputFile>>& files, std::vector<std::string>& notes) {
@@ -92,7 +92,7 @@ void write_logged_values(const std::string& log, const std::string& profile_path
        device = open_log_device(log, device->index + 1, profile_path, has_values)) {
     write_file(*device->reports, device->profile, folder, device->recorded().name, files, notes);
     if (device->reports->not_recorded() > 0) {
-      notes.back() += fmt::format("; the recorder had no room for {} reports and events",
+      notes.back() += fmt::format("; the recorder dropped {} reports and events",
                                   device->reports->not_recorded());
     }
   }
@@ -122,10 +122,12 @@ std::vector<std::string> write_device_values(const std::string& recording,
       break;
     case ReportFile::none:
       throw InputError(
-          path, "holds no value but position",
-          "leave --values out; a drive or auxiliary fields are in the profile of a device");
+          path, "contains no values other than positions",
+          "leave out --values; it writes the drive and auxiliary fields of a device's profile");
   }
-  if (files.empty()) notes.emplace_back("it holds no value but position: --values wrote no file");
+  if (files.empty()) {
+    notes.emplace_back("it contains no values other than positions: --values wrote no file");
+  }
   return notes;
 }
 

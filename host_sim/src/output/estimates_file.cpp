@@ -9,8 +9,8 @@
 namespace condyle::host {
 namespace {
 
-// Columns after the time, with what `row` has in them: `number(name, value)` or `word(name, text)`.
-// `name()` gives the name, which a row does not need.
+// Columns after the time, with the values of `row`: `number(name, value)` or `word(name, text)`.
+// `name()` makes the name, which a row does not need.
 template <class Visitor>
 class Columns {
  public:
@@ -131,7 +131,7 @@ struct Header {
   }
 };
 
-// Appends what is in the columns.
+// Appends the values of the columns.
 struct Row {
   std::string& line;
 

@@ -8,17 +8,18 @@
 
 namespace condyle::host {
 
-/// Estimates as CSV: a row per sample, all digits, an empty field where nothing was computed.
+/// Estimates as CSV: one row for each sample, with all digits; a field is empty if the value was
+/// not computed.
 class EstimatesFile {
  public:
-  /// `axis_count`: 0 for the published cascade; else the recommended estimator's 1 or 3, whose
-  /// columns follow those that both have. `has_joint`: the rows have a joint estimate, whose
-  /// columns come last.
+  /// `axis_count`: 0 for the published cascade; otherwise the recommended estimator's 1 or 3, whose
+  /// columns follow the common ones. `has_joint`: the rows have a joint estimate, whose columns
+  /// come last.
   EstimatesFile(const std::string& path, int axis_count, bool has_joint);
   void write_row(const EstimateRow& row);
-  /// Writes out what is buffered.
+  /// Writes the buffer.
   void close() { file_.close(); }
-  /// Gives the closed file its name; without it, nothing is left.
+  /// Renames the closed file to its final name; without this call no file remains.
   void commit() { file_.commit(); }
 
  private:

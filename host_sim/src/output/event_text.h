@@ -7,7 +7,7 @@
 
 namespace condyle::host {
 
-/// "12 time_gap, 3 outlier_rejected": how often what happened, or "none".
+/// "12 time_gap, 3 outlier_rejected": counts of events, or "none".
 std::string event_text(const EventCounts& counts);
 
 }  // namespace condyle::host

@@ -37,7 +37,7 @@ void merge(FigureRun& run, const FigureRun& other) {
 }  // namespace
 
 void FigureData::add(const EstimateRow& row) {
-  if (!row.time_ns) return;  // it has no place on a time axis
+  if (!row.time_ns) return;  // it cannot be placed on the time axis
   FigureRun run;
   if (!origin_ns_) origin_ns_ = row.time_ns;
   run.time_s = seconds(*row.time_ns - *origin_ns_);
@@ -61,7 +61,7 @@ void FigureData::add(const EstimateRow& row) {
     ++samples_in_last_run_;
     return;
   }
-  if (runs_.size() == kMostRuns) {  // halve them: two neighbours become one
+  if (runs_.size() == kMostRuns) {  // merge neighbours, to halve their number
     for (std::size_t i = 0; i < kMostRuns / 2; ++i) {
       runs_[i] = runs_[2 * i];
       merge(runs_[i], runs_[2 * i + 1]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the figures of a replay show, in bounded memory: long recordings are thinned to the extremes
+// Data of the figures of a replay, in bounded memory: long recordings are reduced to the extremes
 // of equal runs of samples, so that no peak is lost.
 #pragma once
 
@@ -12,11 +12,11 @@
 
 namespace condyle::host {
 
-/// The smallest and the largest of some numbers; NaN before the first.
+/// The smallest and the largest number; NaN before the first.
 struct Extremes {
   double lowest = std::numeric_limits<double>::quiet_NaN();
   double highest = std::numeric_limits<double>::quiet_NaN();
-  /// Takes one more number; NaN counts as none.
+  /// Adds a number; ignores NaN.
   void add(double value) {
     if (!(lowest <= value)) lowest = std::isnan(value) ? lowest : value;
     if (!(highest >= value)) highest = std::isnan(value) ? highest : value;
@@ -51,10 +51,10 @@ class FigureData {
 
   void add(const EstimateRow& row);
   const std::vector<FigureRun>& runs() const { return runs_; }
-  /// Time of the first row that has one: where the figures' time starts. Numbers drawn from a far
-  /// origin, as of Unix time, would lose their digits.
+  /// Time of the first row that has one: the origin of the figures' time. Numbers relative to a
+  /// distant origin, such as Unix time, would lose digits.
   TimeNs origin_ns() const { return origin_ns_.value_or(0); }
-  /// Samples that each run but the last stands for.
+  /// Number of samples in each run except the last.
   std::uint64_t samples_per_run() const { return samples_per_run_; }
 
  private:

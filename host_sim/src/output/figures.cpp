@@ -15,7 +15,7 @@
 namespace condyle::host {
 namespace {
 
-// One figure: an estimated quantity, and what it is held against.
+// One figure: an estimated quantity, and the values for comparison.
 struct Figure {
   const char* name;
   const char* axis_label;
@@ -35,7 +35,7 @@ constexpr Figure kFigures[] = {
     {"friction", "friction (Ns/m)", "friction", &FigureRun::friction_Ns_m, nullptr, "", 1},
     {"mass", "mass (kg)", "mass", &FigureRun::mass_kg, nullptr, "", 1}};
 
-// How a provenance is drawn. gnuplot draws one curve per provenance, blank where another holds.
+// Style of a provenance. gnuplot draws one curve for each provenance, with gaps for the others.
 struct Style {
   Provenance provenance;
   const char* line;
@@ -97,7 +97,7 @@ std::string plot_command(const Figure& figure, const FigureData& data) {
                     "title '{3}'",
                     figure.name, static_cast<int>(style.provenance), style.band,
                     style.provenance == Provenance::assumed
-                        ? "95 % band of the filter, which trusts its assumption"
+                        ? "95 % band of the filter, if its assumption is right"
                         : "95 % band"));
   });
   if (figure.comparison != nullptr) {
@@ -120,8 +120,8 @@ std::string plot_command(const Figure& figure, const FigureData& data) {
   return plot;
 }
 
-// The vertical range: that of the values known from measurements where there are any (a prior's
-// band would dwarf them), else that of all.
+// The vertical range: that of the measured and derived values if there are any (a prior's band
+// would dwarf them), otherwise that of all.
 std::string range_command(const Figure& figure, const FigureData& data) {
   Extremes known, all;
   for (const FigureRun& run : data.runs()) {
@@ -138,14 +138,14 @@ std::string range_command(const Figure& figure, const FigureData& data) {
   return fmt::format("set yrange [{:.9g}:{:.9g}]\n", low - margin, high + margin);
 }
 
-// Words above a figure whose values are all assumed.
+// Label above a figure with only assumed values.
 std::string label_command(const Figure& figure, const FigureData& data) {
   const bool all_assumed =
       std::all_of(data.runs().begin(), data.runs().end(), [&](const FigureRun& run) {
         return !is_drawn(run.*figure.curve) ||
                (run.*figure.curve).provenance == Provenance::assumed;
       });
-  return all_assumed ? "set label 1 'ASSUMED: says nothing about the subject' at graph 0.5, 1.035 "
+  return all_assumed ? "set label 1 'ASSUMED: does not describe the subject' at graph 0.5, 1.035 "
                        "center font ',11' tc rgb '#a00000'\n"
                      : "unset label 1\n";
 }
@@ -162,7 +162,7 @@ std::string time_label(const FigureData& data) {
   return label + " s (s)";
 }
 
-// gnuplot warns where all times are the same.
+// gnuplot warns if all times are the same.
 std::string time_range_command(const FigureData& data) {
   Extremes time;
   for (const FigureRun& run : data.runs()) time.add(run.time_s);

@@ -11,9 +11,8 @@
 namespace condyle::host {
 
 /// Draws position, velocity, force, friction and mass over time, each as SVG and PNG, into the
-/// folder `directory` with gnuplot. Values that are assumed are drawn dashed grey over hatching and
-/// labelled so; a quantity without any value gets no figure. The files are closed, and wait for
-/// `commit`.
+/// folder `directory` with gnuplot. Assumed values are drawn dashed grey over hatching, with a
+/// label; a quantity without values has no figure. The files are closed but not committed.
 std::vector<std::unique_ptr<OutputFile>> draw_figures(const std::string& directory,
                                                       const std::string& title,
                                                       const FigureData& data);

@@ -23,10 +23,10 @@ namespace {
 
 void note_failure(const std::string& problem, const char* mend) {
   defer_problem(InputError("gnuplot", "cannot draw the figures: " + problem,
-                           fmt::format("{}; all else was written", mend)));
+                           fmt::format("{}; all other output was written", mend)));
 }
 
-// Gnuplot ends without an error where it could not write, so its last words are looked for.
+// Gnuplot exits without an error if it cannot write, so check for the end of the file.
 bool is_complete(const std::string& path) {
   constexpr std::size_t kLast = 16;
   std::ifstream file(path, std::ios::binary);
@@ -35,8 +35,8 @@ bool is_complete(const std::string& path) {
   return end.find("</svg>") != std::string::npos || end.find("IEND") != std::string::npos;
 }
 
-// The absolute path of a program; empty where there is none. Relative folders of PATH are left
-// out: the child's folder is that of the figures.
+// The absolute path of a program; empty if there is none. Relative folders of PATH are skipped,
+// because the child runs in the folder of the figures.
 std::string find_program(const std::string& name) {
   const char* const path = std::getenv("PATH");
   std::string_view rest = path != nullptr ? path : "/usr/bin:/bin";
@@ -49,8 +49,8 @@ std::string find_program(const std::string& name) {
   return "";
 }
 
-// Starts it in `folder` with its input from `input`. An interrupt of the terminal is the command's
-// to handle, so the child has a process group of its own. 0 or an error number.
+// Starts it in `folder` with `input` as its input. The child has its own process group, because the
+// command handles an interrupt of the terminal. Returns 0 or an error number.
 int start(const std::string& program, const std::string& folder, int input, pid_t& child) {
   std::vector<std::string> variables = {"LC_ALL=C.UTF-8"};
   for (char** variable = environ; *variable != nullptr; ++variable) {
@@ -81,7 +81,7 @@ int start(const std::string& program, const std::string& folder, int input, pid_
 
 std::string gnuplot_quoted(std::string_view text) {
   std::string result = "'";
-  // Two apostrophes in a row are none to gnuplot at the start of a text.
+  // At the start of a text, gnuplot does not read two apostrophes as an escaped one.
   for (const char c : clean_line(text)) result += c == '\'' ? "\u2019" : std::string(1, c);
   return result + "'";
 }
@@ -117,7 +117,7 @@ Gnuplot::~Gnuplot() {
   (void)wait();
 }
 
-// Ends the input and waits; the child's status.
+// Ends the input and waits; returns the child's status.
 int Gnuplot::wait() {
   if (pipe_ != nullptr) std::fclose(pipe_);
   pipe_ = nullptr;
@@ -141,7 +141,7 @@ void Gnuplot::draw(const std::string& name, const std::string& plot, int width, 
   for (const auto& [ending, terminal] : terminals) {
     const auto path = std::filesystem::path(directory_) / (name + ending);
     files_.push_back(std::make_unique<OutputFile>(path.string()));
-    // It draws in the folder, so that no part of a user's path is a command to it.
+    // It runs in the folder, so that a user's path cannot act as a command.
     const auto file = std::filesystem::path(files_.back()->path_while_writing()).filename();
     send(fmt::format("set terminal {} background 'white'\nset output {}\n{}\nunset output\n",
                      terminal, gnuplot_quoted(file.string()), plot));
@@ -150,12 +150,12 @@ void Gnuplot::draw(const std::string& name, const std::string& plot, int width, 
 
 std::vector<std::unique_ptr<OutputFile>> Gnuplot::finish() {
   const int status = wait();
-  if (problem_.empty() && status != 0) problem_ = "it failed; its own words stand above";
+  if (problem_.empty() && status != 0) problem_ = "it failed; see its error message above";
   const char* mend = "install it (Debian package gnuplot-nox)";
   for (const auto& file : files_) {
     if (!problem_.empty() || is_complete(file->path_while_writing())) continue;
     problem_ = file->path() + " is not complete";
-    mend = "make room on the disk";
+    mend = "free space on the disk";
   }
   if (!problem_.empty()) {
     note_failure(problem_, mend);

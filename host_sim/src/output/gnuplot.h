@@ -13,28 +13,28 @@
 
 namespace condyle::host {
 
-/// A text as gnuplot reads it, in quotation marks.
+/// A text quoted for gnuplot.
 std::string gnuplot_quoted(std::string_view text);
 
-/// The command that gives a figure its title, which says "research use only"; `options` as
-/// gnuplot's.
+/// The command that gives a figure its title, which includes "research use only"; `options`: those
+/// of gnuplot.
 std::string title_command(std::string_view title, std::string_view options = "");
 
-/// A running gnuplot that draws into a folder. Where it is missing or fails there is no figure, and
-/// the command is told so at its end (deferred_problem.h).
+/// A running gnuplot that draws into a folder. If it is missing or fails there is no figure, and
+/// the command reports it at the end (deferred_problem.h).
 class Gnuplot {
  public:
-  /// `directory` must be there.
+  /// `directory` must exist.
   explicit Gnuplot(std::string directory);
   ~Gnuplot();
   Gnuplot(const Gnuplot&) = delete;
   Gnuplot& operator=(const Gnuplot&) = delete;
 
-  /// Gives it commands.
+  /// Sends commands.
   void send(const std::string& text);
-  /// Draws what `plot` says to NAME.svg and NAME.png, half as large again.
+  /// Draws `plot` to NAME.svg and to NAME.png, 1.5 times as large.
   void draw(const std::string& name, const std::string& plot, int width, int height);
-  /// Waits until it has drawn everything. The files are closed, and wait for `commit`.
+  /// Waits until everything is drawn. The files are closed but not committed.
   std::vector<std::unique_ptr<OutputFile>> finish();
 
  private:

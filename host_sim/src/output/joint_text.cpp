@@ -12,7 +12,7 @@
 namespace condyle::host {
 namespace {
 
-// Why a value is not measured, and what would show it.
+// Why a value is not measured, and the remedy.
 std::string limit_words(const IdentifiedValue<double>& value) {
   switch (value.limit) {
     case JointLimit::none:
@@ -21,58 +21,58 @@ std::string limit_words(const IdentifiedValue<double>& value) {
     case JointLimit::no_drive:
       return ": no drive was measured while the position was";
     case JointLimit::too_slow:
-      return ": positions or drive come too seldom; record at least 25 of each a second";
+      return ": the rate of positions or drive is too low; record at least 25 of each per second";
     case JointLimit::too_early:
-      return ": too short to judge by; record 10 s of motion or more without a gap";
+      return ": too short; record 10 s of motion or more without a gap";
     case JointLimit::dynamics:
-      return ": drive or position was smoothed or follows late; record both unfiltered";
+      return ": drive or position was smoothed or delayed; record both unfiltered";
     case JointLimit::noise:
-      return ": drive and model leave more than noise; another force acts, or drive or positions "
-             "were smoothed";
+      return ": drive and model do not explain the motion; another force acts, or drive or "
+             "positions were smoothed";
     case JointLimit::changing:
-      return ": the values, or the drive's delay, change along the recording; record shorter, or "
-             "state how they may walk in a parameter file";
+      return ": the values, or the drive's delay, change along the recording; record for a shorter "
+             "time, or state how they may vary in a parameter file";
     case JointLimit::drive_reversed:
       return ": the mass would be negative; the sign of the drive or of the axis is reversed";
     case JointLimit::implausible_mass:
       return ": the mass would be implausible (see drive unit)";
     case JointLimit::delay_stated:
-      return ": the drive's delay is not what is stated; state --drive-delay-ms, or estimate it "
-             "with --drive-fit-delay";
+      return ": the drive's delay differs from the stated one; correct --drive-delay-ms, or "
+             "estimate the delay with --drive-fit-delay";
     case JointLimit::negative_friction:
-      return ": friction would be negative; the drive is not all "
-             "of the force";
+      return ": friction would be negative; the drive is not the whole force";
     case JointLimit::excitation:
-      return ": the motion is too weak or too uniform against the noise; chew, at several rhythms";
+      return ": the motion is too weak or too uniform compared with the noise; chew, at several "
+             "rhythms";
     case JointLimit::mass_or_stiffness:
-      return ": this motion cannot tell mass from the spring; let rhythm and height vary, or add "
+      return ": this motion does not separate mass from stiffness; vary rhythm and height, or add "
              "faster strokes";
     case JointLimit::friction_or_delay:
-      return ": this motion cannot tell friction from the drive's delay; measure the delay, or "
-             "chew at several rhythms";
+      return ": this motion does not separate friction from the drive's delay; measure the delay, "
+             "or chew at several rhythms";
     case JointLimit::viscous_or_coulomb:
-      return ": this motion cannot tell viscous from sliding friction; let its speed vary";
+      return ": this motion does not separate viscous from Coulomb friction; vary the speed";
     case JointLimit::resolution:
       return std::isfinite(value.needed_s)
                  ? fmt::format(
-                       ": too little for the stated resolution; about {:.0f} s of this "
-                       "motion would do",
+                       ": too little data for the stated resolution; about {:.0f} s of this motion "
+                       "would suffice",
                        value.needed_s)
-                 : ": too little for the stated resolution; record longer, with larger motion";
+                 : ": too little data for the stated resolution; record longer, with larger motion";
     case JointLimit::gain:
       return ": the uncertainty of the drive's gain is too large for the stated resolution";
     case JointLimit::delay:
       return ": the uncertainty of the drive's delay, which acts like friction, is too large";
     case JointLimit::missing:
-      return ": the drive may miss too much of the force (--drive-missing SHARE, if that is known)";
+      return ": the drive may miss too much of the force (give --drive-missing SHARE, if known)";
     case JointLimit::smoothing:
-      return ": the noise of drive or positions is not white, as smoothing or rounded time stamps "
-             "make it; record both unfiltered, their times to 0.1 ms";
+      return ": the noise of drive or positions is not white, as after smoothing or with rounded "
+             "time stamps; record both unfiltered, with times to 0.1 ms";
   }
   return "";
 }
 
-// In which unit the drive would give the mass that is nearest to a jaw's.
+// The unit of the drive that would give the mass closest to a jaw's.
 std::string unit_words(double mass_kg, const JointParameters& parameters) {
   constexpr struct {
     double N;
@@ -85,7 +85,7 @@ std::string unit_words(double mass_kg, const JointParameters& parameters) {
     const double kg = mass_kg * unit.N, apart = std::abs(std::log(kg / usual_kg));
     if (kg < parameters.least_mass_kg || kg > parameters.most_mass_kg || apart >= closest) continue;
     closest = apart;
-    in_unit = fmt::format("; were the drive in {}, it would be {:.2g} kg", unit.name, kg);
+    in_unit = fmt::format("; if the drive is in {}, it would be {:.2g} kg", unit.name, kg);
   }
   return fmt::format(
       "the mass would be {:.2g} kg, a jaw has {:g} to {:g} kg{}: check the units of drive_N and "
@@ -93,8 +93,8 @@ std::string unit_words(double mass_kg, const JointParameters& parameters) {
       mass_kg, parameters.least_mass_kg, parameters.most_mass_kg, in_unit);
 }
 
-// What speaks of a wrong unit without proving it: a mass that few jaws have, a noise that few
-// sensors have, or one that is far from what was stated.
+// Signs of a wrong unit: a mass that few jaws have, a noise that few sensors have, or a noise far
+// from the stated one.
 constexpr double kUsualLeast_kg = 0.08, kUsualMost_kg = 1;
 constexpr double kLeastNoise_N = 1e-4, kMostNoise_N = 1, kFarNoise = 4;
 
@@ -111,7 +111,7 @@ std::string drive_noise_words(double noise_sd_N, double stated_sd_N) {
                        noise_sd_N, stated_sd_N);
   }
   if (noise_sd_N < kLeastNoise_N || noise_sd_N > kMostNoise_N) {
-    return fmt::format("{:.2g} N, which few sensors have: is drive_N in N, and unfiltered?",
+    return fmt::format("{:.2g} N, unusual for a sensor: is drive_N in N, and unfiltered?",
                        noise_sd_N);
   }
   return "";
@@ -140,9 +140,9 @@ std::string joint_text(const JointEstimate<double>& joint, const JointParameters
   if (std::isfinite(joint.residual_ratio)) {
     ReplaySummary::add_line(
         text, "drive model",
-        fmt::format("residual {:.2f} of what noise makes (1 if drive and model explain the "
-                    "motion), over {:.1f} s; noise of the drive {:.2g} N, of the positions "
-                    "{:.2g} mm, by their own differences",
+        fmt::format("residual {:.2f} times the noise (1 if drive and model explain the motion), "
+                    "over {:.1f} s; noise of the drive {:.2g} N, of the positions {:.2g} mm, from "
+                    "their differences",
                     joint.residual_ratio, joint.used_s, joint.drive_noise_sd_N,
                     joint.position_noise_sd_m * 1e3));
   }
@@ -159,8 +159,8 @@ std::string joint_text(const JointEstimate<double>& joint, const JointParameters
   const std::string noise = drive_noise_words(joint.drive_noise_sd_N, drive.noise_sd_N);
   if (!noise.empty()) ReplaySummary::add_line(text, "drive noise", noise);
   ReplaySummary::add_line(
-      text, "rests on",
-      fmt::format("what was stated: drive in N, gain within {:g} %, axis within {:g} degrees; "
+      text, "assumes",
+      fmt::format("as stated: drive in N, gain within {:g} %, axis within {:g} degrees; "
                   "positions to scale within {:g} %; delay {:g} +- {:g} ms; {:g} % of the "
                   "force missing. Twice the drive, or half the positions, makes friction and "
                   "mass twice as large",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a measured drive tells of friction and mass, in words.
+// Friction and mass from a measured drive, as text.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace condyle::host {
 
-/// Values with intervals, or why they are not known; what speaks of wrong units; what they rest on.
+/// Values with intervals, or why they are not known; signs of wrong units; the assumptions.
 std::string joint_text(const JointEstimate<double>& joint, const JointParameters& parameters);
 
 }  // namespace condyle::host

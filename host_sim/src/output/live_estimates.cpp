@@ -73,8 +73,8 @@ void LiveEstimates::finish() {
   is_finished_ = true;
 }
 
-// A reader that takes nothing more holds the thread in a write, which only a signal ends; the
-// command's handler of SIGTERM does nothing else by then.
+// A stalled reader blocks the thread in a write, which only a signal ends; the command's handler of
+// SIGTERM has no other effect at this point.
 void LiveEstimates::interrupt_writer() {
   if (!thread_.joinable()) return;
   std::unique_lock lock(mutex_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Estimates written while they are made, without ever holding up who makes them.
+// Writes estimates live, without blocking the estimator.
 #pragma once
 
 #include <condition_variable>
@@ -13,11 +13,11 @@
 
 namespace condyle::host {
 
-/// A thread writes; rows for which a slow reader leaves no room are dropped and counted, and what
-/// the file cannot take ends the writing, not the recording.
+/// A thread writes. Rows are dropped and counted if a slow reader leaves no room. An error of the
+/// file ends the writing, not the recording.
 class LiveEstimates {
  public:
-  /// An InputError where the file cannot be made.
+  /// Throws InputError if the file cannot be made.
   LiveEstimates(const std::string& path, int axis_count, bool has_joint);
   ~LiveEstimates();
   LiveEstimates(const LiveEstimates&) = delete;
@@ -25,13 +25,12 @@ class LiveEstimates {
 
   /// Never waits for the file.
   void add(const EstimateRow& row);
-  /// Writes what is left and gives the file its name; gives up on a reader that takes nothing for
-  /// two seconds.
+  /// Writes the remaining rows and renames the file; abandons a reader that stalls for two seconds.
   void finish();
 
-  /// After finish: rows that had no room.
+  /// After finish: number of dropped rows.
   std::uint64_t dropped() const { return dropped_; }
-  /// Why the file is not complete; empty where it is.
+  /// Why the file is not complete; empty if it is.
   std::string problem() const;
 
  private:

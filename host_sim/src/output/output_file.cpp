@@ -28,14 +28,14 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   std::error_code no_link;
   const auto target = std::filesystem::canonical(path_, no_link);
   if (!no_link && std::filesystem::is_symlink(path_) && std::filesystem::is_regular_file(target)) {
-    path_ = target.string();  // the file behind a link is replaced, not the link
+    path_ = target.string();  // replaces the target of a link, not the link
   }
   temporary_path_ = path_;
   struct stat status = {};
   const bool exists = stat(path_.c_str(), &status) == 0;
   if (exists && !S_ISREG(status.st_mode)) {
     if (S_ISDIR(status.st_mode)) {
-      throw InputError(path_, "is a directory", "name a file inside it");
+      throw InputError(path_, "is a directory", "give a file inside it");
     }
     file_ = std::fopen(path_.c_str(), "wb");
   } else {
@@ -54,7 +54,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
 
 OutputFile::~OutputFile() {
   if (file_ != nullptr) {
-    // What is buffered is not wanted, and no reader is waited for.
+    // Discards the buffer, and does not wait for a reader.
     if (path_ != "-") fcntl(fileno(file_), F_SETFL, O_NONBLOCK);
     std::fclose(file_);
   }
@@ -73,7 +73,7 @@ void OutputFile::close() {
 
 void OutputFile::commit() {
   if (temporary_path_ != path_ && std::rename(temporary_path_.c_str(), path_.c_str()) != 0) {
-    fail("cannot be given its name");
+    fail("cannot be renamed");
   }
   temporary_path_.clear();
 }
@@ -81,7 +81,7 @@ void OutputFile::commit() {
 void OutputFile::fail(const char* what) const {
   if (path_ == "-") {
     throw InputError("standard output", fmt::format("{}: {}", what, std::strerror(errno)),
-                     "give it a place that takes the rows");
+                     "redirect it to a file or pipe that accepts the rows");
   }
   throw InputError(path_, fmt::format("{}: {}", what, std::strerror(errno)),
                    "check the folder, its permissions and the space on the disk");
@@ -113,10 +113,10 @@ void refuse_same_files(const std::vector<std::string>& inputs,
       }
     }
     for (std::size_t k = 0; k < i; ++k) {
-      // A device takes any number of outputs.
+      // A device may receive several outputs.
       if (!outputs[k].empty() && is_same(outputs[k], outputs[i]) &&
           !std::filesystem::is_character_file(outputs[i])) {
-        throw InputError(outputs[i], "is named for two outputs", "give each its own file");
+        throw InputError(outputs[i], "is given for two outputs", "give each output its own file");
       }
     }
   }
@@ -131,13 +131,13 @@ OutputFolder::OutputFolder(const std::string& path) : path_(std::filesystem::abs
   if (!error && !std::filesystem::is_directory(path_)) {
     error = std::make_error_code(std::errc::not_a_directory);
   }
-  if (error) throw InputError(path, "cannot be made: " + error.message(), "name another folder");
+  if (error) throw InputError(path, "cannot be made: " + error.message(), "give another folder");
 }
 
 OutputFolder::~OutputFolder() {
   if (first_made_.empty()) return;
   std::error_code error;
-  // remove() leaves what is not empty.
+  // remove() keeps folders that are not empty.
   for (auto folder = path_; !error && std::filesystem::remove(folder, error);) {
     if (folder == first_made_) break;
     folder = folder.parent_path();

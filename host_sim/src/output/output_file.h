@@ -10,9 +10,10 @@
 
 namespace condyle::host {
 
-/// A file that appears under its name only when it is complete: written beside it, `close`d, then
-/// renamed by `commit`; without that, nothing is left. A pipe or device that exists is written
-/// directly, and so is the standard output, which is named "-". Problems are InputErrors.
+/// A file that appears under its name only when it is complete: it is written under a temporary
+/// name, `close`d, then renamed by `commit`; without `commit` no file remains. An existing pipe or
+/// device is written directly, as is the standard output, which is named "-". Problems are
+/// InputErrors.
 class OutputFile {
  public:
   explicit OutputFile(std::string path);
@@ -20,17 +21,17 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// True once a file was named "-".
+  /// True if a file was named "-".
   static bool has_standard_output() { return has_standard_output_; }
 
   void write(std::string_view text);
-  /// Writes out what is buffered. Whatever the disk has against it is said here.
+  /// Writes the buffer. Throws any error of the disk.
   void close();
-  /// Gives the closed file its name.
+  /// Renames the closed file to its final name.
   void commit();
-  /// Name that `commit` gives it.
+  /// The final name.
   const std::string& path() const { return path_; }
-  /// Where the file is being written.
+  /// The temporary name.
   const std::string& path_while_writing() const { return temporary_path_; }
 
  private:
@@ -43,15 +44,14 @@ class OutputFile {
   std::FILE* file_ = nullptr;
 };
 
-/// Gives all of the closed `files` their names; returns these, a line each.
+/// Renames all closed `files` to their final names; returns these, one on each line.
 std::string commit_all(const std::vector<std::unique_ptr<OutputFile>>& files);
 
-/// Throws an InputError where one of `outputs` is one of `inputs` or named twice. Empty names are
-/// left out.
+/// Throws InputError if one of `outputs` is one of `inputs` or given twice. Ignores empty names.
 void refuse_same_files(const std::vector<std::string>& inputs,
                        const std::vector<std::string>& outputs);
 
-/// A folder, made where it is missing. What was made goes again if it stays empty.
+/// A folder, created if missing. Created folders are removed if they stay empty.
 class OutputFolder {
  public:
   explicit OutputFolder(const std::string& path);

@@ -7,8 +7,8 @@
 
 namespace condyle::host {
 
-/// A line on the terminal that says how far long work is. Silent where the error output is no
-/// terminal, and for the first second.
+/// A line on the terminal with the progress of long work. Silent if the error output is not a
+/// terminal, and in the first second.
 class Progress {
  public:
   Progress(std::string what, hal::Clock& clock, unsigned calls_between_looks = 64);

@@ -39,8 +39,8 @@ std::string RecommendedSummary::body_text() const {
   std::string text;
   add_line(
       text, "body",
-      fmt::format("residual of its fit {:.2g} mm rms; {} samples beyond {:.2g} mm not taken; "
-                  "{} held back while its shape was learned",
+      fmt::format("residual of its fit {:.2g} mm rms; {} samples beyond {:.2g} mm not used; {} "
+                  "withheld while its shape was learned",
                   residual_rms_m * 1e3, fits_.not_rigid, fits_.tolerance_m * 1e3, fits_.unsettled));
   return text;
 }
@@ -52,8 +52,8 @@ std::string RecommendedSummary::nothing_text() const {
     reasons += fmt::format("{}{} samples {}", reasons.empty() ? "" : ", ", count, words);
   };
   add(fits_.degenerate, "had three points that coincide or lie on a line");
-  add(fits_.not_rigid, "had points that did not keep their distances");
-  add(fits_.unsettled, fmt::format("were held back to learn the body's shape, which takes {}",
+  add(fits_.not_rigid, "had points whose distances changed");
+  add(fits_.unsettled, fmt::format("were withheld to learn the body's shape, which takes {}",
                                    BodyShape<double>::kSamples));
   return reasons.empty() ? no_position_text() : "none: the jaw's pose is not known: " + reasons;
 }
@@ -65,7 +65,7 @@ std::string RecommendedSummary::consistency_text() const {
   add_line(text, "mean NIS", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {
                                return s.watches_[axis].monitor().mean_nis();
                              }) + " of the samples not rejected (1 if the noise is as stated)");
-  // A monitor that had nothing to compare says 0.
+  // A monitor without pairs returns 0.
   const InnovationMonitor<double>& followed = watches_[followed_index()].monitor();
   add_line(text, "whiteness",
            followed.innovation_correlation() == 0
@@ -85,13 +85,14 @@ std::string RecommendedSummary::consistency_text() const {
                      filtered_text());
   const std::string steps = rounding_steps_text();
   if (!steps.empty()) {
-    add_line(text, "rounding", steps + " mm, most of the noise: smoothing would not show");
+    add_line(text, "rounding", steps + " mm, most of the noise: smoothing would not be detected");
   }
   text += distrust_text(followed.mean_nis());
-  add_line(text, "noise model",
-           fmt::format("white; slow noise of the instrument, such as vibration, looks like motion: "
-                       "as few as {} % of 95 % intervals of the position may then hold",
-                       NoiseWatch::kWorstSlow_percent));
+  add_line(
+      text, "noise model",
+      fmt::format("white; slow noise of the instrument, such as vibration, looks like motion: as "
+                  "few as {} % of 95 % intervals of the position may then contain the truth",
+                  NoiseWatch::kWorstSlow_percent));
   return text;
 }
 
@@ -126,7 +127,8 @@ std::string RecommendedSummary::text() const {
     add_line(text, "estimates", nothing_text());
     return text;
   }
-  const std::string learned = has_enough() ? "estimated" : "from a first guess and too few samples";
+  const std::string learned =
+      has_enough() ? "estimated" : "from an initial guess and too few samples";
   add_line(text, "noise", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {
                             return s.last_.axes[axis].noise_sd_m * 1e3;
                           }) + (adaptive ? " mm sd at the end, " + learned : " mm sd, given"));
@@ -142,8 +144,8 @@ std::string RecommendedSummary::text() const {
                                                         : kTrusted);
   if (last_.has_joint) return text + joint_text(conclusion(), parameters_.joint);
   text +=
-      "Friction and mass are not computed: position alone does not determine them. What the "
-      "published cascade shows for\nthem (--estimator published) is decided by its tuning.\n";
+      "Friction and mass are not computed: position alone does not determine them. For the "
+      "published cascade\n(--estimator published), the tuning determines them.\n";
   return text;
 }
 
@@ -157,7 +159,7 @@ std::string RecommendedSummary::axes_where(bool (NoiseWatch::*is)() const) const
   return axes;
 }
 
-// Where the noise shows most that it is not white, unless it is between neighbours.
+// The distance at which the noise deviates most from white, unless it is 1.
 std::string RecommendedSummary::filtered_text() const {
   std::string text;
   for (int axis = 0; axis < axis_count(); ++axis) {
@@ -179,24 +181,25 @@ std::vector<std::string> RecommendedSummary::warnings() const {
   if (!filtered.empty()) {
     words += fmt::format(
         "the noise of the positions ({}) is not white: {}", filtered,
-        has_uneven_frames() ? "frames were dropped or held, or they were smoothed"
-                            : "they were smoothed or otherwise filtered before they were recorded");
+        has_uneven_frames()
+            ? "frames were dropped or held, or the positions were smoothed"
+            : "the positions were smoothed or otherwise filtered before they were recorded");
   }
   if (!correlated.empty()) {
-    words += fmt::format("{}neighbouring innovations ({}) are correlated, as {} make them",
+    words += fmt::format("{}neighbouring innovations ({}) are correlated, probably because of {}",
                          filtered.empty() ? "" : "; ", correlated,
                          has_uneven_frames() ? "uneven frames" : "smoothed positions");
   }
   if (!words.empty()) {
-    warnings.push_back(
-        words + "; the filter takes noise for white, so its intervals are not to be relied on");
+    warnings.push_back(words +
+                       "; the filter assumes white noise, so its intervals are not reliable");
   }
   const std::string steps = has_enough() ? rounding_steps_text() : "";
   if (!steps.empty()) {
     warnings.push_back(
         fmt::format("the positions are rounded ({} mm), which hides their noise: if they were also "
-                    "smoothed, a 95 % interval of the position may hold the truth in as few as {} "
-                    "% of the samples",
+                    "smoothed, a 95 % interval of the position may contain the truth in as few as "
+                    "{} % of the samples",
                     steps, NoiseWatch::kWorstSmoothed_percent));
   }
   return warnings;

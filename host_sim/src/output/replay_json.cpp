@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The summary of a replay as data: what replay_summary.cpp and recommended_summary.cpp say in
-// words. Values in SI units, as their names say; null where there is none.
+// The summary of a replay as data, with the content of replay_summary.cpp and
+// recommended_summary.cpp. Values in the SI units of their names; null if there is none.
 #include <cmath>
 #include <nlohmann/json.hpp>
 

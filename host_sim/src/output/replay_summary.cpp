@@ -13,29 +13,28 @@ namespace condyle::host {
 namespace {
 
 constexpr double kUnevenShare = 0.01;
-// Values below such a part of their interval are shown as 0.
+// Values below this fraction of their interval are shown as 0.
 constexpr double kNothing = 1e-4;
 constexpr std::uint64_t kFewestPositions = 3;
-// Mean NIS beyond which the intervals are said to be off: they are then wrong by 22 % and more.
+// Mean NIS beyond which the summary warns: the intervals are then wrong by 22 % or more.
 constexpr double kTrustedNis = 1.5;
-// Another axis is named from so many times the followed one's range on.
+// Ratio of ranges from which the summary suggests another axis.
 constexpr double kFarther = 2, kLeastMotion_m = 1e-3;
-// A jaw, its head free to move, stays within the one; the noise of the best tracker spans the
-// other.
+// Upper limit: a jaw in a freely moving head. Lower limit: the noise of the best tracker.
 constexpr double kWidest_m = 0.5, kNarrowest_m = 3e-5;
 constexpr double kShortestStep_s = 1.0 / 5000;
 
-// No interval: the filter's own would be that of its tuning.
+// No interval: the filter's own depends only on its tuning.
 std::string without_interval(const Quantity<double>& quantity, const char* unit) {
   if (quantity.provenance == Provenance::not_computed) return "none";
   return fmt::format("{:.4g} {}, {}", quantity.value, unit, provenance_name(quantity.provenance));
 }
 
-// Why a force is derived; `acceleration` is where its acceleration comes from.
+// Why a force is derived; `acceleration`: provenance of its acceleration.
 const char* force_words(Provenance force, Provenance acceleration) {
   if (force != Provenance::derived) return "";
   return acceleration == Provenance::derived
-             ? ": assumed mass times an acceleration that the motion model carried over"
+             ? ": assumed mass times an acceleration that the motion model predicted"
              : ": assumed mass times measured acceleration";
 }
 
@@ -128,14 +127,14 @@ std::string ReplaySummary::motion_text() const {
   }
   if (step_watch_.has_dropped()) {
     add_line(text, "frames",
-             fmt::format("{} steps amid even ones are two frames long: frames were dropped under "
+             fmt::format("{} steps among even ones are two frames long: frames were dropped under "
                          "even time stamps",
                          step_watch_.dropped()));
   }
   if (step_watch_.has_held()) {
     add_line(text, "frames",
-             fmt::format("{} positions amid motion are those before: they were held under even "
-                         "time stamps",
+             fmt::format("{} positions during motion repeat the position before: frames were held "
+                         "under even time stamps",
                          step_watch_.held()));
   }
   return text;
@@ -149,7 +148,7 @@ std::string ReplaySummary::unusable() const {
         "enough decimals",
         repeated, samples_);
   }
-  if (positions_ == 0) return {};  // there is a better reason
+  if (positions_ == 0) return {};  // another message gives the reason
   if (positions_ < kFewestPositions) {
     return fmt::format(
         "{} of its samples {} a position, and a velocity takes {} at least; give a longer "
@@ -158,7 +157,8 @@ std::string ReplaySummary::unusable() const {
   }
   if (!has_moved_) {
     return fmt::format(
-        "all {} positions are the same, which no instrument measures; check what was recorded",
+        "all {} positions are the same, which a real instrument does not measure; check the "
+        "recording",
         positions_);
   }
   return {};
@@ -198,16 +198,15 @@ std::vector<std::string> ReplaySummary::unit_warnings() const {
   const auto ranges_m = ranges_.ranges_m();
   const double widest_m = *std::max_element(ranges_m.begin(), ranges_m.end());
   if (widest_m > kWidest_m || (widest_m > 0 && widest_m < kNarrowest_m)) {
-    warnings.push_back(fmt::format(
-        "the positions span {:.2g} mm, and a jaw moves 1 to 70 mm: check their unit, which the "
-        "column's name or --unit states",
-        widest_m * 1e3));
+    warnings.push_back(
+        fmt::format("the positions span {:.2g} mm, but a jaw moves 1 to 70 mm: check their unit, "
+                    "which the column's name or --unit states",
+                    widest_m * 1e3));
   }
   if (steps_ > 0 && mean_step_s() < kShortestStep_s) {
-    warnings.push_back(
-        fmt::format("{:.3g} samples a second, and a facebow gives 50 to 500: check the unit of "
-                    "the times",
-                    1 / mean_step_s()));
+    warnings.push_back(fmt::format(
+        "{:.3g} samples per second, but a facebow gives 50 to 500: check the unit of the times",
+        1 / mean_step_s()));
   }
   return warnings;
 }
@@ -232,8 +231,8 @@ std::string ReplaySummary::last_values_text(const char* level) const {
 std::string ReplaySummary::too_few_text() const {
   std::string text;
   add_line(text, "consistency",
-           fmt::format("not judged: too few samples, {} innovations of the {} that it takes",
-                       judged_, kFewestInnovations));
+           fmt::format("not judged: too few samples, {} innovations of the {} required", judged_,
+                       kFewestInnovations));
   return text;
 }
 
@@ -276,7 +275,7 @@ std::string PublishedSummary::text() const {
     add_line(text, "innovation", fmt::format("{:.4g} mm rms", innovation_rms_m() * 1e3));
     add_line(text, "mean NIS",
              fmt::format("motion {:.3g} (1 if the noise is as stated); friction {:.3g}, mass "
-                         "{:.3g} (not 2: stage 1's velocity is no independent measurement)",
+                         "{:.3g} (not 2: stage 1's velocity is not an independent measurement)",
                          motion_nis_.value(), friction_nis_.value(), mass_nis_.value()));
     text += distrust_text(motion_nis_.value());
   } else {
@@ -290,7 +289,7 @@ std::string PublishedSummary::text() const {
            fmt::format(
                "{}: {}. It judges the tuning, not the subject", verdict_name(last_.verdict),
                last_.verdict == Verdict::diverged
-                   ? "the mass was not positive, or no number, at some sample"
+                   ? "the mass was not positive, or not a number, at some sample"
                    : fmt::format("the mass {} within 2 % of the assumed mass throughout "
                                  "the last quarter",
                                  last_.verdict == Verdict::matched ? "stayed" : "did not stay")));
@@ -300,7 +299,7 @@ std::string PublishedSummary::text() const {
   text +=
       "Friction and mass are assumed, not measured: the force that drives their stages is the "
       "assumed mass times the\nacceleration seen in the same positions, so friction zero and the "
-      "assumed mass fit every motion, and prior and\ntuning decide what is shown.\n";
+      "assumed mass fit every motion, and prior and\ntuning determine the values shown.\n";
   return text;
 }
 
@@ -309,7 +308,7 @@ std::vector<std::string> PublishedSummary::warnings() const {
   if (uneven_steps_ == 0) return warnings;
   warnings.push_back(fmt::format(
       "{} of {} steps ({:.4g} to {:.4g} ms) differ from the sample time {:.6g} s by more than 1 %; "
-      "the published cascade takes every step as that long, and nothing is resampled",
+      "the published cascade treats every step as that long, without resampling",
       uneven_steps_, steps_, seconds(shortest_step_ns_) * 1e3, seconds(longest_step_ns_) * 1e3,
       parameters_.sample_time_s));
   return warnings;

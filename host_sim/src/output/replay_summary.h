@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said at the end of a replay. Constant memory.
+// The summary of a replay. Constant memory.
 #pragma once
 
 #include <array>
@@ -18,10 +18,10 @@
 
 namespace condyle::host {
 
-/// Collects rows; each estimator has its own words.
+/// Collects rows; each estimator has its own text.
 class ReplaySummary {
  public:
-  /// `followed`: the axis whose values lead, where there are three.
+  /// `followed`: the axis whose values come first, if there are three.
   explicit ReplaySummary(Axis followed) : followed_(followed) {}
   virtual ~ReplaySummary() = default;
 
@@ -30,19 +30,19 @@ class ReplaySummary {
   virtual std::string text() const = 0;
   /// The same as data.
   virtual nlohmann::ordered_json json() const;
-  /// What the drive tells at the end, asked for when the text is made.
+  /// The result of the drive, called when the text is made.
   void set_conclusion(std::function<JointEstimate<double>()> conclusion) {
     conclusion_ = std::move(conclusion);
   }
-  /// What the user should know of the drive, asked for when the text is made.
+  /// Notes on the drive for the user, called when the text is made.
   void set_drive(std::function<std::vector<std::string>()> notes) { drive_ = std::move(notes); }
   std::vector<std::string> drive_notes() const {
     return drive_ ? drive_() : std::vector<std::string>();
   }
-  /// What to warn about beside the summary.
+  /// Warnings in addition to the summary.
   virtual std::vector<std::string> warnings() const;
 
-  /// Why nothing can be said of the recording, however many numbers come out; empty where it can.
+  /// Why the recording gives no usable result; empty if it does.
   std::string unusable() const;
   /// "value +- half of the interval of `level`, unit, provenance".
   static std::string with_interval(const Quantity<double>& quantity, double shown_per_si,
@@ -51,22 +51,23 @@ class ReplaySummary {
   static void add_line(std::string& text, const char* label, const std::string& words);
 
  protected:
-  /// Duration, rate (with `steps_note` on its line), gaps, events, and what the motion says of the
-  /// samples.
+  /// Duration, rate (with `steps_note` on its line), gaps, events, and faults of the samples that
+  /// the motion reveals.
   std::string times_text(const std::string& steps_note) const;
   /// "last values, at ..." with position, velocity and force; `level` is that of their intervals,
   /// unless there are too few innovations to check it.
   std::string last_values_text(const char* level) const;
   static constexpr const char* kTrusted = "95 %";
   static constexpr const char* kDistrusted = "95 % if the intervals were right";
-  /// Whether there are innovations enough to judge the intervals by; and the line that says so
-  /// where there are not.
+  /// Whether there are enough innovations to check the intervals; and the line for the case that
+  /// there are not.
   bool has_enough() const { return judged_ >= kFewestInnovations; }
   std::string too_few_text() const;
-  /// Whether a mean NIS speaks for the stated noise; and the line that says so where it does not.
+  /// Whether a mean NIS is consistent with the stated noise; and the line for the case that it is
+  /// not.
   static bool is_trusted(double mean_nis);
   static std::string distrust_text(double mean_nis);
-  /// The line that says what `unusable` does.
+  /// The line with the text of `unusable`.
   std::string unusable_text() const;
   /// Why no sample had a position.
   std::string no_position_text() const;
@@ -76,7 +77,7 @@ class ReplaySummary {
 
   std::uint64_t steps_ = 0;
   TimeNs shortest_step_ns_ = 0, longest_step_ns_ = 0;
-  std::optional<TimeNs> last_step_ns_;  // step that the last row added, if any
+  std::optional<TimeNs> last_step_ns_;  // step added by the last row, if any
   double innovation_rms_m() const;
   double mean_step_s() const;
   JointEstimate<double> conclusion() const { return conclusion_ ? conclusion_() : last_.joint; }
@@ -93,7 +94,7 @@ class ReplaySummary {
   StepWatch step_watch_;
   std::function<std::vector<std::string>()> drive_;
   std::function<JointEstimate<double>()> conclusion_;
-  // The mean NIS of so many strays by 14 % (standard deviation), of fewer by more.
+  // The standard deviation of the mean NIS of this many innovations is 14 %, of fewer larger.
   static constexpr std::uint64_t kFewestInnovations = 100;
 
   std::uint64_t samples_ = 0, innovations_ = 0, judged_ = 0;  // judged: not of rejected samples
@@ -114,7 +115,8 @@ class PublishedSummary final : public ReplaySummary {
   void add(const EstimateRow& row) override;
   std::string text() const override;
   nlohmann::ordered_json json() const override;
-  /// Also steps that differ from the sample time, which the published cascade takes all as equal.
+  /// Also counts steps that differ from the sample time, because the published cascade treats all
+  /// as equal.
   std::vector<std::string> warnings() const override;
 
  private:
@@ -137,25 +139,25 @@ class PublishedSummary final : public ReplaySummary {
 /// The recommended estimator's.
 class RecommendedSummary final : public ReplaySummary {
  public:
-  /// `fits`: those of the sensor, looked at when the text is made.
+  /// `fits`: those of the sensor, read when the text is made.
   RecommendedSummary(const RecommendedParameters& parameters, int lag, Axis followed,
                      const BodyFits& fits)
       : ReplaySummary(followed), parameters_(parameters), lag_(lag), fits_(fits) {}
   void add(const EstimateRow& row) override;
   std::string text() const override;
   nlohmann::ordered_json json() const override;
-  /// Also positions that were smoothed before they came, or may have been.
+  /// Also warns if positions were, or may have been, smoothed before recording.
   std::vector<std::string> warnings() const override;
 
  private:
   std::string per_axis(const char* format, double (*value)(const RecommendedSummary&, int)) const;
   std::string filtered_text() const;
-  // How well the points kept their distances; why there is no estimate.
+  // How well the points keep their distances; why there is no estimate.
   std::string body_text() const;
   std::string nothing_text() const;
-  // Innovations, and what they and the positions say of the intervals.
+  // Innovations, and their evidence and that of the positions on the intervals.
   std::string consistency_text() const;
-  // Names of the axes whose watch says so.
+  // Names of the axes whose watch satisfies a condition.
   std::string axes_where(bool (NoiseWatch::*is)() const) const;
   std::string rounding_steps_text() const;
   int axis_count() const { return last_.axis_count; }

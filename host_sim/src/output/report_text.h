@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The form of what commands print for people.
+// The layout of the text that commands print.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,19 +13,19 @@ namespace condyle::host {
 
 /// The first line of each report.
 inline std::string banner() {
-  return fmt::format("condyle {}: research use only; this is no diagnosis\n", CONDYLE_VERSION);
+  return fmt::format("condyle {}: research use only; not a diagnosis\n", CONDYLE_VERSION);
 }
 
-/// A report in lines of a label and words, all words in one column.
+/// A report with one label and text on each line, the texts in one column.
 class ReportText {
  public:
-  /// It begins with the banner. `label_width`: columns before the words.
+  /// Starts with the banner. `label_width`: columns before the texts.
   explicit ReportText(int label_width) : text_(banner()), label_width_(label_width) {}
 
   void line(std::string_view label, std::string_view words) {
     text_ += fmt::format("{:<{}}{}\n", label, label_width_, clean_line(words));
   }
-  /// Lines that are complete.
+  /// Adds complete lines.
   void add(std::string_view lines) { text_ += lines; }
   const std::string& text() const { return text_; }
 

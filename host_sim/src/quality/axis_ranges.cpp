@@ -7,7 +7,7 @@
 namespace condyle::host {
 namespace {
 
-constexpr double kLeftOut = 0.025;  // of the positions, at either end
+constexpr double kLeftOut = 0.025;  // share of the positions at each end
 
 }  // namespace
 

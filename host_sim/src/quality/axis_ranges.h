@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a point moves along each axis: the range that holds the middle 95 % of its positions, so
-// that no glitch decides it. Of long recordings every second, fourth, ... position is taken.
+// The range of a point's motion along each axis: the middle 95 % of its positions, so that glitches
+// have no effect. In long recordings only every second, fourth, ... position is used.
 #pragma once
 
 #include <array>
@@ -13,10 +13,10 @@ namespace condyle::host {
 /// Of one point. Constant memory.
 class AxisRanges {
  public:
-  /// Most positions kept.
+  /// Maximum number of stored positions.
   static constexpr std::size_t kMost = 4096;
 
-  /// Takes a position (m).
+  /// Adds a position (m).
   void add(const std::array<double, 3>& position_m);
   /// Width of the middle 95 % of the positions along each axis (m); 0 before the first.
   std::array<double, 3> ranges_m() const;
@@ -27,7 +27,7 @@ class AxisRanges {
 };
 
 /// The axis along which a point moves at least `ratio` times as far as along `followed`, and by at
-/// least `least_m`: the one with the longest range. `followed` where there is none.
+/// least `least_m`: the one with the longest range. `followed` if there is none.
 std::size_t livelier_axis(const std::array<double, 3>& ranges_m, std::size_t followed, double ratio,
                           double least_m);
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the noise of one axis says of the intervals that a filter of white noise states.
+// Whether the noise of one axis is white, as the filter's intervals require.
 //
-// Smoothing shows in the noise that it leaves (innovation_monitor.h). Rounding to a step g adds
-// white noise of variance g^2 / 12, in which that disappears: where rounding makes kRoundedShare of
-// the noise or more, smoothing cannot be excluded. Nor can slow noise of an instrument, as coloured
-// noise and vibration are, ever be told from motion by its positions.
+// Smoothing is visible in the remaining noise (innovation_monitor.h). Rounding to a step g adds
+// white noise of variance g^2 / 12, which hides it: if rounding causes kRoundedShare of the noise
+// or more, smoothing cannot be excluded. Slow noise of an instrument, such as coloured noise and
+// vibration, cannot be distinguished from motion by positions alone.
 //
-// tests/consistency/noise_watch_test.cpp simulates what an interval is then worth: the share of
-// samples whose 95 % interval of the position holds the truth, in the worst of its cases.
+// tests/consistency/noise_watch_test.cpp simulates the coverage in these cases: the share of
+// samples whose 95 % interval of the position contains the truth, in the worst case.
 #pragma once
 
 #include <cmath>
@@ -21,30 +21,30 @@ namespace condyle::host {
 class NoiseWatch {
  public:
   static constexpr double kRoundedShare = 0.3;
-  /// How many 95 % intervals of the position hold the truth at worst (%): of positions that were
-  /// smoothed and then rounded; and with noise whose neighbours are correlated by up to 0.9, or
-  /// with a vibration of twice the noise's standard deviation.
+  /// Worst coverage of 95 % intervals of the position (%): for positions smoothed and then rounded;
+  /// and for noise with correlations of neighbours up to 0.9, or with a vibration of twice the
+  /// noise's standard deviation.
   static constexpr double kWorstSmoothed_percent = 0.3, kWorstSlow_percent = 25;
 
-  /// Adds what one sample said: the standardised innovation, no unit, and the measured position,
-  /// `step_s` after the one before; NaN where there was none.
+  /// Adds one sample: the standardised innovation, without unit, and the measured position,
+  /// `step_s` after the previous one; NaN if there was none.
   void add(double standardised, double position_m, double step_s) {
     monitor_.add(standardised, position_m, step_s);
     if (std::isfinite(position_m)) rounding_.add(position_m);
   }
 
   const InnovationMonitor<double>& monitor() const { return monitor_; }
-  /// The step that positions are rounded to (m); 0 where there is none.
+  /// The step that positions are rounded to (m); 0 if there is none.
   double rounding_step_m() const { return rounding_.step_m(); }
-  /// True where rounding makes so much of the noise that smoothing would not show.
+  /// True if rounding causes so much of the noise that smoothing would not be detected.
   bool hides_smoothing() const {
     const double step_m = rounding_.step_m(), sd_m = monitor_.noise_sd_m();
     return step_m > 0 && step_m * step_m / 12 >= kRoundedShare * sd_m * sd_m;
   }
-  /// True where the noise is not white and rounding is not the reason.
+  /// True if the noise is not white and rounding is not the reason.
   bool is_filtered() const { return monitor_.is_filtered() && !hides_smoothing(); }
   bool is_correlated() const { return monitor_.is_correlated(); }
-  /// True where nothing speaks against the stated intervals.
+  /// True if there is no evidence against the stated intervals.
   bool is_trusted() const {
     return !monitor_.is_filtered() && !is_correlated() && !hides_smoothing();
   }

@@ -46,7 +46,7 @@ double StepWatch::ratio(std::size_t left_out) const {
       std::minmax_element(steps_.begin(), steps_.end(),
                           [](const Step& a, const Step& b) { return a.duration_s < b.duration_s; });
   if (longest->duration_s > (1 + kEven) * shortest->duration_s) return kNone;
-  std::array<const Vector*, 2 * kSide> around{};  // evenly apart, as far as the line can tell
+  std::array<const Vector*, 2 * kSide> around{};  // evenly spaced under the line model
   for (std::size_t i = 0; i < kSide; ++i) {
     around[i] = &steps_[i].d_m;
     around[kSide + i] = &steps_[kSide + 1 + left_out + i].d_m;
@@ -88,7 +88,7 @@ void StepWatch::Tally::add(double ratio) {
   between += is_near((q + 1) / 2) ? 1U : 0U;
 }
 
-// Sums the binomial probabilities of as many or more of `there` at 1/2.
+// True if at least `there` successes are improbable: the tail of a binomial distribution at 1/2.
 bool StepWatch::Tally::is_found() const {
   if (there <= between) return false;
   const auto n = static_cast<double>(there + between);

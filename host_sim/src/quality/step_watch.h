@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames that an instrument dropped under even time stamps, and positions that it held. Both show
-// only in the motion: a step between two samples is two frames long, or none.
+// Detects frames that an instrument dropped under even time stamps, and positions that it held.
+// Both are visible only in the motion: a step between two samples is two frames long, or none.
 //
 //   d_k   step of the position from sample k - 1 to sample k
-//   s_k   the same of a straight line through three steps on either side of it; a position that is
-//         held may be caught up with by the next step, which is then left out
-//   q_k   d_k . s_k / s_k^2: 1 where motion goes on, 2 where a frame is missing, 0 where it is held
+//   s_k   the same for a straight line through three steps on either side; the step after a held
+//         position may be twice as long, and is then left out
+//   q_k   d_k . s_k / s_k^2: 1 if motion goes on, 2 if a frame is missing, 0 if it is held
 //
-// A step is judged where time stamps are even to 10 %, where its six neighbours and it lie within
-// kScatter of the line and s_k is at least kFewestGridSteps roundings long. Noise, uneven frames
-// and a lively motion spread q about 1, ever less frequent farther away; so of the steps with q
-// within a quarter of 2 (of 0) and of those half-way to 1, the former are at most half. Where they
-// are so many more that chance makes it in kFalseAlarm of recordings, frames were dropped (held).
+// A step is judged if time stamps are even to 10 %, if it and its six neighbours lie within
+// kScatter of the line and if s_k is at least kFewestGridSteps roundings long. Noise, uneven frames
+// and irregular motion spread q about 1, with decreasing frequency. So there are at most as many
+// steps with q within a quarter of 2 (of 0) as half-way to 1. If there are more than by chance in a
+// share kFalseAlarm of recordings, frames were dropped (held).
 #pragma once
 
 #include <array>
@@ -26,18 +26,18 @@ namespace condyle::host {
 /// Watches the steps of one point. Constant memory.
 class StepWatch {
  public:
-  /// Probability that steps spread about 1 are taken for dropped (held) ones.
+  /// Probability that steps spread about 1 count as dropped (held) ones.
   static constexpr double kFalseAlarm = 1e-6;
 
-  /// Takes a sample's position (m); one axis has two zeros.
+  /// Adds a sample's position (m); with one axis the others are 0.
   void add(TimeNs time_ns, const std::array<double, 3>& position_m);
-  /// Takes a sample without a position, or without a time.
+  /// Adds a sample without a position, or without a time.
   void add_missing();
 
   /// Steps that are two frames long.
   std::uint64_t dropped() const { return dropped_.there; }
   bool has_dropped() const { return dropped_.is_found(); }
-  /// Steps of no length amid motion.
+  /// Steps of no length during motion.
   std::uint64_t held() const { return held_.there; }
   bool has_held() const { return held_.is_found(); }
 
@@ -59,7 +59,7 @@ class StepWatch {
     bool is_found() const;
   };
 
-  // q of the step at kSide, `left_out` of the steps after it left out; NaN where not judged.
+  // q of the step at kSide, `left_out` of the steps after it left out; NaN if not judged.
   double ratio(std::size_t left_out) const;
 
   std::array<Step, kWindow> steps_{};  // the oldest first

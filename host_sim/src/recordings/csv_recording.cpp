@@ -20,7 +20,7 @@ constexpr std::string_view kColumns =
 
 constexpr std::size_t kLongestName = 100;
 
-// What a column's values are.
+// The meaning of a column.
 struct Column {
   enum class Role { ignored, time, coordinate, drive };
   Role role = Role::ignored;
@@ -134,7 +134,7 @@ class CsvRecording final : public Recording {
     });
     if (repeated) {
       throw InputError(fmt::format("{}: column {}", place(), name),
-                       "another column gives the same quantity",
+                       "another column contains the same quantity",
                        reads_drive_alone_ ? "take one of them out of the file"
                                           : "leave one of them out with --ignore-column");
     }
@@ -224,7 +224,7 @@ class CsvRecording final : public Recording {
   RecordingInfo info_;
   std::vector<Column> columns_;
   std::vector<std::string_view> fields_;  // of the row being read
-  std::array<bool, 9> seen_{};            // coordinates that a point column gives
+  std::array<bool, 9> seen_{};            // coordinates with a column
   std::ptrdiff_t axis_columns_ = 0;
   std::uint64_t sequence_ = 0;
 };

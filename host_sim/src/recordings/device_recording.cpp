@@ -15,7 +15,7 @@
 namespace condyle::host {
 namespace {
 
-// `Source`: SessionLogSource or UsbmonCapture, which both say what is wrong with their file.
+// `Source`: SessionLogSource or UsbmonCapture, which both report problems of their file.
 template <class Source>
 class DeviceRecording : public Recording {
  public:
@@ -68,8 +68,8 @@ class DeviceRecording : public Recording {
         info_.notes.push_back(std::move(note));
       }
       if (source_->not_recorded() > 0) {
-        info_.notes.push_back(fmt::format("the recorder had no room for {} reports and events",
-                                          source_->not_recorded()));
+        info_.notes.push_back(
+            fmt::format("the recorder dropped {} reports and events", source_->not_recorded()));
       }
     } else {
       if (!source_->problem().empty()) info_.notes.push_back(source_->problem());
@@ -107,7 +107,7 @@ std::unique_ptr<Recording> open_logged_drive(const std::string& path) {
       path, 0, "", [](const hal::DeviceProfile& profile) { return profile.drive_N.has_value(); });
   if (device) return recording_of(path, std::move(*device));
   throw InputError(path, "no device in it measured a drive",
-                   "name a session log with a [drive] in one of its profiles");
+                   "give a session log with a [drive] in one of its profiles");
 }
 
 std::unique_ptr<hal::UsbmonCapture> open_captured_reports(const std::string& path,
@@ -121,12 +121,12 @@ std::unique_ptr<hal::UsbmonCapture> open_captured_reports(const std::string& pat
   const hal::Status status = source->open();
   if (status == hal::Status::ok) return source;
   throw InputError(path, source->problem().empty() ? hal::status_name(status) : source->problem(),
-                   "name a file with the reports of a facebow");
+                   "give a file with the reports of a facebow");
 }
 
 std::unique_ptr<Recording> open_capture(const std::string& path, const RecordingOptions& options) {
   if (options.profile.empty()) {
-    throw InputError(path, "is a capture of USB traffic, which does not say what its reports mean",
+    throw InputError(path, "is a capture of USB traffic, which does not describe its reports",
                      "give the device's profile with --profile");
   }
   hal::DeviceProfile profile = load_device_profile(options.profile);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recordings of a device's raw reports: session logs (MCAP) and captures of USB traffic (pcap and
-// pcapng). They are decoded as the device itself would be.
+// pcapng). They are decoded like a live device.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@
 
 namespace condyle::host {
 
-/// Reads the log's first device, by the profile that it holds or by `options.profile`.
+/// Reads the log's first device, with the profile in the log or with `options.profile`.
 std::unique_ptr<Recording> open_session_log(const std::string& path,
                                             const RecordingOptions& options);
 /// Reads the log's first device whose profile has a drive.

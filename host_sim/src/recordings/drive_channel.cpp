@@ -37,8 +37,9 @@ std::vector<std::string> DriveChannel::notes(TimeNs first_ns, TimeNs last_ns) {
       fmt::format("it covers {:g} to {:g} s, the recording {:g} to {:g} s", seconds(*first_ns_),
                   seconds(*last_ns_), seconds(first_ns), seconds(last_ns));
   if (to_s < from_s) {
-    throw InputError(path_, spans + ": they have no time in common",
-                     "stamp both on one clock, or shift the times of one by what lies between");
+    throw InputError(
+        path_, spans + ": they have no time in common",
+        "use one clock for both, or shift the times of one by the difference of the clocks");
   }
   if (to_s - from_s < kMostOfIt * duration_s) notes.push_back("drive: " + spans);
   return notes;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A force that was recorded apart from the position, with its own rate.
+// A force recorded separately from the position, at its own rate.
 #pragma once
 
 #include <memory>
@@ -11,15 +11,16 @@
 
 namespace condyle::host {
 
-/// The samples of a drive, in order, each looked at before it is due.
+/// The samples of a drive, in order, with one sample of look-ahead.
 class DriveChannel {
  public:
-  /// Opens the drive in the file `path`: CSV with time_s and drive_N, or a session log, of which
-  /// the first device with a drive is taken. Its times are on the clock of the positions.
+  /// Opens the drive in the file `path`: CSV with time_s and drive_N, or a session log, from which
+  /// the first device with a drive is used. Its times are on the clock of the positions.
   DriveChannel(std::string path, FaultPolicy faults);
 
-  /// Gives all samples up to the first at or after `time_ns` to `add(time_ns, force_N)`, each once;
-  /// samples without time or force are counted and left out. Problems of the file are InputErrors.
+  /// Passes all samples up to the first at or after `time_ns` to `add(time_ns, force_N)`, each
+  /// once; counts samples without time or force, and leaves them out. Problems of the file are
+  /// InputErrors.
   template <class Add>
   void give_until(TimeNs time_ns, const Add& add) {
     while (!has_ended_ && !(last_ns_ && *last_ns_ >= time_ns)) {
@@ -37,9 +38,9 @@ class DriveChannel {
     }
   }
 
-  /// For the summary: what it is, how much came, and how much of the recording, which lasts from
-  /// `first_ns` to `last_ns`, it covers; a line each. Reads to its end. Throws InputError where the
-  /// two have no instant in common.
+  /// For the summary: its format, the number of samples, and how much it covers of the recording,
+  /// which lasts from `first_ns` to `last_ns`; one line each. Reads to its end. Throws InputError
+  /// if the two have no instant in common.
   std::vector<std::string> notes(TimeNs first_ns, TimeNs last_ns);
 
  private:

@@ -11,14 +11,14 @@
 
 namespace condyle::host {
 
-/// A point of the instrument or of the jaw, and an axis, as a command's options say.
+/// The user's choice of a point of the instrument or of the jaw, and of an axis.
 struct FollowedChoice {
   FollowedCoordinate followed;
   bool axis_given = false;
   std::vector<double>
       jaw_point_mm;  ///< x, y, z in the jaw's frame; empty: a point of the instrument
 
-  /// An InputError where samples of `kind`, which `source` gives, do not have it.
+  /// Throws InputError if samples of `kind`, from `source`, lack it.
   void check(const std::string& source, SampleKind kind) const;
   /// The point; `fits`: see FollowedPoint.
   FollowedPoint point(BodyFits* fits = nullptr) const;
@@ -32,7 +32,7 @@ class FollowedPositions {
   explicit FollowedPositions(const FollowedChoice& choice)
       : choice_(choice), follower_(choice.point()) {}
 
-  /// Where the sample has it (m).
+  /// The position in this sample (m).
   std::optional<double> position_m(const Sample& sample);
 
  private:

@@ -2,9 +2,9 @@
 // ArtiSynth probe text, the form of Zebris JMA text exports and of the JAWS3D recordings:
 //   line 1   START STOP SCALE
 //   line 2   INTERPOLATION COLUMNS STEP_s    or    INTERPOLATION COLUMNS explicit
-//   then     rows of COLUMNS numbers, with the time (s) before them where it is explicit
+//   then     rows of COLUMNS numbers, after the time (s) if it is explicit
 // 9 columns are x, y, z of three points, 3 columns of one. The format states no unit: millimetres
-// unless the user says otherwise.
+// by default.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -72,8 +72,8 @@ class ProbeTextRecording final : public Recording {
     if (!explicit_time_) {
       TimeNs step_ns = 0;
       if (parse_time_s(layout[2], step_ns) != NumberStatus::ok || step_ns <= 0) {
-        throw InputError(place(), fmt::format("{} is no time step", quote(layout[2])),
-                         "give seconds, or the word explicit where each row starts with its time");
+        throw InputError(place(), fmt::format("{} is not a time step", quote(layout[2])),
+                         "give seconds, or the word explicit if each row starts with its time");
       }
       parse_number(layout[2], step_s_);
     }
@@ -133,14 +133,14 @@ class ProbeTextRecording final : public Recording {
   double progress() const override { return reader_->progress(); }
 
  private:
-  // With fixed steps the header says when the recording ends.
+  // With fixed steps the header states the end of the recording.
   void note_unexpected_end() {
     if (explicit_time_ || noted_end_) return;
     noted_end_ = true;
     const double end_s = seconds(start_ns_) + static_cast<double>(sequence_) * step_s_;
     if (std::abs(end_s - stop_s_) <= 1.5 * step_s_) return;
-    info_.notes.push_back(
-        fmt::format("the header says it ends at {:g} s, its rows end at {:g} s", stop_s_, end_s));
+    info_.notes.push_back(fmt::format(
+        "according to its header it ends at {:g} s, but its rows end at {:g} s", stop_s_, end_s));
   }
 
   std::unique_ptr<ByteReader> reader_;

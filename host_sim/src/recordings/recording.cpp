@@ -22,7 +22,7 @@ constexpr std::string_view kFormats =
     "condyle reads CSV with named columns (time_s,position_m), Zebris text and XML exports, JAWS3D "
     "text, SSFF, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
 
-// Control characters that no text file of ours has; bytes from 0x80 on may be UTF-8.
+// Control characters that are not in the text formats; bytes from 0x80 on may be UTF-8.
 bool is_text(std::string_view start) {
   return std::none_of(start.begin(), start.end(), [](char c) {
     const auto byte = static_cast<unsigned char>(c);
@@ -110,7 +110,7 @@ TimeNs regular_time_ns(TimeNs start_ns, std::uint64_t index, double step_s,
   const double since_start_s = static_cast<double>(index) * step_s;
   if (!(seconds(start_ns) + since_start_s <= kFurthestTime_s)) {
     throw InputError(path,
-                     fmt::format("row {} lies {:.3g} s after the first", index + 1, since_start_s),
+                     fmt::format("row {} is {:.3g} s after the first", index + 1, since_start_s),
                      "check the start and the time step in its header");
   }
   return start_ns + nanoseconds(since_start_s);
@@ -125,7 +125,8 @@ SourceSpec recording_source(const std::string& text) {
   const std::lock_guard lock(mutex);
   if (noted.insert(text).second) {
     const std::string note = fmt::format(
-        "condyle: note: {} is a scenario; write sim:{}, for synth: takes the profile of a device\n",
+        "condyle: note: {} is a scenario; write sim:{}, because synth: takes the profile of a "
+        "device\n",
         text, source.file);
     std::fputs(clean_lines(note).c_str(), stderr);
   }
@@ -149,8 +150,8 @@ std::unique_ptr<Recording> open_recording(const std::string& source,
                       "session.mcap",
                       path, backend_of(spec.kind)));
     case SourceKind::synth:
-      throw InputError(source, "is a made-up device, which never ends",
-                       "name a recording, or a simulated subject with sim:SCENARIO.toml");
+      throw InputError(source, "is a synthetic device, which never ends",
+                       "give a recording, or a simulated subject with sim:SCENARIO.toml");
   }
   auto reader = std::make_unique<ByteReader>(path);
   std::string_view start = reader->peek(4096);
@@ -161,10 +162,10 @@ std::unique_ptr<Recording> open_recording(const std::string& source,
     reader->skip(3);
     start.remove_prefix(3);
   }
-  if (start.empty()) throw InputError(path, "is empty", "name a file with a recording");
+  if (start.empty()) throw InputError(path, "is empty", "give a file with a recording");
   const auto only_for = [&](bool used, const char* option, const char* format) {
     if (used) {
-      throw InputError(path, fmt::format("{} goes with {}", option, format), "leave it out");
+      throw InputError(path, fmt::format("{} applies only to {}", option, format), "leave it out");
     }
   };
   const ReportFile report_file = report_file_of(start);
@@ -173,13 +174,13 @@ std::unique_ptr<Recording> open_recording(const std::string& source,
   only_for(!options.profile.empty() && !is_log && !is_capture, "--profile",
            "session logs and captures");
   if (options.reads_drive_alone && (is_log || is_capture || !is_text(start))) {
-    throw InputError(path, "is no CSV",
+    throw InputError(path, "is not a CSV file",
                      "give the drive as CSV with time_s and drive_N, or as a session log");
   }
   if (is_log || is_capture) {
     only_for(options.movement != 1, "--movement", "Zebris XML");
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
-    only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns name no unit");
+    only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns state no unit");
     return is_log ? open_session_log(path, options) : open_capture(path, options);
   }
   if (start.substr(0, 4) == "SSFF") {
@@ -188,7 +189,7 @@ std::unique_ptr<Recording> open_recording(const std::string& source,
     return open_ssff(std::move(reader), options);
   }
   if (!is_text(start)) {
-    throw InputError(path, "is a binary file of no known format", std::string(kFormats));
+    throw InputError(path, "has an unknown binary format", std::string(kFormats));
   }
   const std::size_t first = start.find_first_not_of(" \t\r\n");
   if (first != std::string_view::npos && start[first] == '<') {
@@ -203,7 +204,7 @@ std::unique_ptr<Recording> open_recording(const std::string& source,
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
     return open_probe_text(std::move(reader), options);
   }
-  only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns name no unit");
+  only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns state no unit");
   return open_csv(std::move(reader), options);
 }
 

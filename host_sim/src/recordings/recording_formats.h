@@ -21,16 +21,17 @@ std::unique_ptr<Recording> open_probe_text(std::unique_ptr<ByteReader> reader,
 /// SSFF, the Emu Speech Database's binary track format, with columns *posx, *posy, *posz.
 std::unique_ptr<Recording> open_ssff(std::unique_ptr<ByteReader> reader,
                                      const RecordingOptions& options);
-/// Zebris XML export. Nothing but the tracks is read.
+/// Zebris XML export. Reads only the tracks.
 std::unique_ptr<Recording> open_zebris_xml(std::unique_ptr<ByteReader> reader,
                                            const RecordingOptions& options);
 
-/// Rows of a text format. Blank lines at the end of the file are no rows; blank lines before a row
+/// Rows of a text format. Blank lines at the end of the file are ignored; blank lines before a row
 /// are rows without values.
 class RowReader {
  public:
   explicit RowReader(ByteReader& reader) : reader_(reader) {}
-  /// Next row; false at the end. `row` is empty for a blank line, else valid until the next call.
+  /// Next row; false at the end. `row` is empty for a blank line, otherwise valid until the next
+  /// call.
   bool next(std::string_view& row);
   /// Line of the row last returned.
   std::uint64_t line() const { return line_; }
@@ -43,22 +44,23 @@ class RowReader {
 };
 
 /// Fields of a row of CSV, without spaces and quotes around them, into `fields`, whose memory is
-/// used again from row to row.
+/// reused for each row.
 void split_row(std::string_view row, std::vector<std::string_view>& fields);
 
-/// True where `start`, the beginning of a file, has the two header lines of ArtiSynth probe text.
+/// True if `start`, the beginning of a file, has the two header lines of ArtiSynth probe text.
 bool looks_like_probe_text(std::string_view start);
 
-/// Time of row `index` of a recording with regular steps. An InputError naming `path` where it
-/// leaves the range of times.
+/// Time of row `index` of a recording with regular steps. Throws an InputError that names `path` if
+/// it is out of the range of times.
 TimeNs regular_time_ns(TimeNs start_ns, std::uint64_t index, double step_s,
                        const std::string& path);
 
-/// Turns the outcome of reading one value into a usable number, a mark on the sample, or an error.
+/// Converts the status of reading one value into a usable number, a mark on the sample, or an
+/// error.
 class FaultRule {
  public:
   explicit FaultRule(FaultPolicy policy) : policy_(policy) {}
-  /// True where `status` is ok. Else: false for an empty or non-finite value under
+  /// True if `status` is ok. Otherwise: false for an empty or non-finite value under
   /// FaultPolicy::event, an InputError naming `place` and `column` for everything else.
   bool accept(NumberStatus status, const std::string& place, std::string_view column,
               std::string_view text) const;

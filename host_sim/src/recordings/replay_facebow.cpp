@@ -27,7 +27,7 @@ hal::Status ReplayFacebow::open() {
       if (ahead_.back().status == hal::Status::ok) ++samples;
     }
     if (samples == 0) {
-      throw InputError(path_, "has no samples", "name a recording with at least one row");
+      throw InputError(path_, "has no samples", "give a recording with at least one row");
     }
   } catch (const InputError& error) {
     close();
@@ -58,7 +58,7 @@ bool ReplayFacebow::fetch() {
     if (previous_time_ns_ && sample.time_ns < *previous_time_ns_ &&
         options_.faults == FaultPolicy::refuse) {
       throw InputError(recording_->place() + ": time",
-                       fmt::format("it runs backwards, from {:.9g} s to {:.9g} s",
+                       fmt::format("runs backwards, from {:.9g} s to {:.9g} s",
                                    seconds(*previous_time_ns_), seconds(sample.time_ns)),
                        "sort the rows, or count them as events with --faults event");
     }
@@ -125,7 +125,7 @@ firmware::RunSettings ReplayFacebow::run_settings(FollowedCoordinate followed) c
   settings.followed = followed;
   settings.expects_drive = info().has_drive;
   settings.nominal_step_ns = expected_step_ns();
-  settings.reopen_pause_ns = 1;  // it is back at once
+  settings.reopen_pause_ns = 1;  // it reconnects at once
   return settings;
 }
 

@@ -14,10 +14,11 @@
 namespace condyle::host {
 
 /// A recording behind the facebow interface. Bad reports and disconnections of a recorded device
-/// come as they came live; opened after a disconnection, it goes on behind it, else at the start.
+/// occur as they did live. After a disconnection, opening continues behind it, otherwise at the
+/// start.
 class ReplayFacebow final : public hal::Facebow {
  public:
-  /// Samples looked at when opened, to find the recording's median step in bounded memory.
+  /// Samples read at opening, to find the recording's median step in bounded memory.
   static constexpr std::size_t kLookAhead = 65536;
 
   /// `speed`: 0 as fast as possible, 1 real time, 2 twice as fast ...
@@ -27,25 +28,25 @@ class ReplayFacebow final : public hal::Facebow {
   hal::Status read(TimeNs deadline_ns, Sample& sample) override;
   void close() override;
 
-  /// What is wrong with the recording; empty where nothing is.
+  /// The problem of the recording; empty if there is none.
   const std::string& problem() const { return problem_; }
-  /// What the recording says of itself; only while open.
+  /// Properties of the recording; only while open.
   const RecordingInfo& info() const { return recording_->info(); }
   /// Time between samples as the recording states it, else the median (of the first kLookAhead);
-  /// absent where no time passes.
+  /// absent if all times are equal.
   std::optional<TimeNs> median_step_ns() const { return median_step_ns_; }
-  /// Time between samples by which gaps are found: as it was live for a device's recording, else
-  /// the median step; 0 where it is not known.
+  /// Time between samples for finding gaps: the live one for a device's recording, otherwise the
+  /// median step; 0 if it is not known.
   TimeNs expected_step_ns() const {
     return (info().is_of_device ? info().nominal_step_ns : median_step_ns_).value_or(0);
   }
-  /// How the run loop is to read it.
+  /// Settings for the run loop.
   firmware::RunSettings run_settings(FollowedCoordinate followed) const;
   /// Share of the recording read so far, 0 to 1.
   double progress() const { return recording_ ? recording_->progress() : 0; }
 
  private:
-  // What the recording gave: a sample, or so many times something else.
+  // An item of the recording: a sample, or a number of other events.
   struct Arrival {
     hal::Status status = hal::Status::ok;
     Sample sample;
@@ -61,7 +62,7 @@ class ReplayFacebow final : public hal::Facebow {
   hal::Clock& clock_;
   std::unique_ptr<Recording> recording_;
   std::deque<Arrival> ahead_;
-  bool is_away_ = false;  // disconnected was given
+  bool is_away_ = false;  // disconnected was returned
   std::optional<TimeNs> median_step_ns_;
   std::optional<TimeNs> previous_time_ns_;
   // Replay's time zero, on the clock and in the recording.

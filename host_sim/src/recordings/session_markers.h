@@ -8,7 +8,7 @@
 
 namespace condyle::host {
 
-/// What somebody marked while a session was recorded.
+/// A marker of a recorded session.
 struct SessionMarker {
   TimeNs time_ns = 0;  ///< on the clock of the reports
   std::string text;
@@ -17,7 +17,7 @@ struct SessionMarker {
 /// The markers of a session log, as far as it can be read.
 std::vector<SessionMarker> read_markers(const std::string& log);
 
-/// A line each for the user, no more than twenty.
+/// One line for each, at most twenty, for the user.
 std::vector<std::string> marker_notes(const std::vector<SessionMarker>& markers);
 
 /// The same as CSV: time_s,text.

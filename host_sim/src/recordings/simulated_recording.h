@@ -9,9 +9,9 @@
 
 namespace condyle::host {
 
-/// The scenario at `path`, simulated while it is read: a facebow without hardware.
+/// The scenario at `path`, simulated while it is read.
 std::unique_ptr<Recording> open_simulation(const std::string& path);
-/// The same for a scenario that is no file.
+/// The same for a scenario without a file.
 std::unique_ptr<Recording> open_simulation(const Scenario& scenario);
 
 }  // namespace condyle::host

@@ -2,8 +2,7 @@
 // SSFF (Simple Signal File Format, Emu Speech Database): a text header with Machine (byte order),
 // Record_Freq (Hz), Start_Time (s) and Column NAME TYPE COUNT lines up to a line of dashes, then
 // binary records. The columns whose names end in posx, posy, posz are the position of one point;
-// orientations and other columns are not read. The format states no unit: millimetres unless the
-// user says otherwise.
+// orientations and other columns are not read. The format states no unit: millimetres by default.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -109,7 +108,7 @@ class SsffRecording final : public Recording {
       const std::string_view value = value_after_key(line);
       const auto number = [&](double& result) {
         if (parse_number(value, result) != NumberStatus::ok) {
-          throw InputError(place(), fmt::format("{} is no number", quote(value)),
+          throw InputError(place(), fmt::format("{} is not a number", quote(value)),
                            "check that the file is SSFF");
         }
       };
@@ -125,7 +124,7 @@ class SsffRecording final : public Recording {
         number(frequency_Hz_);
       } else if (line.starts_with("Start_Time ")) {
         if (parse_time_s(value, start_ns_) != NumberStatus::ok) {
-          throw InputError(place(), fmt::format("{} is no time", quote(value)), "give seconds");
+          throw InputError(place(), fmt::format("{} is not a time", quote(value)), "give seconds");
         }
       } else if (line.starts_with("Column ")) {
         add_column(value);

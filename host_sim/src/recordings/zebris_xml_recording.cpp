@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Zebris XML export. Read tolerantly, because the maker does not document it:
+// Zebris XML export. Read tolerantly, because the manufacturer does not document it:
 //   ROOT / movements / movement[k] / tracks / track[1..3] / frequency (Hz)
 //                                                         / quants / quant / x, y, z
 // Each value is a child element or an attribute of that name, in any case of letters. No other
-// element is read: exports carry the patient's identity. The unit is not stated, so it is asked
-// for.
+// element is read: exports carry the patient's identity. The file does not state the unit, so the
+// user must.
 #include <fmt/format.h>
 #include <strings.h>
 
@@ -18,7 +18,7 @@
 namespace condyle::host {
 namespace {
 
-// The whole document is held: its text, and what the parser makes of each of its parts.
+// The whole document is in memory: its text, and the parser's nodes.
 constexpr std::size_t kLargestFile = std::size_t{128} << 20, kMostParsed = std::size_t{320} << 20;
 constexpr std::size_t kElement = 64, kAttribute = 48;
 constexpr std::size_t kLineBlock = 65536;
@@ -46,7 +46,7 @@ class ZebrisXmlRecording final : public Recording {
     load(*reader);
     if (!options.units_per_metre) {
       throw InputError(path_, "the format does not state the unit of its coordinates",
-                       "say it: --unit mm or --unit m");
+                       "give --unit mm or --unit m");
     }
     units_per_metre_ = *options.units_per_metre;
     info_.format = "Zebris XML";
@@ -118,11 +118,11 @@ class ZebrisXmlRecording final : public Recording {
     }
     if (parsed > kMostParsed) {
       throw InputError(path_,
-                       fmt::format("has some {} million elements, more than fit in memory",
+                       fmt::format("has about {} million elements, too many for the memory",
                                    parsed / kElement / 1'000'000),
                        "export fewer movements, or as text");
     }
-    // In place: the text is not held twice.
+    // Parse in place, so that the text is in memory only once.
     const pugi::xml_parse_result result = document_.load_buffer_inplace(text_.data(), text_.size());
     if (!result) {
       throw InputError(fmt::format("{}:{}", path_, line_at(result.offset)),
@@ -172,7 +172,8 @@ class ZebrisXmlRecording final : public Recording {
     const std::string place = place_of(track);
     if (parse_number(text, frequency_Hz) != NumberStatus::ok ||
         !(frequency_Hz >= 1e-3 && frequency_Hz <= 1e6)) {
-      throw InputError(place, fmt::format("the track's frequency {} is no rate", quote(text)),
+      throw InputError(place,
+                       fmt::format("the track's frequency {} is not a valid rate", quote(text)),
                        "give it in Hz");
     }
     if (frequency_Hz_ > 0 && frequency_Hz != frequency_Hz_) {
@@ -181,7 +182,7 @@ class ZebrisXmlRecording final : public Recording {
     frequency_Hz_ = frequency_Hz;
   }
 
-  // A value alone in its element may be written with a decimal comma.
+  // A value that is the only content of its element may have a decimal comma.
   static std::string value_text(pugi::xml_node node, const char* name) {
     const pugi::xml_attribute attribute =
         node.find_attribute([name](pugi::xml_attribute a) { return is_named(a.name(), name); });
@@ -192,7 +193,7 @@ class ZebrisXmlRecording final : public Recording {
     return text;
   }
 
-  // The parser has changed the text: the file tells how many lines end within the block.
+  // The parser changed the text, so count the lines of the block in the file.
   std::uint64_t line_at(std::ptrdiff_t offset) const {
     const std::size_t block = static_cast<std::size_t>(offset) / kLineBlock;
     if (block >= block_lines_.size()) return block_lines_.empty() ? 1 : block_lines_.back();

@@ -20,12 +20,12 @@
 // C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, "A new model for control of systems
 // with friction", IEEE Trans. Automatic Control 40(3) (1995) 419-425.
 //
-// To mind when integrating: coulomb and stribeck creep at rest instead of sticking, and relax at up
-// to c Fs/(m vd); bristles relax at s0 |v|/g(v), 1e4 per second at 0.1 m/s with the defaults, so a
-// step of Runge-Kutta 4 must stay below 2.78 g/(s0 |v|).
-// LuGre with constant s1 stores at most what it took, but can hand back energy for a moment where
-// s1 > 4 g(v)/|v|; see `dissipated_power_W`. A scale that changes in time also scales the bristles'
-// stored energy (about 1e-5 J with the defaults).
+// For integration: coulomb and stribeck creep at rest instead of sticking, and relax at up to c
+// Fs/(m vd); bristles relax at s0 |v|/g(v), 1e4 per second at 0.1 m/s with the defaults, so a step
+// of Runge-Kutta 4 must stay below 2.78 g/(s0 |v|). LuGre with constant s1 stores at most the
+// energy that it received, but can return energy briefly if s1 > 4 g(v)/|v|; see
+// `dissipated_power_W`. A scale that changes in time also scales the bristles' stored energy (about
+// 1e-5 J with the defaults).
 #pragma once
 
 #include <cstdint>
@@ -35,8 +35,8 @@ namespace condyle::host {
 /// Law of friction, see the head of this file.
 enum class FrictionModel : std::uint8_t { viscous, coulomb, stribeck, lugre };
 
-/// Parameters of all models; each uses those its equation names. The defaults are the
-/// demonstration set of Canudas de Wit et al.
+/// Parameters of all models; each uses those in its equation. The defaults are the demonstration
+/// set of Canudas de Wit et al.
 struct FrictionLaw {
   FrictionModel model = FrictionModel::viscous;
   double viscous_Ns_m = 0.4;             ///< s2, force per velocity (Ns/m), >= 0
@@ -63,7 +63,7 @@ double friction_slope_Ns_m(const FrictionLaw& parameters, double velocity_m_s, d
 /// Bristle deflection of steady sliding (m): g(v) sign(v) / s0; 0 for models without bristles.
 double steady_deflection_m(const FrictionLaw& parameters, double velocity_m_s);
 
-/// F of steady sliding (N); only for lugre another function than `friction_force_N`.
+/// F of steady sliding (N); differs from `friction_force_N` only for lugre.
 double steady_friction_N(const FrictionLaw& parameters, double velocity_m_s, double scale = 1);
 
 /// Slope of the curve `steady_friction_N` (Ns/m), negative in the Stribeck dip.

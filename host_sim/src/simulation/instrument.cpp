@@ -14,7 +14,7 @@ using Vector = std::array<double, 3>;
 constexpr Vector kBodyPoints_m[3] = {{0, 0, 0}, {0.025, 0, 0.030}, {-0.025, 0, 0.030}};
 constexpr double kSmallestGlitch_m = 0.003, kLargestGlitch_m = 0.008;
 
-// Turned about x, then y, then z: a true rotation, whatever its size.
+// Rotated about x, then y, then z: an exact rotation of any size.
 Vector turn(Vector point, const Vector& angles) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t j = (axis + 1) % 3, k = (axis + 2) % 3;
@@ -57,7 +57,7 @@ Pose SimulatedFacebow::true_pose(const Jaw& jaw, double coordinate) const {
     pose.translation_m[static_cast<std::size_t>(axis_)] = coordinate;
     return pose;
   }
-  // The incisor point turns about the TMJ axis, which is parallel to x; opening turns it down.
+  // The incisor point rotates about the TMJ axis, which is parallel to x; opening moves it down.
   const double phi = jaw.incisor_angle_rad - coordinate;
   pose.translation_m[1] =
       jaw.incisor_radius_m * (elementary::cos(phi) - elementary::cos(jaw.incisor_angle_rad));
@@ -88,7 +88,7 @@ void SimulatedFacebow::sample(const Jaw& jaw, double coordinate, std::vector<Sam
 
   Sample sample;
   sample.sequence = count_;
-  // The device believes in its regular clock; the jitter is not reported.
+  // The device assumes regular sampling; it does not report the jitter.
   const double regular_s = static_cast<double>(count_) / model_.rate_Hz;
   sample.time_ns = nanoseconds(regular_s * (1 + model_.clock_drift) + model_.latency_s);
   const auto show = [&](double value_m) {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // A simulated facebow and its companions (force sensor, EMG amplifier, accelerometer on the head),
-// with the faults real ones have.
+// with realistic faults.
 //
 // The facebow sees the pose of a rigid body on the lower teeth and reports three virtual points of
-// it, (0,0,0), (25,0,30) and (-25,0,30) mm in the body, so that one 6-DoF noise moves all three and
+// it, (0,0,0), (25,0,30) and (-25,0,30) mm in the body, so a single 6-DoF noise moves all three and
 // their distances never change.
 //
 // Order of what happens to a sample: true pose at its instant (rate, jitter) -> noise -> the
-// maker's smoothing -> glitch, freeze or zero-filled dropout -> quantisation -> device time (clock
-// drift, latency) -> lost or repeated.
+// manufacturer's smoothing -> glitch, freeze or zero-filled dropout -> quantisation -> device time
+// (clock drift, latency) -> lost or repeated.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@
 
 namespace condyle::host {
 
-/// A stretch of time at the same place in every run.
+/// An interval of time, the same in every run.
 struct Stretch {
   double start_s = 0;
   double duration_s = 0;  ///< 0: none
@@ -54,9 +54,10 @@ struct FacebowModel {
 struct DriveModel {
   double rate_Hz = 0;  ///< 0: none
   double noise_N = 0.01;
-  double gain = 1;           ///< what it shows of the true force
-  double missing_share = 0;  ///< share of the muscles' force that passes it by
-  /// Of the muscles' force, what passes it by in phase with velocity: force per velocity.
+  double gain = 1;           ///< shown force as a share of the true force
+  double missing_share = 0;  ///< share of the muscles' force that it does not measure
+  /// Part of the muscles' force in phase with velocity that it does not measure: force per
+  /// velocity.
   double missing_in_phase_Ns_m = 0;
   double delay_s = 0;
 };
@@ -66,35 +67,35 @@ struct EmgModel {
   double rate_Hz = 0;  ///< 0: none
   double noise = 0.02;
   double gain = 1;
-  double missing_share = 0;  ///< of the excitation that the electrodes do not see
+  double missing_share = 0;  ///< of the excitation that the electrodes do not record
   double delay_s = 0;
 };
 
-/// An accelerometer on the head, along the followed axis. In the moving head the jaw feels the
-/// force that drives it as inertia, so the acceleration is minus that force over the jaw's mass,
-/// and gravity.
+/// An accelerometer on the head, along the followed axis. The driving force of the jaw is its
+/// inertia in the moving head, so the acceleration is minus this force over the jaw's mass, plus
+/// gravity.
 struct HeadModel {
   double rate_Hz = 0;  ///< 0: none
   double noise_m_s2 = 0.05;
-  double gain = 1;  ///< what it shows of the true acceleration
+  double gain = 1;  ///< shown acceleration as a share of the true one
   double delay_s = 0;
 };
 
-/// True pose of the body that the facebow sees, about its rest place.
+/// True pose of the body that the facebow sees, relative to its rest pose.
 struct Pose {
   std::array<double, 3> translation_m{};  ///< x right, y forward, z up
-  std::array<double, 3> rotation_rad{};   ///< small turns about x, y, z
+  std::array<double, 3> rotation_rad{};   ///< small rotations about x, y, z
 };
 
-/// The facebow: asked once per true sampling instant, in order.
+/// The facebow: called once for each true sampling instant, in order.
 class SimulatedFacebow {
  public:
   SimulatedFacebow(const FacebowModel& model, Axis translation_axis, std::uint64_t seed);
 
   /// Instant of the next sample (s).
   double next_instant_s() const { return next_instant_s_; }
-  /// Takes the subject's state at that instant; appends the samples it gives (none when lost, two
-  /// when repeated) to `samples`.
+  /// Takes the subject's state at that instant; appends its samples (none when lost, two when
+  /// repeated) to `samples`.
   void sample(const Jaw& jaw, double coordinate, std::vector<Sample>& samples);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The jaw of the paper's section 2 as a body with one degree of freedom q, and its muscles.
+// The jaw of the paper's section 2: a body with one degree of freedom q, and its muscles.
 //
 //   hinge        q = opening angle about the TMJ axis (rad). Followed: height of the incisor point,
 //                z(q) = R (sin(phi0 - q) - sin phi0), eq (5): 0 with the teeth together, negative
@@ -48,7 +48,7 @@ struct Jaw {
   std::vector<Muscle> muscles;
 
   JawGeometry geometry() const { return {motion, incisor_radius_m, incisor_angle_rad}; }
-  /// Inertia that q'' meets: kg m^2 of a hinge, kg of a translation.
+  /// Inertia for q'': kg m^2 of a hinge, kg of a translation.
   double inertia() const { return motion == JawMotion::hinge ? inertia_kg_m2 : mass_kg; }
   /// Followed coordinate z (m) at q.
   double followed_position_m(double q) const;
@@ -60,7 +60,7 @@ struct Jaw {
   double coordinate_at(double position_m) const;
   /// Generalised force of the weight at q.
   double weight(double q) const;
-  /// Mass that the followed coordinate meets (kg).
+  /// Effective mass at the followed coordinate (kg).
   double effective_mass_kg(double q) const {
     const double J = followed_slope(q);
     return inertia() / (J * J);

@@ -8,7 +8,7 @@
 
 namespace condyle::host {
 
-/// Turns simulated data into rows of CSV: all digits, units in the column names. Each row is valid
+/// Converts simulated data to rows of CSV: all digits, units in the column names. Each row is valid
 /// until the next.
 class RecordingWriter {
  public:
@@ -20,7 +20,7 @@ class RecordingWriter {
   std::string_view truth_row(const SubjectTruth& truth);
   std::string drive_header() const { return "time_s,drive_N\n"; }
   std::string head_header() const { return "time_s,acceleration_m_s2\n"; }
-  /// Of a companion with one value: the force sensor, the accelerometer.
+  /// Row of a companion with one value: force sensor or accelerometer.
   std::string_view value_row(const Reading& reading);
   std::string emg_header() const;
   std::string_view emg_row(const Reading& reading);

@@ -7,21 +7,21 @@
 
 namespace condyle::host {
 
-/// Where the followed coordinate is meant to be.
+/// The intended followed coordinate.
 struct MotionPoint {
   double position_m = 0;
   double velocity_m_s = 0;
   double acceleration_m_s2 = 0;
 };
 
-/// What a subject is asked to do. Cycles leave the rest position, reach an extreme and return, each
-/// way along a quintic of least jerk, so that position, velocity and acceleration never jump.
+/// The task of a subject. Cycles leave the rest position, reach an extreme and return, each way
+/// along a minimum-jerk quintic, so that position, velocity and acceleration are continuous.
 struct MotionTask {
   double rest_position_m = -0.001;  ///< position between cycles
   double amplitude_m = 0;           ///< depth of a cycle, towards negative positions (opening)
   double amplitude_spread = 0;      ///< its relative standard deviation
   bool alternates = false;          ///< every second cycle goes to the other side
-  double cycle_rate_Hz = 1;         ///< cycles per second, pauses apart
+  double cycle_rate_Hz = 1;         ///< cycles per second, without pauses
   double rate_spread = 0;           ///< its relative standard deviation
   double dwell_share = 0;           ///< share of a cycle spent at rest
   double pause_probability = 0;     ///< of a pause after a cycle
@@ -30,12 +30,12 @@ struct MotionTask {
   double tremor_Hz = 8;             ///< frequency of the middle one
 };
 
-/// Random draws the motion is made from: standard normal and uniform numbers.
+/// Random numbers of the motion: standard normal and uniform.
 struct Draws {
   std::function<double()> normal, uniform;
 };
 
-/// The motion of a task, asked for at times that never run backwards.
+/// The motion of a task, evaluated at times that never run backwards.
 class ReferenceMotion {
  public:
   ReferenceMotion(const MotionTask& task, Draws draws);

@@ -19,7 +19,7 @@ constexpr Range kShare{0, 1};
 constexpr double kMostJitter = 0.2;  // of the sampling period
 constexpr Range kPlace_m{-0.1, 0.1};
 
-// The jaw: one of the tabulated subjects, then whatever the file changes in it.
+// The jaw: one of the tabulated subjects, with the changes of the file.
 void read_subject(TomlReader& file, Scenario& scenario) {
   SubjectParameters& subject = scenario.subject;
   std::size_t motion = 0;
@@ -44,7 +44,7 @@ void read_subject(TomlReader& file, Scenario& scenario) {
       subject.drive == SubjectDrive::force || subject.drive == SubjectDrive::prescribed;
   if ((needs_muscles && is_point_mass) || (needs_mass && motion == 0)) {
     throw InputError(
-        file.place("subject", "drive"), "this drive does not go with this motion",
+        file.place("subject", "drive"), "this drive does not match this motion",
         "muscles drive a hinge, lateral or protrusive jaw; force and prescribed drive a "
         "point_mass, lateral or protrusive one");
   }
@@ -68,27 +68,27 @@ void read_subject(TomlReader& file, Scenario& scenario) {
   file.number("subject", "release_s", subject.release_s, "s", {0, 1e4});
 }
 
-// The integration's step: as small as the forces need, or what the file asks for beyond that.
+// The integration step: as small as the forces require, or smaller if the file requests it.
 void read_steps(TomlReader& file, SubjectParameters& subject) {
   constexpr double most = 1000;
   const double needed = needed_steps_per_millisecond(subject);
   double steps = std::max(needed, 10.0);
   file.number("subject", "steps_per_millisecond", steps, "whole number", {1, most});
   if (steps != std::floor(steps)) {
-    throw InputError(file.place("subject", "steps_per_millisecond"), "is no whole number",
+    throw InputError(file.place("subject", "steps_per_millisecond"), "is not a whole number",
                      "give 1 to 1000");
   }
   if (steps < needed || needed > most) {
     throw InputError(
         file.place("subject", "steps_per_millisecond"),
-        fmt::format("the forces are so stiff that a millisecond takes {} steps", needed),
+        fmt::format("the forces are so stiff that a millisecond requires {} steps", needed),
         needed > most ? "make friction, contact, food or support less stiff"
-                      : "give at least that many, or leave it out");
+                      : "give at least this number, or leave it out");
   }
   subject.steps_per_millisecond = static_cast<int>(steps);
 }
 
-// A hinge cannot open further than its incisor point turns down.
+// The lowest point of the incisor's circle limits the opening of a hinge.
 void check_reach(const TomlReader& file, const SubjectParameters& subject) {
   const MotionTask& task = subject.task;
   const double far_m = task.amplitude_m * (1 + 3 * task.amplitude_spread) + 3 * task.tremor_m;
@@ -99,11 +99,12 @@ void check_reach(const TomlReader& file, const SubjectParameters& subject) {
   const double reach_m =
       jaw.incisor_radius_m * (steepest_sine - elementary::sin(jaw.incisor_angle_rad));
   if (lowest_m >= reach_m && task.rest_position_m <= most_closed_m) return;
-  throw InputError(file.place("task", lowest_m < reach_m ? "amplitude_m" : "rest_position_m"),
-                   fmt::format("the task reaches {:.1f} mm, this jaw {:.1f} to {:.1f} mm",
-                               (lowest_m < reach_m ? lowest_m : task.rest_position_m) * 1e3,
-                               reach_m * 1e3, most_closed_m * 1e3),
-                   "reduce rest_position_m, amplitude_m or amplitude_spread (3 of it count)");
+  throw InputError(
+      file.place("task", lowest_m < reach_m ? "amplitude_m" : "rest_position_m"),
+      fmt::format("the task reaches {:.1f} mm, but this jaw moves from {:.1f} to {:.1f} mm",
+                  (lowest_m < reach_m ? lowest_m : task.rest_position_m) * 1e3, reach_m * 1e3,
+                  most_closed_m * 1e3),
+      "reduce rest_position_m, amplitude_m or amplitude_spread (3 times it counts)");
 }
 
 void read_task(TomlReader& file, MotionTask& task) {
@@ -141,7 +142,7 @@ void read_forces(TomlReader& file, SubjectParameters& subject) {
       friction.model == FrictionModel::stribeck || friction.model == FrictionModel::lugre;
   if (breaks_away && friction.static_N < friction.coulomb_N) {
     throw InputError(file.place("friction", "static_N"), "static_N is below coulomb_N",
-                     "breaking away takes at least the sliding force");
+                     "give static_N of at least coulomb_N");
   }
   FrictionSchedule& schedule = subject.friction_schedule;
   std::size_t shape = 0;
@@ -233,7 +234,7 @@ Scenario load_scenario(const std::string& path) {
   double seed = 1;
   file.number("", "seed", seed, "whole number", {0, 9e15});
   if (seed != std::floor(seed)) {
-    throw InputError(file.place("", "seed"), "is no whole number", "give 0 to 9e15");
+    throw InputError(file.place("", "seed"), "is not a whole number", "give 0 to 9e15");
   }
   scenario.seed = static_cast<std::uint64_t>(seed);
   read_subject(file, scenario);

@@ -7,9 +7,9 @@
 
 namespace condyle::host {
 
-/// Loads a scenario from TOML (host_sim/scenarios). What the file leaves out keeps the defaults of
-/// the structs in simulation/. Everything in it must be known and in range; else an InputError
-/// names line, column and mend.
+/// Loads a scenario from TOML (host_sim/scenarios). Missing values keep the defaults of the structs
+/// in simulation/. All keys must be known and all values in range; otherwise an InputError names
+/// line, column and remedy.
 Scenario load_scenario(const std::string& path);
 
 }  // namespace condyle::host

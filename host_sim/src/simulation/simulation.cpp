@@ -17,7 +17,7 @@ SubjectTruth interpolate(const Jaw& jaw, const SubjectTruth& before, const Subje
   SubjectTruth truth = after;
   truth.time_s = time_s;
   const auto line = [s](double a, double b) { return a + s * (b - a); };
-  // Cubic through both coordinates with both rates.
+  // Cubic interpolation of both coordinates and rates.
   const double a = before.coordinate, b = after.coordinate;
   const double ra = before.coordinate_rate * step_s, rb = after.coordinate_rate * step_s;
   const double s2 = s * s, s3 = s2 * s;
@@ -70,8 +70,8 @@ bool Simulation::advance(SimulatedData& data) {
     if (!std::isfinite(after_.position_m) || !std::isfinite(after_.velocity_m_s) ||
         !std::isfinite(after_.acceleration_m_s2)) {
       throw InputError(scenario_.name,
-                       fmt::format("the simulation broke down at {:.6g} s", after_.time_s),
-                       "raise steps_per_millisecond in [subject], or make its forces less stiff");
+                       fmt::format("the simulation became unstable at {:.6g} s", after_.time_s),
+                       "raise steps_per_millisecond in [subject], or make the forces less stiff");
     }
   }
   if (wanted_s == 0) read_channels(data);
@@ -81,7 +81,7 @@ bool Simulation::advance(SimulatedData& data) {
   return true;
 }
 
-// A reading shows the state at its instant and is reported with its delay, at the time it shows.
+// A reading shows the state at its instant; its time stamp includes its delay.
 void Simulation::read_channels(SimulatedData& data) {
   const auto read = [this](Channel& channel, auto&& take) {
     while (channel.rate_Hz > 0 && channel.next_instant_s() <= after_.time_s) {

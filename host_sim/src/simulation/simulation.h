@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A subject seen by instruments: what `condyle simulate` writes, `sim:` plays live and
-// `condyle evaluate` repeats over seeds.
+// A simulated subject with instruments: `condyle simulate` writes it, `sim:` plays it live and
+// `condyle evaluate` repeats it over seeds.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace condyle::host {
 
-/// All of a scenario.
+/// A scenario.
 struct Scenario {
   std::string name;
   double duration_s = 30;
@@ -34,12 +34,12 @@ struct Reading {
   std::array<double, kMostMuscles> values{};  ///< force (N), envelopes, or acceleration
 };
 
-/// What one advance of a simulation gave.
+/// The result of one step of a simulation.
 struct SimulatedData {
   std::vector<Sample> samples;
   std::vector<SubjectTruth> truths;  ///< at the samples' true instants, lost ones included
   std::vector<Reading> drive, emg, head;
-  /// Forgets the data, keeps the memory.
+  /// Clears the data, but keeps the memory.
   void clear() {
     samples.clear();
     truths.clear();
@@ -49,17 +49,17 @@ struct SimulatedData {
   }
 };
 
-/// A scenario being simulated, in constant memory however long it is.
+/// The simulation of a scenario, in constant memory.
 class Simulation {
  public:
   Simulation(const Scenario& scenario, std::uint64_t seed);
-  /// Simulates up to the next sampling instant of the facebow and appends what the instruments gave
-  /// on the way. False when the scenario's duration is over.
+  /// Simulates up to the next sampling instant of the facebow and appends the instruments' data up
+  /// to it. False when the scenario's duration is over.
   bool advance(SimulatedData& data);
   double time_s() const { return subject_.time_s(); }
 
  private:
-  // Streams of random numbers beside the facebow's own.
+  // Streams of random numbers in addition to the facebow's.
   static constexpr std::uint64_t kDriveStream = 10, kEmgStream = 11, kHeadStream = 12;
   struct Channel {
     double rate_Hz = 0, delay_s = 0;

@@ -13,7 +13,7 @@ constexpr std::size_t kCoordinate = 0, kRate = 1, kBristle = 2, kFoodHeight = 3;
 constexpr double kTick_s = 1e-3;
 // Feedback of the muscles' command: natural frequency (rad/s), critically damped.
 constexpr double kFollowing_rad_s = 15;
-// Biting: this much more than the food resists, so that the force rises until it breaks.
+// Factor of the biting force over the food's resistance; above 1, so that the food breaks.
 constexpr double kBiteGain = 1.1;
 constexpr double kFoodClearance_m = 0.002;
 
@@ -37,7 +37,7 @@ const char* cause_name(Cause cause) {
 
 double needed_steps_per_millisecond(const SubjectParameters& p) {
   constexpr double deepest_contact_m = 5e-4, fastest_m_s = 0.3, largest_product = 0.5;
-  // The smallest mass that the followed point can meet.
+  // The smallest effective mass of the followed point.
   const double R = p.jaw.incisor_radius_m;
   const double mass_kg =
       p.jaw.motion == JawMotion::hinge ? p.jaw.inertia_kg_m2 / (R * R) : p.jaw.mass_kg;
@@ -74,8 +74,8 @@ SimulatedSubject::SimulatedSubject(const SubjectParameters& parameters, std::uin
   double start_m = parameters.task.rest_position_m;
   if (parameters.drive == SubjectDrive::released) start_m -= parameters.task.amplitude_m;
   x_[kCoordinate] = parameters.jaw.coordinate_at(start_m);
-  x_[kFoodHeight] = 0;  // the first piece comes with the first wide opening
-  if (parameters.drive == SubjectDrive::muscles) {  // at rest with what that takes
+  x_[kFoodHeight] = 0;  // the first piece appears at the first wide opening
+  if (parameters.drive == SubjectDrive::muscles) {  // at rest, with the required activation
     command_muscles();
     for (std::size_t n = 0; n < kMostMuscles; ++n) x_[kActivations + n] = excitation_[n];
   }
@@ -87,7 +87,7 @@ double SimulatedSubject::load_N(double time_s) const {
                                           parameters_.load_width_s, parameters_.load_rise_s);
 }
 
-// Forces at the followed point that need no muscle.
+// Passive forces at the followed point.
 double SimulatedSubject::passive_force_N(Cause cause, double time_s, double position_m,
                                          double velocity_m_s, const State& x) const {
   const SubjectParameters& p = parameters_;
@@ -114,7 +114,7 @@ double SimulatedSubject::passive_force_N(Cause cause, double time_s, double posi
   }
 }
 
-// The force that makes the point mass of the task's motion move along it.
+// The force that moves the point mass along the task's motion.
 double SimulatedSubject::compensating_force_N(const MotionPoint& wanted) const {
   const SubjectParameters& p = parameters_;
   const double mass_kg = p.drive_mass_kg > 0 ? p.drive_mass_kg : p.jaw.mass_kg;
@@ -150,7 +150,7 @@ SimulatedSubject::Forces SimulatedSubject::forces_at(double time_s, const State&
   for (const double force : forces.generalised) sum += force;
   forces.q_acceleration = sum / p.jaw.inertia();
   if (p.drive == SubjectDrive::prescribed) {
-    // Inverse dynamics: what drives is what the motion needs beyond the other forces.
+    // Inverse dynamics: the drive is the required force minus the other forces.
     forces.q_acceleration = reference_.at(time_s).acceleration_m_s2;
     drive = p.jaw.inertia() * forces.q_acceleration - sum;
   }
@@ -179,7 +179,7 @@ void SimulatedSubject::derivative(double time_s, const State& x, State& rate) {
     rate[kActivations + n] = activation_rate(at[kActivations + n], excitation_[n]);
   }
   for (std::size_t cause = 0; cause < kCauses; ++cause) {
-    if (is_held_) continue;  // the hand that holds balances them all
+    if (is_held_) continue;  // the holding hand balances all forces
     rate[kImpulse + cause] = forces.generalised[cause];
     rate[kWork + cause] = forces.generalised[cause] * at[kRate];
   }
@@ -195,7 +195,8 @@ void SimulatedSubject::command_muscles() {
                                    kFollowing_rad_s * kFollowing_rad_s * (wanted.position_m - z) +
                                    2 * kFollowing_rad_s * (wanted.velocity_m_s - v);
   double wanted_drive = p.jaw.effective_mass_kg(q) * J * acceleration_m_s2;
-  // What is felt is compensated, while closing also food, and more; friction and load surprise.
+  // The subject compensates the felt forces, and while closing also more than the food's; friction
+  // and load are unexpected.
   wanted_drive -= p.jaw.weight(q);
   wanted_drive -= J * (passive_force_N(Cause::support, time_s(), z, v, x_) + p.offset_N);
   if (wanted.velocity_m_s > 0) {

@@ -29,13 +29,13 @@ namespace condyle::host {
 
 /// What moves the jaw.
 enum class SubjectDrive {
-  muscles,  ///< commanded to follow the task
-  force,  ///< a force that would follow the task at `drive_friction_Ns_m`, whatever the friction is
+  muscles,     ///< commanded to follow the task
+  force,       ///< would follow the task if friction were `drive_friction_Ns_m`
   prescribed,  ///< the task itself; the force follows by inverse dynamics
-  released,    ///< held at the amplitude until `release_s`, then left alone
+  released,    ///< held at the amplitude until `release_s`, then free
 };
 
-/// Everything about a subject.
+/// Parameters of a subject.
 struct SubjectParameters {
   SubjectDrive drive = SubjectDrive::muscles;
   Jaw jaw;
@@ -43,7 +43,7 @@ struct SubjectParameters {
   FrictionLaw friction;
   FrictionSchedule friction_schedule;
   double friction_scale = 1;  ///< multiplies the schedule
-  double drive_mass_kg = 0;   ///< mass that the driving force is made for (force); 0: the jaw's
+  double drive_mass_kg = 0;   ///< mass for computing the driving force (force); 0: the jaw's
   double drive_friction_Ns_m = 0.022;
   double support_stiffness_N_m = 20;
   double support_rest_m = -0.002;
@@ -54,7 +54,7 @@ struct SubjectParameters {
   double food_stiffness_N_m = 3500;
   double food_strength_N = 35;
   double food_flow_time_s = 0.01;  ///< tau
-  double food_softening = 0.05;    ///< share of the height each piece loses to the one before
+  double food_softening = 0.05;    ///< share of its predecessor's height that each piece loses
   double clench_force_N = 0;       ///< bite force in pulses of a second, every two
   double load_force_N = 0;         ///< external load in pulses
   double load_period_s = 2;
@@ -68,7 +68,7 @@ struct SubjectParameters {
 enum class Cause { muscle, weight, friction, support, contact, food, load, offset };
 /// Number of causes.
 inline constexpr std::size_t kCauses = 8;
-/// Name of a cause as it stands in column names.
+/// Name of a cause in column names.
 const char* cause_name(Cause cause);
 using condyle::kMostMuscles;
 
@@ -86,9 +86,9 @@ struct SubjectTruth {
   double momentum = 0;  ///< inertia x q'
   double food_height_m = 0;
   double bristle_m = 0;                ///< LuGre deflection
-  double effective_mass_kg = 0;        ///< that the followed coordinate meets
+  double effective_mass_kg = 0;        ///< at the followed coordinate
   double effective_friction_Ns_m = 0;  ///< local slope of friction against velocity
-  /// Active force along the followed axis, as a complete force sensor would see it: muscles and
+  /// Active force along the followed axis, as a complete force sensor would measure it: muscles and
   /// load.
   double drive_N() const {
     return force_N[static_cast<std::size_t>(Cause::muscle)] +
@@ -96,9 +96,8 @@ struct SubjectTruth {
   }
 };
 
-/// Steps per millisecond from which on the integration has converged: the fastest rate of the
-/// subject's forces (friction at rest and at 0.3 m/s, contact, food, support) times the step is at
-/// most 0.5.
+/// Steps per millisecond for a converged integration: the fastest rate of the subject's forces
+/// (friction at rest and at 0.3 m/s, contact, food, support) times the step is at most 0.5.
 double needed_steps_per_millisecond(const SubjectParameters& parameters);
 
 /// A subject in motion.
@@ -109,11 +108,11 @@ class SimulatedSubject {
   SimulatedSubject(const SimulatedSubject&) = delete;
   SimulatedSubject& operator=(const SimulatedSubject&) = delete;
 
-  /// One integration step on.
+  /// Advances by one integration step.
   void step();
   double time_s() const { return static_cast<double>(steps_) * step_s_; }
   double step_s() const { return step_s_; }
-  /// The state now.
+  /// The present state.
   SubjectTruth truth();
 
  private:

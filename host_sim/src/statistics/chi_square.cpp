@@ -9,7 +9,7 @@
 
 namespace condyle::host {
 namespace {
-// long double is another type on every machine.
+// long double differs between machines.
 using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
 using Normal = boost::math::normal_distribution<double, Policy>;
 using ChiSquare = boost::math::chi_squared_distribution<double, Policy>;
@@ -42,7 +42,7 @@ double student_t_quantile(double probability, double degrees_of_freedom) {
 
 Interval mean_chi_square_bounds(double degrees_of_freedom, std::uint64_t runs, double confidence) {
   if (runs == 0) return {0, std::numeric_limits<double>::infinity()};
-  // The sum is chi-square, with the degrees of freedom added up.
+  // The sum is chi-square with the summed degrees of freedom.
   const double count = static_cast<double>(runs), tail = (1 - confidence) / 2;
   const ChiSquare sum(count * degrees_of_freedom);
   return {boost::math::quantile(sum, tail) / count,

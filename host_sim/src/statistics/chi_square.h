@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distributions that judge a filter's consistency, computed by Boost.Math in double precision.
+// Distributions for judging a filter's consistency, computed by Boost.Math in double precision.
 // Arguments outside a function's domain throw std::domain_error or std::overflow_error.
 #pragma once
 
@@ -35,9 +35,9 @@ double student_t_quantile(double probability, double degrees_of_freedom);
 /// it on each side. `runs` = 0 gives [0, infinity].
 Interval mean_chi_square_bounds(double degrees_of_freedom, std::uint64_t runs, double confidence);
 
-/// Clopper-Pearson interval of a probability of which `hits` of `trials` independent trials were
-/// seen: it covers the truth with at least `confidence`. Numbers need not be whole, for effective
-/// numbers of trials. `trials` = 0 gives [0, 1].
+/// Clopper-Pearson interval of a probability after `hits` in `trials` independent trials: it covers
+/// the truth with at least `confidence`. Numbers need not be whole, for effective numbers of
+/// trials. `trials` = 0 gives [0, 1].
 Interval proportion_interval(double hits, double trials, double confidence);
 
 }  // namespace condyle::host

@@ -29,7 +29,7 @@ class Moments {
   double mean() const { return count_ > 0 ? mean_ : std::numeric_limits<double>::quiet_NaN(); }
   /// Mean squared distance from the mean, over count.
   double spread() const { return squares_ / static_cast<double>(count_); }
-  /// Of the mean, from the numbers' own scatter; infinite for fewer than two.
+  /// Of the mean, from the scatter of the numbers; infinite for fewer than two.
   double standard_error() const {
     if (count_ < 2) return std::numeric_limits<double>::infinity();
     return std::sqrt(spread() / static_cast<double>(count_ - 1));

@@ -17,25 +17,26 @@
 
 namespace condyle::host {
 
-/// Called on the thread that called run_monte_carlo, after each merged run.
+/// Called on the caller's thread, after each merged run.
 using MonteCarloProgress = std::function<void(std::uint64_t merged, std::uint64_t runs)>;
 
 struct MonteCarloControl {
   unsigned threads = 0;  ///< 0: one for each core
-  /// Asked after each merged run, on the caller's thread; true ends the work. What it answers from
-  /// the merged results alone is the same for every number of threads.
+  /// Called after each merged run, on the caller's thread; true ends the work. If it depends only
+  /// on the merged results, the outcome is the same for every number of threads.
   std::function<bool()> stop;
-  /// Called a few times a second on the caller's thread while it waits for a run.
+  /// Called a few times per second on the caller's thread while it waits for a run.
   std::function<void()> while_waiting;
 };
 
-/// Results of runs that are under way or wait to be merged: a ring with one place for each.
+/// Results of runs in progress or waiting to be merged: a ring with one place for each.
 template <class Result>
 class MonteCarloQueue {
  public:
   MonteCarloQueue(std::uint64_t runs, std::size_t places) : runs_(runs), places_(places) {}
 
-  /// Waits for a run to do: its index; nothing when all are given out or `stop` is requested.
+  /// Waits for the next run and returns its index; nothing when all are assigned or `stop` is
+  /// requested.
   std::optional<std::uint64_t> take(std::stop_token stop) {
     std::unique_lock lock(mutex_);
     const bool free = place_freed_.wait(
@@ -52,8 +53,8 @@ class MonteCarloQueue {
     result_put_.notify_one();
   }
 
-  /// Waits for the next result in order and frees its place; calls `while_waiting`, if there is
-  /// one, a few times a second. Throws what its run threw.
+  /// Waits for the next result in order and frees its place; calls `while_waiting`, if set, a few
+  /// times per second. Rethrows an exception of the run.
   Result next_in_order(const std::function<void()>& while_waiting) {
     constexpr std::chrono::milliseconds kPatience(200);
     Place place;
@@ -94,11 +95,11 @@ class MonteCarloQueue {
 };
 
 /// Runs `work(seed)` for `runs` seeds from `first_seed` upwards on all cores and hands the results
-/// to `merge(Result&&)` in the order of the seeds, on the caller's thread: where `work` depends on
-/// its seed alone, the outcome is the same, bit for bit, for every number of threads. At most two
-/// results a thread are held. An exception of `work` is thrown on when its turn comes, those of
-/// `merge`, `progress` and the functions of `control` at once; runs under way are then finished and
-/// dropped. Returns the number of runs merged: `runs`, or fewer when stopped.
+/// to `merge(Result&&)` in the order of the seeds, on the caller's thread: if `work` depends only
+/// on its seed, the outcome is the same, bit for bit, for every number of threads. At most two
+/// results for each thread are stored. An exception of `work` is rethrown in its turn, those of
+/// `merge`, `progress` and the functions of `control` at once; runs in progress are then finished
+/// and dropped. Returns the number of runs merged: `runs`, or fewer when stopped.
 template <class Work, class Merge>
 std::uint64_t run_monte_carlo(std::uint64_t runs, std::uint64_t first_seed, const Work& work,
                               Merge&& merge, const MonteCarloProgress& progress = {},
@@ -122,7 +123,7 @@ std::uint64_t run_monte_carlo(std::uint64_t runs, std::uint64_t first_seed, cons
       queue.put(*index, std::move(result), std::move(failure));
     }
   };
-  // All are asked to stop before the first is joined.
+  // Ask all to stop before joining the first.
   struct Workers {
     std::vector<std::jthread> threads;
     ~Workers() {

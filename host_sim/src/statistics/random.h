@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random numbers that are the same everywhere.
+// Random numbers that are identical on all machines.
 //
 // Generator: Philox4x32-10 (Salmon, Moraes, Dror, Shaw 2011, "Parallel random numbers: as easy as
 // 1, 2, 3", SC11). It enciphers a counter of 128 bits under a key of 64 bits. The key is the seed;
-// the upper half of the counter is the stream, the lower half counts blocks of two numbers. So no
-// two streams of a seed ever share a block; a stream repeats after 2^65 numbers.
+// the upper half of the counter is the stream, the lower half counts blocks of two numbers. So two
+// streams of a seed never share a block; a stream repeats after 2^65 numbers.
 // Normal numbers: the polar method (Marsaglia, Bray 1964), exact up to the 53 bits of `uniform`,
 // with the logarithm of elementary.h.
 #pragma once

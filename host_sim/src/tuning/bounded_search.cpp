@@ -16,13 +16,13 @@
 namespace condyle::host {
 namespace {
 
-// What the optimiser calls.
+// The function that the optimiser calls.
 struct Climb {
   const Objective& objective;
   const std::function<bool()>& is_enough;
   nlopt_opt optimiser;
   std::uint64_t evaluations = 0;
-  std::exception_ptr failure;  // may not pass through the optimiser
+  std::exception_ptr failure;  // must not pass through the optimiser
 
   static double evaluate(unsigned size, const double* at, double*, void* self) {
     Climb& climb = *static_cast<Climb*>(self);

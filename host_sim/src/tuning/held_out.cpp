@@ -13,10 +13,10 @@
 namespace condyle::host {
 namespace {
 
-// Correlations of standardised innovations within stretches. Glitches do not decide them.
+// Correlations of standardised innovations within stretches, robust against glitches.
 class StretchCorrelation {
  public:
-  // `sample`: its place; only those that follow each other are neighbours.
+  // `sample`: its index; only successive ones are neighbours.
   void add(std::size_t sample, std::uint32_t stretch, double standardised) {
     const double e = std::clamp(standardised, -3.0, 3.0);
     if (stretch != stretch_ || sample != sample_ + 1) known_ = 0;
@@ -54,7 +54,7 @@ class StretchCorrelation {
   std::size_t sample_ = 0;
 };
 
-// Of a mean per sample, from what stretches contributed to it.
+// Standard error of a mean over samples, from the contributions of stretches.
 double standard_error(const std::vector<double>& sums, double mean,
                       const std::vector<std::uint64_t>& counts, std::uint64_t count) {
   if (sums.size() < 2) return std::numeric_limits<double>::infinity();
@@ -67,8 +67,8 @@ double standard_error(const std::vector<double>& sums, double mean,
   return std::sqrt(square * n / (n - 1)) / static_cast<double>(count);
 }
 
-// Chance of correlations as large if all are 0: each is normal, and their squares add up (G. E. P.
-// Box, D. A. Pierce, J. Am. Stat. Assoc. 65 (1970) 1509-1526).
+// Probability of correlations as large if all are 0: each is normal, and their squares add up (G.
+// E. P. Box, D. A. Pierce, J. Am. Stat. Assoc. 65 (1970) 1509-1526).
 double whiteness_probability(const std::vector<LagCorrelation>& correlation) {
   double sum = 0;
   for (const LagCorrelation& lag : correlation) {
@@ -80,7 +80,7 @@ double whiteness_probability(const std::vector<LagCorrelation>& correlation) {
              : 1 - chi_square_distribution(sum, static_cast<double>(correlation.size()));
 }
 
-// Spread of the stretches' NIS against what chance gives a chi-square with 1 degree of freedom.
+// Spread of the stretches' NIS relative to that of a chi-square with 1 degree of freedom.
 void judge_dispersion(HeldOutCheck& check) {
   double sum = 0;
   std::uint64_t stretches = 0;
@@ -101,7 +101,7 @@ void judge_dispersion(HeldOutCheck& check) {
 SplitRecording::SplitRecording(const TuningRecording& recording) : recording_(&recording) {
   double duration_s = 0;
   for (const TuningSample& sample : recording.samples) duration_s += sample.step_s;
-  // Six stretches at least, each with a few innovations.
+  // At least six stretches, each with a few innovations.
   const double usual_s = std::min(std::clamp(duration_s / 30, 0.5, 10.0), duration_s / 6);
   stretch_s_ = std::max(usual_s, 25 * recording.median_step_s);
   double time_s = 0;
@@ -147,7 +147,7 @@ HeldOutCheck check_held_out(const std::vector<SplitRecording>& recordings, const
   check.count = nis.count();
   check.mean_nis = nis.mean();
   check.score = score.mean();
-  // What was fitted to varies by chance as well, and the parameters with it.
+  // The fitted part, and so the parameters, also vary by chance.
   std::uint64_t all = 0;
   for (const StretchInnovations& stretch : check.stretches) all += stretch.count;
   const std::uint64_t as_good_as = all > 0 ? check.count * (all - check.count) / all : 0;
@@ -192,7 +192,7 @@ ScoreDifference compare_scores(const HeldOutCheck& one, const HeldOutCheck& othe
 
 std::string whiteness_text(const HeldOutCheck& check) {
   if (check.whiteness_p >= kWhite) {
-    return fmt::format("innovations are white as far as {} samples apart tell (p = {:.2f})",
+    return fmt::format("innovations are white up to {} samples apart (p = {:.2f})",
                        check.correlation.size(), check.whiteness_p);
   }
   const auto largest = std::max_element(check.correlation.begin(), check.correlation.end(),
@@ -213,10 +213,10 @@ std::vector<std::string> reasons_against_white(const std::vector<SplitRecording>
   for (const SplitRecording& split : recordings) {
     const TuningRecording& recording = split.recording();
     if (recording.filtered_lag == 0 || ++filtered > kMostNamed) continue;
-    reasons.push_back(fmt::format(
-        "{}: smoothed before it came: neighbouring noise is alike (sixth differences {:.2f} "
-        "correlated, white noise {:.2f})",
-        recording.name, recording.neighbours, NoiseColour<double>::white(1)));
+    reasons.push_back(
+        fmt::format("{}: smoothed before recording: neighbouring noise is correlated (sixth "
+                    "differences {:.2f}, white noise {:.2f})",
+                    recording.name, recording.neighbours, NoiseColour<double>::white(1)));
   }
   if (filtered > kMostNamed) {
     reasons.push_back(fmt::format("{} more recordings were smoothed", filtered - kMostNamed));
@@ -230,8 +230,8 @@ std::vector<std::string> reasons_against_white(const std::vector<SplitRecording>
       highest = std::max(highest, stretch.mean_nis);
     }
     reasons.push_back(
-        fmt::format("the jaw is not always as lively: the NIS of stretches goes from {:.2f} to "
-                    "{:.2f}, and one density of the jerk serves none of them",
+        fmt::format("the jerk density of the motion varies: the NIS of stretches ranges from "
+                    "{:.2f} to {:.2f}, and one jerk density fits none of them",
                     lowest, highest));
   }
   if (check.beyond_3_sd > 0.01) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which part of a recording parameters are fitted to, and what the rest says of them.
+// Splits a recording into a part for fitting parameters and a part for checking them.
 //
 // A recording is cut into stretches of equal length; every third is held out. The filter runs
-// through all of them: what it expects in a stretch rests on the stretch before, and its
-// innovations there are new to it.
+// through all of them: its predictions in a stretch depend on the stretch before, and its
+// innovations there are not fitted.
 #pragma once
 
 #include <cstdint>
@@ -42,35 +42,35 @@ struct StretchInnovations {
   std::uint64_t count = 0;
   double mean_nis = 0;
   double score = 0;  ///< sum
-  // Of samples that the adaptive estimator scored too:
+  // Of samples that the adaptive estimator also scored:
   double advantage = 0;  ///< sum of the differences, this model's less the adaptive estimator's
   std::uint64_t compared = 0;
 };
 
-/// Correlation of standardised innovations some samples apart.
+/// Correlation of standardised innovations at a distance in samples.
 struct LagCorrelation {
   double value = 0;
   double bound = 0;  ///< 95 % of white innovations are within +- this
 };
 
-/// How a model does on held-out positions.
+/// Performance of a model on held-out positions.
 struct HeldOutCheck {
   static constexpr int kLags = 20;
 
   std::uint64_t count = 0;
   double mean_nis = 0;
-  /// 95 %, of white Gaussian innovations and parameters fitted to the other stretches.
+  /// 95 %, for white Gaussian innovations and parameters fitted to the other stretches.
   Interval nis_bounds;
   bool nis_inside = false;
   std::vector<LagCorrelation> correlation;  ///< 1 to kLags apart, within stretches
-  double whiteness_p = 0;                   ///< chance of such correlations, if they are white
+  double whiteness_p = 0;                   ///< probability of such correlations, if they are white
   double beyond_3_sd = 0;                   ///< share; 0.0027 if Gaussian
   double stretch_dispersion = 0;            ///< of the stretches' NIS, 1 if all are alike
   double dispersion_bound = 0;              ///< 95 %, if all are alike
   double score = 0;                         ///< mean
   // Against the adaptive estimator: mean difference of scores and its standard error.
   double advantage = 0, advantage_se = 0;
-  std::vector<StretchInnovations> stretches;  ///< also those that were fitted to
+  std::vector<StretchInnovations> stretches;  ///< also the fitted ones
 };
 
 /// Runs the filter of `model` through `recordings`.
@@ -84,13 +84,13 @@ struct ScoreDifference {
 };
 ScoreDifference compare_scores(const HeldOutCheck& one, const HeldOutCheck& other);
 
-/// Innovations are called white from this chance on.
+/// Innovations count as white from this probability on.
 inline constexpr double kWhite = 0.01;
-/// Whether the innovations are white, in words.
+/// Whether the innovations are white, as text.
 std::string whiteness_text(const HeldOutCheck& check);
 
-/// Why a model with white noise does not explain the held-out positions, most telling first; empty
-/// where nothing speaks against it.
+/// Why a model with white noise does not explain the held-out positions, strongest reason first;
+/// empty if there is none.
 std::vector<std::string> reasons_against_white(const std::vector<SplitRecording>& recordings,
                                                const HeldOutCheck& check);
 

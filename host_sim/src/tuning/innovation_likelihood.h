@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The likelihood of positions, given noise and liveliness of the motion, by a filter's innovations.
+// The likelihood of positions, given noise and jerk density, from a filter's innovations.
 //
 //   z, p, v, a   measured position; position, velocity, acceleration (m, m/s, m/s^2)
 //   n            noise of the position (m), sigma its standard deviation
@@ -18,7 +18,7 @@
 //              2 k |d| - k^2: a glitch does not become noise. Of Gaussian innovations 0.27 % are
 //              beyond k = 3.
 //
-// The first kSettling innovations of a stretch show the prior and are left out.
+// The first kSettling innovations of a stretch depend on the prior and are left out.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,7 +31,7 @@
 
 namespace condyle::host {
 
-/// What is tuned.
+/// The tuned parameters.
 struct NoiseModel {
   double position_sd_m = 0;       ///< sigma
   double jerk_density_m2_s5 = 0;  ///< q
@@ -59,11 +59,11 @@ class NoiseFilter {
   NoiseFilter(const NoiseModel& model, const MotionPriorParameters& prior)
       : model_(model), prior_(prior) {}
 
-  /// Starts with the position `z_m`, measured.
+  /// Starts with the measured position `z_m`.
   void start(double z_m);
-  /// `step_s` on.
+  /// Advances by `step_s`.
   void predict(double step_s);
-  /// Takes the position `z_m`.
+  /// Corrects with the position `z_m`.
   Innovation update(double z_m);
   /// Covariance of (p, v, a, n).
   const Eigen::Matrix4d& covariance() const { return P_; }
@@ -76,8 +76,8 @@ class NoiseFilter {
   Eigen::Matrix4d P_;
 };
 
-/// Calls `sink(index, innovation)` for each innovation of `samples` that counts; `index` is its
-/// sample's.
+/// Calls `sink(index, innovation)` for each counted innovation of `samples`; `index`: that of its
+/// sample.
 template <class Sink>
 void for_each_innovation(std::span<const TuningSample> samples, const NoiseModel& model,
                          const MotionPriorParameters& prior, Sink&& sink) {

@@ -15,14 +15,15 @@ namespace {
 
 using Point = std::vector<double>;
 
-// The noise that a maker's low pass leaves is short; a longer one would be motion.
+// The correlation time of noise after a manufacturer's low pass is short; a longer one would be
+// motion.
 constexpr double kShortestCorrelation = 0.05, kLongestCorrelation = 10;  // in sample times,
 constexpr double kLongestCorrelation_s = 0.1;                            // or this
-// log l that a 95 % interval of one parameter leaves room for: half of chi-square's 3.84.
+// Decrease of log l at the ends of a 95 % interval of one parameter: half of chi-square's 3.84.
 constexpr double kLikelihoodOf95 = 1.92;
-// A model is said to serve better from this much of held-out log l on.
+// Difference of held-out log l from which a model counts as better.
 constexpr double kBetterBy = 10;
-constexpr double kSearchShare = 0.6;  // of the time that a fit takes
+constexpr double kSearchShare = 0.6;  // of the time of a fit
 constexpr int kProfilePoints = 25, kSurfacePoints = 31;
 
 NoiseModel model_of(const Point& point) {
@@ -34,7 +35,7 @@ double value_of(const NoiseModel& model, std::size_t i) {
                 : (i == 1 ? model.jerk_density_m2_s5 : model.correlation_time_s);
 }
 
-// The likelihood of what is fitted to.
+// The likelihood of the fitted part.
 class FitLikelihood {
  public:
   FitLikelihood(const std::vector<SplitRecording>& recordings, const MotionPriorParameters& prior)
@@ -52,7 +53,7 @@ class FitLikelihood {
     return sum;
   }
 
-  // The same, each fitted stretch by itself.
+  // The same for each fitted stretch.
   std::vector<double> by_stretch(const Point& point) const {
     std::vector<double> sums;
     for (const SplitRecording& split : recordings_) {
@@ -132,7 +133,7 @@ LogSds log_sds(const FitLikelihood& likelihood, const Point& best) {
   return sds;
 }
 
-// What a fit needs beside its start.
+// The inputs of a fit, except its start.
 struct FitSetting {
   const std::vector<SplitRecording>& recordings;
   const LikelihoodPlan& plan;
@@ -140,7 +141,8 @@ struct FitSetting {
   const MonteCarloControl& control;
 };
 
-// The best log l where coordinate `held` is `value`, starting from `point`, which is moved there.
+// The best log l with coordinate `held` fixed at `value`, starting from `point`, which becomes the
+// optimum.
 double profile_at(const FitLikelihood& likelihood, const FitSetting& setting, std::size_t held,
                   double value, Point& point) {
   const SearchBounds& bounds = setting.bounds;
@@ -166,7 +168,7 @@ double profile_at(const FitLikelihood& likelihood, const FitSetting& setting, st
   return found.value;
 }
 
-// True where log l falls by kLikelihoodOf95 on the way from the optimum to both bounds.
+// True if log l falls by kLikelihoodOf95 on the way from the optimum to both bounds.
 bool is_bounded(const FitLikelihood& likelihood, const FitSetting& setting, std::size_t held,
                 const SearchOptimum& best) {
   for (const double end : {setting.bounds.low[held], setting.bounds.high[held]}) {
@@ -273,7 +275,7 @@ LikelihoodSurface draw_surface(const FitSetting& setting, const FittedModel& fit
   return surface;
 }
 
-// `model` moved into the bounds.
+// `model` clamped to the bounds.
 NoiseModel within(const LikelihoodPlan& plan, NoiseModel model) {
   const auto clamped = [](double value, Range range) {
     return std::clamp(value, range.lowest, range.highest);
@@ -283,7 +285,7 @@ NoiseModel within(const LikelihoodPlan& plan, NoiseModel model) {
   return model;
 }
 
-// Steps of the recordings, shortest first, each once.
+// Distinct steps of the recordings, shortest first.
 std::vector<double> steps_of(const std::vector<TuningRecording>& recordings) {
   std::vector<double> steps_s;
   for (const TuningRecording& recording : recordings) steps_s.push_back(recording.median_step_s);
@@ -293,7 +295,8 @@ std::vector<double> steps_of(const std::vector<TuningRecording>& recordings) {
   return steps_s;
 }
 
-// One that is not too narrow at any of the steps: the largest noise, and the least q/R.
+// A stand-in whose intervals are not too narrow at any step: the largest noise, and the smallest
+// q/R.
 WhiteStandIn stand_in_of(const NoiseModel& model, const std::vector<double>& steps_s) {
   WhiteStandIn all;
   double least_ratio = std::numeric_limits<double>::infinity();
@@ -310,8 +313,8 @@ WhiteStandIn stand_in_of(const NoiseModel& model, const std::vector<double>& ste
   return all;
 }
 
-// True where all of `model` but the correlation time is known, and that is no less than its bound:
-// more of it would serve as well.
+// True if all parameters of `model` except the correlation time are known. That one may be at its
+// upper bound, because a longer one would fit as well.
 bool is_usable(const FittedModel& model) {
   const auto is_known = [](const FittedParameter& parameter) {
     return parameter.is_bounded && !parameter.at_bound && std::isfinite(parameter.log_sd);
@@ -319,7 +322,7 @@ bool is_usable(const FittedModel& model) {
   return is_known(model.parameters[0]) && is_known(model.parameters[1]);
 }
 
-// Refuses recordings of which nothing can be fitted or nothing held out.
+// Refuses recordings without a part to fit or to hold out.
 void check_split(const std::vector<SplitRecording>& recordings, const LikelihoodPlan& plan) {
   std::size_t fitted = 0, held_out = 0;
   for (const SplitRecording& split : recordings) {
@@ -330,10 +333,10 @@ void check_split(const std::vector<SplitRecording>& recordings, const Likelihood
   }
   constexpr std::size_t kFewest = 20;
   if (fitted >= kFewest && held_out >= kFewest) return;
-  throw InputError(recordings.front().recording().name,
-                   fmt::format("has too many gaps: {} innovations to fit to and {} to hold out",
-                               fitted, held_out),
-                   "record longer without gaps");
+  throw InputError(
+      recordings.front().recording().name,
+      fmt::format("has too many gaps: {} innovations to fit and {} to hold out", fitted, held_out),
+      "record longer without gaps");
 }
 
 }  // namespace

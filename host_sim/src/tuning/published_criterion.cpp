@@ -14,9 +14,9 @@
 namespace condyle::host {
 namespace {
 
-constexpr std::size_t kFewestPositions = 40;  // ten to judge by
+constexpr std::size_t kFewestPositions = 40;  // ten for the judgement
 constexpr double kFirstStep = 0.5;            // decades
-constexpr double kSmallestStep = 0.01;        // decades: a search that moves less is at its end
+constexpr double kSmallestStep = 0.01;        // decades: the search ends when it moves less
 
 using Exponents = std::vector<double>;  // decimal, of the factors
 
@@ -41,13 +41,13 @@ void refuse_plan(const PublishedTuningPlan& plan) {
   const auto refuse = [](const char* what, const char* mend) {
     throw InputError("published criterion", what, mend);
   };
-  if (plan.starts == 0) refuse("no start is asked for", "ask for at least one");
+  if (plan.starts == 0) refuse("the number of starts is 0", "give at least 1");
   if (plan.most_evaluations < 1) {
-    refuse("no evaluation is allowed to a start", "allow at least one");
+    refuse("the number of evaluations per start is 0", "give at least 1");
   }
   if (!(plan.steady_share > 0) || !std::isfinite(plan.steady_share)) {
     refuse("the share within which friction counts as steady is not above 0",
-           "give one such as 0.05");
+           "give a share such as 0.05");
   }
   for (std::size_t i = 0; i < kFreeVarianceCount; ++i) {
     const Range& range = plan.factors[i];
@@ -62,7 +62,7 @@ void refuse_plan(const PublishedTuningPlan& plan) {
 void refuse_recordings(std::span<const PublishedRecording> recordings,
                        const PublishedParameters& base) {
   if (recordings.empty()) {
-    throw InputError("published criterion", "there is no recording to tune by", "give one");
+    throw InputError("published criterion", "there is no recording", "give one");
   }
   for (const auto& recording : recordings) {
     PublishedParameters parameters = base;
@@ -83,19 +83,19 @@ void refuse_recordings(std::span<const PublishedRecording> recordings,
     }
     if (measured < kFewestPositions) {
       throw InputError(recording.name,
-                       fmt::format("has {} measured positions, too few to tune by", measured),
+                       fmt::format("has {} measured positions, too few for tuning", measured),
                        fmt::format("record at least {}", kFewestPositions));
     }
     if (!(highest > lowest)) {
-      throw InputError(recording.name,
-                       "its position never changes: without motion the third filter has nothing to "
-                       "find a mass from",
-                       "give a recording in which the jaw moves");
+      throw InputError(
+          recording.name,
+          "its position never changes: without motion the third filter cannot estimate a mass",
+          "give a recording in which the jaw moves");
     }
   }
 }
 
-// What became of a start.
+// The result of a start.
 struct SearchedStart {
   PublishedTuning best;  // the first that satisfies the criterion, or the smallest J
   std::uint64_t evaluations = 0;

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The paper's way of tuning the published cascade: Q and R are changed until stage 3 returns the
-// assumed mass and friction stays steady (published_judgement.h says when, and what J is). That
-// leaves friction open: this finds many tunings that all satisfy the criterion, and how far their
-// frictions lie apart.
+// assumed mass and friction stays steady (published_judgement.h defines this, and J). That leaves
+// friction open: the search finds many tunings that satisfy the criterion, and the spread of their
+// frictions.
 //
-// Free are the variances of kFreeVariances. Four are enough to show it: a stage whose variances are
-// all multiplied by the same number estimates the same, so that its measurement variances may stay.
-// With four more free (three measurement variances, the mass's initial variance) friction spreads
+// The variances of kFreeVariances are free. Four are enough: multiplying all variances of a stage
+// by one number does not change its estimates, so its measurement variances may stay fixed. With
+// four more free (three measurement variances, the mass's initial variance) friction spreads
 // further: on 30 s of simulated chewing from 0.001 to 0.58 Ns/m instead of from 0.01 to 0.27.
 //
 // Each start draws the four log-uniformly between their bounds; SBPLX of NLopt (a simplex search in
 // subspaces, without derivatives) lowers J from there over their decimal logarithms, and ends as
-// soon as the criterion is satisfied: it is a threshold and asks no more. Searched on for the
-// smallest J, nearly all starts end with friction frozen at its initial value, whatever that is.
+// soon as the criterion, a threshold, is satisfied. If the search continued to the smallest J,
+// nearly all starts would end with friction frozen at its initial value.
 #pragma once
 
 #include <array>
@@ -32,9 +32,9 @@ namespace condyle::host {
 struct FreeVariance {
   const char* column;  ///< name in a table, with its unit
   const char* symbol;  ///< short name, without unit
-  const char* words;   ///< what it is
+  const char* words;   ///< description
   double& (*of)(PublishedParameters&);
-  Range factors;  ///< default bounds, times the value it has in the base
+  Range factors;  ///< default bounds, as factors of the value in the base
 };
 
 /// The free ones, in the order of PublishedTuningPlan::factors. One that is 0 in the base stays 0.
@@ -44,7 +44,7 @@ inline constexpr FreeVariance kFreeVariances[] = {
      "process variance of the net force (N^2)",
      [](PublishedParameters& p) -> double& { return p.motion.process_variance[2]; },
      {1e-3, 1e3}},
-    // From a prior that fixes friction to one that says nothing: sd 1e-5 to 1 Ns/m by default.
+    // From a prior that fixes friction to one without information: sd 1e-5 to 1 Ns/m by default.
     {"friction_initial_variance_N2s2_m2",
      "P_kv",
      "initial variance of friction (N^2 s^2/m^2)",
@@ -63,10 +63,10 @@ inline constexpr FreeVariance kFreeVariances[] = {
 };
 inline constexpr std::size_t kFreeVarianceCount = std::size(kFreeVariances);
 
-/// Two tunings are distinct where a free variance of one is at least this many times the other's.
+/// Two tunings are distinct if their ratio in a free variance is at least this.
 inline constexpr double kDistinctFactor = 2;
 
-/// How to search.
+/// Options of the search.
 struct PublishedTuningPlan {
   std::uint64_t starts = 100;
   std::uint64_t seed = 1;
@@ -76,34 +76,33 @@ struct PublishedTuningPlan {
     for (std::size_t i = 0; i < kFreeVarianceCount; ++i) bounds[i] = kFreeVariances[i].factors;
     return bounds;
   }();
-  int most_evaluations = 300;  ///< of a start: then it is given up
+  int most_evaluations = 300;  ///< for each start, before it is abandoned
   double steady_share = 0.05;  ///< largest range of friction, as a share of its mean
 };
 
-/// What the search found. Frictions are `PublishedTuning::friction_Ns_m`.
+/// The result of the search. Frictions are `PublishedTuning::friction_Ns_m`.
 struct PublishedTuningResult {
   PublishedParameters base;
   PublishedTuningPlan plan;
   std::vector<std::string> recordings;     ///< names
-  std::uint64_t starts = 0;                ///< done: the plan's, or fewer where it was stopped
-  std::uint64_t satisfied = 0;             ///< starts that came to satisfy the criterion
-  std::uint64_t satisfied_at_once = 0;     ///< of these, as they were drawn
+  std::uint64_t starts = 0;                ///< completed: the plan's, or fewer if it was stopped
+  std::uint64_t satisfied = 0;             ///< starts that satisfied the criterion
+  std::uint64_t satisfied_at_once = 0;     ///< of these, without any search
   std::uint64_t evaluations = 0;           ///< of the objective, by all starts
   std::vector<PublishedTuning> tunings;    ///< distinct ones that satisfy it, smallest J first
-  std::optional<PublishedTuning> closest;  ///< smallest J, where none satisfies it
+  std::optional<PublishedTuning> closest;  ///< smallest J, if none satisfies it
   double lowest_friction_Ns_m = 0, highest_friction_Ns_m = 0;  ///< of `tunings`
   std::uint64_t at_initial_friction = 0;  ///< of `tunings`: within `steady_share` of initial_Ns_m
-  /// Highest over lowest friction; 1 where there is none.
+  /// Highest over lowest friction; 1 if there is none.
   double friction_ratio() const {
     return tunings.empty() ? 1 : highest_friction_Ns_m / lowest_friction_Ns_m;
   }
 };
 
 /// Searches for tunings around `base`, which must satisfy `is_valid`. The result is the same for
-/// every number of threads. `control.stop` is asked by all threads, also on the way.
-/// InputError where there is no recording, one is too short or its position never changes (stage 3
-/// would have nothing to find the mass from), its sample time is out of range, or the plan has a
-/// number out of range.
+/// every number of threads. All threads call `control.stop`, also during a search. InputError if
+/// there is no recording, one is too short or its position never changes (stage 3 could not
+/// estimate the mass), its sample time is out of range, or the plan has a number out of range.
 PublishedTuningResult tune_by_published_criterion(std::span<const PublishedRecording> recordings,
                                                   const PublishedParameters& base,
                                                   const PublishedTuningPlan& plan,

@@ -8,9 +8,9 @@
 //   J_r = min(rms(m / m0 - 1), 10) + min(rms(kv - k) / |k|, 10) + (10 if it diverged)
 //   J   = sum of J_r
 //
-// What is not finite counts as 10. No term asks for a particular friction. A tuning satisfies the
-// criterion where every recording's verdict is `matched`, the range of kv is at most
-// `steady_share` of k, and kv is positive: else it would be no friction.
+// Values that are not finite count as 10. No term favours a particular friction. A tuning satisfies
+// the criterion if every recording's verdict is `matched`, the range of kv is at most
+// `steady_share` of k, and kv is positive, as friction must be.
 #pragma once
 
 #include <cstddef>
@@ -23,16 +23,16 @@
 
 namespace condyle::host {
 
-/// A recording to tune by.
+/// A recording for tuning.
 struct PublishedRecording {
   std::string name;                ///< for messages
-  double sample_time_s = 0;        ///< takes the place of the parameters'
+  double sample_time_s = 0;        ///< replaces the parameters'
   std::vector<double> position_m;  ///< NaN or infinity: no measurement in that sample
-  bool is_cut = false;             ///< it goes on, but is too long to be kept
+  bool is_cut = false;             ///< the recording is longer, but only this part is stored
 };
 
-/// What a tuning makes of one recording, over the last quarter. NaN where the
-/// filters were not finite.
+/// The result of a tuning on one recording, over the last quarter. NaN if the filters were not
+/// finite.
 struct TunedRecording {
   double friction_Ns_m = 0;   ///< mean
   double friction_range = 0;  ///< highest less lowest, as a share of the mean
@@ -43,7 +43,7 @@ struct TunedRecording {
   bool satisfies = false;  ///< the criterion, for this recording
 };
 
-/// A tuning and what it makes of each recording.
+/// A tuning and its result on each recording.
 struct PublishedTuning {
   PublishedParameters parameters;  ///< sample_time_s is the base's
   std::vector<TunedRecording> recordings;

@@ -13,7 +13,7 @@
 namespace condyle::host {
 namespace {
 
-// Keeps the positions that a PublishedSensor would give to its cascade.
+// Collects the positions that a PublishedSensor would pass to its cascade.
 class PositionKeeper {
  public:
   struct Estimate {
@@ -56,8 +56,8 @@ PublishedRecording read_for_published(const std::string& path, const RecordingCh
   recording.name = path;
   recording.sample_time_s = sample_time_s ? *sample_time_s : seconds(*facebow.median_step_ns());
   firmware::RunSettings settings = facebow.run_settings(choice.followed);
-  settings.expects_drive = false;  // it takes none
-  settings.nominal_step_ns = 0;    // no gaps are looked for
+  settings.expects_drive = false;  // not used
+  settings.nominal_step_ns = 0;    // no search for gaps
   PositionKeeper keeper(choice.followed, recording.position_m);
   firmware::RunCounts counts;
   (void)firmware::run(

@@ -10,9 +10,9 @@
 
 namespace condyle::host {
 
-/// The positions of `path` as the published cascade takes them (published_sensor.h), its first
-/// `most_samples`. Its sample time is `sample_time_s`, or where there is none its median step. An
-/// InputError where it cannot be read. `show(share)`, 0 to 1, is called on the way; `should_stop()`
+/// The positions of `path` as used by the published cascade (published_sensor.h), at most its first
+/// `most_samples`. Its sample time is `sample_time_s`, or if there is none its median step. Throws
+/// InputError if it cannot be read. Calls `show(share)`, 0 to 1, during the work; `should_stop()`
 /// may end it.
 PublishedRecording read_for_published(const std::string& path, const RecordingChoice& choice,
                                       std::optional<double> sample_time_s, std::size_t most_samples,

@@ -31,7 +31,7 @@ std::string curve_block(std::size_t number, PublishedParameters parameters,
 }
 
 // 1, 2 and 5 times the powers of ten from `low` to `high`, separated by commas: gnuplot's own ticks
-// are powers of ten alone.
+// are only powers of ten.
 std::string round_numbers(double low, double high) {
   std::string text;
   for (double power = std::pow(10, std::floor(std::log10(low))); power <= high; power *= 10) {
@@ -43,7 +43,7 @@ std::string round_numbers(double low, double high) {
   return text;
 }
 
-// Frictions at the right edge, where they do not run into one another.
+// Labels of frictions at the right edge, without overlap.
 std::string end_labels(const std::vector<const PublishedTuning*>& drawn, double low, double high) {
   constexpr double kApart = 0.045;  // of the axis
   std::string text;
@@ -87,18 +87,18 @@ std::vector<std::unique_ptr<OutputFile>> draw_published_tunings(
   };
   const double end_s = time_s(recording.position_m.size() - 1);
   const double judged_s = time_s(first_judged_sample(recording));
-  // The initial friction is in the picture, unless it is 0.
+  // The figure includes the initial friction, unless it is 0.
   const double initial = result.base.friction.initial_Ns_m;
   const double low =
       std::min(initial > 0 ? initial : result.lowest_friction_Ns_m, result.lowest_friction_Ns_m) /
       1.5;
   const double high = std::max(initial, result.highest_friction_Ns_m) * 1.8;
   const double m0 = result.base.assumed_mass_kg;
-  const std::string title = title_command(
-      fmt::format("Friction and mass, assumed: tuning decides them; each tuning satisfies the "
-                  "published criterion, {}",
-                  name),
-      "font ',11'");
+  const std::string title =
+      title_command(fmt::format("Friction and mass, assumed: tuning determines them; each tuning "
+                                "satisfies the published criterion, {}",
+                                name),
+                    "font ',11'");
   gnuplot.send(
       fmt::format("set key Left reverse samplen 3 opaque\n"
                   "set object 1 rectangle from {0:.9g}, graph 0 to {1:.9g}, graph 1 behind "

@@ -32,9 +32,9 @@ std::string criterion_words(const PublishedTuningResult& result) {
 std::string starts_text(const PublishedTuningResult& result) {
   if (result.satisfied == 0) {
     return entry("NOT SATISFIED",
-                 fmt::format("by none of {} starts from seed {}", result.starts, result.plan.seed));
+                 fmt::format("by none of {} starts with seed {}", result.starts, result.plan.seed));
   }
-  return entry("starts", fmt::format("{} from seed {}: {} satisfy the criterion, {} of them as "
+  return entry("starts", fmt::format("{} with seed {}: {} satisfy the criterion, {} of them as "
                                      "drawn",
                                      result.starts, result.plan.seed, result.satisfied,
                                      result.satisfied_at_once)) +
@@ -103,14 +103,14 @@ std::string closest_text(const PublishedTuning& closest, const PublishedTuningRe
     const TunedRecording& tuned = closest.recordings[i];
     text += entry(
         i == 0 ? "closest" : "",
-        fmt::format("recording {}: {}; mass {:.4g} kg, {:.2g} % off (rms), friction "
-                    "{:.3g} Ns/m, which varies by {:.2g} % of it",
+        fmt::format("recording {}: {}; mass {:.4g} kg, {:.2g} % error (rms), friction {:.3g} Ns/m, "
+                    "which varies by {:.2g} % of it",
                     i + 1, verdict_name(tuned.verdict), tuned.mass_kg, 100 * tuned.mass_deviation,
                     tuned.friction_Ns_m, 100 * tuned.friction_range));
   }
-  return text + entry("mend", fmt::format("record longer, so that the mass settles before the "
-                                          "last quarter; widen the bounds; more than {} starts",
-                                          result.starts));
+  return text + entry("remedy", fmt::format("record longer, so that the mass settles before the "
+                                            "last quarter; widen the bounds; more than {} starts",
+                                            result.starts));
 }
 
 std::string spread_text(const PublishedTuningResult& result) {
@@ -121,14 +121,13 @@ std::string spread_text(const PublishedTuningResult& result) {
                               result.friction_ratio()));
   if (result.at_initial_friction > 0) {
     text += entry(
-        "",
-        fmt::format("in {} of {} tunings it stays at the {:g} Ns/m that was put in, within {:g} %",
-                    result.at_initial_friction, result.tunings.size(),
-                    result.base.friction.initial_Ns_m, 100 * result.plan.steady_share));
+        "", fmt::format("in {} of {} tunings it stays at the initial {:g} Ns/m, within {:g} %",
+                        result.at_initial_friction, result.tunings.size(),
+                        result.base.friction.initial_Ns_m, 100 * result.plan.steady_share));
   }
   const double m0 = result.base.assumed_mass_kg;
   if (std::abs(result.base.mass.initial_kg - m0) <= kMatchingTolerance * m0) {
-    text += entry("note", fmt::format("the initial mass, {:g} kg, is already within {:g} %: a "
+    text += entry("note", fmt::format("the initial mass, {:g} kg, is already within {:g} %: even a "
                                       "filter that learns nothing satisfies the criterion",
                                       result.base.mass.initial_kg, 100 * kMatchingTolerance));
   }
@@ -165,8 +164,8 @@ std::string published_tuning_text(const PublishedTuningResult& result) {
     if (result.closest) text += closest_text(*result.closest, result);
   } else {
     text += spread_text(result) + "\n" + table_text(result) + "\n" +
-            "The criterion cannot tell these tunings apart. Friction and mass stay ASSUMED: the "
-            "tuning decides them,\nthey are no measurement of the subject. ";
+            "The criterion does not distinguish these tunings. Friction and mass stay ASSUMED: the "
+            "tuning determines them,\nthey are not measurements of the subject. ";
   }
   return text + "Research use only.\n";
 }

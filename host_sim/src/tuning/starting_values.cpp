@@ -18,7 +18,7 @@ struct Window {
   double range_m = 0, noise_m = 0;
 };
 
-// Calls `sink(positions)` for each run of positions without a gap.
+// Calls `sink(positions)` for each run of positions without gaps.
 template <class Sink>
 void for_each_run(const TuningRecording& recording, Sink&& sink) {
   std::vector<double> run;
@@ -39,7 +39,7 @@ double middle_of(std::vector<double> values) {
   return *middle;
 }
 
-// Noise in the windows that move least; 0 where there is no window.
+// Noise in the windows with the least motion; 0 if there is no window.
 double rest_noise_m(std::span<const TuningRecording> recordings) {
   std::vector<Window> windows;
   for (const TuningRecording& recording : recordings) {
@@ -64,7 +64,7 @@ double rest_noise_m(std::span<const TuningRecording> recordings) {
   return middle_of(std::move(noise));
 }
 
-// Density of the jerk by third differences of one recording.
+// Jerk density from third differences of one recording.
 double jerk_density(const TuningRecording& recording, double R) {
   double density = 0;
   for (std::size_t m = 1; static_cast<double>(m) * recording.median_step_s < kLongestStep_s;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// First guesses of noise and liveliness from positions alone.
+// Initial guesses of noise and jerk density from positions alone.
 //
 // Noise:   sixth differences (sixth_differences.h) of windows of about half a second, in the tenth
-//          of the windows that move least: there the motion leaves nothing in them.
+//          of the windows with the least motion, which leaves nothing in them.
 // Motion:  third differences of positions m samples apart are sums of white noise and white jerk,
 //              var = 20 R + 11/20 q (m T)^5
 //          (11/20 is the squared norm of the quadratic B-spline); m grows until the motion's part

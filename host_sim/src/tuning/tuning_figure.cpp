@@ -15,7 +15,7 @@ constexpr double kDeepest = -10;  // of the profiles
 constexpr std::size_t kMostStretches = 2000;
 constexpr std::uint64_t kFewestShown = 10;  // innovations of a stretch
 
-// The surface as rows of cells; a blank line ends each.
+// The surface as rows of cells; a blank line ends each row.
 std::string surface_data(const LikelihoodTuning& tuning) {
   const LikelihoodSurface& surface = *tuning.surface;
   std::string text = "$surface << EOD\n";
@@ -58,7 +58,7 @@ std::string correlation_data(const char* name, const HeldOutCheck& check) {
   return text + "EOD\n";
 }
 
-// NIS of stretches, one recording after the other, thinned where there are many.
+// NIS of stretches, one recording after the other, thinned if there are many.
 std::string stretch_data(const LikelihoodTuning& tuning) {
   const auto& stretches = tuning.written_check.stretches;
   const std::size_t stride = stretches.size() / kMostStretches + 1;
@@ -69,7 +69,7 @@ std::string stretch_data(const LikelihoodTuning& tuning) {
     (stretch.is_held_out ? held_out : fitted) +=
         fmt::format("{} {:.9g}\n", i + 1, std::max(stretch.mean_nis, 0.01));
   }
-  // So that a block without any is still one.
+  // gnuplot needs at least one row in a block.
   return fitted + "0 NaN\nEOD\n" + held_out + "0 NaN\nEOD\n";
 }
 

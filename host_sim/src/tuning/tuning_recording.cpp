@@ -18,10 +18,10 @@
 namespace condyle::host {
 namespace {
 
-// What the adaptive estimator finds out a few samples later, it can still say of a sample.
+// With this lag, the adaptive estimator can use the next samples to judge a sample.
 constexpr int kHindsight = 8;
 
-// Turns estimates into samples.
+// Converts estimates to samples.
 class SampleCollector {
  public:
   SampleCollector(StretchKeeper& keeper, TuningRecording& recording)
@@ -37,7 +37,7 @@ class SampleCollector {
     const bool begins = !has_time_ || estimate.events.has(Event::time_restarted) ||
                         estimate.events.has(Event::state_restarted) || was_lost_ || is_lost;
     sample.step_s = begins ? 0 : seconds(estimate.time_ns - time_ns_);
-    if (!begins && !(sample.step_s > 0)) return;  // told twice
+    if (!begins && !(sample.step_s > 0)) return;  // a repeated sample
     time_ns_ = estimate.time_ns;
     has_time_ = true;
     was_lost_ = is_lost;
@@ -59,7 +59,7 @@ class SampleCollector {
   }
 
   const InnovationMonitor<double>& monitor() const { return monitor_; }
-  /// True where two positions that differ were measured.
+  /// True if two positions that differ were measured.
   bool has_moved() const { return highest_m_ > lowest_m_; }
 
  private:
@@ -76,7 +76,7 @@ void collect(ReplayFacebow& facebow, hal::Clock& clock, const TuningInput& input
              const std::string& path, SampleCollector& collector,
              const std::function<void(double)>& show, const std::function<bool()>& should_stop) {
   firmware::RunSettings settings = facebow.run_settings(input.choice.followed);
-  settings.expects_drive = false;  // it takes none
+  settings.expects_drive = false;  // not used
   RecommendedParameters parameters = input.parameters;
   parameters.noise.adaptation = Adaptation::on;
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), path, "its median step",
@@ -96,22 +96,22 @@ void collect(ReplayFacebow& facebow, hal::Clock& clock, const TuningInput& input
   if (!facebow.problem().empty()) throw InputError(facebow.problem());
 }
 
-// Refuses what nothing can be learned from.
+// Refuses recordings that are unusable for learning.
 void check_positions(const TuningRecording& recording, SampleKind kind, bool has_moved,
                      const std::string& path) {
   const std::string other =
       kind == SampleKind::one_axis ? "" : "follow another axis (--axis) or point (--point), or ";
   if (recording.seen >= kFewestTuned && !has_moved) {
     throw InputError(path,
-                     "its position along the followed axis is never there, or never changes: there "
-                     "is neither noise nor motion to tune to",
+                     "its position along the followed axis is always missing, or never changes, so "
+                     "it contains neither noise nor motion for tuning",
                      other + "record a jaw that moves");
   }
   if (recording.innovations < kFewestTuned) {
     throw InputError(
         path,
         fmt::format("has {} usable positions along the followed axis, of {} samples, "
-                    "and {} in a row long enough to learn from; tuning needs {}",
+                    "and {} in runs long enough for learning; tuning needs {}",
                     recording.usable, recording.seen, recording.innovations, kFewestTuned),
         other + "record longer");
   }
@@ -165,7 +165,7 @@ TuningRecording read_for_tuning(const std::string& path, const TuningInput& inpu
   recording.usable = static_cast<std::size_t>(
       std::count_if(recording.samples.begin(), recording.samples.end(),
                     [](const TuningSample& sample) { return std::isfinite(sample.position_m); }));
-  // How many there are does not depend on the model.
+  // Their number does not depend on the model.
   for_each_innovation(recording.samples, NoiseModel{1e-4, 10, 0}, input.parameters.prior,
                       [&](std::size_t, const Innovation&) { ++recording.innovations; });
   recording.filtered_lag = collector.monitor().filtered_lag();

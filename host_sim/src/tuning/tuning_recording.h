@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What tuning keeps of a recording: the positions that an estimator would take, in bounded memory.
+// A recording for tuning: the positions that an estimator would use, in bounded memory.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +17,15 @@ namespace condyle::host {
 /// One sample of a stretch.
 struct TuningSample {
   double step_s = 0;  ///< since the sample before; 0 where a stretch begins
-  /// Along the followed axis; NaN where there is none, or it was an outlier.
+  /// Along the followed axis; NaN if there is none, or it was an outlier.
   double position_m = std::numeric_limits<double>::quiet_NaN();
-  /// Score of the adaptive estimator's innovation (innovation_likelihood.h); NaN where there is
+  /// Score of the adaptive estimator's innovation (innovation_likelihood.h); NaN if there is
   /// none.
   double adaptive_score = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Keeps at most a given number of samples of a sequence whose end is not known: where they become
-/// too many, every second stretch is dropped and from then on as many fewer are taken.
+/// Stores at most a given number of samples of a sequence of unknown length: if they become too
+/// many, it drops every second stretch, and then stores half as many.
 class StretchKeeper {
  public:
   static constexpr std::size_t kStretch = 512;
@@ -41,11 +41,11 @@ class StretchKeeper {
   void thin();
 
   std::size_t most_;
-  std::uint64_t seen_ = 0, stride_ = 1;  // of `stride_` stretches one is kept
+  std::uint64_t seen_ = 0, stride_ = 1;  // one of `stride_` stretches is stored
   std::vector<TuningSample> samples_;
 };
 
-/// A recording as tuning uses it.
+/// The data of a recording for tuning.
 struct TuningRecording {
   std::string name;
   std::string format;
@@ -54,26 +54,27 @@ struct TuningRecording {
   std::uint64_t seen = 0;       ///< samples in the recording
   std::uint64_t rejected = 0;   ///< outliers among them
   std::size_t usable = 0;       ///< positions kept
-  std::size_t innovations = 0;  ///< of these, that count (innovation_likelihood.h)
+  std::size_t innovations = 0;  ///< of these, counted ones (innovation_likelihood.h)
   double median_step_s = 0;
-  /// Samples apart at which the noise is most unlike white noise; 0: nothing shows that it is not.
+  /// Distance in samples at which the noise differs most from white noise; 0: no evidence of a
+  /// difference.
   int filtered_lag = 0;
   /// Correlation of neighbouring sixth differences, -6/7 for white noise (innovation_monitor.h).
   double neighbours = 0;
 };
 
-/// How recordings are read.
+/// Options of reading recordings.
 struct TuningInput {
   RecordingChoice choice;
   std::size_t most_samples = 0;      ///< of each recording, at least 2 StretchKeeper::kStretch
   RecommendedParameters parameters;  ///< of the adaptive estimator that finds the outliers
 };
 
-/// Fewest innovations of a recording that it is tuned with.
+/// Fewest innovations of a usable recording.
 inline constexpr std::size_t kFewestTuned = 200;
 
-/// Reads `path`. An InputError where it cannot be read, has too few positions, or where they do not
-/// vary. `show(share)`, 0 to 1, is called on the way; `should_stop()` may end it.
+/// Reads `path`. Throws InputError if it cannot be read, has too few positions, or if they do not
+/// vary. Calls `show(share)`, 0 to 1, during the work; `should_stop()` may end it.
 TuningRecording read_for_tuning(const std::string& path, const TuningInput& input,
                                 const std::function<void(double)>& show,
                                 const std::function<bool()>& should_stop);

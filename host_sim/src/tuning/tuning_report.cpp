@@ -27,12 +27,13 @@ constexpr Unit kUnits[] = {
 
 constexpr const char* kOfModel = "of white noise and white jerk";
 
-// `rests_on`: what the interval is of; that of the best-fitting model, not of the instrument.
+// `rests_on`: the condition of the interval, which is that of the best-fitting model, not of the
+// instrument.
 std::string parameter_text(const FittedParameter& parameter, const Unit& unit,
                            const char* rests_on = kOfModel) {
   if (parameter.at_bound) {
-    return fmt::format("{:.4g} {}: at its bound, so that it is NOT known",
-                       unit.scale * parameter.value, unit.text);
+    return fmt::format("{:.4g} {}: at its bound, so it is NOT known", unit.scale * parameter.value,
+                       unit.text);
   }
   if (!parameter.is_bounded || !std::isfinite(parameter.log_sd)) {
     return fmt::format("NOT known: the likelihood hardly depends on it (best {:.4g} {})",
@@ -44,7 +45,8 @@ std::string parameter_text(const FittedParameter& parameter, const Unit& unit,
                      unit.scale * parameter.value * factor, rests_on);
 }
 
-// `text` without what a comment of a TOML file may not hold: names of files are free.
+// `text` without characters that a TOML comment must not contain, because file names may contain
+// any.
 std::string in_comment(const std::string& text) {
   std::string clean;
   for (const char c : text) clean += c >= 0x20 && c < 0x7f ? c : '?';
@@ -57,13 +59,14 @@ const char* doubt_of(const LikelihoodTuning& tuning) {
 
 std::string unique_text(const FittedModel& model, std::size_t starts) {
   const SearchOptimum& best = model.search.optima.front();
-  std::string text = fmt::format("{} of {} starts, variances up to {:g} times off, came to it",
-                                 best.reached_by, starts, kStartFactor);
+  std::string text =
+      fmt::format("{} of {} starts, with variances wrong by factors up to {:g}, reached it",
+                  best.reached_by, starts, kStartFactor);
   if (model.search.optima.size() > 1) {
     text += fmt::format("; the next best is {:.3g} worse in log likelihood",
                         best.value - model.search.optima[1].value);
   }
-  return text + (model.is_unique ? "" : ": NOT unique, other values serve as well");
+  return text + (model.is_unique ? "" : ": NOT unique, other values fit as well");
 }
 
 std::string check_text(const HeldOutCheck& check) {
@@ -73,7 +76,7 @@ std::string check_text(const HeldOutCheck& check) {
                           check.nis_bounds.low, check.nis_bounds.high));
 }
 
-// Of several recordings, those that the values suit least, and whether by chance.
+// Of several recordings, those that the values fit worst, and whether this exceeds chance.
 std::string extremes_text(const std::vector<TuningRecording>& recordings,
                           const HeldOutCheck& check) {
   if (recordings.size() < 2) return "";
@@ -106,8 +109,7 @@ std::string extremes_text(const std::vector<TuningRecording>& recordings,
                            recordings[lowest].name, of[highest].mean(), recordings[highest].name));
   if (outside > 0) {
     text += line("", fmt::format("OUTSIDE its own bounds in {} of {} recordings: one noise and one "
-                                 "density of the jerk do not suit them all; tune each instrument "
-                                 "alone",
+                                 "jerk density do not fit them all; tune each instrument alone",
                                  outside, recordings.size()));
   }
   return text;
@@ -119,11 +121,10 @@ std::string adaptive_text(const HeldOutCheck& check) {
   const double sd = 1.96 * check.advantage_se;
   const char* verdict = check.advantage - sd > 0   ? "better than"
                         : check.advantage + sd < 0 ? "WORSE than"
-                                                   : "no better and no worse than";
-  return line("adaptation",
-              fmt::format("these fixed values predict what was held out {} the estimator that "
-                          "adapts: {:+.3f} +- {:.3f} a sample",
-                          verdict, check.advantage, sd)) +
+                                                   : "as well as";
+  return line("adaptation", fmt::format("these fixed values predict the held-out part {} the "
+                                        "estimator that adapts: {:+.3f} +- {:.3f} per sample",
+                                        verdict, check.advantage, sd)) +
          line("", "(mean difference of log likelihoods; 95 %)");
 }
 
@@ -133,11 +134,11 @@ std::string correlated_text(const LikelihoodPlan& plan, const LikelihoodTuning& 
     return line("NOT WHITE",
                 "the noise is not white, and no Gauss-Markov noise explains it "
                 "better: the intervals of any") +
-           line("", "filter here are not to be relied on; record without smoothing");
+           line("", "filter here are not reliable; record without smoothing");
   }
-  std::string text = line("NOT WHITE",
-                          "the maker has smoothed; noise that is alike for a while "
-                          "(Gauss-Markov) explains it better:");
+  std::string text = line(
+      "NOT WHITE",
+      "the manufacturer's filter smoothed it; correlated noise (Gauss-Markov) explains it better:");
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {
     text +=
         line(fmt::format("  {}", kUnits[i].name), parameter_text(model.parameters[i], kUnits[i]));
@@ -146,8 +147,8 @@ std::string correlated_text(const LikelihoodPlan& plan, const LikelihoodTuning& 
   text += check_text(model.held_out) + line("", whiteness_text(model.held_out));
   const WhiteStandIn& stand_in = *tuning.stand_in;
   text += line("stand-in",
-               "condyle's filters take noise for white. Written are the white values "
-               "that serve best here:");
+               "condyle's filters assume white noise. The output contains the white values that "
+               "fit best here:");
   const std::string best = std::isfinite(stand_in.best_velocity_error_m_s)
                                ? fmt::format(" (the correlated model's own filter: {:.2g})",
                                              1e3 * stand_in.best_velocity_error_m_s)
@@ -182,9 +183,10 @@ std::string tuning_text(const std::vector<TuningRecording>& recordings, const Li
   if (recordings.size() > kMostNamed) {
     text += line("", fmt::format("and {} more", recordings.size() - kMostNamed));
   }
-  text += line("positions", fmt::format("{} used of {} samples, {} outliers left out; a third of "
-                                        "the stretches held out",
-                                        usable, seen, rejected));
+  text += line(
+      "positions",
+      fmt::format("{} used of {} samples, {} outliers left out; a third of the stretches held out",
+                  usable, seen, rejected));
   if (samples < seen) {
     text += line("", fmt::format("{} samples were kept, evenly spread (--most-samples)", samples));
   }
@@ -213,7 +215,7 @@ std::string tuning_comment(const std::vector<TuningRecording>& recordings,
       CONDYLE_VERSION, recordings.size(), recordings.size() == 1 ? "" : "s", plan.seed);
   const std::vector<FittedParameter>& found = tuning.white.parameters;
   if (tuning.correlated_serves) {
-    text += "# The noise is not white; these are the white values that serve best.\n";
+    text += "# The noise is not white; these are the white values that fit best.\n";
   } else {
     for (std::size_t i = 0; i < found.size(); ++i) {
       text += fmt::format("# {}: {}\n", kUnits[i].name,

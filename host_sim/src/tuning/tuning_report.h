@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What tuning by likelihood found, in words and as a picture.
+// The result of tuning by likelihood, as text and figure.
 #pragma once
 
 #include <memory>
@@ -11,17 +11,16 @@
 
 namespace condyle::host {
 
-/// Values with their intervals, what was held out, and what does not fit.
+/// Values with their intervals, the held-out part, and deviations from the model.
 std::string tuning_text(const std::vector<TuningRecording>& recordings, const LikelihoodPlan& plan,
                         const LikelihoodTuning& tuning);
 
-/// The head of the parameter file, as comments: what it was tuned to, and how sure that is.
+/// The head of the parameter file, as comments: recordings and certainty of the tuning.
 std::string tuning_comment(const std::vector<TuningRecording>& recordings,
                            const LikelihoodPlan& plan, const LikelihoodTuning& tuning);
 
-/// Draws the likelihood's surface and profiles, and correlation and NIS of what was held out, as
-/// tuning.svg and tuning.png. `tuning` must have a surface. The files are closed, and wait for
-/// `commit`.
+/// Draws the likelihood's surface and profiles, and correlation and NIS of the held-out part, as
+/// tuning.svg and tuning.png. `tuning` must have a surface. The files are closed but not committed.
 std::vector<std::unique_ptr<OutputFile>> draw_tuning(const std::string& directory,
                                                      const std::vector<TuningRecording>& recordings,
                                                      const LikelihoodTuning& tuning);

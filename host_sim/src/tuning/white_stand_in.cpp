@@ -31,7 +31,7 @@ JerkStep jerk_step(double step_s) {
   return step;
 }
 
-// The settled filter for white noise of variance 1 and jerk of density `ratio`.
+// The steady-state filter for white noise of variance 1 and jerk density `ratio`.
 struct SettledFilter {
   Vector3d K;
   Matrix3d P;  // after the update
@@ -52,7 +52,7 @@ SettledFilter settle(const JerkStep& step, double ratio) {
   return filter;
 }
 
-// Settled covariance of the errors of `filter` where noise and motion are those of `model`.
+// Steady-state covariance of the errors of `filter` if noise and motion are those of `model`.
 Matrix3d error_covariance(const SettledFilter& filter, const JerkStep& step,
                           const NoiseModel& model, double step_s) {
   const double phi = std::exp(-step_s / model.correlation_time_s);
@@ -67,7 +67,7 @@ Matrix3d error_covariance(const SettledFilter& filter, const JerkStep& step,
   Eigen::Vector4d noise;
   noise << -filter.K, 1;
   B += (1 - phi * phi) * noise_variance_m2 * noise * noise.transpose();
-  // Sum of A^k B A'^k, doubled at each turn.
+  // Sum of A^k B A'^k, by doubling.
   Matrix4d sum = B;
   for (int i = 0; i < 60; ++i) {
     const Matrix4d more = A * sum * A.transpose();
@@ -78,7 +78,7 @@ Matrix3d error_covariance(const SettledFilter& filter, const JerkStep& step,
   return sum.topLeftCorner<3, 3>();
 }
 
-// Settled rms error of the velocity of the filter that knows `model`.
+// Steady-state rms error of the velocity of the filter with the true `model`.
 double best_velocity_error(const NoiseModel& model, double step_s) {
   NoiseFilter filter(model, {});
   filter.start(0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The white noise that serves best where noise is not white: the estimators know no other.
+// The best white approximation of noise that is not white, because the estimators assume white
+// noise.
 //
 // A filter for white noise of variance R and jerk of density q, run on positions whose noise is
 // Gauss-Markov (innovation_likelihood.h), errs by
@@ -13,11 +14,11 @@
 
 namespace condyle::host {
 
-/// A white model for positions whose noise is that of `model`, `step_s` apart; and what it costs.
+/// A white model for positions with the noise of `model`, `step_s` apart; and its cost in accuracy.
 struct WhiteStandIn {
   NoiseModel white;
   double velocity_error_m_s = 0;       ///< rms, by `model`
-  double best_velocity_error_m_s = 0;  ///< rms of the filter that knows `model`
+  double best_velocity_error_m_s = 0;  ///< rms of the filter with the true `model`
 };
 WhiteStandIn white_stand_in(const NoiseModel& model, double step_s);
 

@@ -196,7 +196,7 @@ TEST(DeviceValues, NotesThatALogHasNone) {
   ASSERT_EQ(log.close(), hal::SessionLogFailure::none);
   std::vector<std::unique_ptr<OutputFile>> files;
   EXPECT_THAT(write_device_values(folder / "log.mcap", "", folder / ".", files),
-              testing::ElementsAre(HasSubstr("holds no value but position")));
+              testing::ElementsAre(HasSubstr("contains no values other than positions")));
   EXPECT_TRUE(files.empty());
   EXPECT_THROW((void)write_device_values(testing_support::source_path("/README.md"), "",
                                          folder / ".", files),

@@ -80,7 +80,7 @@ TEST_F(Doctor, GivesTheRuleWhereThereIsNone) {
   machine_.devices = {facebow()};
   machine_.devices[0].access = hal::DeviceAccess::not_permitted;
   const Finding finding = missing();
-  EXPECT_EQ(finding.what, "1209:000a bow may not be read by anna: /dev/hidraw3");
+  EXPECT_EQ(finding.what, "1209:000a bow is not readable by anna: /dev/hidraw3");
   EXPECT_THAT(finding.mend, HasSubstr(R"(SUBSYSTEM=="hidraw", ATTRS{idVendor}=="1209", )"
                                       R"(ATTRS{idProduct}=="000a", MODE="0660", )"
                                       R"(GROUP="plugdev", TAG+="uaccess")"));
@@ -142,7 +142,7 @@ TEST_F(Doctor, PassesOverKeyboardsUnlessAskedFor) {
   }));
   machine_.devices = {keyboard};
   EXPECT_THAT(missing(std::nullopt).what, HasSubstr("a facebow is not plugged in"));
-  EXPECT_THAT(missing().what, HasSubstr("may not be read"));
+  EXPECT_THAT(missing().what, HasSubstr("is not readable"));
 }
 
 // Nobody is told to open a security key to everybody.

@@ -59,18 +59,18 @@ TEST(FaultScript, ErrorsNamePlaceProblemAndMend) {
          "f.toml:2:1: unknown key 'report'; keys of [unplug] are off_s");
   expect("[unplug]\nreports = 3\n", "f.toml:2:11: reports takes an array");
   expect("[unplug]\nreports = [3, -1]\n", "f.toml:2:15: reports = -1 is out of range");
-  expect("[unplug]\nreports = [3.5]\n", "reports = 3.5 is no whole number");
+  expect("[unplug]\nreports = [3.5]\n", "reports = 3.5 is not a whole number");
   expect("[unplug]\nreports = [\"3\"]\n", "f.toml:2:12: reports takes numbers");
   expect("[unplug]\noff_s = 1\n", "f.toml:1:1: [unplug] never happens; give reports, times_s");
   expect("[unplug]\nreports = []\n", "[unplug] never happens");
   expect("[unplug]\nreports = [1]\noff_s = nan\n", "f.toml:3:9: off_s = nan is out of range");
   expect("[garbage]\nreports = [1]\noff_s = 1\n", "unknown key 'off_s'");
   expect("[truncated]\nreports = [1]\nsize_bytes = 29\n", "give 1 to 28 (bytes)");
-  expect("[truncated]\nreports = [1]\nsize_bytes = 2.5\n", "f.toml:3:14: size_bytes = 2.5 is no");
+  expect("[truncated]\nreports = [1]\nsize_bytes = 2.5\n", "f.toml:3:14: size_bytes = 2.5 is not");
   expect("[stall]\nprobability = 1.1\n", "probability = 1.1 is out of range; give 0 to 1");
   expect("[stall]\nevery_reports = 0\n", "every_reports = 0 is out of range");
   expect("stall = 3\n", "f.toml:1:1: stall is a section; write [stall]");
-  expect("seed = 0.5\n", "f.toml:1:8: seed = 0.5 is no whole number");
+  expect("seed = 0.5\n", "f.toml:1:8: seed = 0.5 is not a whole number");
   expect("[unplug\n", "f.toml:1:");
 }
 
@@ -82,19 +82,19 @@ TEST(FaultScript, ErrorsInOptionsNameTheOption) {
                            "counter_jump@9=-7", "clock_jump@9=-0.5"}) {
     expect(good, "no error");
   }
-  expect("", "fault '': does not say when; write KIND@REPORT");
-  expect("unplug", "fault 'unplug': does not say when");
-  expect("unplug=3@5", "'unplug=3' is no kind of fault; kinds are unplug, pause");
-  expect("unplug@", "'' is no number from 0");
-  expect("unplug@s", "'' is no number from 0");
-  expect("unplug@-3", "'-3' is no number from 0");
-  expect("unplug@3.5", "report = 3.5 is no whole number");
-  expect("unplug@3=", "'' is no number from 0 to 3600");
-  expect("unplug@3=1=2", "'1=2' is no number");
-  expect("unplug/0", "'0' is no number from 1");
-  expect("unplug~2", "'2' is no number from 0 to 1");
+  expect("", "fault '': lacks the time of the fault; write KIND@REPORT");
+  expect("unplug", "fault 'unplug': lacks the time of the fault");
+  expect("unplug=3@5", "'unplug=3' is not a kind of fault; kinds are unplug, pause");
+  expect("unplug@", "'' is not a number from 0");
+  expect("unplug@s", "'' is not a number from 0");
+  expect("unplug@-3", "'-3' is not a number from 0");
+  expect("unplug@3.5", "report = 3.5 is not a whole number");
+  expect("unplug@3=", "'' is not a number from 0 to 3600");
+  expect("unplug@3=1=2", "'1=2' is not a number");
+  expect("unplug/0", "'0' is not a number from 1");
+  expect("unplug~2", "'2' is not a number from 0 to 1");
   expect("stall@3=1", "stall has no amount; leave it out");
-  expect("burst@3=2.5", "count = 2.5 is no whole number; give whole reports");
+  expect("burst@3=2.5", "count = 2.5 is not a whole number; give whole reports");
 }
 
 TEST(FaultScript, FileAndOptionsSayTheSame) {

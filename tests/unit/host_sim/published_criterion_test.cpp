@@ -218,10 +218,10 @@ TEST(PublishedCriterion, RefusesWhatCannotBeTunedBy) {
   expect_refused({slow}, {}, "sample time of 11 s");
   PublishedTuningPlan plan;
   plan.starts = 0;
-  expect_refused({good}, plan, "no start");
+  expect_refused({good}, plan, "the number of starts");
   plan = {};
   plan.most_evaluations = 0;
-  expect_refused({good}, plan, "no evaluation");
+  expect_refused({good}, plan, "the number of evaluations");
   plan = {};
   plan.steady_share = kMissing;
   expect_refused({good}, plan, "steady");

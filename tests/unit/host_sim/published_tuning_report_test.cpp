@@ -19,10 +19,10 @@ using testing_support::tune;
 TEST(PublishedTuningReport, SaysThatItIsAssumed) {
   const PublishedTuningResult result = tune({golden_chewing()});
   const std::string text = published_tuning_text(result);
-  EXPECT_THAT(text, HasSubstr("100 from seed 1"));
-  EXPECT_THAT(text, HasSubstr("cannot tell these tunings apart"));
+  EXPECT_THAT(text, HasSubstr("100 with seed 1"));
+  EXPECT_THAT(text, HasSubstr("does not distinguish these tunings"));
   EXPECT_THAT(text, HasSubstr("ASSUMED"));
-  EXPECT_THAT(text, HasSubstr("no measurement of the subject. Research use only."));
+  EXPECT_THAT(text, HasSubstr("not measurements of the subject. Research use only."));
   EXPECT_THAT(text, HasSubstr("P_kv  initial variance of friction"));
   const auto shown = tunings_spread_evenly(result, 12);
   ASSERT_GE(shown.size(), 5U);

@@ -111,8 +111,8 @@ TEST(CsvRecording, NamesTheHeadersProblems) {
   expect("time_s,p1_x_mm,p1_y_mm\n0,1,2\n", "not a complete set");
   expect("time_s,p2_x_mm,p2_y_mm,p2_z_mm\n0,1,2,3\n", "not a complete set");
   expect("time_s,position_m,p1_x_mm,p1_y_mm,p1_z_mm\n0,1,2,3,4\n", "not a complete set");
-  expect("time_s,position_m,position_mm\n0,1,2\n", "another column gives the same");
-  expect("time_s,position_m,time_s\n0,1,2\n", "another column gives the same");
+  expect("time_s,position_m,position_mm\n0,1,2\n", "another column contains the same");
+  expect("time_s,position_m,time_s\n0,1,2\n", "another column contains the same");
 }
 
 TEST(ProbeTextRecording, ReadsFixedAndExplicitTimes) {
@@ -129,7 +129,7 @@ TEST(ProbeTextRecording, ReadsFixedAndExplicitTimes) {
   const Read metres = read("0 1 1\nLinear 3 0.02\n1 2 3\n", {.units_per_metre = 1});
   EXPECT_EQ(metres.samples[0].coordinates[2], 3);
   EXPECT_THAT(metres.info.notes,
-              testing::ElementsAre(HasSubstr("ends at 1 s, its rows end at 0.02 s")));
+              testing::ElementsAre(HasSubstr("ends at 1 s, but its rows end at 0.02 s")));
   EXPECT_TRUE(read("0 0.02 1\nLinear 3 0.02\n1 2 3\n", {.units_per_metre = 1}).info.notes.empty());
 }
 
@@ -152,7 +152,7 @@ TEST(ProbeTextRecording, NamesItsProblems) {
   expect("0 1\nLinear 3 0.02\n1 2 3\n", "START STOP SCALE");
   expect("9e9 1 1\nLinear 3 0.02\n1 2 3\n", "recording:1: line 1 is not START STOP SCALE");
   expect("0 1 1\nLinear 4 0.02\n1 2 3 4\n", "4 columns, not 3 or 9");
-  expect("0 1 1\nLinear 3 -0.02\n1 2 3\n", "no time step");
+  expect("0 1 1\nLinear 3 -0.02\n1 2 3\n", "is not a time step");
   expect("0 1 1\nLinear 3 0.02\n1 2\n", "recording:3: column 3: the row has 2 numbers, not 3");
   expect("0 1 1\nLinear 3 0.02\n1 2 3\n1 2 x\n", "recording:4: column 3: 'x' is not a number");
   expect("0 1 1\nLinear 3 4e9\n1 2 3\n1 2 3\n1 2 3\n", "row 3 lies 8e+09 s after the first");
@@ -251,7 +251,7 @@ TEST(ZebrisXmlRecording, NamesItsProblems) {
   expect("<a/>", "has no movement 1");
   expect(zebris(""), "0 tracks, not 1 or 3");
   expect(zebris(std::string(kTrack) + kTrack), "2 tracks");
-  expect(zebris("<track><quants/></track>"), "frequency '' is no rate");
+  expect(zebris("<track><quants/></track>"), "frequency '' is not a valid rate");
   expect(zebris("<track><frequency>50</frequency><quants><quant><x>1</x><y>2</y><z>u</z></quant>"
                 "</quants></track>"),
          "recording:6: column z of track 1: 'u' is not a number");
@@ -268,12 +268,12 @@ TEST(Recording, RefusesOptionsThatDoNotApply) {
   const std::string csv = "time_s,position_m\n0,1\n", probe = "0 1 1\nLinear 3 0.02\n1 2 3\n";
   EXPECT_THAT(problem_of(csv, {.ignored_columns = {"drive"}}),
               HasSubstr("no column 'drive' to ignore"));
-  EXPECT_THAT(problem_of(csv, {.units_per_metre = 1}), HasSubstr("--unit goes with"));
-  EXPECT_THAT(problem_of(csv, {.movement = 2}), HasSubstr("--movement goes with Zebris XML"));
+  EXPECT_THAT(problem_of(csv, {.units_per_metre = 1}), HasSubstr("--unit applies only to"));
+  EXPECT_THAT(problem_of(csv, {.movement = 2}), HasSubstr("--movement applies only to Zebris XML"));
   EXPECT_THAT(problem_of(probe, {.ignored_columns = {"x"}}),
-              HasSubstr("--ignore-column goes with CSV"));
+              HasSubstr("--ignore-column applies only to CSV"));
   EXPECT_THAT(problem_of(ssff(kSsffHeader, {}), {.movement = 2}),
-              HasSubstr("--movement goes with"));
+              HasSubstr("--movement applies only to"));
 }
 
 TEST(Recording, RefusesWhatItDoesNotKnow) {
@@ -282,7 +282,7 @@ TEST(Recording, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(problem_of(std::string("\x7f"
                                      "ELF\x01\x02\0",
                                      7)),
-              HasSubstr("binary file"));
+              HasSubstr("unknown binary format"));
   EXPECT_THAT(problem_of(std::string("\xff\xfe"
                                      "t\0i\0",
                                      6)),

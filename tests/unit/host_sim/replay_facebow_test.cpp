@@ -67,7 +67,7 @@ TEST_F(ReplayFacebowTest, FindsTheMedianStep) {
 TEST_F(ReplayFacebowTest, RefusesOrPassesReversedTimes) {
   ReplayFacebow refusing = facebow("0,1\n0.02,2\n0.01,3\n");
   EXPECT_EQ(refusing.open(), Status::bad_report);
-  EXPECT_THAT(refusing.problem(), HasSubstr("r.csv:4: time: it runs backwards, from 0.02 s"));
+  EXPECT_THAT(refusing.problem(), HasSubstr("r.csv:4: time: runs backwards, from 0.02 s"));
   ReplayFacebow passing = facebow("0,1\n0.02,2\n0.01,3\n", 0, FaultPolicy::event);
   ASSERT_EQ(passing.open(), Status::ok);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(passing.read(hal::kNoDeadline, sample_), Status::ok);

@@ -81,7 +81,7 @@ TEST(ReportWatch, BearsLostReports) {
     put(report, 0, 4, false, counter);
   });
   EXPECT_THAT(steady_words(watch),
-              testing::ElementsAre(HasSubstr("byte 0 to 3, little-endian: goes up by 1")));
+              testing::ElementsAre(HasSubstr("byte 0 to 3, little-endian: increases by 1")));
 }
 
 // Jitter with a known spread: +-0.1 ms about equidistant times gives intervals with a standard
@@ -98,7 +98,7 @@ TEST(ReportWatch, MeasuresRateAndJitter) {
 
 TEST(ReportWatch, SaysWhereItIsTooEarly) {
   const Watched watch(2, [](int, hal::RawReport&) {});
-  EXPECT_EQ(rate_words(watch), "too few to tell how often they come");
+  EXPECT_EQ(rate_words(watch), "too few to determine the rate");
   EXPECT_EQ(changed_words(watch), "none");
   EXPECT_EQ(ReportWatch().rate_Hz(), 0);
 }

@@ -36,14 +36,13 @@ TEST(ScenarioFile, NamesPlaceProblemAndMend) {
   expect("duration_s = 0\n", "duration_s = 0 is out of range; give 0.1 to 86400 (s)");
   expect("duration_s = 31557600\n", "is out of range");
   expect("duration_s = nan\n", "is out of range");
-  expect("seed = 1.5\n", "s.toml:1:8: is no whole number");
+  expect("seed = 1.5\n", "s.toml:1:8: is not a whole number");
   expect("[subject]\nmass_kg = -0.2\n", "s.toml:2:11: mass_kg = -0.2 is out of range");
   expect("[subject]\nmass_kg = \"0.2 kg\"\n", "mass_kg takes numbers; give them in kg");
   expect("[subject]\njaw = \"horse\"\n", "give \"artisynth\" or \"anybody\"");
   expect("[subject]\nmotion = \"point_mass\"\n", "no error");
-  expect("[subject]\nmotion = \"point_mass\"\ndrive = \"muscles\"\n",
-         "does not go with this motion");
-  expect("[subject]\ndrive = \"prescribed\"\n", "does not go with this motion");
+  expect("[subject]\nmotion = \"point_mass\"\ndrive = \"muscles\"\n", "does not match this motion");
+  expect("[subject]\ndrive = \"prescribed\"\n", "does not match this motion");
   expect("[muscle_anterior_digastric]\nmaximum_force_N = -1\n", "is out of range");
   expect("[friction]\nmodel = \"stribeck\"\nstatic_N = 0.5\n", "static_N is below coulomb_N");
   expect("[friction]\nchange = \"ramp\"\nchange_start_s = 5\nchange_end_s = 5\n",

@@ -217,7 +217,7 @@ std::string rows(int count, const char* position(int)) {
 
 TEST(TuningRecording, RefusesWhatNothingCanBeLearnedFrom) {
   EXPECT_THAT(refusal_of(rows(1000, [](int) { return "0.001"; })), HasSubstr("never changes"));
-  EXPECT_THAT(refusal_of(rows(1000, [](int) { return ""; })), HasSubstr("never there"));
+  EXPECT_THAT(refusal_of(rows(1000, [](int) { return ""; })), HasSubstr("always missing"));
   EXPECT_THAT(refusal_of(rows(1000, [](int) { return "nan"; }), FaultPolicy::refuse),
               HasSubstr("r.csv:2"));
   EXPECT_THAT(refusal_of(rows(2, [](int i) { return i > 0 ? "0.001" : "0"; })),

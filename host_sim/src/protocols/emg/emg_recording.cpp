@@ -14,7 +14,7 @@
 namespace condyle::host {
 namespace {
 
-// Rows of the file as they stand there, times apart.
+// Rows of the file, without their times.
 class EmgFile {
  public:
   EmgFile(const std::string& path, const MuscleFile& muscles, FaultPolicy faults)
@@ -91,7 +91,7 @@ double median_rate_Hz(const std::string& path, const std::vector<EmgRow>& rows) 
     if (step_ns > 0) steps_s.push_back(seconds(step_ns));
   }
   if (steps_s.size() < 2) {
-    throw InputError(path, "holds fewer than three rows of EMG in order of time",
+    throw InputError(path, "contains fewer than three rows of EMG in order of time",
                      "give the EMG of the whole recording");
   }
   const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
@@ -99,7 +99,7 @@ double median_rate_Hz(const std::string& path, const std::vector<EmgRow>& rows) 
   return 1 / *middle;
 }
 
-// Raw EMG becomes excitations.
+// Converts raw EMG to excitations.
 void make_envelopes(const std::string& path, const MuscleFile& muscles, const EmgReading& reading,
                     EmgRecording& recording) {
   for (std::size_t n = 0; n < muscles.channels.size(); ++n) {
@@ -122,7 +122,7 @@ void make_envelopes(const std::string& path, const MuscleFile& muscles, const Em
           fmt::format("raw EMG at {:.4g} Hz cannot be filtered at {:.4g} and {:.4g} "
                       "Hz",
                       recording.rate_Hz, parameters.high_pass_Hz, parameters.low_pass_Hz),
-          "raw EMG takes some 1000 Hz; leave out --raw where these are envelopes");
+          "record raw EMG at about 1000 Hz; leave out --raw if these are envelopes");
     }
     EmgEnvelope<double> envelope(parameters);
     for (EmgRow& row : recording.rows) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// EMG channels that were recorded beside the position, with their own rate, on its clock.
+// EMG channels recorded together with the position, at their own rate, on its clock.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@ namespace condyle::host {
 /// How to read EMG.
 struct EmgReading {
   FaultPolicy faults = FaultPolicy::refuse;
-  bool is_raw = false;                ///< else envelopes
-  std::optional<double> raw_maximum;  ///< of muscles without one of their own
+  bool is_raw = false;                ///< otherwise envelopes
+  std::optional<double> raw_maximum;  ///< for muscles without their own maximum
 };
 
 /// Excitations of all muscles at one instant.
@@ -38,7 +38,7 @@ struct EmgRecording {
 inline constexpr std::size_t kMostEmgRows = 2'000'000;
 
 /// Reads the columns that `muscles` names from the CSV file `path`: time_s, and a column for each
-/// muscle; others are left aside. Problems are InputErrors that name file, line, column and mend.
+/// muscle; ignores other columns. Problems are InputErrors that name file, line, column and remedy.
 EmgRecording read_emg(const std::string& path, const MuscleFile& muscles,
                       const EmgReading& reading);
 

@@ -43,23 +43,24 @@ std::string explain(EmgLimit limit) {
     case EmgLimit::none:
       return "";
     case EmgLimit::no_emg:
-      return "no EMG came with the positions";
+      return "no EMG accompanies the positions";
     case EmgLimit::too_early:
-      return "too few positions to judge the model by";
+      return "too few positions to check the model";
     case EmgLimit::model:
       return "muscles and model do not explain the motion: another force acts, or the muscles' "
              "force is wrong by more than error_share";
     case EmgLimit::information:
-      return "EMG and motion tell less than the prior does";
+      return "EMG and motion determine it less than the prior does";
     case EmgLimit::resolution:
       return "too uncertain; a longer recording would help";
     case EmgLimit::mass:
-      return "too uncertain; most of it is the assumed mass's";
+      return "too uncertain; most of the uncertainty comes from the assumed mass";
     case EmgLimit::lag:
-      return "too uncertain; most of it is the lag of the force behind its EMG";
+      return "too uncertain; most of the uncertainty comes from the lag of the force behind its "
+             "EMG";
     case EmgLimit::force:
-      return "too uncertain; most of it is what the muscles' force gets wrong, which no longer "
-             "recording averages out";
+      return "too uncertain; most of the uncertainty comes from errors of the muscles' force, "
+             "which a longer recording does not average out";
     case EmgLimit::scale:
       return "no muscle's gain is known, and errors of the muscles' force draw this value towards "
              "0 "
@@ -89,8 +90,8 @@ Json json_of(const Value& value) {
           {"information", value.information}};
 }
 
-// What the smallest difference of friction would be that this recording tells; none where the model
-// does not hold or the prior says most.
+// The smallest difference of friction that this recording can resolve; none if the model does not
+// hold or the prior dominates.
 bool has_resolution(EmgLimit limit) {
   return limit != EmgLimit::no_emg && limit != EmgLimit::too_early && limit != EmgLimit::model &&
          limit != EmgLimit::information;
@@ -105,17 +106,17 @@ std::string count_notes(const EmgResult& result) {
   note(result.positions_missing, "rows of the recording without time or position");
   note(emg.rows_without_time, "rows of EMG without a time");
   note(emg.missing_values, "values of EMG are missing");
-  note(emg.envelope.saturated, "raw samples at the amplifier's end were not taken");
-  note(emg.envelope.restarts, "times the envelope filters started anew");
-  note(emg.above_maximum, "excitations above 1: a maximum was no maximal contraction");
+  note(emg.envelope.saturated, "raw samples at the amplifier's limit were not used");
+  note(emg.envelope.restarts, "restarts of the envelope filters");
+  note(emg.above_maximum, "excitations above 1: a maximum was not a maximal contraction");
   note(result.counts.emg_not_finite, "rows of EMG left out: a value is not known");
   note(result.counts.emg_not_in_order, "rows of EMG left out: not in order of time");
   note(result.counts.emg_gaps, "gaps of the EMG");
   note(result.counts.out_of_reach,
-       "times out of the jaw's reach; check [jaw] and what is followed");
+       "times out of the jaw's reach; check [jaw] and the followed point and axis");
   note(result.counts.positions_too_early, "positions without EMG");
-  note(result.counts.positions_dropped, "positions dropped, waiting for EMG");
-  note(result.estimate.restarts, "times the identification started anew");
+  note(result.counts.positions_dropped, "positions dropped while they waited for EMG");
+  note(result.estimate.restarts, "restarts of the identification");
   return text;
 }
 
@@ -154,7 +155,7 @@ EmgResult identify_from_emg(const EmgSource& source, const MuscleFile& muscles) 
   result.counts = timeline.counts();
   if (result.estimate.friction_Ns_m.limit == EmgLimit::no_emg) {
     throw InputError(source.emg, fmt::format("no EMG at the times of {}", source.recording),
-                     "both times must be of one clock, and EMG come at least every "
+                     "both must use the same clock, with an EMG row at least every "
                      "longest_gap_s");
   }
   return result;
@@ -168,11 +169,12 @@ std::string emg_text(const EmgResult& result) {
   text += fmt::format("{:<30}{}, {} rows at {:.4g} Hz, {} muscles{}\n", "EMG", result.source.emg,
                       result.emg_rows, result.emg.rate_Hz, result.muscles.set.count,
                       result.source.emg_reading.is_raw ? ", raw" : "");
-  text += fmt::format("{:<30}{:.4g} +- {:.2g} kg, assumed: EMG of unknown gain cannot tell it\n",
-                      "mass", estimate.mass_kg.value, estimate.mass_kg.standard_deviation);
+  text +=
+      fmt::format("{:<30}{:.4g} +- {:.2g} kg, assumed: EMG of unknown gain does not determine it\n",
+                  "mass", estimate.mass_kg.value, estimate.mass_kg.standard_deviation);
   text += line("friction", " Ns/m", estimate.friction_Ns_m);
   if (has_resolution(estimate.friction_Ns_m.limit)) {
-    text += fmt::format("{:<30}differences of friction from {:.2g} Ns/m on; asked for {:.4g}\n",
+    text += fmt::format("{:<30}smallest difference of friction {:.2g} Ns/m; requested {:.4g}\n",
                         "resolution", 2 * estimate.friction_Ns_m.fitted_sd,
                         parameters.friction_resolution_Ns_m);
   }
@@ -182,8 +184,8 @@ std::string emg_text(const EmgResult& result) {
     text += line("gain of " + result.muscles.channels[n].muscle, "", estimate.gain[n]);
   }
   text += fmt::format(
-      "{:<30}rms {:.3g} N at the assumed mass; taken to be wrong by {:.0f} % of "
-      "that, and late by {:.0f} +- {:.0f} ms\n",
+      "{:<30}rms {:.3g} N at the assumed mass; assumed error {:.0f} % of that, assumed lag {:.0f} "
+      "+- {:.0f} ms\n",
       "muscles' force", estimate.force_rms_N, 100 * parameters.error_share, 1e3 * parameters.lag_s,
       1e3 * parameters.lag_sd_s);
   text += fmt::format("{:<30}mean NIS {:.2f}, correlation {:.2f}, {:.1f} % rejected\n",
@@ -199,7 +201,7 @@ std::string emg_json(const EmgResult& result) {
     gains[result.muscles.channels[n].muscle] = json_of(estimate.gain[n]);
   }
   const Json json = {{"condyle", CONDYLE_VERSION},
-                     {"note", "research use only; this is no diagnosis"},
+                     {"note", "research use only; not a diagnosis"},
                      {"recording", result.source.recording},
                      {"emg", result.source.emg},
                      {"positions", result.positions},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Friction from EMG: the run over a recording, in words and as JSON.
+// Friction from EMG: the run over a recording, as text and JSON.
 #pragma once
 
 #include <string>
@@ -9,16 +9,16 @@
 
 namespace condyle::host {
 
-/// What to identify from.
+/// The inputs of the identification.
 struct EmgSource {
   std::string recording, emg;
   RecordingChoice choice;
   EmgReading emg_reading;
   double noise_sd_m = 5e-5;  ///< of a measured position
-  bool keeps_rows = false;   ///< makes EmgResult::rows
+  bool keeps_rows = false;   ///< fills EmgResult::rows
 };
 
-/// What was identified.
+/// The result of the identification.
 struct EmgResult {
   EmgSource source;
   MuscleFile muscles;
@@ -29,12 +29,12 @@ struct EmgResult {
   std::string rows;  ///< CSV, one for each position
 };
 
-/// Reads both recordings and identifies with `muscles`. An InputError where they cannot be used.
+/// Reads both recordings and identifies with `muscles`. Throws InputError if they cannot be used.
 EmgResult identify_from_emg(const EmgSource& source, const MuscleFile& muscles);
 
 /// Its values with provenance, uncertainty and limit.
 std::string emg_text(const EmgResult& result);
-/// Likewise as JSON; what is withheld is not in it.
+/// The same as JSON, without withheld values.
 std::string emg_json(const EmgResult& result);
 
 }  // namespace condyle::host

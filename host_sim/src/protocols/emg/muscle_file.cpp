@@ -29,7 +29,7 @@ void read_muscle(TomlReader& file, const std::string& name, MuscleFile& muscles)
   file.number(section, "maximum_force_N", muscle.maximum_force_N, "N", {1e-3, 1e4});
   if (!file.number(section, "arm", muscle.arm, "m, or the cosine of its angle", {-1, 1})) {
     throw InputError(file.place("muscles", name), fmt::format("no arm of {}", name),
-                     "give arm, in m where the jaw is a hinge (negative closes), else the cosine "
+                     "give arm, in m if the jaw is a hinge (negative closes), otherwise the cosine "
                      "of the angle to the axis");
   }
   file.number(section, "optimal_length_m", muscle.optimal_length_m, "m", {1e-3, 1});
@@ -44,12 +44,12 @@ MuscleFile load_muscles(const std::string& path) {
   read_jaw(file, muscles.set.jaw);
   const std::vector<std::string> names = file.sections_in("muscles");
   if (names.empty()) {
-    throw InputError(path, "names no muscle", "add a section [muscles.NAME] for each EMG channel");
+    throw InputError(path, "lacks a muscle", "add a section [muscles.NAME] for each EMG channel");
   }
   if (names.size() > kMostMuscles) {
     throw InputError(file.place("muscles", names[kMostMuscles]),
                      fmt::format("{} muscles", names.size()),
-                     fmt::format("at most {} are taken; leave some out", kMostMuscles));
+                     fmt::format("the maximum is {}; leave some out", kMostMuscles));
   }
   for (const std::string& name : names) read_muscle(file, name, muscles);
   visit_emg_fields(muscles.identification,

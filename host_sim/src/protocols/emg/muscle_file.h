@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The muscles whose EMG was recorded, as a TOML file; host_sim/muscles has some.
+// The muscles whose EMG was recorded, as a TOML file; host_sim/muscles has examples.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ struct EmgChannel {
   bool has_maximum = false;
 };
 
-/// All that such a file says.
+/// The content of such a file.
 struct MuscleFile {
   MuscleSet set;
   std::vector<EmgChannel> channels;  ///< in the order of the set
@@ -26,7 +26,7 @@ struct MuscleFile {
   EnvelopeParameters envelope;  ///< of raw EMG; without rate and maximum
 };
 
-/// Reads it. Every problem is an InputError that names file, line and mend.
+/// Reads it. Every problem is an InputError that names file, line and remedy.
 MuscleFile load_muscles(const std::string& path);
 
 }  // namespace condyle::host

@@ -10,7 +10,7 @@
 namespace condyle::host {
 namespace {
 
-// Shorter ones are not concluded from.
+// Shorter ones give no conclusion.
 const double kShortest_s =
     PointConclusion<double>::kFewestBlocks * RegressionBlocks<double>::kFirstBlock_s;
 
@@ -63,12 +63,12 @@ std::string plan_text(const HeadMotionPlan& plan) {
   std::string text = fmt::format(
       "Head motion of {:g} mm at {:g} Hz, recorded at {:g} Hz; noise {:g} mm and {:g} m/s^2, gain "
       "+- {:g}, delay +- {:g} ms,\nmuscles {:g} of the inertial force; kv/m = {:g} 1/s, ks/m = "
-      "{:.4g} 1/s^2. Research use only.\nStandard deviation to expect (the Cramer-Rao bound of "
-      "this motion):\n\n",
+      "{:.4g} 1/s^2. Research use only.\nExpected standard deviation (the Cramer-Rao bound of this "
+      "motion):\n\n",
       plan.amplitude_mm, plan.frequency_Hz, plan.rate_Hz, plan.noise_mm,
       plan.acceleration_noise_sd_m_s2, plan.stated.gain_sd, 1e3 * plan.stated.delay_sd_s,
       plan.stated.muscle_share, plan.damping_rate_per_s, omega * omega);
-  text += fmt::format("{:<12}{:<14}{:<16}{}\n", "", "by the noise", "",
+  text += fmt::format("{:<12}{:<14}{:<16}{}\n", "", "from noise", "",
                       "with gain, delay and muscles as stated");
   text += fmt::format("{:<12}{:<14}{:<16}{:<24}{}\n", "seconds", "kv/m (1/s)", "ks/m (1/s^2)",
                       "kv/m (1/s)", "ks/m (1/s^2)");
@@ -77,15 +77,16 @@ std::string plan_text(const HeadMotionPlan& plan) {
     text += row(expected_deviations(plan, factor * plan.duration_s));
   }
   text +=
-      "\nThe intervals of a recording are some 1.2 times as wide: they rest on its own scatter.\n";
+      "\nThe intervals of a recording are about 1.2 times as wide, because they use its own "
+      "scatter.\n";
   if (!plan.wanted_damping_rate_sd_per_s) return text;
   const double wanted = *plan.wanted_damping_rate_sd_per_s;
   const auto duration_s = duration_for(plan, wanted);
   if (duration_s)
     return text + fmt::format("For kv/m to +- {:g} 1/s: {:.1f} s.\n", wanted, *duration_s);
   return text + fmt::format(
-                    "For kv/m to +- {:g} 1/s: no duration reaches it; move the head more, or "
-                    "learn more of gain, delay and muscles.\n",
+                    "For kv/m to +- {:g} 1/s: no duration suffices; move the head more, or reduce "
+                    "the uncertainty of gain, delay and muscles.\n",
                     wanted);
 }
 

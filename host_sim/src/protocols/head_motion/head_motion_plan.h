@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a head motion can be expected to tell, before it is recorded. One frequency w, in its
-// stride:
+// The expected precision of a head motion, before it is recorded. One frequency w, steady state:
 //
 //   X, V      rms of position and velocity: the head's acceleration through the jaw's response
-//   S         density of what is left over: s_a^2 T + s_z^2 T |kappa - w^2 + i lambda w|^2, the
+//   S         density of the residual: s_a^2 T + s_z^2 T |kappa - w^2 + i lambda w|^2, the
 //             noise of acceleration and of positions, T their step
 //   D         duration
 //
@@ -31,21 +30,21 @@ struct HeadMotionPlan {
   std::optional<double> wanted_damping_rate_sd_per_s;
 };
 
-/// Standard deviations after a duration: by the noise alone, and with what is stated, which no
-/// duration averages out.
+/// Standard deviations after a duration: from noise only, and with the stated uncertainties, which
+/// do not average out.
 struct HeadMotionDeviations {
   double duration_s = 0;
   double damping_rate_by_noise = 0, stiffness_by_noise = 0;
   double damping_rate_per_s = 0, stiffness_per_mass_per_s2 = 0;
 };
 
-/// Those of `plan` after `duration_s`.
+/// The standard deviations of `plan` after `duration_s`.
 HeadMotionDeviations expected_deviations(const HeadMotionPlan& plan, double duration_s);
 
-/// The duration that reaches `sd_per_s` for kv/m; none where what is stated is more.
+/// The duration that reaches `sd_per_s` for kv/m; none if the stated uncertainties exceed it.
 std::optional<double> duration_for(const HeadMotionPlan& plan, double sd_per_s);
 
-/// All of it in words.
+/// The plan as text.
 std::string plan_text(const HeadMotionPlan& plan);
 
 }  // namespace condyle::host

@@ -20,7 +20,7 @@ RecordingOptions options_of(const HeadMotionSource& source) {
   return options;
 }
 
-// Times from the recording's first one; the acceleration's by its own delay earlier.
+// Times since the recording's first sample; those of the acceleration minus its delay.
 class Reader {
  public:
   Reader(const HeadMotionSource& source, IdentifiedHeadMotion& motion)
@@ -37,7 +37,7 @@ class Reader {
     const auto recording = open_recording(source_.recording, options_of(source_));
     const RecordingInfo& info = recording->info();
     source_.choice.check(source_.recording, info);
-    // What a device measured as its drive is a force.
+    // The drive of a device is a force, not an acceleration.
     const bool has_acceleration = info.has_drive && !info.is_of_device;
     if (is_apart == has_acceleration) {
       throw InputError(source_.recording,
@@ -63,7 +63,7 @@ class Reader {
   }
 
   void read_acceleration() {
-    RecordingOptions options;  // the others are RECORDING's
+    RecordingOptions options;  // the other options apply to RECORDING
     options.faults = source_.choice.reading.faults;
     options.drive_column = kColumn;
     options.reads_drive_alone = true;
@@ -87,12 +87,12 @@ class Reader {
   static void append(const Recording& recording, double time_s, double value,
                      std::vector<double>& times_s, std::vector<double>& values) {
     if (!times_s.empty() && !(time_s > times_s.back())) {
-      throw InputError(recording.place(), "time does not go on",
+      throw InputError(recording.place(), "time does not increase",
                        "leave out repeated and reversed rows");
     }
     if (times_s.size() == kMostSamples) {
       throw InputError(recording.place(), fmt::format("more than {} samples", kMostSamples),
-                       "give a stretch with --begin-s and --end-s");
+                       "choose a part with --begin-s and --end-s");
     }
     times_s.push_back(time_s);
     values.push_back(value);
@@ -103,7 +103,7 @@ class Reader {
   std::optional<TimeNs> first_ns_;
 };
 
-// Whether a position has accelerations on either side, none farther than the longest gap.
+// Whether a position has accelerations before and after it, within the longest gap.
 std::size_t count_taken(const IdentifiedHeadMotion& motion) {
   const auto& times_s = motion.acceleration_time_s;
   return static_cast<std::size_t>(
@@ -163,8 +163,9 @@ IdentifiedHeadMotion identify_head_motion(const HeadMotionSource& source,
   motion.stated_acceleration_noise_sd_m_s2 = source.acceleration_noise_sd_m_s2;
   motion.taken = count_taken(motion);
   if (motion.taken == 0) {
-    throw InputError(source.recording, "none of its positions has an acceleration around it",
-                     "check that both have the same clock, --begin-s and --end-s");
+    throw InputError(source.recording,
+                     "none of its positions has accelerations before and after it",
+                     "check that both use the same clock, and check --begin-s and --end-s");
   }
   run(motion);
   return motion;

@@ -17,28 +17,30 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Value = IdentifiedValue<double>;
 
-// Why a value is not measured, and what the user can do.
+// Why a value is not measured, and the remedy.
 const char* reason(JointLimit limit) {
   switch (limit) {
     case JointLimit::no_drive:
-      return "no acceleration came with the positions";
+      return "no acceleration accompanies the positions";
     case JointLimit::too_slow:
-      return "positions or accelerations come too seldom; record at least 25 of each a second";
+      return "the rate of positions or accelerations is too low; record at least 25 of each per "
+             "second";
     case JointLimit::too_early:
-      return "too short to judge by; record 10 s of motion or more without a gap";
+      return "too short; record 10 s of motion or more without a gap";
     case JointLimit::noise:
       return "the head's motion does not explain the jaw's: a muscle, a hand or a contact acts, "
              "the "
              "head turns, or one of them was smoothed";
     case JointLimit::dynamics:
-      return "accelerometer or tracker was smoothed or follows late; record both unfiltered";
+      return "accelerometer or tracker was smoothed or delayed; record both unfiltered";
     case JointLimit::mass_stated:
-      return "the motion shows another gain than the calibration's: the head turns, muscles act, "
+      return "the gain in the motion differs from the calibration: the head rotates, muscles act, "
              "or the accelerometer is along another axis (--acceleration-gain-sd, --lever-sd)";
     case JointLimit::delay_stated:
-      return "the acceleration's delay is not what is stated (--acceleration-delay-ms)";
+      return "the acceleration's delay differs from the stated one (--acceleration-delay-ms)";
     case JointLimit::changing:
-      return "damping, or the acceleration's delay, changes along the recording; record shorter";
+      return "damping, or the acceleration's delay, changes along the recording; record for a "
+             "shorter time";
     case JointLimit::negative_friction:
       return "damping would be negative: muscles drive the jaw, or the acceleration has the wrong "
              "sign";
@@ -46,8 +48,8 @@ const char* reason(JointLimit limit) {
     case JointLimit::mass_or_stiffness:
       return "the motion is too weak or too uniform; nod more, at several rhythms";
     case JointLimit::viscous_or_coulomb:
-      return "the motion cannot tell damping from a force that only changes its direction, as "
-             "sliding friction or bursts of a muscle do; let its speed vary";
+      return "the motion does not separate damping from a force that only changes direction, such "
+             "as Coulomb friction or bursts of a muscle; vary the speed";
     case JointLimit::gain:
       return "the uncertainty of the accelerometer's gain is too large (--acceleration-gain-sd, "
              "--lever-sd)";
@@ -55,17 +57,17 @@ const char* reason(JointLimit limit) {
       return "the uncertainty of the acceleration's delay is too large "
              "(--acceleration-delay-sd-ms)";
     case JointLimit::missing:
-      return "muscles may add too much; the jaw must be relaxed (--muscle-share SHARE, if that is "
+      return "muscles may add too much; the jaw must be relaxed (give --muscle-share SHARE, if "
              "known)";
     case JointLimit::smoothing:
-      return "the noise of accelerations or positions is not white, as smoothing or rounded time "
-             "stamps make it; record both unfiltered, their times to 0.1 ms";
+      return "the noise of accelerations or positions is not white, as after smoothing or with "
+             "rounded time stamps; record both unfiltered, with times to 0.1 ms";
     default:
       return "too uncertain for the stated resolution; record longer, or move the head more";
   }
 }
 
-// True where the interval holds the value, however wide it is.
+// True if the interval contains the value, regardless of its width.
 bool has_interval(const Value& value) {
   return !is_failure(value.limit) && std::isfinite(value.fitted_sd);
 }
@@ -99,7 +101,7 @@ Json json_of(const Value& value) {
           {"limit", limit_name(value.limit)}};
 }
 
-// " (A stated)" where that is another noise.
+// " (A stated)" if the stated noise differs.
 std::string unlike(double noise, const std::optional<double>& stated, double shown_per_si) {
   constexpr double kFar = 1.5;
   if (!stated || (noise < kFar * *stated && noise * kFar > *stated)) return "";
@@ -116,7 +118,7 @@ std::string block(const IdentifiedHeadMotion& motion) {
   return text + "EOD\n";
 }
 
-// The vertical range is that of the second half.
+// The second half determines the vertical range.
 std::string range_of(const IdentifiedHeadMotion& motion, double HeadMotionPoint::*value,
                      double HeadMotionPoint::*deviation) {
   double low = HUGE_VAL, high = -HUGE_VAL;
@@ -151,22 +153,22 @@ std::string head_motion_text(const IdentifiedHeadMotion& motion) {
                           : "not known");
   text += line("kv/m", "1/s", estimate.damping_rate_per_s);
   text += line("ks/m", "1/s^2", estimate.stiffness_per_mass_per_s2);
-  text += fmt::format("{:<20}{}; the mass cancels and is not told\n", "gain",
+  text += fmt::format("{:<20}{}; the mass cancels and is not determined\n", "gain",
                       std::isfinite(estimate.gain_sd)
-                          ? fmt::format("the motion itself shows {:.4g} +- {:.2g} of the stated",
+                          ? fmt::format("from the motion: {:.4g} +- {:.2g} of the stated",
                                         estimate.gain, estimate.gain_sd)
-                          : "as stated: the motion does not show it");
+                          : "as stated: the motion does not determine it");
   if (is_judged) {
     text += fmt::format(
-        "{:<20}{:.2f} of what noise makes (1 where the model holds); noise by their "
-        "own differences: positions {:.2g} mm{}, acceleration {:.2g} m/s^2{}\n",
+        "{:<20}{:.2f} times the noise (1 if the model holds); noise from their differences: "
+        "positions {:.2g} mm{}, acceleration {:.2g} m/s^2{}\n",
         "residual", estimate.residual_ratio, 1e3 * estimate.position_noise_sd_m,
         unlike(estimate.position_noise_sd_m, motion.stated_noise_sd_m, 1e3),
         estimate.acceleration_noise_sd_m_s2,
         unlike(estimate.acceleration_noise_sd_m_s2, motion.stated_acceleration_noise_sd_m_s2, 1));
   }
   return text +
-         "A relaxed jaw is presumed: what muscles add in answer to the motion looks like damping "
+         "A relaxed jaw is assumed: the response of muscles to the motion looks like damping "
          "or "
          "stiffness.\n";
 }
@@ -187,7 +189,7 @@ std::string head_motion_json(const IdentifiedHeadMotion& motion) {
                      {"acceleration_noise_sd_m_s2", estimate.acceleration_noise_sd_m_s2},
                      {"muscle_share", motion.parameters.muscle_share},
                      {"condyle", CONDYLE_VERSION},
-                     {"note", "research use only; this is no diagnosis"}};
+                     {"note", "research use only; not a diagnosis"}};
   return json.dump(2) + "\n";
 }
 

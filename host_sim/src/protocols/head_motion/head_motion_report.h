@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An identified head motion in words, as JSON and as a picture.
+// An identified head motion as text, JSON and figure.
 #pragma once
 
 #include <memory>
@@ -13,11 +13,11 @@ namespace condyle::host {
 
 /// Its values with intervals and provenance, or why there are none.
 std::string head_motion_text(const IdentifiedHeadMotion& motion);
-/// Likewise as JSON; null: not known.
+/// The same as JSON; null: not known.
 std::string head_motion_json(const IdentifiedHeadMotion& motion);
 
-/// Draws kv/m and ks/m with their 95 % intervals over the time that was recorded, as
-/// head_motion.svg and head_motion.png. The files are closed, and wait for `commit`.
+/// Draws kv/m and ks/m with their 95 % intervals over the recorded time, as head_motion.svg and
+/// head_motion.png. The files are closed but not committed.
 std::vector<std::unique_ptr<OutputFile>> draw_head_motion(const std::string& directory,
                                                           const IdentifiedHeadMotion& motion);
 

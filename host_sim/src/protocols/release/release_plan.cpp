@@ -25,7 +25,7 @@ std::string row(const ReleasePlan& plan, double duration_s) {
                      deviations.damping_ratio, kPerTurn * deviations.natural_frequency_rad_s);
 }
 
-// Durations, each 5 % longer.
+// Durations in steps of 5 %.
 std::vector<double> durations(const ReleasePlan& plan) {
   std::vector<double> result;
   for (double d = 6 / plan.rate_Hz; d < 1.05 * kLongest_s; d *= 1.05) result.push_back(d);
@@ -60,9 +60,9 @@ std::optional<ReleaseEffort> effort_for(const ReleasePlan& plan, double sd_per_s
 std::string plan_text(const ReleasePlan& plan) {
   const auto rates = rates_of(plan);
   std::string text = fmt::format(
-      "Passive release at {:g} Hz, noise {:g} mm, let go {:g} mm from rest; kv/m = {:g} 1/s, "
+      "Passive release at {:g} Hz, noise {:g} mm, released {:g} mm from rest; kv/m = {:g} 1/s, "
       "natural frequency {:g} Hz\n(ks/m = {:.4g} 1/s^2, damping ratio {:.3g}). Research use only.\n"
-      "Standard deviation to expect (the Cramer-Rao bound; rest, start and its velocity "
+      "Expected standard deviation (the Cramer-Rao bound; rest, start and its velocity "
       "unknown):\n\n",
       plan.rate_Hz, plan.noise_mm, plan.opening_mm, plan.damping_rate_per_s,
       plan.natural_frequency_Hz, rates.kappa, rates.lambda / (2 * std::sqrt(rates.kappa)));
@@ -72,12 +72,12 @@ std::string plan_text(const ReleasePlan& plan) {
   for (const double factor : {0.5, 1.5, 2.0, 4.0}) text += row(plan, factor * plan.duration_s);
 
   text +=
-      "\nThe intervals of a recording are about three times as wide, far wider where kv/m is above "
-      "20: they hold what a\nlater start of the fit changes, so that a hand that still acts is "
+      "\nThe intervals of a recording are about three times as wide, far wider if kv/m is above "
+      "20: they include what a\nlater start of the fit changes, so that a hand that still acts is "
       "covered.\n";
   const double sd = expected_deviations(plan, plan.duration_s).damping_rate_per_s;
   if (!std::isfinite(sd)) {
-    text += "\nToo few samples: a release needs more than five, and motion in them.\n";
+    text += "\nToo few samples: a release needs more than five, with motion.\n";
   } else if (sd > kFarFromNormal * plan.damping_rate_per_s) {
     text += fmt::format(
         "\nSo uncertain ({:.0f} %) that a fit will do worse than this bound, or give no upper "
@@ -90,12 +90,12 @@ std::string plan_text(const ReleasePlan& plan) {
   const auto effort = effort_for(plan, wanted);
   text += fmt::format("\nFor kv/m to +- {:g} 1/s: ", wanted);
   if (!effort) {
-    text += "no release of this kind tells it.\n";
+    text += "no release of this kind determines it.\n";
   } else if (effort->releases == 1) {
     text += fmt::format("one release of {:.2g} s.\n", effort->duration_s);
   } else {
     text += fmt::format(
-        "the mean of {:g} releases of {:.2g} s; recording longer gains less than 5 %.\n",
+        "the mean of {:g} releases of {:.2g} s; longer recordings gain less than 5 %.\n",
         effort->releases, effort->duration_s);
   }
   return text;

@@ -25,7 +25,7 @@ void read_all(const ReleaseSource& source, ReleaseStretch& stretch) {
     if (!first_ns) first_ns = sample.time_ns;
     const double time_s = seconds(sample.time_ns - *first_ns);
     if (!stretch.all_time_s.empty() && !(time_s > stretch.all_time_s.back())) {
-      throw InputError(recording->place(), "time does not go on",
+      throw InputError(recording->place(), "time does not increase",
                        "leave out repeated and reversed rows");
     }
     if (stretch.all_time_s.size() == kMostReleaseSamples) {
@@ -42,20 +42,19 @@ double find_begin_s(const ReleaseSource& source, const ReleaseStretch& stretch) 
   const auto begins = find_motion_begins(stretch.all_time_s, stretch.all_position_m);
   if (begins.size() == 1) return stretch.all_time_s[begins[0]];
   if (begins.empty()) {
-    throw InputError(source.recording,
-                     "no motion that begins after a still stretch of 0.15 s, so it does not say "
-                     "when the jaw was let go",
-                     "give --begin-s, the first time (s from the first sample) at which nobody "
-                     "held it");
+    throw InputError(
+        source.recording,
+        "no motion begins after 0.15 s at rest, so the time of the release is not known",
+        "give --begin-s, the time of the release (s from the first sample)");
   }
   std::string times;
   for (std::size_t i = 0; i < std::min<std::size_t>(begins.size(), 8); ++i) {
     times += fmt::format("{}{:.3f}", i > 0 ? ", " : "", stretch.all_time_s[begins[i]]);
   }
   throw InputError(source.recording,
-                   fmt::format("{} motions begin after a still stretch, at {}{} s", begins.size(),
-                               times, begins.size() > 8 ? " ..." : ""),
-                   "say which is the release with --begin-s");
+                   fmt::format("{} motions begin after a rest, at {}{} s", begins.size(), times,
+                               begins.size() > 8 ? " ..." : ""),
+                   "choose the release with --begin-s");
 }
 
 }  // namespace
@@ -63,14 +62,15 @@ double find_begin_s(const ReleaseSource& source, const ReleaseStretch& stretch) 
 std::vector<std::size_t> find_motion_begins(const std::vector<double>& time_s,
                                             const std::vector<double>& position_m) {
   constexpr double kStill_s = 0.145 /* 0.15 but for rounding */, kShare = 0.03, kNoises = 8;
-  constexpr double kLeft = 1.5;  // so that no swing that looks still leaves itself
+  constexpr double kLeft =
+      1.5;  // factor: motion within the limit of rest does not count as leaving it
   constexpr std::size_t kFewest = 5, kSlowStart = 4;
   std::vector<std::size_t> begins;
   if (position_m.size() < 2 * kFewest) return begins;
   const auto [low, high] = std::minmax_element(position_m.begin(), position_m.end());
   const double limit_m =
       std::max(kShare * (*high - *low), kNoises * noise_by_sixth_differences(position_m));
-  // True where a still stretch ends before `end`, and sample i and the next have left it.
+  // True if a part at rest ends before `end`, and samples i and i + 1 have left it.
   const auto leaves = [&](std::size_t i, std::size_t end) {
     std::size_t first = end;
     while (first > 0 && time_s[end - 1] - time_s[first] < kStill_s) --first;
@@ -83,7 +83,7 @@ std::vector<std::size_t> find_motion_begins(const std::vector<double>& time_s,
     const double now_m = position_m[i] - mean_m, next_m = position_m[i + 1] - mean_m;
     return std::min(std::abs(now_m), std::abs(next_m)) > kLeft * limit_m && now_m * next_m > 0;
   };
-  // A slow start leaves the stretch within some samples.
+  // A slow start leaves the rest within a few samples.
   for (std::size_t i = kFewest; i + 1 < position_m.size(); ++i) {
     if (!begins.empty() && i <= begins.back() + kSlowStart) continue;
     for (std::size_t end = i; end >= kFewest && end + kSlowStart > i; --end) {
@@ -99,7 +99,7 @@ ReleaseStretch read_release(const ReleaseSource& source) {
   ReleaseStretch stretch;
   read_all(source, stretch);
   if (stretch.all_time_s.empty()) {
-    throw InputError(source.recording, "holds no position", "record the release anew");
+    throw InputError(source.recording, "contains no position", "record the release again");
   }
   stretch.was_found = !source.begin_s;
   const double let_go_s = source.begin_s ? *source.begin_s : find_begin_s(source, stretch);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stretch of a recording in which a relaxed jaw was let go.
+// The part of a recording in which a relaxed jaw was released.
 #pragma once
 
 #include <optional>
@@ -10,35 +10,36 @@
 
 namespace condyle::host {
 
-/// Which stretch of which recording.
+/// The part of a recording.
 struct ReleaseSource {
   std::string recording;
   RecordingChoice choice;
-  /// From the recording's first time (s); without a begin it is looked for, without an end it is
+  /// From the recording's first time (s). Without a begin it is detected; without an end it is
   /// kReleaseDuration_s later.
   std::optional<double> begin_s, end_s;
-  double let_go_s = 0;  ///< the hand lets go over this time after the begin, which is left out
+  double let_go_s = 0;  ///< time that the hand takes to let go after the begin; left out
 };
 
-/// Before the masseter reflex and its like move the jaw on.
+/// Ends before reflexes, such as the masseter's, move the jaw.
 inline constexpr double kReleaseDuration_s = 0.6;
 
 /// The samples of a release.
 struct ReleaseStretch {
   std::vector<double> time_s;  ///< from the recording's first time
   std::vector<double> position_m;
-  std::vector<double> all_time_s, all_position_m;  ///< of the whole recording, for pictures
-  bool was_found = false;                          ///< begin was looked for
+  std::vector<double> all_time_s, all_position_m;  ///< of the whole recording, for figures
+  bool was_found = false;                          ///< the begin was detected
 };
 
-/// Longest recording that is read.
+/// Maximum number of samples of a recording.
 inline constexpr std::size_t kMostReleaseSamples = 1'000'000;
 
-/// Reads it. An InputError where there is no such stretch, or more than one.
+/// Reads it. Throws InputError if there is no release, or more than one.
 ReleaseStretch read_release(const ReleaseSource& source);
 
-/// Samples with which a motion begins after a still stretch of at least 0.15 s: the first sample
-/// that has left it by 5 % of all motion. A late begin only loses a little, an early one is wrong.
+/// Samples at which a motion begins after at least 0.15 s at rest: the first sample away from the
+/// rest by 5 % of the whole motion. A late begin loses little precision, but an early one gives
+/// wrong values.
 std::vector<std::size_t> find_motion_begins(const std::vector<double>& time_s,
                                             const std::vector<double>& position_m);
 

@@ -52,7 +52,7 @@ const char* residuals_name(ReleaseResiduals residuals) {
   return names[static_cast<int>(residuals)];
 }
 
-// What is wrong, and what the user can do; empty where nothing is.
+// The problem and its remedy; empty if there is none.
 std::string advice(const PassiveRelease<double>& fit) {
   switch (fit.residuals) {
     case ReleaseResiduals::as_stated:
@@ -62,21 +62,20 @@ std::string advice(const PassiveRelease<double>& fit) {
           "the noise is smaller than stated: intervals are too wide; --noise-mm {:.3g} would fit",
           1e3 * fit.residual_rms_m);
     case ReleaseResiduals::larger:
-      return "the residuals are larger than the stated noise: this was no release of a spring and "
-             "a damper alone\n                    (a hand, a muscle, a contact, dry friction; "
-             "begin "
-             "too early, end too late), or the noise is larger.\n                    NOTHING IS "
-             "MEASURED; look at the picture (--figures), choose --begin-s and --end-s";
+      return "the residuals are larger than the stated noise: this was not a release of a spring "
+             "and a damper alone\n                    (a hand, a muscle, a contact, dry friction; "
+             "begin too early, end too late), or the noise is larger.\n                    NOTHING "
+             "IS MEASURED; look at the figure (--figures), choose --begin-s and --end-s";
     case ReleaseResiduals::coloured:
-      return "neighbouring residuals are alike: smoothed positions, or no release of a spring and "
-             "a damper alone.\n                    NOTHING IS MEASURED; record without the maker's "
-             "filter, choose --begin-s and --end-s";
+      return "neighbouring residuals are correlated: smoothed positions, or not a release of a "
+             "spring and a damper alone.\n                    NOTHING IS MEASURED; record without "
+             "the manufacturer's filter, choose --begin-s and --end-s";
     case ReleaseResiduals::driven:
-      return "kv/m below zero: something drove the jaw on, so this was no passive release.\n       "
+      return "kv/m below zero: something drove the jaw, so this was not a passive release.\n       "
              " "
              "            NOTHING IS MEASURED; relax the jaw, choose --begin-s and --end-s";
     case ReleaseResiduals::overdamped:
-      return "the motion may be overdamped, and a hand that lets go over a time looks the same.\n"
+      return "the motion may be overdamped, but a hand that lets go slowly looks the same.\n"
              "                    NOTHING IS MEASURED; state --let-go-ms, or fix a known mass to "
              "the jaw, which lowers the damping ratio";
   }
@@ -109,7 +108,7 @@ Json json_of(const FittedRelease& release) {
 
 std::string dump(Json json) {
   json["condyle"] = CONDYLE_VERSION;
-  json["note"] = "research use only; this is no diagnosis";
+  json["note"] = "research use only; not a diagnosis";
   return json.dump(2) + "\n";
 }
 
@@ -126,23 +125,24 @@ FittedRelease fit_release(const ReleaseSource& source, const ReleaseSettings& se
     case ReleaseOutcome::converged:
       break;
     case ReleaseOutcome::too_few_samples:
-      refuse(fmt::format("{} samples in the stretch; a fit needs {}", times.size(),
+      refuse(fmt::format("{} samples in this part; a fit needs {}", times.size(),
                          kFewestReleaseSamples),
              "check --begin-s and --end-s, or record at a higher rate");
       break;
     case ReleaseOutcome::no_motion:
-      refuse(fmt::format("no motion beyond the noise from {:.3f} to {:.3f} s", times.front(),
+      refuse(fmt::format("no motion above the noise from {:.3f} to {:.3f} s", times.front(),
                          times.back()),
-             "check --begin-s and what is followed, or open wider before letting go");
+             "check --begin-s and the followed point and axis, or open wider before letting go");
       break;
     case ReleaseOutcome::not_converged:
-      refuse(fmt::format("the motion from {:.3f} to {:.3f} s determines no damping and stiffness",
-                         times.front(), times.back()),
-             "check --begin-s and --end-s; open wider, or record at a higher rate");
+      refuse(
+          fmt::format("the motion from {:.3f} to {:.3f} s does not determine damping and stiffness",
+                      times.front(), times.back()),
+          "check --begin-s and --end-s; open wider, or record at a higher rate");
       break;
     case ReleaseOutcome::unusable_input:
     case ReleaseOutcome::times_unordered:
-      refuse("holds positions or times that cannot be used", "check it with condyle replay");
+      refuse("contains positions or times that cannot be used", "check it with condyle replay");
       break;
   }
   return release;
@@ -162,7 +162,7 @@ std::string release_text(const FittedRelease& release) {
   text += fmt::format("{:<20}start {:.3f} mm, rest {:.3f} mm, velocity at the start {:.1f} mm/s\n",
                       "motion", 1e3 * fit.start_m, 1e3 * fit.rest_m, 1e3 * fit.start_velocity_m_s);
   text += fmt::format(
-      "{:<20}rms {:.4f} mm, noise counted with {:.4f} mm, chi-square {:.1f} of {} degrees of "
+      "{:<20}rms {:.4f} mm, assumed noise {:.4f} mm, chi-square {:.1f} of {} degrees of "
       "freedom, correlation {:.2f}: {}\n",
       "residuals", 1e3 * fit.residual_rms_m, 1e3 * fit.noise_sd_m, fit.chi_square,
       fit.degrees_of_freedom, fit.residual_correlation, residuals_name(fit.residuals));
@@ -188,16 +188,14 @@ std::string pair_text(const FittedRelease& first, const FittedRelease& second,
       break;
     case ReleasePairOutcome::disagree:
       text += fmt::format(
-          "kv, ks and m        NOT KNOWN: no one (kv, ks, m) explains both recordings (chi-square "
-          "{:.1f} of {} degrees\n                    of freedom, above a chance of 1 in 1000); "
-          "check "
-          "the load, and that the jaw was relaxed both times\n",
+          "kv, ks and m        NOT KNOWN: no single (kv, ks, m) explains both recordings "
+          "(chi-square {:.1f} of {} degrees\n                    of freedom, above a chance of 1 "
+          "in 1000); check the load, and that the jaw was relaxed both times\n",
           pair.chi_square, pair.degrees_of_freedom);
       break;
     case ReleasePairOutcome::release_not_known:
       text +=
-          "kv, ks and m        NOT KNOWN: one of the releases has no values that can be trusted, "
-          "see above\n";
+          "kv, ks and m        NOT KNOWN: one of the releases has no reliable values, see above\n";
       break;
     case ReleasePairOutcome::unusable_load:
     case ReleasePairOutcome::not_converged:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A fitted release in words, as JSON and as a picture.
+// A fitted release as text, JSON and figure.
 #pragma once
 
 #include <memory>
@@ -12,19 +12,19 @@
 
 namespace condyle::host {
 
-/// A release and what it was fitted to.
+/// A fitted release and its samples.
 struct FittedRelease {
   std::string recording;
   ReleaseStretch stretch;
   PassiveRelease<double> fit;
 };
 
-/// Fits the release that `source` names. An InputError where it cannot be fitted, with the way out.
+/// Fits the release that `source` names. Throws InputError with a remedy if it cannot be fitted.
 FittedRelease fit_release(const ReleaseSource& source, const ReleaseSettings& settings);
 
-/// Its values with intervals and provenance, and what the residuals say.
+/// Its values with intervals and provenance, and the judgement of the residuals.
 std::string release_text(const FittedRelease& release);
-/// Likewise as JSON, without the samples; null: not known.
+/// The same as JSON, without the samples; null: not known.
 std::string release_json(const FittedRelease& release);
 
 /// Of a pair; `second` has the load.
@@ -34,7 +34,7 @@ std::string pair_json(const FittedRelease& first, const FittedRelease& second,
                       const ReleasePair<double>& pair);
 
 /// Draws measured and fitted positions over time, and the residuals below, as NAME.svg and
-/// NAME.png. The files are closed, and wait for `commit`.
+/// NAME.png. The files are closed but not committed.
 std::vector<std::unique_ptr<OutputFile>> draw_releases(
     const std::string& directory,
     const std::vector<std::pair<std::string, const FittedRelease*>>& releases);
