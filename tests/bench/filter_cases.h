@@ -152,7 +152,7 @@ template <class T>
 struct IdentifiedPoint {
   using Scalar = T;
   static constexpr const char* kName = "identified_point";
-  PointIdentification<Scalar> identification{JointParameters{}};
+  PointIdentification<Scalar> identification{ImpedanceParameters{}};
   TimeNs time_ns = 0;
   void step(Scalar z, Scalar step_s) {
     time_ns += static_cast<TimeNs>(static_cast<double>(step_s) * 1e9);

@@ -59,14 +59,14 @@ TEST(EstimateLine, KeepsEveryBitAndSaysWhatIsNotKnown) {
   BoxEstimate box;
   box.run = 2;
   box.number = 9;
-  box.has_joint = true;
+  box.has_impedance = true;
   box.estimate.axis_count = 1;
   box.estimate.time_valid = true;
   box.estimate.time_ns = 9'007'199'254'740'993;  // no double
   box.estimate.axes[0].velocity_m_s = {0.1 + 0.2, 1e-3 / 3, Provenance::measured};
   box.estimate.events.add(Event::time_gap);
-  box.estimate.joint.friction_Ns_m.quantity = {0.05, 0.5, Provenance::assumed};
-  box.estimate.joint.friction_Ns_m.limit = JointLimit::missing;
+  box.estimate.impedance.friction_Ns_m.quantity = {0.05, 0.5, Provenance::assumed};
+  box.estimate.impedance.friction_Ns_m.limit = ImpedanceLimit::missing;
   const std::string line = estimate_line(box);
   EXPECT_EQ(line.find('\n'), std::string::npos);
   const nlohmann::json json = nlohmann::json::parse(line);
@@ -80,7 +80,7 @@ TEST(EstimateLine, KeepsEveryBitAndSaysWhatIsNotKnown) {
   EXPECT_EQ(json["joint"]["friction_limit"], "missing");
   EXPECT_EQ(json["events"], nlohmann::json::array({"time_gap"}));
 
-  box.has_joint = false;
+  box.has_impedance = false;
   box.estimate.time_valid = false;
   const nlohmann::json without = nlohmann::json::parse(estimate_line(box));
   EXPECT_FALSE(without.contains("joint"));

@@ -119,7 +119,7 @@ TEST(RealTimePath, TakesNoMemoryNoLockAndNoBlockingCall) {
       host::load_device_profile(testing_support::source_path("/hal/profiles/condyle_facebow.toml"));
   for (const int lag : {0, 16}) {
     ProbedSource source(kRate_Hz, clock);
-    WatchedSource watched(source, clock);
+    ReconnectingSource watched(source, clock);
     Configuration configuration;
     configuration.lag = lag;
     const auto engine = std::make_unique<Engine>(watched, profile, configuration, clock);
@@ -148,7 +148,7 @@ TEST(RealTimePath, FeedsAMicrocontrollerLikewise) {
   const hal::DeviceProfile profile =
       host::load_device_profile(testing_support::source_path("/hal/profiles/condyle_facebow.toml"));
   ProbedSource source(kRate_Hz, clock);
-  WatchedSource watched(source, clock);
+  ReconnectingSource watched(source, clock);
   const auto feed = std::make_unique<NodeFeed>();
   const auto engine =
       std::make_unique<Engine>(watched, profile, Configuration(), clock, feed.get());

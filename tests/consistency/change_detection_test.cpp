@@ -45,8 +45,8 @@ class CycleSource {
   DrivenChewing& chewing() { return chewing_; }
 
  private:
-  static JointParameters parameters() {
-    JointParameters parameters;
+  static ImpedanceParameters parameters() {
+    ImpedanceParameters parameters;
     parameters.drive.noise_sd_N = DrivenChewing::kDriveSd_N;
     return parameters;
   }

@@ -224,14 +224,14 @@ TEST(HeadMotionGranted, CoversOrWithholdsWhatMusclesAdd) {
         const bool holds = std::abs(estimate.fitted - truth.damping_rate_per_s) <
                            kNormalQuantile95 * estimate.fitted_sd;
         covered += holds ? 1U : 0U;
-        withheld += estimate.limit != JointLimit::none ? 1U : 0U;
-        wrong += estimate.limit == JointLimit::none && !holds ? 1U : 0U;
+        withheld += estimate.limit != ImpedanceLimit::none ? 1U : 0U;
+        wrong += estimate.limit == ImpedanceLimit::none && !holds ? 1U : 0U;
         if (seed > kDefaultRuns) continue;
         parameters.muscle_share = HeadMotionParameters{}.muscle_share;
-        by_default +=
-            identify(truth, parameters, 60, 30, seed).damping_rate_per_s.limit != JointLimit::none
-                ? 1U
-                : 0U;
+        by_default += identify(truth, parameters, 60, 30, seed).damping_rate_per_s.limit !=
+                              ImpedanceLimit::none
+                          ? 1U
+                          : 0U;
       }
       std::cout << "             " << share << " as " << name << ": covered " << covered
                 << ", withheld " << withheld << ", wrong " << wrong << " of " << kRuns << '\n';

@@ -33,7 +33,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     if (report.size_bits != next) std::abort();
   }
-  condyle::host::descriptor_words(*result.descriptor);
+  condyle::host::descriptor_text(*result.descriptor);
   condyle::host::descriptor_json(*result.descriptor);
   return 0;
 }

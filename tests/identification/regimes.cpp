@@ -215,8 +215,8 @@ std::vector<Attack> make_named() {
 
 }  // namespace
 
-JointParameters parameters_of(const Statement& said) {
-  JointParameters parameters;
+ImpedanceParameters parameters_of(const Statement& said) {
+  ImpedanceParameters parameters;
   parameters.drive.missing_share = 0;
   parameters.drive.gain_sd = said.gain_sd;
   parameters.drive.delay_sd_s = said.delay_sd_s;

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "condyle/estimator/impedance/joint_parameters.h"
+#include "condyle/estimator/impedance/impedance_parameters.h"
 #include "identification/adversary.h"
 
 namespace condyle::adversary {
@@ -24,7 +24,7 @@ struct Attack {
   const char* cannot_be_had = nullptr;
 };
 
-JointParameters parameters_of(const Statement& said);
+ImpedanceParameters parameters_of(const Statement& said);
 
 /// Draws gain and delay from what is stated.
 Regime drawn(const Attack& attack, std::uint64_t seed);

@@ -32,11 +32,11 @@ Verdicts judge(const Attack& attack, std::uint64_t seed) {
   const Regime regime = drawn(attack, seed);
   const Recording recording = simulate(regime, seed);
   const double friction_Ns_m = effective_friction_Ns_m(regime, seed);
-  const JointParameters parameters = parameters_of(attack.said);
+  const ImpedanceParameters parameters = parameters_of(attack.said);
   const auto identification = std::make_unique<PointIdentification<double>>(parameters);
   Verdicts verdicts;
   const auto look_now = [&] {
-    const JointEstimate<double>& estimate = identification->estimate();
+    const ImpedanceEstimate<double>& estimate = identification->estimate();
     look(estimate.friction_Ns_m, friction_Ns_m, verdicts.friction);
     look(estimate.mass_kg, regime.point.mass_kg, verdicts.mass);
   };
@@ -75,10 +75,10 @@ void Tally::add(const Verdict& verdict) {
 
 std::string line_of(const char* name, const char* value, const Tally& tally) {
   std::string limits;
-  for (std::size_t k = 1; k < kJointLimits; ++k) {
+  for (std::size_t k = 1; k < kImpedanceLimits; ++k) {
     if (tally.limits[k] == 0) continue;
     limits += fmt::format("{}{} {}", limits.empty() ? "" : ", ",
-                          limit_name(static_cast<JointLimit>(k)), tally.limits[k]);
+                          limit_name(static_cast<ImpedanceLimit>(k)), tally.limits[k]);
   }
   return fmt::format("{:<34}{:<9}shown {:4d} of {:4d}, covered {:5.1f} %{}{}\n", name, value,
                      tally.shown, tally.runs, 100 * tally.covered_share(),

@@ -14,7 +14,7 @@ struct Verdict {
   bool is_shown = false, is_covered = false;  ///< at the end
   bool was_covered = true;                    ///< in each second that showed it
   double error = 0, sd = 0;
-  JointLimit limit = JointLimit::none;
+  ImpedanceLimit limit = ImpedanceLimit::none;
 };
 struct Verdicts {
   Verdict friction, mass;
@@ -29,7 +29,7 @@ Verdicts judge(const Attack& attack, std::uint64_t seed);
 struct Tally {
   int runs = 0, shown = 0, covered = 0, always_covered = 0;
   double error_square = 0, sd = 0;
-  int limits[kJointLimits] = {};
+  int limits[kImpedanceLimits] = {};
 
   void add(const Verdict& verdict);
   double covered_share() const { return shown > 0 ? static_cast<double>(covered) / shown : 1; }

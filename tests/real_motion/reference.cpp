@@ -63,7 +63,7 @@ Regularity judge(const Values& y, double step) {
 
 }  // namespace
 
-Marks widened(const Marks& marks, std::size_t reach) {
+Marks to_double(const Marks& marks, std::size_t reach) {
   Marks wide(marks.size(), false);
   for (std::size_t i = 0; i < marks.size(); ++i) {
     if (!marks[i]) continue;
@@ -79,7 +79,7 @@ ReferenceMotion reference_motion(const TreatedRecording& treated, std::size_t ax
   const std::size_t n = y.size();
   const double T = clean.step_s(), step = recorded_step(y);
   const auto [is_irregular, is_smooth] = judge(y, step);
-  const Marks is_near = widened(is_irregular, 2);
+  const Marks is_near = to_double(is_irregular, 2);
   ReferenceMotion motion;
   motion.is_irregular = is_irregular;
   Marks is_usable(n);
@@ -121,7 +121,7 @@ ReferenceMotion reference_motion(const TreatedRecording& treated, std::size_t ax
       if (!std::isfinite(treated.recording.position_m[axis][i])) motion.position_m[i] = kNone;
       if (is_spoiled[i]) motion.is_valid[i] = false;
     }
-    const Marks is_near_fault = widened(is_spoiled, 1);
+    const Marks is_near_fault = to_double(is_spoiled, 1);
     for (std::size_t i = 0; i < n; ++i) {
       motion.is_irregular[i] = motion.is_irregular[i] || is_near_fault[i];
     }

@@ -31,7 +31,7 @@ struct ReferenceMotion {
 };
 
 /// True within `reach` samples of a marked one.
-Marks widened(const Marks& marks, std::size_t reach);
+Marks to_double(const Marks& marks, std::size_t reach);
 
 /// Looks at axis `axis` of `treated`.
 ReferenceMotion reference_motion(const TreatedRecording& treated, std::size_t axis);

@@ -70,7 +70,7 @@ double distance_outside(const Values& measured, std::size_t i, double position) 
 
 void find_runaways(const MotionRecording& recording, const ReferenceMotion& reference,
                    const Track& track, std::size_t first, AxisScore& result) {
-  const Marks is_near = widened(reference.is_irregular, 3);
+  const Marks is_near = to_double(reference.is_irregular, 3);
   const auto is_far = [&](std::size_t i) {
     if (!reference.is_measured[i] || !std::isfinite(track.velocity_m_s[i])) return false;
     const double outside = distance_outside(reference.position_m, i, track.position_m[i]);

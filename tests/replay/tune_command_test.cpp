@@ -106,7 +106,7 @@ TEST_F(Tune, KeepsWhatItDoesNotTune) {
   const auto parameters = host::load_recommended_parameters(out_);
   EXPECT_EQ(parameters.assumed_mass_kg, 0.4);
   EXPECT_EQ(parameters.outliers.gate_sd, 8);
-  EXPECT_EQ(parameters.joint.delay, DelayModel::fitted);
+  EXPECT_EQ(parameters.impedance.delay, DelayModel::fitted);
 }
 
 TEST_F(Tune, SaysThatTheMakerSmoothedAndWhatServesThen) {
@@ -133,7 +133,7 @@ TEST_F(Tune, WritesWhatReplayTakesWhereTheNoiseIsAtItsBound) {
 TEST_F(Tune, KeepsTheNamesOfFilesOutOfTheParameters) {
   for (const char* name : {"smoothed\n[drive]\ndelay_s = 0.5 #.csv", "smoothed\xfc.csv"}) {
     ASSERT_EQ(tune({record(name, 3)}, {"--starts", "1"}).exit_code, 0);
-    EXPECT_EQ(host::load_recommended_parameters(out_).joint.drive.delay_s, 0) << name;
+    EXPECT_EQ(host::load_recommended_parameters(out_).impedance.drive.delay_s, 0) << name;
   }
 }
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "condyle/estimator/impedance/driven_point.h"
+#include "condyle/estimator/impedance/mass_spring_damper.h"
 
 namespace condyle::testing_support {
 

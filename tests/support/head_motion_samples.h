@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "condyle/estimator/impedance/driven_point.h"
+#include "condyle/estimator/impedance/mass_spring_damper.h"
 
 namespace condyle::testing_support {
 

@@ -20,7 +20,7 @@ struct ReleaseSamples {
 };
 
 /// The positions of `truth` with white noise of `noise_sd_m`. The solution is compared with
-/// driven_point.h in release_motion_test.cpp.
+/// mass_spring_damper.h in release_motion_test.cpp.
 inline ReleaseSamples release_samples(const ReleaseTruth& truth, double noise_sd_m,
                                       std::uint64_t seed) {
   Random random(seed);

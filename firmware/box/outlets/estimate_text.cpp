@@ -59,15 +59,15 @@ std::string estimate_line(const BoxEstimate& box) {
                     {"delay_s", seconds(box.node.delay_ns)},
                     {"late", box.node.state == NodeMark::State::late}};
   }
-  if (box.has_joint) {
-    Json joint;
+  if (box.has_impedance) {
+    Json impedance;
     host::visit_friction_and_mass(
-        box.estimate.joint.friction_Ns_m, box.estimate.joint.mass_kg,
+        box.estimate.impedance.friction_Ns_m, box.estimate.impedance.mass_kg,
         [&](host::QuantityName name, const IdentifiedValue<double>& value) {
-          add_quantity(joint, name, value.quantity);
-          joint[name.limit()] = limit_name(value.limit);
+          add_quantity(impedance, name, value.quantity);
+          impedance[name.limit()] = limit_name(value.limit);
         });
-    json["joint"] = joint;
+    json["joint"] = impedance;
   }
   Json events = Json::array();
   for (std::size_t i = 0; i < kEventCount; ++i) {

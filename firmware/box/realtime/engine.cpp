@@ -57,7 +57,7 @@ struct NoSensor {
 
 }  // namespace
 
-Engine::Engine(WatchedSource& source, const hal::DeviceProfile& profile,
+Engine::Engine(ReconnectingSource& source, const hal::DeviceProfile& profile,
                const Configuration& configuration, hal::Clock& clock, NodeFeed* feed)
     : source_(source),
       profile_(profile),
@@ -116,7 +116,7 @@ void Engine::do_run(hal::SessionLogWriter* log) {
   hal::ReportSource& reports = recorded ? static_cast<hal::ReportSource&>(*recorded) : source_;
   if (feed_ != nullptr) {
     feed_->begin_run(run());
-    FedSource fed(reports, source_, *feed_);
+    TeeSource fed(reports, source_, *feed_);
     hal::DeviceFacebow facebow(fed, hal::layout_of(profile_));
     NoSensor sensor;
     estimate_run(facebow, sensor);

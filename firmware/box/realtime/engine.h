@@ -18,7 +18,7 @@
 #include "box/configuration.h"
 #include "box/realtime/estimate_outlet.h"
 #include "box/realtime/node_feed.h"
-#include "box/sources/watched_source.h"
+#include "box/sources/reconnecting_source.h"
 #include "condyle/firmware/nonblocking.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/hid/device_profile.h"
@@ -41,7 +41,7 @@ class Engine {
  public:
   /// `source`, on `clock`, delivers the reports that `profile` describes; no other code may read
   /// it. With a `feed`, reports go there, and the outlet's estimates come from another thread.
-  Engine(WatchedSource& source, const hal::DeviceProfile& profile,
+  Engine(ReconnectingSource& source, const hal::DeviceProfile& profile,
          const Configuration& configuration, hal::Clock& clock, NodeFeed* feed = nullptr);
   ~Engine() { stop(); }
   Engine(const Engine&) = delete;
@@ -85,7 +85,7 @@ class Engine {
   void note_counts(const hal::DeviceFacebow& facebow, std::uint64_t samples);
   void keep_totals();
 
-  WatchedSource& source_;
+  ReconnectingSource& source_;
   hal::DeviceProfile profile_;
   RecommendedParameters parameters_;
   FollowedCoordinate followed_;

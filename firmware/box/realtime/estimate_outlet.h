@@ -84,7 +84,7 @@ template <class Estimate>
 void EstimateOutlet::publish(const Estimate& estimate, TimeNs arrival_ns,
                              const NodeMark& node) CONDYLE_NONBLOCKING {
   static_cast<Estimate&>(out_.estimate) = estimate;
-  out_.has_joint = std::is_same_v<Estimate, DrivenEstimate<double>>;
+  out_.has_impedance = std::is_same_v<Estimate, DrivenEstimate<double>>;
   out_.arrival_ns = arrival_ns;
   out_.node = node;
   ++out_.number;

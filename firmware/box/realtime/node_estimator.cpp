@@ -6,7 +6,7 @@
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/link/serial_port.h"
 #include "hosted/files/input_error.h"
-#include "hosted/node/widened_estimate.h"
+#include "hosted/node/to_double.h"
 
 namespace condyle::box {
 namespace {
@@ -90,8 +90,8 @@ void NodeEstimator::do_run() {
   if (run_ != outlet_run_) outlet_.begin_run(run_);
   outlet_run_ = run_;
   next_health_ns_ = clock_.now_ns() + kHealthPeriod_ns;
-  std::string words = host::greeting_words(client.greeting());
-  if (client.fault()) words += "; its last run ended with: " + host::fault_words(*client.fault());
+  std::string words = host::greeting_text(client.greeting());
+  if (client.fault()) words += "; its last run ended with: " + host::fault_text(*client.fault());
   {
     const std::lock_guard lock(mutex_);
     const bool is_new = !state_.is_connected;
@@ -189,7 +189,7 @@ void NodeEstimator::publish(const host::NodeClient& client) {
     state_.late += is_late ? 1 : 0;
   }
   if (!message.estimate.is_ready) return;
-  outlet_.publish(host::widened(message.estimate), arrival_ns,
+  outlet_.publish(host::to_double(message.estimate), arrival_ns,
                   {.state = is_late ? NodeMark::State::late : NodeMark::State::on_time,
                    .delay_ns = delay_ns,
                    .connection = before_.connections});

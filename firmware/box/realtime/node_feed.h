@@ -6,7 +6,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "box/sources/watched_source.h"
+#include "box/sources/reconnecting_source.h"
 #include "condyle/firmware/nonblocking.h"
 #include "condyle/firmware/ring.h"
 
@@ -47,10 +47,10 @@ class NodeFeed {
 };
 
 /// Passes on all reports of `source`, and feeds the node with them.
-class FedSource final : public hal::ReportSource {
+class TeeSource final : public hal::ReportSource {
  public:
   /// `connections` gives how often the facebow was connected.
-  FedSource(hal::ReportSource& source, const WatchedSource& connections, NodeFeed& feed)
+  TeeSource(hal::ReportSource& source, const ReconnectingSource& connections, NodeFeed& feed)
       : source_(source), connections_(connections), feed_(feed) {}
 
   hal::Status open() override { return source_.open(); }
@@ -64,7 +64,7 @@ class FedSource final : public hal::ReportSource {
 
  private:
   hal::ReportSource& source_;
-  const WatchedSource& connections_;
+  const ReconnectingSource& connections_;
   NodeFeed& feed_;
 };
 

@@ -15,7 +15,7 @@ constexpr TimeNs kHung_ns = 2 * kNanosecondsPerSecond;
 }  // namespace
 
 SessionKeeper::SessionKeeper(const Configuration& configuration,
-                             const host::FacebowReports& facebow, hal::Clock& clock, BoxLog& log,
+                             const host::ConfiguredFacebow& facebow, hal::Clock& clock, BoxLog& log,
                              std::function<TimeNs()> wall_ns)
     : clock_(clock),
       box_log_(log),

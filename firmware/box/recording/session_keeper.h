@@ -24,7 +24,7 @@ class SessionKeeper {
   using Then = std::function<void(const Answer&)>;
 
   /// As SessionRecorder's.
-  SessionKeeper(const Configuration& configuration, const host::FacebowReports& facebow,
+  SessionKeeper(const Configuration& configuration, const host::ConfiguredFacebow& facebow,
                 hal::Clock& clock, BoxLog& log, std::function<TimeNs()> wall_ns);
   /// Waits for the disk without limit; call `finish` first if that may be long.
   ~SessionKeeper();

@@ -59,7 +59,7 @@ struct SessionRecorder::Part {
 };
 
 SessionRecorder::SessionRecorder(const Configuration& configuration,
-                                 const host::FacebowReports& facebow, hal::Clock& clock,
+                                 const host::ConfiguredFacebow& facebow, hal::Clock& clock,
                                  BoxLog& log, std::function<TimeNs()> wall_ns)
     : configuration_(configuration),
       facebow_(facebow),
@@ -67,11 +67,12 @@ SessionRecorder::SessionRecorder(const Configuration& configuration,
       box_log_(log),
       wall_ns_(std::move(wall_ns)) {
   for (const SourceSettings& settings : configuration.companions) {
-    companions_.push_back(
-        host::name_device(settings.file, settings.serial, host::backend_of(settings.kind), clock));
-    if (facebow.device() != nullptr) host::refuse_twins(*facebow.device(), companions_.back());
+    companions_.push_back(host::make_session_device(settings.file, settings.serial,
+                                                    host::backend_of(settings.kind), clock));
+    if (facebow.device() != nullptr)
+      host::reject_duplicate_devices(*facebow.device(), companions_.back());
   }
-  host::refuse_twins(companions_);
+  host::reject_duplicate_devices(companions_);
   if (!configuration.folder.empty() && !std::filesystem::is_directory(configuration.folder)) {
     throw host::InputError(configuration.folder, "is not a folder",
                            "create it, or set another [recording] folder");
@@ -140,7 +141,7 @@ hal::SessionHeader SessionRecorder::header() const {
 SessionRecorder::Answer SessionRecorder::describe_companions() {
   for (host::SessionDevice& companion : companions_) {
     try {
-      host::describe(companion, [] { return true; });
+      host::probe_device(companion, [] { return true; });
     } catch (const host::InputError& error) {
       return {503, error.what()};
     }

@@ -11,7 +11,7 @@
 #include "box/configuration.h"
 #include "box/realtime/engine.h"
 #include "condyle/hal/log/session_log.h"
-#include "hosted/devices/facebow_reports.h"
+#include "hosted/devices/configured_facebow.h"
 #include "hosted/devices/session_device.h"
 
 namespace condyle::box {
@@ -56,7 +56,7 @@ class SessionRecorder {
   };
 
   /// Throws an InputError if a companion's profile cannot be used, or may be the facebow itself.
-  SessionRecorder(const Configuration& configuration, const host::FacebowReports& facebow,
+  SessionRecorder(const Configuration& configuration, const host::ConfiguredFacebow& facebow,
                   hal::Clock& clock, BoxLog& log, std::function<TimeNs()> wall_ns);
   ~SessionRecorder();
 
@@ -87,7 +87,7 @@ class SessionRecorder {
   hal::SessionHeader header() const;
 
   const Configuration& configuration_;
-  const host::FacebowReports& facebow_;
+  const host::ConfiguredFacebow& facebow_;
   hal::Clock& clock_;
   BoxLog& box_log_;
   std::function<TimeNs()> wall_ns_;

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "box/realtime/real_time.h"
-#include "box/service/service_notice.h"
+#include "box/service/sd_notify.h"
 #include "hosted/files/input_error.h"
 
 namespace condyle::box {
@@ -64,7 +64,7 @@ HttpServer::Service Box::service() {
 void Box::run(const std::function<bool()>& should_stop) {
   notify_service_manager("READY=1");
   if (find_facebow(should_stop)) {
-    source_ = std::make_unique<WatchedSource>(facebow_.source(), clock_);
+    source_ = std::make_unique<ReconnectingSource>(facebow_.source(), clock_);
     if (!configuration_.node.empty()) feed_ = std::make_unique<NodeFeed>();
     engine_ =
         std::make_unique<Engine>(*source_, facebow_.profile(), configuration_, clock_, feed_.get());

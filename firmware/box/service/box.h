@@ -18,7 +18,7 @@
 #include "box/recording/session_keeper.h"
 #include "box/service/box_status.h"
 #include "condyle/hal/clock.h"
-#include "hosted/devices/facebow_reports.h"
+#include "hosted/devices/configured_facebow.h"
 #include "hosted/files/wall_clock.h"
 
 namespace condyle::box {
@@ -59,14 +59,14 @@ class Box {
   BoxLog& log_;
   const std::function<TimeNs()> wall_ns_;
   TimeNs begin_ns_;
-  host::FacebowReports facebow_;
+  host::ConfiguredFacebow facebow_;
   const std::string device_name_;  // copied: finding the device changes the profile
   const double nominal_rate_Hz_;
   SessionKeeper keeper_;
   EstimateHistory history_;
   Publisher publisher_;
   // Set once the facebow is found.
-  std::unique_ptr<WatchedSource> source_;
+  std::unique_ptr<ReconnectingSource> source_;
   std::unique_ptr<NodeFeed> feed_;  // these two only if a microcontroller estimates
   std::unique_ptr<Engine> engine_;
   std::unique_ptr<NodeEstimator> node_;

@@ -14,7 +14,7 @@
 #include "box/outlets/publisher.h"
 #include "box/realtime/engine.h"
 #include "box/realtime/real_time.h"
-#include "hosted/devices/facebow_reports.h"
+#include "hosted/devices/configured_facebow.h"
 
 namespace condyle::box {
 namespace {
@@ -49,9 +49,9 @@ std::string histogram_text(const char* name, const firmware::LatencyHistogram& h
 std::string test_latency(const Configuration& configuration, double duration_s, hal::Clock& clock,
                          const std::function<bool()>& should_stop) {
   const SourceSettings& settings = configuration.facebow;
-  host::FacebowReports facebow({settings.kind, settings.file}, settings.serial, clock);
+  host::ConfiguredFacebow facebow({settings.kind, settings.file}, settings.serial, clock);
   facebow.find(should_stop);
-  WatchedSource source(facebow.source(), clock);
+  ReconnectingSource source(facebow.source(), clock);
   const auto engine = std::make_unique<Engine>(source, facebow.profile(), configuration, clock);
   EstimateHistory history(1);
   Publisher publisher(history, configuration.udp_address, configuration.udp_port, clock);

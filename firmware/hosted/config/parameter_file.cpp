@@ -58,9 +58,9 @@ RecommendedParameters read_recommended(TomlReader& file) {
   std::size_t adaptation = parameters.noise.adaptation == Adaptation::on ? 1 : 0;
   file.choice("noise", "adaptation", adaptation, {"off", "on"});
   parameters.noise.adaptation = adaptation == 1 ? Adaptation::on : Adaptation::off;
-  std::size_t delay = parameters.joint.delay == DelayModel::fitted ? 1 : 0;
+  std::size_t delay = parameters.impedance.delay == DelayModel::fitted ? 1 : 0;
   file.choice("drive", "delay", delay, {"known", "fitted"});
-  parameters.joint.delay = delay == 1 ? DelayModel::fitted : DelayModel::known;
+  parameters.impedance.delay = delay == 1 ? DelayModel::fitted : DelayModel::known;
   file.finish();
   if (parameters.noise.adaptation == Adaptation::on && file.has("noise", "jerk_density_m2_s5")) {
     throw InputError(file.place("noise", "jerk_density_m2_s5"),
@@ -154,7 +154,8 @@ std::string parameters_toml(const RecommendedParameters& parameters) {
     if (place == "noise" && name == "position_sd_m") {
       text.choice(section, "adaptation", adapts ? "on" : "off");
     }
-    if (place == "drive" && parameters.joint.delay == DelayModel::fitted && name == "noise_sd_N") {
+    if (place == "drive" && parameters.impedance.delay == DelayModel::fitted &&
+        name == "noise_sd_N") {
       text.choice(section, "delay", "fitted");
     }
     if (name == "jerk_density_m2_s5" && adapts) return;

@@ -7,7 +7,7 @@
 
 namespace condyle::host {
 
-std::string id_words(std::uint16_t vendor_id, std::uint16_t product_id) {
+std::string id_text(std::uint16_t vendor_id, std::uint16_t product_id) {
   return fmt::format("{:04x}:{:04x}", vendor_id, product_id);
 }
 
@@ -24,7 +24,7 @@ void ConnectedDevice::make_source() {
   }
 }
 
-void ConnectedDevice::keep_to(const std::string& serial) {
+void ConnectedDevice::pin_serial(const std::string& serial) {
   choice_.address.serial = serial;
   make_source();
 }
@@ -39,7 +39,7 @@ void ConnectedDevice::open(const std::function<bool()>& stop) {
   }
   if (status == hal::Status::ok) return;
   const std::string name =
-      "device " + id_words(choice_.address.vendor_id, choice_.address.product_id);
+      "device " + id_text(choice_.address.vendor_id, choice_.address.product_id);
   switch (status) {
     case hal::Status::not_permitted:
       throw InputError(name, "this user may not open it", "run condyle doctor to see what to do");

@@ -20,7 +20,7 @@ struct DeviceChoice {
 };
 
 /// "1209:0001", as lsusb writes it.
-std::string id_words(std::uint16_t vendor_id, std::uint16_t product_id);
+std::string id_text(std::uint16_t vendor_id, std::uint16_t product_id);
 
 /// One device.
 class ConnectedDevice {
@@ -33,7 +33,7 @@ class ConnectedDevice {
   hal::ReportSource& source();
   /// From here on only the device with this serial number is used. Do not call it while the device
   /// is open.
-  void keep_to(const std::string& serial);
+  void pin_serial(const std::string& serial);
   /// As the device sent it; valid after open.
   std::vector<std::uint8_t> report_descriptor() const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hosted/devices/device_words.h"
+#include "hosted/devices/device_text.h"
 
 #include <fmt/format.h>
 
@@ -10,8 +10,8 @@
 
 namespace condyle::host {
 
-std::string reports_words(const hal::DeviceProfile& profile, const hal::ReportCounts& reports,
-                          const hal::TransportCounts& transport) {
+std::string reports_text(const hal::DeviceProfile& profile, const hal::ReportCounts& reports,
+                         const hal::TransportCounts& transport) {
   std::string text = fmt::format("{} reports received, ", reports.received);
   text += profile.sequence ? fmt::format("{} lost", reports.lost)
                            : "losses not known (the profile has no counter)";
@@ -36,7 +36,7 @@ std::string reports_words(const hal::DeviceProfile& profile, const hal::ReportCo
   return text;
 }
 
-std::string clock_words(const hal::ClockFit& fit) {
+std::string clock_text(const hal::ClockFit& fit) {
   if (fit.pace() > 0 && std::abs(fit.pace() - 1) > 0.01) {
     return fmt::format(
         "device clock: WRONG, it runs {:.4g} times as fast as the host's; times, velocities and "

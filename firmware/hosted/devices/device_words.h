@@ -14,11 +14,11 @@
 namespace condyle::host {
 
 /// "600 reports received, 3 lost, ..."; counts of 0 are left out.
-std::string reports_words(const hal::DeviceProfile& profile, const hal::ReportCounts& reports,
-                          const hal::TransportCounts& transport);
+std::string reports_text(const hal::DeviceProfile& profile, const hal::ReportCounts& reports,
+                         const hal::TransportCounts& transport);
 
 /// How the device's clock relates to the host's.
-std::string clock_words(const hal::ClockFit& fit);
+std::string clock_text(const hal::ClockFit& fit);
 
 /// Throws an InputError that begins with `where` if the profile has no position.
 void require_position(const hal::DeviceProfile& profile, const std::string& where);

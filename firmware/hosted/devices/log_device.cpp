@@ -2,7 +2,7 @@
 #include "hosted/devices/log_device.h"
 
 #include "hosted/config/device_profile_file.h"
-#include "hosted/devices/device_words.h"
+#include "hosted/devices/device_text.h"
 #include "hosted/files/input_error.h"
 
 namespace condyle::host {

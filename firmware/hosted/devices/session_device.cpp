@@ -5,14 +5,14 @@
 
 #include "condyle/hal/usb/device_list.h"
 #include "hosted/config/device_profile_file.h"
-#include "hosted/devices/device_words.h"
+#include "hosted/devices/device_text.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/text_file.h"
 
 namespace condyle::host {
 
-SessionDevice name_device(const std::string& profile_path, const std::string& serial,
-                          const std::string& backend, hal::Clock& clock) {
+SessionDevice make_session_device(const std::string& profile_path, const std::string& serial,
+                                  const std::string& backend, hal::Clock& clock) {
   SessionDevice named;
   named.name = profile_path;
   named.profile_text = read_text_file(profile_path);
@@ -26,7 +26,7 @@ SessionDevice name_device(const std::string& profile_path, const std::string& se
   return named;
 }
 
-void refuse_twins(const SessionDevice& first, const SessionDevice& second) {
+void reject_duplicate_devices(const SessionDevice& first, const SessionDevice& second) {
   const hal::DeviceAddress &a = first.address, &b = second.address;
   const bool are_apart = a.vendor_id != b.vendor_id || a.product_id != b.product_id ||
                          (a.interface_number >= 0 && b.interface_number >= 0 &&
@@ -37,9 +37,9 @@ void refuse_twins(const SessionDevice& first, const SessionDevice& second) {
                    "give a serial number for both");
 }
 
-void refuse_twins(const std::vector<SessionDevice>& devices) {
+void reject_duplicate_devices(const std::vector<SessionDevice>& devices) {
   for (std::size_t i = 0; i < devices.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) refuse_twins(devices[k], devices[i]);
+    for (std::size_t k = 0; k < i; ++k) reject_duplicate_devices(devices[k], devices[i]);
   }
 }
 
@@ -70,7 +70,7 @@ std::string only_serial(const SessionDevice& device) {
 
 }  // namespace
 
-void describe(SessionDevice& device, const std::function<bool()>& stop) {
+void probe_device(SessionDevice& device, const std::function<bool()>& stop) {
   device.device->open(stop);
   device.descriptor = device.device->report_descriptor();
   complete_profile(device.profile, device.descriptor, device.name + ": the device");
@@ -79,7 +79,7 @@ void describe(SessionDevice& device, const std::function<bool()>& stop) {
   // Closed, because a device that libusb has open is missing from the lists.
   if (const std::string serial = only_serial(device); !serial.empty()) {
     device.address.serial = serial;
-    device.device->keep_to(serial);
+    device.device->pin_serial(serial);
   }
 }
 

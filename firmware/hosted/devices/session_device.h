@@ -24,19 +24,19 @@ struct SessionDevice {
 };
 
 /// The device that the profile in a file describes, not opened; `serial`: see DeviceAddress.
-SessionDevice name_device(const std::string& profile_path, const std::string& serial,
-                          const std::string& backend, hal::Clock& clock);
+SessionDevice make_session_device(const std::string& profile_path, const std::string& serial,
+                                  const std::string& backend, hal::Clock& clock);
 
 /// Throws an InputError if both may be the same device by ids, interfaces and serial numbers.
-void refuse_twins(const SessionDevice& first, const SessionDevice& second);
+void reject_duplicate_devices(const SessionDevice& first, const SessionDevice& second);
 /// The same for any two of `devices`.
-void refuse_twins(const std::vector<SessionDevice>& devices);
+void reject_duplicate_devices(const std::vector<SessionDevice>& devices);
 
 /// Reads the device's descriptor, completes the profile from it, and closes the device. From here
 /// on its serial number, if it has one, belongs to the address, so that a device plugged in later
 /// is not mistaken for it. See ConnectedDevice::open; also throws an InputError if several devices
 /// match.
-void describe(SessionDevice& device, const std::function<bool()>& stop);
+void probe_device(SessionDevice& device, const std::function<bool()>& stop);
 
 /// A companion whose reports go into a log.
 struct RecordedCompanion {

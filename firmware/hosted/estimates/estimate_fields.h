@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "condyle/estimator/impedance/joint_estimate.h"
+#include "condyle/estimator/impedance/impedance_estimate.h"
 #include "condyle/estimator/motion/recommended_estimate.h"
 
 namespace condyle::host {
@@ -49,11 +49,11 @@ void visit_friction_and_mass(const Value& friction_Ns_m, const Value& mass_kg, V
 
 /// The same for the other identified quantities.
 template <class Scalar, class Visit>
-void visit_identified_beside(const JointEstimate<Scalar>& joint, Visit&& visit) {
-  visit(QuantityName{"stiffness", "N_m"}, joint.stiffness_N_m);
-  visit(QuantityName{"offset", "N"}, joint.offset_N);
-  visit(QuantityName{"coulomb", "N"}, joint.coulomb_N);
-  visit(QuantityName{"drive_delay", "s"}, joint.delay_s);
+void visit_identified_beside(const ImpedanceEstimate<Scalar>& impedance, Visit&& visit) {
+  visit(QuantityName{"stiffness", "N_m"}, impedance.stiffness_N_m);
+  visit(QuantityName{"offset", "N"}, impedance.offset_N);
+  visit(QuantityName{"coulomb", "N"}, impedance.coulomb_N);
+  visit(QuantityName{"drive_delay", "s"}, impedance.delay_s);
 }
 
 }  // namespace condyle::host

@@ -13,7 +13,7 @@ constexpr TimeNs kPatience_ns = 2'000'000'000;
 constexpr TimeNs kEndPatience_ns = 10'000'000'000;  // for a target that sends nothing new
 constexpr int kAttempts = 10, kProbes = 3;
 
-const char* reset_words(hal::ResetCause cause) {
+const char* reset_text(hal::ResetCause cause) {
   constexpr const char* words[] = {"of unknown cause", "power on", "brown-out", "reset pin",
                                    "software",         "watchdog", "fault"};
   return words[static_cast<int>(cause)];
@@ -21,7 +21,7 @@ const char* reset_words(hal::ResetCause cause) {
 
 }  // namespace
 
-std::string fault_words(const hal::FaultMessage& fault) {
+std::string fault_text(const hal::FaultMessage& fault) {
   constexpr const char* kinds[] = {"hard fault",
                                    "memory management fault",
                                    "bus fault",
@@ -36,10 +36,10 @@ std::string fault_words(const hal::FaultMessage& fault) {
       kinds[static_cast<int>(fault.kind)], fault.pc, fault.lr, fault.cfsr, fault.hfsr, fault.bfar);
 }
 
-std::string greeting_words(const hal::GreetingMessage& greeting) {
+std::string greeting_text(const hal::GreetingMessage& greeting) {
   return fmt::format("{}, condyle {}, numbers of {} bytes, start {} ({})",
                      hal::text_of(greeting.core_name), hal::text_of(greeting.software_version),
-                     greeting.scalar_size, greeting.boot_count, reset_words(greeting.reset_cause));
+                     greeting.scalar_size, greeting.boot_count, reset_text(greeting.reset_cause));
 }
 
 void NodeClient::fail(const std::string& what, const std::string& mend) const {
@@ -255,11 +255,11 @@ NodeAnswer NodeClient::take_frame() {
       return NodeAnswer::none;
     case hal::MessageType::greeting: {
       greeting_ = read<hal::GreetingMessage>();
-      std::string what = "the microcontroller started again: " + greeting_words(greeting_);
+      std::string what = "the microcontroller started again: " + greeting_text(greeting_);
       if (greeting_.has_fault && end_.receive(clock_.now_ns() + kPatience_ns) == hal::Status::ok &&
           end_.type() == hal::MessageType::fault) {
         fault_ = read<hal::FaultMessage>();
-        what += ", after a " + fault_words(*fault_);
+        what += ", after a " + fault_text(*fault_);
       }
       fail(what, fmt::format("{} reports have no estimate; start again", waiting_.size()));
     }

@@ -124,8 +124,8 @@ class NodeClient {
 };
 
 /// "a usage fault at 0x000012a4 (called from 0x00000f31; CFSR 0x02000000, ...)".
-std::string fault_words(const hal::FaultMessage& fault);
+std::string fault_text(const hal::FaultMessage& fault);
 /// "Cortex-M7, condyle 0.1.0, numbers of 4 bytes, start 1 (power on)".
-std::string greeting_words(const hal::GreetingMessage& greeting);
+std::string greeting_text(const hal::GreetingMessage& greeting);
 
 }  // namespace condyle::host

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hid/layout_words.h"
+#include "hid/layout_text.h"
 
 #include <string>
 
@@ -33,7 +33,7 @@ const ReportField& field_of(const DeviceProfile& profile, const LayoutProblem& p
 }
 
 // Words for a problem of a single field; "" for other problems.
-Words field_words(LayoutFault fault, const ReportField& field, std::size_t size_bytes) {
+Words field_text(LayoutFault fault, const ReportField& field, std::size_t size_bytes) {
   const std::string width = std::to_string(field.width_bits);
   const auto possible = [&] {
     const RawRange range = possible_values(field);
@@ -66,7 +66,7 @@ Words field_words(LayoutFault fault, const ReportField& field, std::size_t size_
   }
 }
 
-Words count_words(LayoutFault fault, const CountingField& counting) {
+Words count_text(LayoutFault fault, const CountingField& counting) {
   switch (fault) {
     case LayoutFault::count_not_unsigned:
       return {"is not an unsigned integer", "make it unsigned"};
@@ -90,7 +90,7 @@ Words count_words(LayoutFault fault, const CountingField& counting) {
   }
 }
 
-Words checksum_words(LayoutFault fault, const Checksum& checksum, std::size_t size_bytes) {
+Words checksum_text(LayoutFault fault, const Checksum& checksum, std::size_t size_bytes) {
   switch (fault) {
     case LayoutFault::checksum_width_not_usable:
       return {"is " + std::to_string(checksum.width_bits) + " bits wide", "give 8 or 16"};
@@ -138,17 +138,17 @@ std::string name_of(const DeviceProfile& profile, ProfilePart part, std::size_t 
   return "";
 }
 
-Words part_words(const LayoutProblem& problem, const DeviceProfile& profile,
-                 std::size_t size_bytes) {
-  Words words = field_words(problem.fault, field_of(profile, problem), size_bytes);
+Words part_text(const LayoutProblem& problem, const DeviceProfile& profile,
+                std::size_t size_bytes) {
+  Words words = field_text(problem.fault, field_of(profile, problem), size_bytes);
   if (words.reason.empty() && problem.part == ProfilePart::sequence) {
-    words = count_words(problem.fault, *profile.sequence);
+    words = count_text(problem.fault, *profile.sequence);
   }
   if (words.reason.empty() && problem.part == ProfilePart::device_time) {
-    words = count_words(problem.fault, *profile.device_time);
+    words = count_text(problem.fault, *profile.device_time);
   }
   if (words.reason.empty() && problem.part == ProfilePart::checksum) {
-    words = checksum_words(problem.fault, *profile.checksum, size_bytes);
+    words = checksum_text(problem.fault, *profile.checksum, size_bytes);
   }
   return {name_of(profile, problem.part, problem.index) + " " + words.reason, words.mend};
 }
@@ -182,7 +182,7 @@ ProfileProblem words_of(const LayoutProblem& problem, const DeviceProfile& profi
     default:
       break;
   }
-  Words words = part_words(problem, profile, size_to_lie_in(profile, state));
+  Words words = part_text(problem, profile, size_to_lie_in(profile, state));
   return with(std::move(words.reason), std::move(words.mend));
 }
 

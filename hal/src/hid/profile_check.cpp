@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "hid/layout_words.h"
+#include "hid/layout_text.h"
 
 namespace condyle::hal {
 namespace {

@@ -68,7 +68,7 @@ void exchange(Archive& archive, Exchanged<Archive, LayoutMessage>& message) {
   archive.list(layout.auxiliary, part);
 }
 
-// Called by visit_fields, visit_motion_fields and visit_joint_fields.
+// Called by visit_fields, visit_motion_fields and visit_impedance_fields.
 template <class Archive>
 auto field_exchange(Archive& archive) {
   return [&archive](const char*, const char*, auto* values, std::size_t count, const char*,
@@ -92,9 +92,9 @@ void exchange(Archive& archive, Exchanged<Archive, MotionEstimatorParameters>& p
 }
 
 template <class Archive>
-void exchange(Archive& archive, Exchanged<Archive, JointParameters>& parameters) {
+void exchange(Archive& archive, Exchanged<Archive, ImpedanceParameters>& parameters) {
   archive.enumeration(parameters.delay, DelayModel::fitted);
-  visit_joint_fields(parameters, field_exchange(archive));
+  visit_impedance_fields(parameters, field_exchange(archive));
 }
 
 template <class Archive>
@@ -116,7 +116,7 @@ void exchange(Archive& archive, Exchanged<Archive, StartMessage>& message) {
   } else {
     Exchanged<Archive, MotionEstimatorParameters>& motion = message.recommended;
     exchange(archive, motion);
-    if (message.identifies) exchange(archive, message.recommended.joint);
+    if (message.identifies) exchange(archive, message.recommended.impedance);
   }
 }
 
@@ -227,7 +227,7 @@ void exchange_identified(Archive& archive, Value& value) {
   for (auto* number : {&value.fitted, &value.fitted_sd, &value.sampling_sd, &value.needed_s}) {
     archive.number(*number);
   }
-  archive.enumeration(value.limit, JointLimit::smoothing);
+  archive.enumeration(value.limit, ImpedanceLimit::smoothing);
 }
 
 template <class Archive, class Estimate>

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "condyle/hal/hid/profile_check.h"
-#include "hosted/devices/facebow_reports.h"
+#include "hosted/devices/configured_facebow.h"
 #include "hosted/devices/log_device.h"
 #include "hosted/files/input_error.h"
 #include "recordings/replay_facebow.h"
@@ -118,7 +118,7 @@ BridgeInput of_session_log(const std::string& path, const RecordingOptions& opti
 
 BridgeInput of_device(const SourceSpec& spec, const std::string& serial, hal::Clock& clock,
                       const std::function<bool()>& stop) {
-  const auto facebow = std::make_shared<FacebowReports>(spec, serial, clock);
+  const auto facebow = std::make_shared<ConfiguredFacebow>(spec, serial, clock);
   facebow->find(stop);
   BridgeInput input;
   input.words = facebow->profile().name +

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridge/node_rows.h"
 
-#include "hosted/node/widened_estimate.h"
+#include "hosted/node/to_double.h"
 
 namespace condyle::host {
 
@@ -18,15 +18,15 @@ std::optional<EstimateRow> NodeRows::row_in(const hal::LinkFrame& frame) {
       sample.time_ns = message.sample.time_ns;
       sample.time_valid = message.sample.time_valid;
       sample.position_valid = false;
-      return host::row_of(sample, followed_, widened(message.estimate));
+      return host::row_of(sample, followed_, to_double(message.estimate));
     }
   } else {
     hal::RecommendedEstimateMessage<Scalar> message;
     if (is_read(message) &&
         (message.estimate.axis_count == axis_count_ || !message.estimate.is_ready)) {
       if (!message.estimate.is_ready) return std::nullopt;
-      if (!has_joint_) return host::row_of(widened(message.estimate), followed_.axis);
-      return host::row_of(DrivenEstimate<double>{widened(message.estimate), conclusion_},
+      if (!has_impedance_) return host::row_of(to_double(message.estimate), followed_.axis);
+      return host::row_of(DrivenEstimate<double>{to_double(message.estimate), conclusion_},
                           followed_.axis);
     }
   }
@@ -41,7 +41,7 @@ void NodeRows::take_in(const hal::LinkFrame& frame) {
     ++unreadable_;
     return;
   }
-  conclusion_ = widened(message.conclusion);
+  conclusion_ = to_double(message.conclusion);
 }
 
 void NodeRows::take_conclusion(const hal::LinkFrame& frame) {

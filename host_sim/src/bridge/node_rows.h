@@ -14,12 +14,12 @@ namespace condyle::host {
 class NodeRows {
  public:
   /// `axis_count`: 1 or 3, or 0 for the published cascade; `scalar_size`: size of the
-  /// microcontroller's numbers, 4 or 8 (bytes); `has_joint`: friction and mass are identified.
-  NodeRows(int axis_count, FollowedCoordinate followed, unsigned scalar_size, bool has_joint)
+  /// microcontroller's numbers, 4 or 8 (bytes); `has_impedance`: friction and mass are identified.
+  NodeRows(int axis_count, FollowedCoordinate followed, unsigned scalar_size, bool has_impedance)
       : axis_count_(axis_count),
         followed_(followed),
         scalar_size_(scalar_size),
-        has_joint_(has_joint) {}
+        has_impedance_(has_impedance) {}
 
   /// The row of an estimate's frame, without the measured position if it is the published
   /// cascade's; none while a lag fills, or if it cannot be read.
@@ -27,7 +27,7 @@ class NodeRows {
   /// Takes a conclusion; the rows after it contain it.
   void take_conclusion(const hal::LinkFrame& frame);
   /// The last one.
-  const JointEstimate<double>& conclusion() const { return conclusion_; }
+  const ImpedanceEstimate<double>& conclusion() const { return conclusion_; }
   /// Frames that could not be read, or belong to another run.
   std::uint64_t unreadable() const { return unreadable_; }
 
@@ -40,8 +40,8 @@ class NodeRows {
   int axis_count_;
   FollowedCoordinate followed_;
   unsigned scalar_size_;
-  bool has_joint_;
-  JointEstimate<double> conclusion_;
+  bool has_impedance_;
+  ImpedanceEstimate<double> conclusion_;
   std::uint64_t unreadable_ = 0;
 };
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bridge/bridge_input.h"
-#include "bridge/local_node.h"
+#include "bridge/in_process_node.h"
 #include "bridge/node_rows.h"
 #include "commands/commands.h"
 #include "condyle/hal/link/serial_port.h"
@@ -20,7 +20,7 @@
 #include "options/estimator_option.h"
 #include "options/recording_choice.h"
 #include "output/estimates_file.h"
-#include "output/joint_text.h"
+#include "output/impedance_text.h"
 #include "output/progress.h"
 #include "output/report_text.h"
 
@@ -51,7 +51,7 @@ hal::StartMessage start_of(const BridgeOptions& options, const BridgeInput& inpu
   } else {
     start.lag = static_cast<std::uint8_t>(options.estimator.lag);
     start.recommended = options.estimator.load_recommended();
-    options.drive_stated.apply(start.recommended.joint);
+    options.drive_stated.apply(start.recommended.impedance);
     refuse_long_step(start.recommended, seconds(start.nominal_step_ns), options.input,
                      "its median step", "check the unit of time_s");
   }
@@ -59,10 +59,10 @@ hal::StartMessage start_of(const BridgeOptions& options, const BridgeInput& inpu
 }
 
 // The same run on this computer; its answers must equal the microcontroller's byte for byte.
-class Twin {
+class ReferenceRun {
  public:
-  Twin(unsigned scalar_size, const hal::ReportLayout& layout, const hal::StartMessage& start,
-       hal::Clock& clock)
+  ReferenceRun(unsigned scalar_size, const hal::ReportLayout& layout,
+               const hal::StartMessage& start, hal::Clock& clock)
       : clock_(clock),
         node_(scalar_size, clock),
         client_(node_.line(), clock, "the estimator on this computer") {
@@ -118,7 +118,7 @@ class Twin {
   }
 
   hal::Clock& clock_;
-  LocalNode node_;
+  InProcessNode node_;
   NodeClient client_;
   std::deque<Answer> answers_;
   std::uint64_t compared_ = 0, differences_ = 0;
@@ -155,7 +155,7 @@ Fed take_report(BridgeInput& input, TimeNs wait_ns, hal::Clock& clock, hal::RawR
   }
 }
 
-std::string health_words(const std::optional<hal::HealthMessage>& health) {
+std::string health_text(const std::optional<hal::HealthMessage>& health) {
   if (!health) return "not known: it no longer answers";
   return fmt::format(
       "{} frames refused, {} lost; {} bytes overrun, {} dropped; {} of {} bytes of stack used",
@@ -166,11 +166,11 @@ std::string health_words(const std::optional<hal::HealthMessage>& health) {
 // Connects a source of reports and a microcontroller.
 class Bridge {
  public:
-  Bridge(BridgeInput& input, NodeClient& client, Twin* twin, NodeRows& rows,
+  Bridge(BridgeInput& input, NodeClient& client, ReferenceRun* reference, NodeRows& rows,
          EstimatesFile* estimates, hal::Clock& clock)
       : input_(input),
         client_(client),
-        twin_(twin),
+        reference_(reference),
         rows_(rows),
         estimates_(estimates),
         clock_(clock) {}
@@ -200,11 +200,11 @@ class Bridge {
     switch (take_report(input_, is_idle ? kPatience_ns : 0, clock_, report_, counts_)) {
       case Fed::report:
         client_.send(report_);
-        if (twin_ != nullptr) twin_->send(report_);
+        if (reference_ != nullptr) reference_->send(report_);
         break;
       case Fed::reconnected:
         client_.reconnect();
-        if (twin_ != nullptr) twin_->reconnect();
+        if (reference_ != nullptr) reference_->reconnect();
         break;
       case Fed::nothing:
         break;
@@ -215,7 +215,7 @@ class Bridge {
   void finish() {
     has_input_ = false;
     client_.finish();
-    if (twin_ != nullptr) twin_->finish();
+    if (reference_ != nullptr) reference_->finish();
   }
   void take(NodeAnswer answer) {
     std::optional<EstimateRow> row;
@@ -226,8 +226,8 @@ class Bridge {
       row = rows_.row_of(client_.frame());
     }
     if (row) ++counts_.rows;
-    if (twin_ != nullptr) {
-      twin_->compare(answer, client_.frame(), [&] { return name_of_answer(row); });
+    if (reference_ != nullptr) {
+      reference_->compare(answer, client_.frame(), [&] { return name_of_answer(row); });
     }
     if (row && estimates_ != nullptr) estimates_->write_row(*row);
   }
@@ -243,7 +243,7 @@ class Bridge {
 
   BridgeInput& input_;
   NodeClient& client_;
-  Twin* twin_;
+  ReferenceRun* reference_;
   NodeRows& rows_;
   EstimatesFile* estimates_;
   hal::Clock& clock_;
@@ -272,13 +272,13 @@ int bridge(const BridgeOptions& options) {
   client.connect(stop_requested);
   const unsigned scalar_size = client.greeting().scalar_size;
   if (client.fault()) {
-    print_error("the microcontroller had stopped: " + fault_words(*client.fault()));
+    print_error("the microcontroller had stopped: " + fault_text(*client.fault()));
   }
   start.identifies =
       input.has_drive && !options.estimator.is_published() && client.greeting().identifies;
   client.begin(input.layout, start);
-  std::optional<Twin> twin;
-  if (options.checks) twin.emplace(scalar_size, input.layout, start, clock);
+  std::optional<ReferenceRun> reference;
+  if (options.checks) reference.emplace(scalar_size, input.layout, start, clock);
 
   const bool is_published = options.estimator.is_published();
   const int axis_count = is_published ? 0 : input.layout.kind == SampleKind::one_axis ? 1 : 3;
@@ -287,7 +287,7 @@ int bridge(const BridgeOptions& options) {
     estimates = std::make_unique<EstimatesFile>(options.out, axis_count, start.identifies);
   }
   NodeRows rows(axis_count, options.choice.followed, scalar_size, start.identifies);
-  Bridge bridge(input, client, twin ? &*twin : nullptr, rows, estimates.get(), clock);
+  Bridge bridge(input, client, reference ? &*reference : nullptr, rows, estimates.get(), clock);
   const auto keep_estimates = [&] {
     if (!estimates) return;
     estimates->close();
@@ -314,7 +314,7 @@ int bridge(const BridgeOptions& options) {
     report.line(label, words);
   };
   line("input", options.input + ", " + input.words);
-  line("microcontroller", options.port + ": " + greeting_words(client.greeting()));
+  line("microcontroller", options.port + ": " + greeting_text(client.greeting()));
   line("reports", fmt::format("{} sent, {} lost on the line; {} estimates, {} without one",
                               client.reports_sent(), client.reports_lost(), counts.estimates,
                               counts.without_estimate));
@@ -327,21 +327,21 @@ int bridge(const BridgeOptions& options) {
     line("left out", fmt::format("{} samples without a time", counts.without_time));
   }
   if (start.identifies) {
-    report.add(joint_text(rows.conclusion(), start.recommended.joint));
+    report.add(impedance_text(rows.conclusion(), start.recommended.impedance));
   } else if (input.has_drive && !is_published) {
     line("drive",
          "not used: the microcontroller has too little memory to identify friction and mass");
   }
-  line("its health", health_words(health));
+  line("its health", health_text(health));
   line("this computer",
        fmt::format("{} frames refused, {} lost", client.frames_refused(), client.frames_lost()));
-  if (twin) line("check", twin->words());
+  if (reference) line("check", reference->words());
   if (estimates) line("estimates", options.out);
   print_output(report.text());
   const bool is_whole =
       client.reports_lost() == 0 && client.frames_lost() == 0 && rows.unreadable() == 0;
   if (!is_whole) print_error("warning: some reports have no estimate");
-  return is_whole && (!twin || twin->is_same()) ? kExitOk : kExitRefused;
+  return is_whole && (!reference || reference->is_same()) ? kExitOk : kExitRefused;
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ struct ChangesOptions : RecordingChoice {
 // The result of the recording.
 struct WatchedRecording {
   std::vector<TimedCycle<double>> cycles;
-  JointEstimate<double> identified;
+  ImpedanceEstimate<double> identified;
   std::optional<TimeNs> watched_from_ns;
   std::vector<std::string> notes;
 };
@@ -49,17 +49,17 @@ RecommendedParameters choose_parameters(const ChangesOptions& options, const Rec
     parameters =
         parse_recommended_parameters(options.recording + ": its parameters", info.parameters_toml);
   }
-  options.drive_stated.apply(parameters.joint);
+  options.drive_stated.apply(parameters.impedance);
   double& change_Ns_m = parameters.changes.detector.change_Ns_m;
   change_Ns_m = options.smallest_change_Ns_m.value_or(change_Ns_m);
-  if (parameters.joint.coulomb_N.mean != 0 || parameters.joint.coulomb_N.sd != 0) {
+  if (parameters.impedance.coulomb_N.mean != 0 || parameters.impedance.coulomb_N.sd != 0) {
     throw InputError(
         "--coulomb-sd-N",
         "this command counts all friction as effective damping, including Coulomb friction",
         "leave it out, and remove coulomb_N and coulomb_sd_N from the parameter file");
   }
   // With a share of 1, a change of the missing force looks like a change of damping.
-  if (parameters.joint.drive.missing_share >= 1) {
+  if (parameters.impedance.drive.missing_share >= 1) {
     throw InputError(
         "--drive-missing",
         "must be given, below 1: a change of damping is known only if the share of the "
@@ -95,8 +95,8 @@ WatchedRecording watch(const ChangesOptions& options, const RecommendedParameter
   std::optional<DriveChannel> channel;
   if (!options.drive.empty()) channel.emplace(options.drive, options.reading.faults);
   ReplayedDriveSensor<CycleSensor<double, kAxes>> sensor(channel ? &*channel : nullptr,
-                                                         parameters.joint.drive.delay_s, parameters,
-                                                         options.point(), axis);
+                                                         parameters.impedance.drive.delay_s,
+                                                         parameters, options.point(), axis);
   WatchedRecording result;
   firmware::RunCounts counts;
   Progress progress("watching", clock);
@@ -122,8 +122,9 @@ WatchedRecording watch(const ChangesOptions& options, const RecommendedParameter
 
 // Why no cycle was watched.
 [[noreturn]] void refuse_unwatched(const ChangesOptions& options,
-                                   const RecommendedParameters& parameters, JointLimit limit) {
-  if (is_failure(limit) && limit != JointLimit::no_drive && limit != JointLimit::too_early) {
+                                   const RecommendedParameters& parameters, ImpedanceLimit limit) {
+  if (is_failure(limit) && limit != ImpedanceLimit::no_drive &&
+      limit != ImpedanceLimit::too_early) {
     throw InputError(options.recording,
                      fmt::format("drive and model do not explain the motion, so the damping is not "
                                  "known ({}; run `condyle replay` for details)",
@@ -173,10 +174,10 @@ int changes(const ChangesOptions& options) {
   if (!recording.watched_from_ns) {
     refuse_unwatched(options, parameters, recording.identified.mass_kg.limit);
   }
-  const JointEstimate<double>& identified = recording.identified;
+  const ImpedanceEstimate<double>& identified = recording.identified;
   WatchSettings settings{parameters.changes.detector, options.false_alarm_interval_h,
-                         parameters.joint.drive, identified.mass_kg.fitted};
-  if (parameters.joint.delay == DelayModel::fitted) {
+                         parameters.impedance.drive, identified.mass_kg.fitted};
+  if (parameters.impedance.delay == DelayModel::fitted) {
     settings.drive.delay_sd_s = identified.delay_s.fitted_sd;
   }
   const ChangeWatch found = watch_cycles(recording.cycles, settings);

@@ -42,7 +42,7 @@ int examine_and_tell(const DoctorOptions& options) {
     return kExitOk;
   }
   const std::vector<Finding> findings = examine(machine, wanted, back_end);
-  print_output(findings_words(findings));
+  print_output(findings_text(findings));
   const bool is_fit = std::none_of(findings.begin(), findings.end(), [](const Finding& finding) {
     return finding.severity == Severity::missing;
   });

@@ -42,7 +42,7 @@ EstimatorSettings choose_settings(const EvaluateOptions& options, const Scenario
     return loaded.values;
   }
   RecommendedParameters parameters = estimator.load_recommended();
-  options.drive.apply(parameters.joint);
+  options.drive.apply(parameters.impedance);
   refuse_long_step(parameters, step_s, options.scenario, "its step", "raise rate_Hz");
   return RecommendedSettings{parameters, estimator.lag};
 }

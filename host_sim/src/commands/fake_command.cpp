@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "commands/commands.h"
-#include "fake/account.h"
+#include "fake/delivery_log.h"
 #include "fake/fake_arguments.h"
 #include "fake/fake_run.h"
 #include "fake/uhid_transport.h"
@@ -50,7 +50,7 @@ int run_fake(const Options& options) {
       return stop_requested();
     });
   }
-  print_output(fake::account_json(run.account()) + "\n");
+  print_output(fake::delivery_log_json(run.delivery_log()) + "\n");
   return stop_requested() ? kExitInterrupted : kExitOk;
 }
 

@@ -13,12 +13,12 @@
 #include "condyle/hal/hid/report_descriptor.h"
 #include "hosted/config/device_profile_file.h"
 #include "hosted/devices/connected_device.h"
-#include "hosted/devices/device_words.h"
+#include "hosted/devices/device_text.h"
 #include "hosted/files/input_error.h"
 #include "inspect/descriptor_file.h"
 #include "inspect/descriptor_text.h"
 #include "inspect/device_argument.h"
-#include "inspect/live_inspection.h"
+#include "inspect/device_inspector.h"
 #include "options/command_line.h"
 #include "options/recording_choice.h"
 
@@ -40,7 +40,7 @@ int inspect_descriptor(const InspectOptions& options) {
     return kExitRefused;
   }
   print_output(options.as_json ? descriptor_json(*result.descriptor)
-                               : descriptor_words(*result.descriptor));
+                               : descriptor_text(*result.descriptor));
   return kExitOk;
 }
 
@@ -51,8 +51,8 @@ int list_devices(const InspectOptions& options) {
   } else if (devices.empty()) {
     print_output("no HID device is plugged in or visible; run condyle doctor for details\n");
   } else {
-    print_output(devices_words(devices) + "condyle inspect --device " +
-                 id_words(devices.front().vendor_id, devices.front().product_id) +
+    print_output(devices_text(devices) + "condyle inspect --device " +
+                 id_text(devices.front().vendor_id, devices.front().product_id) +
                  " shows what the first one sends\n");
   }
   return kExitOk;
@@ -103,14 +103,14 @@ bool watch(hal::Clock& clock, double duration_s, const Read& read, const Words& 
 }
 
 // Which interface is read, if the device has several.
-std::string interface_words(const hal::DeviceAddress& address) {
+std::string interface_text(const hal::DeviceAddress& address) {
   std::string others;
   for (const hal::HidDevice& device :
        hal::list_hid_devices(address.vendor_id, address.product_id)) {
     const bool is_it = address.interface_number == device.interface_number;
     if (address.interface_number < 0 || is_it) continue;
     others += fmt::format("  {} {}\n", device.path,
-                          usage_words({device_usage(device), device_usage(device)}));
+                          usage_text({device_usage(device), device_usage(device)}));
   }
   if (others.empty()) return "";
   return fmt::format("interface {} of the device; others, for --device:\n{}",
@@ -137,11 +137,11 @@ int inspect_device(const InspectOptions& options) {
 
   const auto descriptor = hal::parse_report_descriptor(device.report_descriptor());
   if (profile) complete_profile(*profile, device.report_descriptor(), "the device");
-  LiveInspection inspection(device.source(), descriptor.descriptor);
+  DeviceInspector inspection(device.source(), descriptor.descriptor);
   std::optional<hal::DeviceFacebow> facebow;
   if (profile) facebow.emplace(inspection, hal::layout_of(*profile));
   const auto words = [&] {
-    return inspection.words() + (facebow ? profile_words(*profile, *facebow) : "");
+    return inspection.words() + (facebow ? profile_text(*profile, *facebow) : "");
   };
   hal::RawReport report;
   Sample sample;
@@ -166,8 +166,8 @@ int inspect_device(const InspectOptions& options) {
     print_output(json.dump(2) + '\n');
     return kExitOk;
   }
-  print_output(interface_words(choice.address) + "report descriptor of the device\n" +
-               (undecoded.empty() ? descriptor_words(*descriptor.descriptor) : undecoded + '\n') +
+  print_output(interface_text(choice.address) + "report descriptor of the device\n" +
+               (undecoded.empty() ? descriptor_text(*descriptor.descriptor) : undecoded + '\n') +
                "reports received\n" + words() + (stayed ? "" : "the device was disconnected\n"));
   return kExitOk;
 }

@@ -14,7 +14,7 @@
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/report/device_facebow.h"
 #include "hosted/config/parameter_file.h"
-#include "hosted/devices/device_words.h"
+#include "hosted/devices/device_text.h"
 #include "hosted/devices/run_settings.h"
 #include "hosted/devices/session_device.h"
 #include "hosted/files/input_error.h"
@@ -104,7 +104,7 @@ class Monitor {
   bool is_terminal_ = isatty(STDERR_FILENO) != 0, has_line_ = false;
 };
 
-std::string latency_words(const firmware::LatencyHistogram& latency) {
+std::string latency_text(const firmware::LatencyHistogram& latency) {
   if (latency.count() == 0) return "no samples";
   const auto us = [](TimeNs time_ns) { return static_cast<double>(time_ns) * 1e-3; };
   return fmt::format("p50 {:.3g} us, p99 {:.3g} us, at most {:.3g} us from arrival to estimate",
@@ -123,14 +123,14 @@ std::string summary(const RecordOptions& options, const hal::DeviceProfile& prof
   };
   line("device", fmt::format("{}, through {}", profile.name, options.backend));
   line("duration", fmt::format("{:.3f} s", seconds(elapsed_ns)));
-  line("reports", reports_words(profile, facebow.counts(), facebow.transport_counts()));
-  if (profile.device_time) line("clock", clock_words(facebow.clock_fit()));
-  line("latency", latency_words(latency));
+  line("reports", reports_text(profile, facebow.counts(), facebow.transport_counts()));
+  if (profile.device_time) line("clock", clock_text(facebow.clock_fit()));
+  line("latency", latency_text(latency));
   for (const auto& companion : companions) {
     const hal::DeviceFacebow& beside = companion->companion.device();
     line("companion", companion->profile.name);
-    line("reports", reports_words(companion->profile, beside.counts(), beside.transport_counts()));
-    if (companion->profile.device_time) line("clock", clock_words(beside.clock_fit()));
+    line("reports", reports_text(companion->profile, beside.counts(), beside.transport_counts()));
+    if (companion->profile.device_time) line("clock", clock_text(beside.clock_fit()));
   }
   line("recording",
        fmt::format("{}: {} reports, {} events, {} bytes; {} reports and {} events were dropped",
@@ -237,15 +237,15 @@ int record(const RecordOptions& options) {
   }
   hal::SteadyClock clock;
   std::vector<SessionDevice> devices;
-  devices.push_back(name_device(options.profile, options.serial, options.backend, clock));
+  devices.push_back(make_session_device(options.profile, options.serial, options.backend, clock));
   require_position(devices.front().profile, options.profile);
   for (const auto& [file, serial] : companions) {
-    devices.push_back(name_device(file, serial, options.backend, clock));
+    devices.push_back(make_session_device(file, serial, options.backend, clock));
   }
-  refuse_twins(devices);
+  reject_duplicate_devices(devices);
   const SampleKind kind = devices.front().profile.kind;
   options.choice.check(options.profile, kind);
-  for (SessionDevice& device : devices) describe(device, stop_requested);
+  for (SessionDevice& device : devices) probe_device(device, stop_requested);
 
   hal::SessionHeader header;
   header.software_version = "condyle " CONDYLE_VERSION;

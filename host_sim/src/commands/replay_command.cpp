@@ -73,13 +73,13 @@ std::string summary_json(const ReplayOptions& options, const RecordingInfo& info
 template <class Sensor, class RowOfStep>
 int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
                    const firmware::RunSettings& settings, Sensor& sensor, int axis_count,
-                   bool has_joint, const RowOfStep& row_of_step, ReplaySummary& summary) {
+                   bool has_impedance, const RowOfStep& row_of_step, ReplaySummary& summary) {
   // Opened first, to report an output that cannot be written before the work.
   std::unique_ptr<OutputFolder> figure_folder;
   if (!options.figures.empty()) figure_folder = std::make_unique<OutputFolder>(options.figures);
   std::unique_ptr<EstimatesFile> estimates;
   if (!options.out.empty()) {
-    estimates = std::make_unique<EstimatesFile>(options.out, axis_count, has_joint);
+    estimates = std::make_unique<EstimatesFile>(options.out, axis_count, has_impedance);
   }
   FigureData figure_data;
   firmware::RunCounts counts;
@@ -178,12 +178,12 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
                    "its median step", "check the unit of time_s");
   BodyFits fits;
-  options.drive_stated.apply(parameters.joint);
+  options.drive_stated.apply(parameters.impedance);
   RecommendedSummary summary(parameters, options.estimator.lag, options.followed.axis, fits);
-  const auto run = [&](auto& sensor, bool has_joint) {
+  const auto run = [&](auto& sensor, bool has_impedance) {
     return replay_through(
         options, facebow, clock, settings, sensor, info.kind == SampleKind::one_axis ? 1 : 3,
-        has_joint,
+        has_impedance,
         [&](const Sample&, const auto& estimate) {
           return estimate.is_ready ? std::optional(row_of(estimate, options.followed.axis))
                                    : std::nullopt;
@@ -198,7 +198,7 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
       [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
         if constexpr (firmware::kIdentifying<Sensor>) {
           ReplayedDriveSensor<Sensor> sensor(channel ? &*channel : nullptr,
-                                             parameters.joint.drive.delay_s, arguments...);
+                                             parameters.impedance.drive.delay_s, arguments...);
           summary.set_conclusion([&] { return sensor.conclude(); });
           summary.set_drive([&] { return sensor.notes(); });
           return run(sensor, true);

@@ -62,7 +62,7 @@ std::unique_ptr<ComparedEstimator> make_compared_estimator(const EstimatorOption
   }
   const RecordingInfo& info = facebow.info();
   RecommendedParameters parameters = load_recommended_for(option, info, source);
-  drive.apply(parameters.joint);
+  drive.apply(parameters.impedance);
   refuse_long_step(parameters, seconds(facebow.expected_step_ns()), source, "its median step",
                    "check the unit of time_s");
   const Axis axis = choice.followed.axis;

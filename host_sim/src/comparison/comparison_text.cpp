@@ -32,7 +32,7 @@ std::size_t name_width(const std::vector<NamedEstimator>& estimators) {
   return width;
 }
 
-std::string score_words(const RunReport& run, bool is_first) {
+std::string score_text(const RunReport& run, bool is_first) {
   if (is_first) return "first";
   const BlockMean& difference = run.score_difference;
   if (!std::isfinite(difference.mean)) return "-";
@@ -60,7 +60,7 @@ std::string prediction_text(const std::vector<NamedEstimator>& estimators,
                                 : fmt::format("{:.3f} ({:.3f} to {:.3f})", run.mean_nis,
                                               run.nis_bounds.low, run.nis_bounds.high);
     text += fmt::format("  {:<{}}  {:<22}  {:<24}  {:<11}  {}\n", label_of(estimators[i]), width,
-                        error, nis, shown(run.correlation, 1, "{:.2f}"), score_words(run, i == 0));
+                        error, nis, shown(run.correlation, 1, "{:.2f}"), score_text(run, i == 0));
   }
   return text;
 }
@@ -85,7 +85,7 @@ std::string motion_text(const std::vector<NamedEstimator>& estimators,
   return text;
 }
 
-std::string quantity_words(const Quantity<double>& quantity, const char* unit) {
+std::string quantity_text(const Quantity<double>& quantity, const char* unit) {
   if (quantity.provenance != Provenance::measured) {
     return fmt::format("{:.4g} {}, {}, no finding", quantity.value, unit,
                        provenance_name(quantity.provenance));
@@ -100,9 +100,8 @@ std::string friction_text(const std::vector<NamedEstimator>& estimators,
   for (std::size_t i = 0; i < estimators.size(); ++i) {
     const RunReport& run = recording.runs[i];
     if (run.friction_Ns_m.provenance == Provenance::not_computed) continue;
-    text +=
-        fmt::format("  {}: friction {}; mass {}\n", label_of(estimators[i]),
-                    quantity_words(run.friction_Ns_m, "Ns/m"), quantity_words(run.mass_kg, "kg"));
+    text += fmt::format("  {}: friction {}; mass {}\n", label_of(estimators[i]),
+                        quantity_text(run.friction_Ns_m, "Ns/m"), quantity_text(run.mass_kg, "kg"));
   }
   return text;
 }
@@ -129,7 +128,7 @@ void append_quantity(std::string& text, const Quantity<double>& quantity) {
 
 }  // namespace
 
-std::string warning_words(const RunReport& run) {
+std::string warning_text(const RunReport& run) {
   if (run.is_filtered) {
     return "the noise is not white: the positions were smoothed or otherwise filtered before they "
            "were recorded";
@@ -162,7 +161,7 @@ std::string comparison_text(const std::vector<NamedEstimator>& estimators,
             motion_text(estimators, recording, width) + friction_text(estimators, recording);
     for (std::size_t i = 0; i < estimators.size(); ++i) {
       const RunReport& run = recording.runs[i];
-      if (const std::string warning = warning_words(run); !warning.empty()) {
+      if (const std::string warning = warning_text(run); !warning.empty()) {
         text += fmt::format(
             "  note: {}: {}; intervals are not to be relied on, and better predictions of such "
             "positions do not imply better tracking of the jaw\n",

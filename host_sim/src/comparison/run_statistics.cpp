@@ -17,7 +17,7 @@ bool is_without_position(const EstimateRow& row) {
         Event::position_repeated, Event::position_frozen, Event::points_not_rigid}) {
     if (row.events.has(event)) return true;
   }
-  return is_told_twice(row);
+  return is_duplicate(row);
 }
 
 bool is_measured(const Quantity<double>& quantity) {
@@ -55,7 +55,7 @@ void RunStatistics::add(const EstimateRow& row, const EstimateRow& first, double
     score_.add(score);
     score_difference_.add(score - score_of(first));
   }
-  if (!is_told_twice(row)) {
+  if (!is_duplicate(row)) {
     const double standardised = standardised_innovation(row, axis_of(row));
     monitor_.add(standardised, is_rejected ? EstimateRow::kNone : row.measured_position_m, step_s);
     if (std::isfinite(standardised)) nis_.add(standardised * standardised);

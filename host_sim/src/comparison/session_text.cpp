@@ -45,7 +45,7 @@ std::string repeats_text(const QuantityComparison& quantity) {
       repeats.degrees_of_freedom == 1 ? "" : "s", quantity.smallest_single);
 }
 
-std::string change_words(const SessionChange& change) {
+std::string change_text(const SessionChange& change) {
   if (std::isnan(change.smallest)) return "; whether it exceeds chance is not known";
   return fmt::format("; smallest change {:.3g}: {}", change.smallest,
                      !change.exceeds() ? "not detectable"
@@ -65,7 +65,7 @@ std::string quantity_text(const QuantityComparison& quantity,
   text += "\n" + repeats_text(quantity);
   for (const SessionChange& change : quantity.changes) {
     text += fmt::format("  {} to {}: {:+.3g}{}\n", sessions[change.from].name,
-                        sessions[change.to].name, change.change, change_words(change));
+                        sessions[change.to].name, change.change, change_text(change));
   }
   return text;
 }
@@ -82,7 +82,7 @@ std::string doubts_text(const std::vector<Session>& sessions) {
         text += fmt::format("note         {}: {:.0f} % of its samples measure the motion\n",
                             clean_line(recording.source), 100 * measured_share);
       }
-      const std::string warning = warning_words(recording.runs[0]);
+      const std::string warning = warning_text(recording.runs[0]);
       if (warning.empty()) continue;
       text += fmt::format("note         {}: {}\n", clean_line(recording.source), warning);
     }

@@ -6,7 +6,7 @@
 
 namespace condyle::host {
 
-bool is_told_twice(const EstimateRow& row) {
+bool is_duplicate(const EstimateRow& row) {
   return row.events.has(Event::time_repeated) && !std::isfinite(row.measured_position_m);
 }
 
@@ -69,10 +69,10 @@ EstimateRow row_of(const RecommendedEstimate<double>& estimate, Axis followed) {
 EstimateRow row_of(const DrivenEstimate<double>& estimate, Axis followed) {
   const RecommendedEstimate<double>& motion = estimate;
   EstimateRow row = row_of(motion, followed);
-  row.has_joint = true;
-  row.joint = estimate.joint;
-  row.friction_Ns_m = estimate.joint.friction_Ns_m.quantity;
-  row.mass_kg = estimate.joint.mass_kg.quantity;
+  row.has_impedance = true;
+  row.impedance = estimate.impedance;
+  row.friction_Ns_m = estimate.impedance.friction_Ns_m.quantity;
+  row.mass_kg = estimate.impedance.mass_kg.quantity;
   return row;
 }
 

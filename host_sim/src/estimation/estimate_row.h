@@ -31,8 +31,8 @@ struct EstimateRow {
   int axis_count = 0;             ///< 1 or 3
   AxisEstimate<double> followed;  ///< the axis whose values come first
   AxisEstimate<double> axes[3];   ///< all of them, x, y, z
-  bool has_joint = false;         ///< friction and mass are identified from a measured drive
-  JointEstimate<double> joint;
+  bool has_impedance = false;     ///< friction and mass are identified from a measured drive
+  ImpedanceEstimate<double> impedance;
 };
 
 /// Number of axes with innovations in `row`: 3 or 1.
@@ -41,7 +41,7 @@ inline int innovation_axis_count(const EstimateRow& row) {
 }
 
 /// True if `row` repeats the measurement of the previous row.
-bool is_told_twice(const EstimateRow& row);
+bool is_duplicate(const EstimateRow& row);
 
 /// Innovation along an axis over its predicted standard deviation (stage 1's of the published
 /// cascade). NaN if there is none, or if it was rejected: it then carries no information on the

@@ -57,13 +57,13 @@ void add_identified(const IdentifiedValue<double>& value, double truth,
   statistics.error.add(error);
   statistics.square.add(error * error);
   statistics.fitted_sd.add(value.fitted_sd);
-  if (value.limit != JointLimit::none) return;
+  if (value.limit != ImpedanceLimit::none) return;
   ++statistics.shown;
   if (std::abs(error) < kNormalQuantile95 * value.fitted_sd) ++statistics.covered;
 }
 
 void add_identified(const IdentifiedRun& run, Evaluation& evaluation) {
-  const JointEstimate<double>& last = run.last;
+  const ImpedanceEstimate<double>& last = run.last;
   ++evaluation.identified;
   add_identified(last.friction_Ns_m, run.friction_Ns_m, evaluation.identified_friction);
   add_identified(last.mass_kg, run.mass_kg, evaluation.identified_mass);

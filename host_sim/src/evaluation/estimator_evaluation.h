@@ -35,9 +35,9 @@ struct IdentifiedStatistics {
   Moments error;      ///< of the fitted value, shown or not; its square is the part of the bias
   Moments square;     ///< of these errors
   Moments fitted_sd;  ///< that it stated
-  std::uint64_t shown = 0;                           ///< as measured
-  std::uint64_t covered = 0;                         ///< of these, by the 95 % interval
-  std::array<std::uint64_t, kJointLimits> limits{};  ///< why not
+  std::uint64_t shown = 0;                               ///< as measured
+  std::uint64_t covered = 0;                             ///< of these, by the 95 % interval
+  std::array<std::uint64_t, kImpedanceLimits> limits{};  ///< why not
 };
 
 /// All runs.

@@ -46,9 +46,9 @@ class RunComparison {
   // `truth`: at the instant that `row` estimates.
   void add(const EstimateRow& row, const SubjectTruth& truth) {
     ++run_.samples;
-    if (row.has_joint) {
+    if (row.has_impedance) {
       if (!run_.identified) run_.identified.emplace();
-      run_.identified->last = row.joint;
+      run_.identified->last = row.impedance;
     }
     run_.events.add(row.events);
     run_.velocity_m_s.add(truth.time_s, row.velocity_m_s.value - truth.velocity_m_s,
@@ -57,7 +57,7 @@ class RunComparison {
     if (is_there(row.mass_kg)) {
       run_.mass.estimate = row.mass_kg.value;
       // A sample that was not used has no verdict.
-      if (!row.has_joint) run_.verdict = row.verdict;
+      if (!row.has_impedance) run_.verdict = row.verdict;
     }
     if (truth.time_s < left_out_s_) return;
     const auto estimates = quantities_of(row);
@@ -69,7 +69,7 @@ class RunComparison {
         ++run_.not_computed[i];
       }
     }
-    if (!is_told_twice(row)) add_innovations(row);
+    if (!is_duplicate(row)) add_innovations(row);
     friction_.add(truth.effective_friction_Ns_m);
     mass_.add(truth.effective_mass_kg);
   }

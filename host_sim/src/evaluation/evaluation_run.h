@@ -21,7 +21,7 @@
 #include <variant>
 
 #include "condyle/estimator/events.h"
-#include "condyle/estimator/impedance/joint_estimate.h"
+#include "condyle/estimator/impedance/impedance_estimate.h"
 #include "condyle/estimator/published/matching_verdict.h"
 #include "condyle/estimator/published/parameters.h"
 #include "condyle/estimator/sensors/recommended_parameters.h"
@@ -74,7 +74,7 @@ struct RunInnovations {
 
 /// Friction and mass at the end of a run with a measured drive.
 struct IdentifiedRun {
-  JointEstimate<double> last;
+  ImpedanceEstimate<double> last;
   double friction_Ns_m = 0, mass_kg = 0;  ///< mean truths
 };
 

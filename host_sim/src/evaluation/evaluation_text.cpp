@@ -119,7 +119,7 @@ std::string identified_text(const char* name, const char* unit, const Identified
   for (std::size_t i = 1; i < of.limits.size(); ++i) {
     if (of.limits[i] == 0) continue;
     limits += fmt::format("{}{} {}", limits.empty() ? "" : ", ",
-                          limit_name(static_cast<JointLimit>(i)), of.limits[i]);
+                          limit_name(static_cast<ImpedanceLimit>(i)), of.limits[i]);
   }
   return fmt::format(
       "{:<12}shown in {} of {} runs, the 95 % interval contains the truth in {}{}; bias {:.3g}, "

@@ -55,13 +55,13 @@ bool FakeRun::wait_until_taken() {
 
 bool FakeRun::plug_and_wait() {
   transport_.plug();
-  ++account_.plugged_in;
+  ++delivery_log_.plugged_in;
   do {
     if (!serve_while([this] { return !transport_.is_read(); })) return false;
     if (!serve_until(clock_.now_ns() + nanoseconds(options_.settle_s))) return false;
   } while (!transport_.is_read());
   // The device's time continues while it waits, except before the first read.
-  if (account_.plugged_in == 1) {
+  if (delivery_log_.plugged_in == 1) {
     origin_ns_ = clock_.now_ns();
   } else if (options_.pacing == Pacing::real_time) {
     due_ns_ = std::max(due_ns_, clock_.now_ns() - origin_ns_);
@@ -71,32 +71,33 @@ bool FakeRun::plug_and_wait() {
 
 void FakeRun::run(const std::function<bool()>& stop) {
   stop_ = stop;
-  account_.transport = transport_.name();
-  account_.first_counter = device_.counter();
+  delivery_log_.transport = transport_.name();
+  delivery_log_.first_counter = device_.counter();
   if (plug_and_wait()) {
-    while (account_.ended.empty() && step()) {
+    while (delivery_log_.ended.empty() && step()) {
     }
     flush();
-    if (!account_.ended.empty() && serve_while([this] { return !transport_.is_taken(); })) {
+    if (!delivery_log_.ended.empty() && serve_while([this] { return !transport_.is_taken(); })) {
       serve_until(clock_.now_ns() + nanoseconds(options_.linger_s));
     }
   }
-  if (account_.ended.empty()) account_.ended = "stopped";
+  if (delivery_log_.ended.empty()) delivery_log_.ended = "stopped";
   transport_.unplug();
 }
 
-Account FakeRun::account() const {
-  Account account = account_;
-  account.deliveries = transport_.deliveries();
-  account.deliveries.lost_failed = failed_;
-  return account;
+DeliveryLog FakeRun::delivery_log() const {
+  DeliveryLog delivery_log = delivery_log_;
+  delivery_log.deliveries = transport_.deliveries();
+  delivery_log.deliveries.lost_failed = failed_;
+  return delivery_log;
 }
 
 // One report. False if the user stopped it.
 bool FakeRun::step() {
-  const bool is_last = options_.count > 0 && account_.made + 1 == options_.count;
-  if (account_.made == 1 && !wait_until_taken()) return false;
-  const auto faults = script_.faults_of(account_.made, due_ns_, account_.made == 0 || is_last);
+  const bool is_last = options_.count > 0 && delivery_log_.made + 1 == options_.count;
+  if (delivery_log_.made == 1 && !wait_until_taken()) return false;
+  const auto faults =
+      script_.faults_of(delivery_log_.made, due_ns_, delivery_log_.made == 0 || is_last);
   for (const Fault& fault : faults) {
     if (!spoils(fault.kind) && !before_report(fault)) return false;
   }
@@ -109,13 +110,13 @@ bool FakeRun::step() {
 
   FacebowReport report;
   if (!device_.next_report(due_ns_, report)) {
-    account_.ended = "the motion ended";
+    delivery_log_.ended = "the motion ended";
     return true;
   }
-  account_.last_counter = device_.counter() - 1;
-  ++account_.made;
+  delivery_log_.last_counter = device_.counter() - 1;
+  ++delivery_log_.made;
   due_ns_ += std::llround(1e9 / options_.rate_Hz);
-  if (is_last) account_.ended = "all reports were sent";
+  if (is_last) delivery_log_.ended = "all reports were sent";
 
   Packet packet;
   packet.size = report.size();
@@ -131,7 +132,7 @@ bool FakeRun::step() {
 
 // False if the user stopped it.
 bool FakeRun::before_report(const Fault& fault) {
-  ++account_.done[index_of(fault.kind)];
+  ++delivery_log_.done[index_of(fault.kind)];
   switch (fault.kind) {
     case FaultKind::unplug:
       return unplug_and_replug(fault);
@@ -144,7 +145,7 @@ bool FakeRun::before_report(const Fault& fault) {
     case FaultKind::counter_jump: {
       const auto step = static_cast<std::int64_t>(fault.amount);
       device_.jump_counter(step);
-      account_.counter_jumped += step;
+      delivery_log_.counter_jumped += step;
       return true;
     }
     case FaultKind::clock_jump:
@@ -178,10 +179,10 @@ void FakeRun::spoil(FacebowReport& report, const Fault& fault, Packet& packet) {
   const bool is_failure = fault.kind == FaultKind::stall || fault.kind == FaultKind::transfer_error;
   const bool is_spoilt = !packet.intact || packet.failure != TransferFailure::none;
   if (is_spoilt || (is_failure && !transport_.can_fail())) {
-    ++account_.not_done[index_of(fault.kind)];
+    ++delivery_log_.not_done[index_of(fault.kind)];
     return;
   }
-  ++account_.done[index_of(fault.kind)];
+  ++delivery_log_.done[index_of(fault.kind)];
   packet.intact = is_failure;
   switch (fault.kind) {
     case FaultKind::stall:

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "condyle/hal/clock.h"
-#include "fake/account.h"
+#include "fake/delivery_log.h"
 #include "fake/facebow_device.h"
 #include "fake/fault_script.h"
 #include "fake/transport.h"
@@ -46,9 +46,9 @@ class FakeRun {
   void run(const std::function<bool()>& stop);
 
   /// The account so far.
-  Account account() const;
+  DeliveryLog delivery_log() const;
   /// Number of reports so far.
-  std::uint64_t made() const { return account_.made; }
+  std::uint64_t made() const { return delivery_log_.made; }
 
  private:
   bool serve_while(const std::function<bool()>& condition);
@@ -68,7 +68,7 @@ class FakeRun {
   RunOptions options_;
   RandomGenerator random_;
   std::function<bool()> stop_;
-  Account account_;               // without deliveries
+  DeliveryLog delivery_log_;      // without deliveries
   std::uint64_t failed_ = 0;      // reports in transfers that failed
   TimeNs origin_ns_ = 0;          // on clock_, of the device's time
   TimeNs due_ns_ = 0;             // of the next report, since the device was first read

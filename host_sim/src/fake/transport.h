@@ -8,7 +8,7 @@
 
 #include "condyle/estimator/sample.h"
 #include "condyle/hal/clock.h"
-#include "fake/account.h"
+#include "fake/delivery_log.h"
 #include "fake/facebow_usb.h"
 
 namespace condyle::host::fake {

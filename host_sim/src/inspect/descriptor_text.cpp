@@ -36,7 +36,7 @@ const char* usage_name(std::uint32_t usage) {
 
 }  // namespace
 
-std::string usage_words(const hal::UsageRange& range) {
+std::string usage_text(const hal::UsageRange& range) {
   std::string text = fmt::format("{:04X}:{:04X}", range.first >> 16U, range.first & 0xFFFFU);
   if (range.last != range.first) text += fmt::format("-{:04X}", range.last & 0xFFFFU);
   const std::string name = usage_name(range.first);
@@ -45,13 +45,13 @@ std::string usage_words(const hal::UsageRange& range) {
 
 namespace {
 
-std::string usages_words(const hal::DescriptorField& field) {
+std::string usages_text(const hal::DescriptorField& field) {
   constexpr std::size_t kShown = 4;
   if (field.is_constant()) return "padding";
   if (field.usages.empty()) return "no usage";
   std::string text;
   for (std::size_t i = 0; i < field.usages.size() && i < kShown; ++i) {
-    text += (i > 0 ? ", " : "") + usage_words(field.usages[i]);
+    text += (i > 0 ? ", " : "") + usage_text(field.usages[i]);
   }
   if (field.usages.size() > kShown) {
     text += fmt::format(" and {} more", field.usages.size() - kShown);
@@ -59,10 +59,10 @@ std::string usages_words(const hal::DescriptorField& field) {
   return text;
 }
 
-std::string field_words(const hal::DescriptorField& field) {
+std::string field_text(const hal::DescriptorField& field) {
   std::string text = fmt::format("  bit {:>5}  {:>4} x {:<3} bits  ", field.offset_bits,
                                  field.count, field.width_bits);
-  text += usages_words(field);
+  text += usages_text(field);
   if (field.is_constant()) return text + '\n';
   text += fmt::format("; {}{}{} to {}", field.is_variable() ? "" : "array, ",
                       field.is_relative() ? "relative, " : "", field.logical_minimum,
@@ -111,17 +111,17 @@ nlohmann::ordered_json field_json(const hal::DescriptorField& field) {
 
 }  // namespace
 
-std::string descriptor_words(const hal::ReportDescriptor& descriptor) {
+std::string descriptor_text(const hal::ReportDescriptor& descriptor) {
   std::string text;
   for (const hal::UsageRange& usage : descriptor.applications) {
-    text += "application " + usage_words(usage) + '\n';
+    text += "application " + usage_text(usage) + '\n';
   }
   for (const hal::DescribedReport& report : descriptor.reports) {
     const std::string id = report.id ? fmt::format("report {}", *report.id) : "unnumbered report";
     text += fmt::format("{}, {}, {} bits ({} bytes{})\n", id, hal::direction_name(report.direction),
                         report.size_bits, (report.size_bits + 7) / 8,
                         report.id ? ", the first is the report number" : "");
-    for (const hal::DescriptorField& field : report.fields) text += field_words(field);
+    for (const hal::DescriptorField& field : report.fields) text += field_text(field);
   }
   for (const std::string& note : descriptor.notes) text += "note: " + note + '\n';
   return text;

@@ -9,10 +9,10 @@
 namespace condyle::host {
 
 /// "X (0001:0030)"; only the numbers if the usage has no name here.
-std::string usage_words(const hal::UsageRange& range);
+std::string usage_text(const hal::UsageRange& range);
 
 /// As text, one line for each field; ends with a line feed.
-std::string descriptor_words(const hal::ReportDescriptor& descriptor);
+std::string descriptor_text(const hal::ReportDescriptor& descriptor);
 
 /// As a JSON object; hal/README.md describes it. Ends with a line feed.
 std::string descriptor_json(const hal::ReportDescriptor& descriptor);

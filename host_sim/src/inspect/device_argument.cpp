@@ -27,34 +27,34 @@ std::optional<std::pair<std::uint16_t, std::uint16_t>> read_ids(const std::strin
   return std::pair(vendor_id, product_id);
 }
 
-std::string place_words(const std::string& path, hal::DeviceAccess access) {
+std::string place_text(const std::string& path, hal::DeviceAccess access) {
   return fmt::format("{} ({})", path, hal::access_name(access));
 }
 
 }  // namespace
 
-std::string name_words(const hal::HidDevice& device) {
-  std::string text = id_words(device.vendor_id, device.product_id);
+std::string name_text(const hal::HidDevice& device) {
+  std::string text = id_text(device.vendor_id, device.product_id);
   for (const std::string& part : {device.manufacturer, device.product}) {
     if (!part.empty()) text += " " + part;
   }
   return text;
 }
 
-std::string devices_words(std::span<const hal::HidDevice> devices) {
+std::string devices_text(std::span<const hal::HidDevice> devices) {
   std::string text;
   for (const hal::HidDevice& device : devices) {
-    text += name_words(device) + '\n';
+    text += name_text(device) + '\n';
     const std::uint32_t usage = device_usage(device);
-    text += fmt::format("  is        {}, on {}", usage_words({usage, usage}),
-                        hal::bus_name(device.bus));
+    text +=
+        fmt::format("  is        {}, on {}", usage_text({usage, usage}), hal::bus_name(device.bus));
     if (device.interface_number >= 0)
       text += fmt::format(", interface {}", device.interface_number);
     if (!device.serial.empty()) text += ", serial number " + device.serial;
-    text += "\n  hidapi    " + place_words(device.path, device.access) + '\n';
+    text += "\n  hidapi    " + place_text(device.path, device.access) + '\n';
     if (!device.usb_path.empty()) {
       text += fmt::format("  libusb    {}, USB port {}\n",
-                          place_words(device.usb_path, device.usb_access), device.usb_port);
+                          place_text(device.usb_path, device.usb_access), device.usb_port);
     }
   }
   return text;

@@ -20,10 +20,10 @@ constexpr std::uint32_t device_usage(const hal::HidDevice& device) {
 }
 
 /// "046d:c626 3Dconnexion SpaceNavigator".
-std::string name_words(const hal::HidDevice& device);
+std::string name_text(const hal::HidDevice& device);
 
 /// The devices with their places and permissions, a few lines each.
-std::string devices_words(std::span<const hal::HidDevice> devices);
+std::string devices_text(std::span<const hal::HidDevice> devices);
 /// The same as JSON.
 nlohmann::ordered_json devices_json(std::span<const hal::HidDevice> devices);
 

@@ -99,7 +99,7 @@ void examine_usb(const Machine& machine, const hal::HidDevice& device, DeviceBac
                  std::vector<Finding>& findings) {
   const bool is_needed = back_end == DeviceBackEnd::libusb;
   const Severity severity = is_needed ? Severity::missing : Severity::optional;
-  const std::string name = name_words(device);
+  const std::string name = name_text(device);
   if (device.usb_path.empty()) {
     if (is_needed) {
       findings.push_back({Severity::missing,
@@ -128,19 +128,19 @@ void examine_usb(const Machine& machine, const hal::HidDevice& device, DeviceBac
            is_needed ? permission_mend(machine, device, back_end)
                      : fmt::format("to read it with libusb: condyle doctor --device {} --backend "
                                    "libusb",
-                                   id_words(device.vendor_id, device.product_id))});
+                                   id_text(device.vendor_id, device.product_id))});
   }
 }
 
 void examine_device(const Machine& machine, const hal::HidDevice& device, bool is_wanted,
                     DeviceBackEnd back_end, std::vector<Finding>& findings) {
-  const std::string name = name_words(device);
+  const std::string name = name_text(device);
   if (!is_wanted && device.access != hal::DeviceAccess::permitted) {
     findings.push_back({Severity::optional,
                         fmt::format("{}: {} is {} for {}", name, device.path,
                                     hal::access_name(device.access), machine.user),
                         fmt::format("if it is the facebow: condyle doctor --device {}",
-                                    id_words(device.vendor_id, device.product_id))});
+                                    id_text(device.vendor_id, device.product_id))});
     return;
   }
   if (back_end == DeviceBackEnd::libusb) return examine_usb(machine, device, back_end, findings);
@@ -182,7 +182,7 @@ void examine_devices(const Machine& machine, const std::optional<hal::DeviceAddr
   }
   if (looked_at > 0) return;
   const std::string what =
-      wanted ? "device " + id_words(wanted->vendor_id, wanted->product_id) : "a facebow";
+      wanted ? "device " + id_text(wanted->vendor_id, wanted->product_id) : "a facebow";
   findings.push_back({Severity::missing, what + " is not plugged in, or not visible",
                       "plug it in and power it; if lsusb lists it but condyle inspect does not, it "
                       "is not a HID device\nin a virtual machine or container, pass it through"});
@@ -260,7 +260,7 @@ std::vector<Finding> examine(const Machine& machine,
   return findings;
 }
 
-std::string findings_words(const std::vector<Finding>& findings) {
+std::string findings_text(const std::vector<Finding>& findings) {
   constexpr const char* kMarks[] = {"ok      ", "optional", "missing "};
   std::string text;
   for (const Finding& finding : findings) {

@@ -47,6 +47,6 @@ std::vector<Finding> examine(const Machine& machine,
 hal::HidDevice device_for_rule(const Machine& machine, const hal::DeviceAddress& wanted);
 
 /// The findings as text, with the remedies indented below them.
-std::string findings_words(const std::vector<Finding>& findings);
+std::string findings_text(const std::vector<Finding>& findings);
 
 }  // namespace condyle::host

@@ -25,7 +25,7 @@
 #include "condyle/estimator/math/arithmetic.h"
 #include "condyle/estimator/math/eigen_solvers.h"
 #include "observability/dual.h"
-#include "observability/tracked.h"
+#include "observability/running_error.h"
 
 namespace condyle {
 
@@ -174,7 +174,7 @@ struct ObservabilityMatrix {
   Eigen::Matrix<Scalar, rows, columns> term_size;
 
   /// Replaces an entry.
-  void replace(int row, int column, const Tracked<Scalar>& entry) {
+  void replace(int row, int column, const RunningError<Scalar>& entry) {
     O(row, column) = entry.value;
     term_size(row, column) = entry.size;
   }
@@ -185,7 +185,7 @@ struct ObservabilityMatrix {
 template <template <class> class System, class Scalar>
 auto observability_matrix(const OperatingPoint<Scalar>& point) {
   using Sys = System<Scalar>;
-  using Number = Tracked<Scalar>;
+  using Number = RunningError<Scalar>;
   constexpr int n = Sys::kStates;
   ObservabilityMatrix<Scalar, n * Sys::kOutputs, n> result;
   const Sys system(point);
@@ -215,7 +215,7 @@ auto observability_matrix(const OperatingPoint<Scalar>& point) {
 template <class Scalar>
 auto printed_friction_matrix(const OperatingPoint<Scalar>& at) {
   auto result = observability_matrix<FrictionSystem>(at);
-  using Number = Tracked<Scalar>;
+  using Number = RunningError<Scalar>;
   const Number m = at.mass_kg, kv = at.friction_Ns_m, u = at.force_N, v = at.velocity_m_s;
   const Number order_1 = u / m, a = (u - kv * v) / m;
   result.replace(3, 2, order_1);  // order 1 of v

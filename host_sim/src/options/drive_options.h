@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "condyle/estimator/impedance/joint_parameters.h"
+#include "condyle/estimator/impedance/impedance_parameters.h"
 #include "options/command_line.h"
 
 namespace condyle::host {
@@ -23,7 +23,7 @@ struct DriveOptions {
            delay_ms || delay_sd_ms || coulomb_sd_N || contact_above_mm || contact_below_mm ||
            fits_delay;
   }
-  void apply(JointParameters& joint) const;
+  void apply(ImpedanceParameters& impedance) const;
 };
 
 }  // namespace condyle::host

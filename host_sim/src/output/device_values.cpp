@@ -9,7 +9,7 @@
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/report/device_facebow.h"
 #include "hosted/config/device_profile_file.h"
-#include "hosted/devices/device_words.h"
+#include "hosted/devices/device_text.h"
 #include "hosted/devices/log_device.h"
 #include "hosted/devices/source_spec.h"
 #include "hosted/files/input_error.h"
@@ -45,8 +45,8 @@ std::string write_rows(hal::ReportSource& source, const hal::DeviceProfile& prof
     if (status == hal::Status::bad_report) continue;
     if (status == hal::Status::disconnected && device.open() == hal::Status::ok) continue;
     if (status != hal::Status::ok) {
-      std::string words = reports_words(profile, device.counts(), device.transport_counts());
-      if (profile.device_time) words += "; " + clock_words(device.clock_fit());
+      std::string words = reports_text(profile, device.counts(), device.transport_counts());
+      if (profile.device_time) words += "; " + clock_text(device.clock_fit());
       return words;
     }
     row.clear();

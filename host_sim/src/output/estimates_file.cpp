@@ -16,14 +16,14 @@ class Columns {
  public:
   explicit Columns(Visitor& visitor) : visitor_(visitor) {}
 
-  void visit(const EstimateRow& row, int axis_count, bool has_joint) {
+  void visit(const EstimateRow& row, int axis_count, bool has_impedance) {
     visit_leading(row);
     visitor_.events([] { return "events"; }, row.events);
     if (axis_count > 0) visit_followed(row);
     for (int axis = 0; axis_count == 3 && axis < 3; ++axis) {
       visit_axis("xyz"[axis], row.axes[axis]);
     }
-    if (has_joint) visit_joint(row.joint);
+    if (has_impedance) visit_impedance(row.impedance);
   }
 
  private:
@@ -95,13 +95,13 @@ class Columns {
     for (const Named& of : motion) provenance(of, prefix);
   }
 
-  void visit_joint(const JointEstimate<double>& joint) {
-    visit_friction_and_mass(joint.friction_Ns_m, joint.mass_kg,
+  void visit_impedance(const ImpedanceEstimate<double>& impedance) {
+    visit_friction_and_mass(impedance.friction_Ns_m, impedance.mass_kg,
                             [&](QuantityName name, const IdentifiedValue<double>& identified) {
                               visitor_.word([&] { return name.limit(); },
                                             limit_name(identified.limit));
                             });
-    visit_identified_beside(joint,
+    visit_identified_beside(impedance,
                             [&](QuantityName name, const IdentifiedValue<double>& identified) {
                               const Named of{name, &identified.quantity};
                               value(of);
@@ -159,10 +159,10 @@ struct Row {
 
 }  // namespace
 
-EstimatesFile::EstimatesFile(const std::string& path, int axis_count, bool has_joint)
-    : file_(path), axis_count_(axis_count), has_joint_(has_joint) {
+EstimatesFile::EstimatesFile(const std::string& path, int axis_count, bool has_impedance)
+    : file_(path), axis_count_(axis_count), has_impedance_(has_impedance) {
   Header header;
-  Columns<Header>(header).visit({}, axis_count, has_joint);
+  Columns<Header>(header).visit({}, axis_count, has_impedance);
   file_.write(header.line + '\n');
 }
 
@@ -170,7 +170,7 @@ void EstimatesFile::write_row(const EstimateRow& row) {
   row_.clear();
   if (row.time_ns) append_time_s(row_, *row.time_ns);
   Row fields{row_};
-  Columns<Row>(fields).visit(row, axis_count_, has_joint_);
+  Columns<Row>(fields).visit(row, axis_count_, has_impedance_);
   row_ += '\n';
   file_.write(row_);
 }

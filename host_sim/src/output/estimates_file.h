@@ -13,9 +13,9 @@ namespace condyle::host {
 class EstimatesFile {
  public:
   /// `axis_count`: 0 for the published cascade; otherwise the recommended estimator's 1 or 3, whose
-  /// columns follow the common ones. `has_joint`: the rows have a joint estimate, whose columns
+  /// columns follow the common ones. `has_impedance`: the rows have a joint estimate, whose columns
   /// come last.
-  EstimatesFile(const std::string& path, int axis_count, bool has_joint);
+  EstimatesFile(const std::string& path, int axis_count, bool has_impedance);
   void write_row(const EstimateRow& row);
   /// Writes the buffer.
   void close() { file_.close(); }
@@ -25,7 +25,7 @@ class EstimatesFile {
  private:
   OutputFile file_;
   int axis_count_;
-  bool has_joint_;
+  bool has_impedance_;
   std::string row_;
 };
 

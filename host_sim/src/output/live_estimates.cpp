@@ -9,8 +9,8 @@
 
 namespace condyle::host {
 
-LiveEstimates::LiveEstimates(const std::string& path, int axis_count, bool has_joint)
-    : file_(path, axis_count, has_joint) {
+LiveEstimates::LiveEstimates(const std::string& path, int axis_count, bool has_impedance)
+    : file_(path, axis_count, has_impedance) {
   thread_ = std::thread([this] { run(); });
 }
 

@@ -18,7 +18,7 @@ namespace condyle::host {
 class LiveEstimates {
  public:
   /// Throws InputError if the file cannot be made.
-  LiveEstimates(const std::string& path, int axis_count, bool has_joint);
+  LiveEstimates(const std::string& path, int axis_count, bool has_impedance);
   ~LiveEstimates();
   LiveEstimates(const LiveEstimates&) = delete;
   LiveEstimates& operator=(const LiveEstimates&) = delete;

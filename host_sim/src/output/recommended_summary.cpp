@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "output/joint_text.h"
+#include "output/impedance_text.h"
 #include "output/replay_summary.h"
 
 namespace condyle::host {
@@ -13,7 +13,7 @@ void RecommendedSummary::add(const EstimateRow& row) {
   ReplaySummary::add(row);
   const double step_s =
       last_step_ns_ ? seconds(*last_step_ns_) : std::numeric_limits<double>::quiet_NaN();
-  if (is_told_twice(row)) return;
+  if (is_duplicate(row)) return;
   const bool is_rejected = row.events.has(Event::outlier_rejected);
   for (int i = 0; i < row.axis_count; ++i) {
     watches_[i].add(standardised_innovation(row, i),
@@ -142,7 +142,7 @@ std::string RecommendedSummary::text() const {
   text += last_values_text(is_wrong                     ? kDistrusted
                            : followed.hides_smoothing() ? "95 % unless smoothed before"
                                                         : kTrusted);
-  if (last_.has_joint) return text + joint_text(conclusion(), parameters_.joint);
+  if (last_.has_impedance) return text + impedance_text(conclusion(), parameters_.impedance);
   text +=
       "Friction and mass are not computed: position alone does not determine them. For the "
       "published cascade\n(--estimator published), the tuning determines them.\n";

@@ -25,7 +25,7 @@ Json json_of(const Quantity<double>& quantity) {
 Json json_of(const IdentifiedValue<double>& value) {
   Json json = json_of(value.quantity);
   json["limit"] =
-      value.limit == JointLimit::none ? Json() : Json(std::string(limit_name(value.limit)));
+      value.limit == ImpedanceLimit::none ? Json() : Json(std::string(limit_name(value.limit)));
   if (std::isfinite(value.needed_s)) json["needed_s"] = value.needed_s;
   return json;
 }
@@ -87,20 +87,21 @@ Json RecommendedSummary::json() const {
                     {"is_smoothed", watch.is_filtered()},
                     {"rounding_step_m", watch.rounding_step_m()}});
   }
-  if (!last_.has_joint) return json;
-  const JointEstimate<double> joint = conclusion();
+  if (!last_.has_impedance) return json;
+  const ImpedanceEstimate<double> impedance = conclusion();
   Json& identified = json["identified"] = Json::object();
-  identified["friction_Ns_m"] = json_of(joint.friction_Ns_m);
-  identified["mass_kg"] = json_of(joint.mass_kg);
-  identified["stiffness_N_m"] = json_of(joint.stiffness_N_m);
-  identified["offset_N"] = json_of(joint.offset_N);
-  if (parameters_.joint.coulomb_N.sd > 0) identified["coulomb_N"] = json_of(joint.coulomb_N);
-  if (parameters_.joint.delay == DelayModel::fitted) {
-    identified["delay_s"] = json_of(joint.delay_s);
+  identified["friction_Ns_m"] = json_of(impedance.friction_Ns_m);
+  identified["mass_kg"] = json_of(impedance.mass_kg);
+  identified["stiffness_N_m"] = json_of(impedance.stiffness_N_m);
+  identified["offset_N"] = json_of(impedance.offset_N);
+  if (parameters_.impedance.coulomb_N.sd > 0)
+    identified["coulomb_N"] = json_of(impedance.coulomb_N);
+  if (parameters_.impedance.delay == DelayModel::fitted) {
+    identified["delay_s"] = json_of(impedance.delay_s);
   }
-  identified["used_s"] = joint.used_s;
-  identified["residual_ratio"] = number(joint.residual_ratio);
-  identified["drive_noise_sd_N"] = number(joint.drive_noise_sd_N);
+  identified["used_s"] = impedance.used_s;
+  identified["residual_ratio"] = number(impedance.residual_ratio);
+  identified["drive_noise_sd_N"] = number(impedance.drive_noise_sd_N);
   return json;
 }
 

@@ -31,7 +31,7 @@ std::string without_interval(const Quantity<double>& quantity, const char* unit)
 }
 
 // Why a force is derived; `acceleration`: provenance of its acceleration.
-const char* force_words(Provenance force, Provenance acceleration) {
+const char* force_text(Provenance force, Provenance acceleration) {
   if (force != Provenance::derived) return "";
   return acceleration == Provenance::derived
              ? ": assumed mass times an acceleration that the motion model predicted"
@@ -70,7 +70,7 @@ void ReplaySummary::add(const EstimateRow& row) {
     has_moved_ = has_moved_ || point_m != first_m_;
     ranges_.add(point_m);
     step_watch_.add(*row.time_ns, point_m);
-  } else if (!is_told_twice(row)) {
+  } else if (!is_duplicate(row)) {
     step_watch_.add_missing();
   }
   if (row.position_m.provenance != Provenance::not_computed) last_ = row;
@@ -224,7 +224,7 @@ std::string ReplaySummary::last_values_text(const char* level) const {
   add_line(text, "  velocity", with_interval(last_.velocity_m_s, 1e3, "mm/s", level));
   add_line(text, "  force",
            with_interval(last_.force_N, 1, "N", level) +
-               force_words(last_.force_N.provenance, last_.followed.acceleration_m_s2.provenance));
+               force_text(last_.force_N.provenance, last_.followed.acceleration_m_s2.provenance));
   return text;
 }
 

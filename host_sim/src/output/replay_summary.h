@@ -31,7 +31,7 @@ class ReplaySummary {
   /// The same as data.
   virtual nlohmann::ordered_json json() const;
   /// The result of the drive, called when the text is made.
-  void set_conclusion(std::function<JointEstimate<double>()> conclusion) {
+  void set_conclusion(std::function<ImpedanceEstimate<double>()> conclusion) {
     conclusion_ = std::move(conclusion);
   }
   /// Notes on the drive for the user, called when the text is made.
@@ -80,7 +80,9 @@ class ReplaySummary {
   std::optional<TimeNs> last_step_ns_;  // step added by the last row, if any
   double innovation_rms_m() const;
   double mean_step_s() const;
-  JointEstimate<double> conclusion() const { return conclusion_ ? conclusion_() : last_.joint; }
+  ImpedanceEstimate<double> conclusion() const {
+    return conclusion_ ? conclusion_() : last_.impedance;
+  }
   // The last row with values.
   EstimateRow last_;
 
@@ -93,7 +95,7 @@ class ReplaySummary {
   AxisRanges ranges_;
   StepWatch step_watch_;
   std::function<std::vector<std::string>()> drive_;
-  std::function<JointEstimate<double>()> conclusion_;
+  std::function<ImpedanceEstimate<double>()> conclusion_;
   // The standard deviation of the mean NIS of this many innovations is 14 %, of fewer larger.
   static constexpr std::uint64_t kFewestInnovations = 100;
 

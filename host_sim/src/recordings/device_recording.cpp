@@ -7,7 +7,7 @@
 #include "condyle/hal/log/usbmon_capture.h"
 #include "condyle/hal/report/device_facebow.h"
 #include "hosted/config/device_profile_file.h"
-#include "hosted/devices/device_words.h"
+#include "hosted/devices/device_text.h"
 #include "hosted/devices/log_device.h"
 #include "hosted/files/input_error.h"
 #include "recordings/session_markers.h"
@@ -58,8 +58,8 @@ class DeviceRecording : public Recording {
   void describe_end() {
     if (has_ended_) return;
     has_ended_ = true;
-    info_.notes.push_back(reports_words(profile_, facebow_.counts(), facebow_.transport_counts()));
-    if (profile_.device_time) info_.notes.push_back(clock_words(facebow_.clock_fit()));
+    info_.notes.push_back(reports_text(profile_, facebow_.counts(), facebow_.transport_counts()));
+    if (profile_.device_time) info_.notes.push_back(clock_text(facebow_.clock_fit()));
     if constexpr (std::is_same_v<Source, hal::SessionLogSource>) {
       if (source_->condition().outcome != hal::McapRead::end) {
         info_.notes.push_back(path_ + ": " + hal::describe(source_->condition()));

@@ -232,7 +232,7 @@ FittedModel fit(const FitSetting& setting, const Point& start,
     show(kSearchShare +
          (1 - kSearchShare) * static_cast<double>(i + 1) / static_cast<double>(best.point.size()));
   }
-  fitted.held_out = check_held_out(setting.recordings, fitted.values, setting.plan.prior);
+  fitted.held_out = cross_validate(setting.recordings, fitted.values, setting.plan.prior);
   return fitted;
 }
 
@@ -297,11 +297,11 @@ std::vector<double> steps_of(const std::vector<TuningRecording>& recordings) {
 
 // A stand-in whose intervals are not too narrow at any step: the largest noise, and the smallest
 // q/R.
-WhiteStandIn stand_in_of(const NoiseModel& model, const std::vector<double>& steps_s) {
-  WhiteStandIn all;
+EquivalentWhiteNoise stand_in_of(const NoiseModel& model, const std::vector<double>& steps_s) {
+  EquivalentWhiteNoise all;
   double least_ratio = std::numeric_limits<double>::infinity();
   for (const double step_s : steps_s) {
-    const WhiteStandIn one = white_stand_in(model, step_s);
+    const EquivalentWhiteNoise one = equivalent_white_noise(model, step_s);
     const double R = one.white.position_sd_m * one.white.position_sd_m;
     least_ratio = std::min(least_ratio, one.white.jerk_density_m2_s5 / R);
     all.white.position_sd_m = std::max(all.white.position_sd_m, one.white.position_sd_m);
@@ -385,7 +385,7 @@ LikelihoodTuning tune_by_likelihood(const std::vector<TuningRecording>& recordin
   if (!tuning.correlated_serves) return tuning;
   tuning.stand_in = stand_in_of(correlated.values, steps_s);
   tuning.written = within(plan, tuning.stand_in->white);
-  tuning.written_check = check_held_out(split, tuning.written, plan.prior);
+  tuning.written_check = cross_validate(split, tuning.written, plan.prior);
   return tuning;
 }
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "tuning/bounded_search.h"
-#include "tuning/held_out.h"
-#include "tuning/white_stand_in.h"
+#include "tuning/cross_validation.h"
+#include "tuning/equivalent_white_noise.h"
 
 namespace condyle::host {
 
@@ -55,7 +55,7 @@ struct FittedModel {
   SearchResult search;
   /// More than half of the starts came to the best, or no other is within 2 of it.
   bool is_unique = false;
-  HeldOutCheck held_out;
+  CrossValidation held_out;
 };
 
 /// log l over sigma and q, white noise, relative to the optimum: one row for each q.
@@ -68,12 +68,12 @@ struct LikelihoodSurface {
 struct LikelihoodTuning {
   NoiseModel start;
   FittedModel white;
-  std::optional<FittedModel> correlated;  ///< if a recording's noise is not white
-  bool correlated_serves = false;         ///< it explains the held-out part better
-  std::optional<WhiteStandIn> stand_in;   ///< then
-  NoiseModel written;                     ///< white noise for the estimator
-  HeldOutCheck written_check;             ///< of that
-  std::vector<std::string> reasons;       ///< why white noise does not explain it
+  std::optional<FittedModel> correlated;         ///< if a recording's noise is not white
+  bool correlated_serves = false;                ///< it explains the held-out part better
+  std::optional<EquivalentWhiteNoise> stand_in;  ///< then
+  NoiseModel written;                            ///< white noise for the estimator
+  CrossValidation written_check;                 ///< of that
+  std::vector<std::string> reasons;              ///< why white noise does not explain it
   std::optional<LikelihoodSurface> surface;
   bool stopped = false;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The paper's way of tuning the published cascade: Q and R are changed until stage 3 returns the
-// assumed mass and friction stays steady (published_judgement.h defines this, and J). That leaves
+// assumed mass and friction stays steady (matching_criterion.h defines this, and J). That leaves
 // friction open: the search finds many tunings that satisfy the criterion, and the spread of their
 // frictions.
 //
@@ -24,7 +24,7 @@
 
 #include "condyle/estimator/published/parameters.h"
 #include "statistics/monte_carlo.h"
-#include "tuning/published_judgement.h"
+#include "tuning/matching_criterion.h"
 
 namespace condyle::host {
 

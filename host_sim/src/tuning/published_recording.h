@@ -6,7 +6,7 @@
 #include <string>
 
 #include "options/recording_choice.h"
-#include "tuning/published_judgement.h"
+#include "tuning/matching_criterion.h"
 
 namespace condyle::host {
 

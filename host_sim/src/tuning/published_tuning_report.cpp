@@ -22,7 +22,7 @@ double free_variance(const FreeVariance& free, PublishedParameters parameters) {
   return free.of(parameters);
 }
 
-std::string criterion_words(const PublishedTuningResult& result) {
+std::string criterion_text(const PublishedTuningResult& result) {
   return fmt::format(
       "over the last quarter the mass stays within {:g} % of the assumed {:g} kg and friction "
       "varies\n              by at most {:g} % of its mean",
@@ -159,7 +159,7 @@ std::vector<std::size_t> tunings_spread_evenly(const PublishedTuningResult& resu
 
 std::string published_tuning_text(const PublishedTuningResult& result) {
   std::string text =
-      entry("criterion", criterion_words(result)) + starts_text(result) + recordings_text(result);
+      entry("criterion", criterion_text(result)) + starts_text(result) + recordings_text(result);
   if (result.tunings.empty()) {
     if (result.closest) text += closest_text(*result.closest, result);
   } else {

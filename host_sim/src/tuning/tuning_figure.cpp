@@ -49,7 +49,7 @@ std::string profile_data(const LikelihoodTuning& tuning) {
   return text;
 }
 
-std::string correlation_data(const char* name, const HeldOutCheck& check) {
+std::string correlation_data(const char* name, const CrossValidation& check) {
   std::string text = fmt::format("${} << EOD\n", name);
   for (std::size_t lag = 0; lag < check.correlation.size(); ++lag) {
     text += fmt::format("{} {:.9g} {:.9g}\n", lag + 1, check.correlation[lag].value,
@@ -128,7 +128,7 @@ std::string held_out_plots(const LikelihoodTuning& tuning) {
       "plot {4:.9g} dt 2 lc rgb '#909090' title '95 % of stretches', {5:.9g} dt 2 lc rgb '#909090' "
       "notitle, 1 lc rgb '#303030' notitle, $fitted with points pt 6 ps 0.8 lc rgb '#909090' title "
       "'fitted to', $held_out with points pt 7 ps 0.9 lc rgb '#b35900' title 'held out'\n",
-      HeldOutCheck::kLags + 1,
+      CrossValidation::kLags + 1,
       serves ? ", $correlated_correlation using ($1+0.3):2 with impulses lw 4 lc rgb '#b35900' "
                "title 'Gauss-Markov noise'"
              : "",

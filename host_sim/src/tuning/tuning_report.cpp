@@ -69,7 +69,7 @@ std::string unique_text(const FittedModel& model, std::size_t starts) {
   return text + (model.is_unique ? "" : ": NOT unique, other values fit as well");
 }
 
-std::string check_text(const HeldOutCheck& check) {
+std::string check_text(const CrossValidation& check) {
   return line("held out",
               fmt::format("{} positions: mean NIS {:.3f}, {} the 95 % bounds {:.3f} to {:.3f}",
                           check.count, check.mean_nis, check.nis_inside ? "inside" : "OUTSIDE",
@@ -78,7 +78,7 @@ std::string check_text(const HeldOutCheck& check) {
 
 // Of several recordings, those that the values fit worst, and whether this exceeds chance.
 std::string extremes_text(const std::vector<TuningRecording>& recordings,
-                          const HeldOutCheck& check) {
+                          const CrossValidation& check) {
   if (recordings.size() < 2) return "";
   struct OfRecording {
     double sum = 0;
@@ -116,7 +116,7 @@ std::string extremes_text(const std::vector<TuningRecording>& recordings,
 }
 
 // Whether the fixed values predict better than the estimator that adapts.
-std::string adaptive_text(const HeldOutCheck& check) {
+std::string adaptive_text(const CrossValidation& check) {
   if (!std::isfinite(check.advantage_se)) return "";
   const double sd = 1.96 * check.advantage_se;
   const char* verdict = check.advantage - sd > 0   ? "better than"
@@ -145,7 +145,7 @@ std::string correlated_text(const LikelihoodPlan& plan, const LikelihoodTuning& 
   }
   text += line("  optimum", unique_text(model, plan.starts));
   text += check_text(model.held_out) + line("", whiteness_text(model.held_out));
-  const WhiteStandIn& stand_in = *tuning.stand_in;
+  const EquivalentWhiteNoise& stand_in = *tuning.stand_in;
   text += line("stand-in",
                "condyle's filters assume white noise. The output contains the white values that "
                "fit best here:");
@@ -222,7 +222,7 @@ std::string tuning_comment(const std::vector<TuningRecording>& recordings,
                           parameter_text(found[i], kUnits[i], doubt_of(tuning)));
     }
   }
-  const HeldOutCheck& check = tuning.written_check;
+  const CrossValidation& check = tuning.written_check;
   text += fmt::format("# Held out: mean NIS {:.3f} (95 % bounds {:.3f} to {:.3f})\n",
                       check.mean_nis, check.nis_bounds.low, check.nis_bounds.high);
   for (const std::string& reason : tuning.reasons) text += "# " + in_comment(reason) + "\n";

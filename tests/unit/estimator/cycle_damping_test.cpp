@@ -21,8 +21,8 @@ using testing_support::DrivenSample;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr DampingBaseline kBaseline{0.022, 0.25, 20, 0.2};
 
-JointParameters matched() {
-  JointParameters parameters;
+ImpedanceParameters matched() {
+  ImpedanceParameters parameters;
   parameters.drive.noise_sd_N = DrivenChewing::kDriveSd_N;
   return parameters;
 }

@@ -22,8 +22,8 @@ WatchParameters short_watch() {
   return watch;
 }
 
-JointParameters joint_parameters() {
-  JointParameters parameters;
+ImpedanceParameters impedance_parameters() {
+  ImpedanceParameters parameters;
   parameters.drive.noise_sd_N = DrivenChewing::kDriveSd_N;
   return parameters;
 }
@@ -31,7 +31,7 @@ JointParameters joint_parameters() {
 TEST(CycleTimeline, IsTheStageWhereBothAreMeasuredAtOnce) {
   constexpr TimeNs kStep_ns = 20'000'000;
   DrivenChewing chewing({}, 50, 1);
-  CycleTimeline<double> timeline(joint_parameters(), short_watch());
+  CycleTimeline<double> timeline(impedance_parameters(), short_watch());
   std::optional<CycleDamping<double>> stage;
   Cycles seen, expected;
   for (TimeNs t = 0; t < 2500 * kStep_ns; t += kStep_ns) {
@@ -47,7 +47,7 @@ TEST(CycleTimeline, IsTheStageWhereBothAreMeasuredAtOnce) {
     }
     ASSERT_EQ(timeline.is_watching(), t == 1000 * kStep_ns) << t;
     if (!timeline.is_watching()) continue;
-    JointParameters learned = joint_parameters();
+    ImpedanceParameters learned = impedance_parameters();
     learned.drive.noise_sd_N = timeline.identified().drive_noise_sd_N;
     EXPECT_NEAR(learned.drive.noise_sd_N, DrivenChewing::kDriveSd_N,
                 0.1 * DrivenChewing::kDriveSd_N);
@@ -69,7 +69,7 @@ TEST(CycleTimeline, IsTheStageWhereBothAreMeasuredAtOnce) {
 void expect_known_as_said(int ticks_of_drive) {
   constexpr TimeNs kTick_ns = 1'666'667;
   DrivenChewing chewing({}, 600, 2);
-  CycleTimeline<double> timeline(joint_parameters(), short_watch());
+  CycleTimeline<double> timeline(impedance_parameters(), short_watch());
   double squares = 0, sum = 0, information = 0;
   int cycles = 0;
   const auto keep = [&](const TimedCycle<double>& cycle) {
@@ -106,7 +106,7 @@ TEST(CycleTimeline, KnowsCyclesAsSaidWithADriveBetweenThePositions) {
 
 TEST(CycleTimeline, CountsWhatIsNotInOrder) {
   DrivenChewing chewing({}, 50, 3);
-  CycleTimeline<double> timeline(joint_parameters(), short_watch());
+  CycleTimeline<double> timeline(impedance_parameters(), short_watch());
   const auto ignore = [](const auto&) {};
   TimeNs t = 0;
   const auto add = [&](TimeNs step_ns) {
@@ -129,7 +129,7 @@ TEST(CycleTimeline, CountsWhatIsNotInOrder) {
 
 // A drive that is late by 4 ms would add 0.1 Ns/m.
 TEST(CycleTimeline, TakesOffTheDelayThatWasFitted) {
-  JointParameters parameters = joint_parameters();
+  ImpedanceParameters parameters = impedance_parameters();
   parameters.delay = DelayModel::fitted;
   WatchParameters watch;
   CycleTimeline<double> timeline(parameters, watch);
@@ -154,7 +154,7 @@ TEST(CycleTimeline, TakesOffTheDelayThatWasFitted) {
 
 // A cycle in which teeth or food may touch does not count.
 TEST(CycleTimeline, DropsCyclesWithContact) {
-  JointParameters parameters = joint_parameters();
+  ImpedanceParameters parameters = impedance_parameters();
   CycleTimeline<double> free(parameters, short_watch());
   parameters.contact_above_m = 0.02;
   CycleTimeline<double> touching(parameters, short_watch());
@@ -181,7 +181,7 @@ TEST(CycleTimeline, DropsCyclesWithContact) {
 // A drive that is not the one that moves the point is no baseline, however long it lasts.
 TEST(CycleTimeline, WaitsForAModelThatHolds) {
   DrivenChewing chewing({}, 50, 4);
-  CycleTimeline<double> timeline(joint_parameters(), short_watch());
+  CycleTimeline<double> timeline(impedance_parameters(), short_watch());
   int cycles = 0;
   const auto count = [&](const auto&) { ++cycles; };
   for (TimeNs i = 0; i < 3000; ++i) {

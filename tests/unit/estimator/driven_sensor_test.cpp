@@ -28,17 +28,18 @@ Sample sample_of(TimeNs time_ns, const testing_support::DrivenSample& driven) {
 
 TEST(DrivenSensor, FindsFrictionAndMassFromItsSamples) {
   RecommendedParameters parameters;
-  parameters.joint.drive.missing_share = parameters.joint.drive.gain_sd = 0;
+  parameters.impedance.drive.missing_share = parameters.impedance.drive.gain_sd = 0;
   DrivenSensor<double, 1> sensor(parameters, 0, {}, 0);
   const DrivenTruth truth;
   DrivenChewing chewing(truth, 100, 1);
-  JointEstimate<double> joint;
+  ImpedanceEstimate<double> impedance;
   for (int i = 0; i < 2000; ++i) {
-    joint = sensor.process(sample_of(i * kStep_ns, chewing.next()), {}).joint;
+    impedance = sensor.process(sample_of(i * kStep_ns, chewing.next()), {}).impedance;
   }
-  EXPECT_NEAR(joint.mass_kg.fitted, truth.mass_kg, 0.05 * truth.mass_kg);
-  EXPECT_NEAR(joint.friction_Ns_m.fitted, truth.friction_Ns_m, 4 * joint.friction_Ns_m.fitted_sd);
-  EXPECT_EQ(joint.mass_kg.quantity.provenance, Provenance::measured);
+  EXPECT_NEAR(impedance.mass_kg.fitted, truth.mass_kg, 0.05 * truth.mass_kg);
+  EXPECT_NEAR(impedance.friction_Ns_m.fitted, truth.friction_Ns_m,
+              4 * impedance.friction_Ns_m.fitted_sd);
+  EXPECT_EQ(impedance.mass_kg.quantity.provenance, Provenance::measured);
 }
 
 }  // namespace

@@ -212,8 +212,8 @@ TEST(EmgIdentification, KeepsWhatItKnowsThroughAnInterruption) {
 }
 
 // For one value, E / rms y; with a prior, no more than that.
-TEST(CoherentError, IsTheWorstThatAnErrorCanDo) {
-  CoherentError<double, 2> coherent;
+TEST(CorrelatedModelError, IsTheWorstThatAnErrorCanDo) {
+  CorrelatedModelError<double, 2> coherent;
   double time = 0, mean = 0;
   Eigen::Matrix2d M = Eigen::Matrix2d::Zero();
   for (int i = 0; i < 1000; ++i) {

@@ -46,25 +46,26 @@ HeadMotionEstimate<Scalar> identify(const HeadMotionParameters& parameters, int 
 }
 
 TEST(HeadMotion, SaysWhatLimits) {
-  EXPECT_EQ(identify<double>(relaxed(), 0).damping_rate_per_s.limit, JointLimit::no_drive);
-  EXPECT_EQ(identify<double>(relaxed(), 300).damping_rate_per_s.limit, JointLimit::too_early);
+  EXPECT_EQ(identify<double>(relaxed(), 0).damping_rate_per_s.limit, ImpedanceLimit::no_drive);
+  EXPECT_EQ(identify<double>(relaxed(), 300).damping_rate_per_s.limit, ImpedanceLimit::too_early);
   const auto known = identify<double>(relaxed(), 1800);
-  EXPECT_EQ(known.damping_rate_per_s.limit, JointLimit::none);
+  EXPECT_EQ(known.damping_rate_per_s.limit, ImpedanceLimit::none);
   EXPECT_EQ(known.damping_rate_per_s.quantity.provenance, Provenance::measured);
-  EXPECT_EQ(known.stiffness_per_mass_per_s2.limit, JointLimit::none);
+  EXPECT_EQ(known.stiffness_per_mass_per_s2.limit, ImpedanceLimit::none);
   HeadMotionParameters parameters;
   const auto by_default = identify<double>(parameters, 1800);
-  EXPECT_EQ(by_default.damping_rate_per_s.limit, JointLimit::missing);
+  EXPECT_EQ(by_default.damping_rate_per_s.limit, ImpedanceLimit::missing);
   EXPECT_EQ(by_default.damping_rate_per_s.quantity.provenance, Provenance::assumed);
   EXPECT_EQ(by_default.damping_rate_per_s.quantity.value, parameters.damping_rate_per_s.mean);
   parameters.muscle_share = 0;
-  EXPECT_EQ(identify<double>(parameters, 1800).damping_rate_per_s.limit, JointLimit::delay);
+  EXPECT_EQ(identify<double>(parameters, 1800).damping_rate_per_s.limit, ImpedanceLimit::delay);
   parameters = relaxed();
   parameters.damping_rate_resolution_per_s = 1e-3;
   parameters.gain_sd = 0;
-  EXPECT_EQ(identify<double>(parameters, 1800).damping_rate_per_s.limit, JointLimit::resolution);
+  EXPECT_EQ(identify<double>(parameters, 1800).damping_rate_per_s.limit,
+            ImpedanceLimit::resolution);
   parameters.lever_sd = 0.9;
-  EXPECT_EQ(identify<double>(parameters, 1800).damping_rate_per_s.limit, JointLimit::gain);
+  EXPECT_EQ(identify<double>(parameters, 1800).damping_rate_per_s.limit, ImpedanceLimit::gain);
 }
 
 // The noise of both, and the gain that the motion itself shows.
@@ -83,7 +84,7 @@ TEST(HeadMotion, FindsAnotherGainThanTheStated) {
   HeadMotionTruth truth;
   truth.gain = 0.8;
   EXPECT_EQ(identify<double>(relaxed(), 3600, truth).damping_rate_per_s.limit,
-            JointLimit::mass_stated);
+            ImpedanceLimit::mass_stated);
 }
 
 // All of the interval's width that muscles make is the share of the inertial force.
@@ -137,7 +138,7 @@ TEST(HeadMotion, FloatIsAsGood) {
 TEST(HeadMotion, GoesOnAfterAGap) {
   const auto value =
       identify<double>({}, relaxed(), 1800, [](int i) { return i % 600 < 500; }).damping_rate_per_s;
-  EXPECT_EQ(value.limit, JointLimit::none);
+  EXPECT_EQ(value.limit, ImpedanceLimit::none);
   EXPECT_LT(std::abs(value.fitted - 8), 4 * value.fitted_sd);
 }
 

@@ -29,8 +29,8 @@ struct Chewing {
   }
 };
 
-JointParameters exact() {
-  JointParameters parameters;
+ImpedanceParameters exact() {
+  ImpedanceParameters parameters;
   parameters.drive.gain_sd = parameters.drive.missing_share = 0;
   parameters.drive.delay_sd_s = 1e-5;
   return parameters;
@@ -39,7 +39,7 @@ JointParameters exact() {
 // A drive of 137 Hz and positions of 60 Hz over `duration_s`, with little noise; `spoil(t, z)` may
 // change a position or ask for it to be left out.
 template <class Scalar, class Spoil>
-std::unique_ptr<PointIdentification<Scalar>> identify(const JointParameters& parameters,
+std::unique_ptr<PointIdentification<Scalar>> identify(const ImpedanceParameters& parameters,
                                                       const Chewing& chewing, double duration_s,
                                                       const Spoil& spoil) {
   auto identification = std::make_unique<PointIdentification<Scalar>>(parameters);
@@ -62,9 +62,9 @@ std::unique_ptr<PointIdentification<Scalar>> identify(const JointParameters& par
 }
 constexpr auto kAsItIs = [](double, double&) { return true; };
 
-void expect_truth(const JointEstimate<double>& estimate, const Chewing& chewing) {
+void expect_truth(const ImpedanceEstimate<double>& estimate, const Chewing& chewing) {
   const auto expect = [](const IdentifiedValue<double>& value, double truth) {
-    EXPECT_EQ(value.limit, JointLimit::none) << limit_name(value.limit);
+    EXPECT_EQ(value.limit, ImpedanceLimit::none) << limit_name(value.limit);
     EXPECT_NEAR(value.fitted, truth, 4 * value.fitted_sd);
   };
   expect(estimate.friction_Ns_m, chewing.friction_Ns_m);
@@ -101,17 +101,17 @@ TEST(PointIdentification, NeedsADriveAndTime) {
   PointIdentification<double> alone(exact());
   for (TimeNs k = 0; k < 600; ++k)
     alone.add_position(k * 16'666'667, Chewing::position_m(static_cast<double>(k) / 60));
-  EXPECT_EQ(alone.estimate().mass_kg.limit, JointLimit::no_drive);
+  EXPECT_EQ(alone.estimate().mass_kg.limit, ImpedanceLimit::no_drive);
   EXPECT_EQ(alone.estimate().mass_kg.quantity.provenance, Provenance::assumed);
   EXPECT_EQ(alone.estimate().mass_kg.quantity.value, exact().mass_kg.mean);
   EXPECT_EQ(identify<double>(exact(), {}, 5, kAsItIs)->estimate().mass_kg.limit,
-            JointLimit::too_early);
+            ImpedanceLimit::too_early);
   PointIdentification<double> slow(exact());
   for (TimeNs k = 0; k < 200; ++k) {
     slow.add_drive(k * 100'000'000, 0);
     slow.add_position(k * 100'000'000, Chewing::position_m(static_cast<double>(k) / 10));
   }
-  EXPECT_EQ(slow.estimate().mass_kg.limit, JointLimit::too_slow);
+  EXPECT_EQ(slow.estimate().mass_kg.limit, ImpedanceLimit::too_slow);
 }
 
 TEST(PointIdentification, GapsAndMissingPositionsCostOnlyTheirSurroundings) {
@@ -126,7 +126,7 @@ TEST(PointIdentification, GapsAndMissingPositionsCostOnlyTheirSurroundings) {
 
 // Food above 6 mm pushes with what no drive holds; what is masked may be anything.
 TEST(PointIdentification, LeavesOutWhatIsInContact) {
-  JointParameters parameters = exact();
+  ImpedanceParameters parameters = exact();
   parameters.contact_above_m = 0.006;
   std::mt19937_64 random(5);
   const auto found = identify<double>(parameters, {}, 60, [&](double, double& z) {
@@ -139,7 +139,7 @@ TEST(PointIdentification, LeavesOutWhatIsInContact) {
 }
 
 TEST(PointIdentification, FindsTheDelayAndCoulombFriction) {
-  JointParameters parameters = exact();
+  ImpedanceParameters parameters = exact();
   parameters.delay = DelayModel::fitted;
   parameters.drive.delay_sd_s = 0.005;
   parameters.coulomb_N.sd = 0.1;
@@ -155,17 +155,17 @@ TEST(PointIdentification, FindsTheDelayAndCoulombFriction) {
   }
   identification->conclude();
   const auto& estimate = identification->estimate();
-  EXPECT_EQ(estimate.delay_s.limit, JointLimit::none) << limit_name(estimate.delay_s.limit);
+  EXPECT_EQ(estimate.delay_s.limit, ImpedanceLimit::none) << limit_name(estimate.delay_s.limit);
   EXPECT_NEAR(estimate.delay_s.fitted, 0.004, 4 * estimate.delay_s.fitted_sd);
   EXPECT_LT(estimate.delay_s.fitted_sd, 5e-4);
-  EXPECT_EQ(estimate.coulomb_N.limit, JointLimit::none) << limit_name(estimate.coulomb_N.limit);
+  EXPECT_EQ(estimate.coulomb_N.limit, ImpedanceLimit::none) << limit_name(estimate.coulomb_N.limit);
   EXPECT_NEAR(estimate.coulomb_N.fitted, 0.02, 4 * estimate.coulomb_N.fitted_sd);
   EXPECT_NEAR(estimate.friction_Ns_m.fitted, 0.05, 4 * estimate.friction_Ns_m.fitted_sd);
 }
 
 // A friction that wanders is that of the end, and known less well than one that stays.
 TEST(PointIdentification, AWalkWidensTheInterval) {
-  JointParameters walking = exact();
+  ImpedanceParameters walking = exact();
   walking.friction_Ns_m.walk_per_root_s = 0.002;
   const auto still = identify<double>(exact(), {}, 60, kAsItIs)->estimate().friction_Ns_m;
   const auto walked = identify<double>(walking, {}, 60, kAsItIs)->estimate().friction_Ns_m;
@@ -187,7 +187,7 @@ TEST(PointIdentification, BadTimesAreCountedAndDoNoHarm) {
                                  static_cast<double>(random() % 100) * 1e-3);
   }
   identification->conclude();
-  EXPECT_NE(identification->estimate().mass_kg.limit, JointLimit::none);
+  EXPECT_NE(identification->estimate().mass_kg.limit, ImpedanceLimit::none);
   EXPECT_GT(identification->counts().drive_gaps, 100U);
 }
 

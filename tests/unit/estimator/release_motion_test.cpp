@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "condyle/estimator/impedance/driven_point.h"
+#include "condyle/estimator/impedance/mass_spring_damper.h"
 #include "support/rapidcheck_gtest.h"
 
 namespace condyle {
@@ -22,7 +22,7 @@ ReleaseRates<double> random_rates() {
   return {2 * zeta * omega, omega * omega};
 }
 
-// Against the series of driven_point.h, which shares no formula with it.
+// Against the series of mass_spring_damper.h, which shares no formula with it.
 RC_GTEST_PROP(ReleaseMotion, ResponseIsTheDrivenPointsWithoutDrive, ()) {
   const auto rates = random_rates();
   const double t = *number_between(0, 1);

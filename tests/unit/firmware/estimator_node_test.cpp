@@ -216,8 +216,8 @@ TEST_F(EstimatorNodeTest, AnswersEachReportWithItsEstimate) {
 TEST_F(EstimatorNodeTest, IdentifiesFrictionAndMass) {
   hal::StartMessage start;
   start.identifies = true;
-  start.recommended.joint.drive.missing_share = 0;
-  start.recommended.joint.drive.delay_sd_s = 5e-4;
+  start.recommended.impedance.drive.missing_share = 0;
+  start.recommended.impedance.drive.delay_sd_s = 5e-4;
   tell(layout());
   expect_accepted(MessageType::layout);
   tell(start);
@@ -260,7 +260,7 @@ TEST_F(EstimatorNodeTest, IdentifiesFrictionAndMass) {
   expect_conclusion();
   expect_accepted(MessageType::finish);
   EXPECT_GT(conclusions, 19U);
-  EXPECT_EQ(sensor.conclusion().mass_kg.limit, JointLimit::none);
+  EXPECT_EQ(sensor.conclusion().mass_kg.limit, ImpedanceLimit::none);
 }
 
 TEST_F(EstimatorNodeTest, SaysWhichReportsLedToNoEstimate) {

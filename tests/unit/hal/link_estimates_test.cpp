@@ -137,7 +137,7 @@ template <class Scalar>
 void check_conclusion() {
   using Any = AnyBits<Scalar>;
   Any any;
-  using Joint = JointEstimate<Scalar>;
+  using Joint = ImpedanceEstimate<Scalar>;
   using Value = IdentifiedValue<Scalar>;
   constexpr Value Joint::*kValues[] = {&Joint::friction_Ns_m, &Joint::mass_kg,
                                        &Joint::stiffness_N_m, &Joint::offset_N,
@@ -154,7 +154,7 @@ void check_conclusion() {
     any.set((said.*value).quantity);
     for (const auto part : kParts) any.set(said.*value.*part);
     (said.*value).limit =
-        static_cast<JointLimit>(*rc::gen::inRange(0, static_cast<int>(kJointLimits)));
+        static_cast<ImpedanceLimit>(*rc::gen::inRange(0, static_cast<int>(kImpedanceLimits)));
   }
   for (const auto number : kNumbers) any.set(said.*number);
   any.set(said.plain.mass_kg);

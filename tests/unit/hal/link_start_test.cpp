@@ -17,7 +17,7 @@ StartMessage start(EstimatorChoice estimator) {
   message.expects_drive = true;
   message.published.motion.discretisation = Discretisation::backward;
   message.recommended.noise.adaptation = Adaptation::off;
-  message.recommended.joint.delay = DelayModel::fitted;
+  message.recommended.impedance.delay = DelayModel::fitted;
   // Each value another one, in its range.
   double share = 0;
   const auto change = [&share](const char*, const char*, double* values, std::size_t count,
@@ -70,17 +70,21 @@ TEST(LinkMessages, StartsArriveWithTheParametersOfTheRun) {
   const StartMessage d = sent(c);
   expect_settings(d, EstimatorChoice::recommended);
   EXPECT_EQ(d.recommended.noise.adaptation, Adaptation::off);
-  EXPECT_EQ(d.recommended.joint.delay, DelayModel::fitted);
+  EXPECT_EQ(d.recommended.impedance.delay, DelayModel::fitted);
   EXPECT_EQ(values_of(c.recommended, driven), values_of(d.recommended, driven));
   expect_each_byte_counts(c);
 
   c.identifies = false;
   const StartMessage e = sent(c);
   EXPECT_EQ(values_of(c.recommended, motion), values_of(e.recommended, motion));
-  EXPECT_EQ(values_of(StartMessage{}.recommended.joint,
-                      [](const auto& joint, auto visitor) { visit_joint_fields(joint, visitor); }),
-            values_of(e.recommended.joint,
-                      [](const auto& joint, auto visitor) { visit_joint_fields(joint, visitor); }))
+  EXPECT_EQ(values_of(StartMessage{}.recommended.impedance,
+                      [](const auto& impedance, auto visitor) {
+                        visit_impedance_fields(impedance, visitor);
+                      }),
+            values_of(e.recommended.impedance,
+                      [](const auto& impedance, auto visitor) {
+                        visit_impedance_fields(impedance, visitor);
+                      }))
       << "they are not sent";
   expect_each_byte_counts(c);
 }
@@ -120,7 +124,7 @@ TEST(LinkMessages, RefusesStartsThatCannotRun) {
       recommended,
       [](auto& m) {
         m.identifies = true;
-        m.recommended.joint.friction_Ns_m.mean = kInfinity;
+        m.recommended.impedance.friction_Ns_m.mean = kInfinity;
       },
       RefusalReason::not_finite);
   refused(

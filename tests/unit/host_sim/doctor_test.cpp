@@ -180,7 +180,7 @@ TEST_F(Doctor, GivesARuleForTheOneInterface) {
 TEST_F(Doctor, GivesTheRuleForLibusbOnlyWhereItIsAskedFor) {
   machine_.devices = {facebow()};
   machine_.devices[0].usb_access = hal::DeviceAccess::not_permitted;
-  const std::string text = findings_words(examine(machine_, kBow));
+  const std::string text = findings_text(examine(machine_, kBow));
   EXPECT_THAT(text, HasSubstr("condyle doctor --device 1209:000a --backend libusb"));
   EXPECT_THAT(text, Not(HasSubstr("SUBSYSTEM")));
   const std::string mend = missing(kBow, DeviceBackEnd::libusb).mend;
@@ -200,7 +200,7 @@ TEST_F(Doctor, MissesTheKernelsModules) {
   std::filesystem::remove_all(machine_.root);
   machine_.devices = {facebow()};
   EXPECT_EQ(missing().mend, "sudo modprobe usbhid");
-  const std::string text = findings_words(examine(machine_, {}));
+  const std::string text = findings_text(examine(machine_, {}));
   EXPECT_THAT(text, HasSubstr("sudo modprobe uhid"));
   EXPECT_THAT(text, HasSubstr("sudo modprobe vhci-hcd"));
   EXPECT_THAT(text, HasSubstr("optional  no USB bus"));

@@ -58,16 +58,16 @@ class NotingTransport final : public Transport {
 
 class FakeRunTest : public testing::Test {
  protected:
-  Account play(FakeOptions options) {
+  DeliveryLog play(FakeOptions options) {
     options.rate_Hz = 100;
     if (options.run.count == 0 && !options.stops_at_end) options.run.count = 20;
     FakeSetup setup = set_up(options);
     transport_.forget();
     FakeRun run(setup.device, setup.script, transport_, clock_, setup.run);
     run.run([] { return false; });
-    const Account account = run.account();
-    EXPECT_TRUE(account.balances()) << account_json(account);
-    return account;
+    const DeliveryLog delivery_log = run.delivery_log();
+    EXPECT_TRUE(delivery_log.balances()) << delivery_log_json(delivery_log);
+    return delivery_log;
   }
   TimeNs sent_ms(std::size_t index) const { return transport_.notes[index].time_ns / 1'000'000; }
   hil::ReceivedReport received(std::size_t index) const {
@@ -84,9 +84,9 @@ class FakeRunTest : public testing::Test {
 };
 
 TEST_F(FakeRunTest, SendsEachReportAtItsTime) {
-  const Account account = play({});
-  EXPECT_EQ(account.made, 20U);
-  EXPECT_EQ(account.ended, "all reports were sent");
+  const DeliveryLog delivery_log = play({});
+  EXPECT_EQ(delivery_log.made, 20U);
+  EXPECT_EQ(delivery_log.ended, "all reports were sent");
   ASSERT_EQ(transport_.notes.size(), 20U);
   for (std::size_t k = 0; k < 20; ++k) {
     EXPECT_EQ(sent_ms(k), 10 * static_cast<TimeNs>(k));
@@ -105,13 +105,13 @@ TEST_F(FakeRunTest, PauseMovesAllThatFollows) {
 }
 
 TEST_F(FakeRunTest, BurstArrivesAtOnceButWasMeasuredInTime) {
-  const Account account = play({.faults = {"burst@5=4"}});
+  const DeliveryLog delivery_log = play({.faults = {"burst@5=4"}});
   for (std::size_t k = 5; k < 9; ++k) {
     EXPECT_EQ(sent_ms(k), 80) << k;
     EXPECT_EQ(received(k).time_us, 10'000 * k);
   }
   EXPECT_EQ(sent_ms(9), 90);
-  EXPECT_EQ(account.deliveries.intact, 20U);
+  EXPECT_EQ(delivery_log.deliveries.intact, 20U);
 }
 
 TEST_F(FakeRunTest, BurstBeyondTheEndIsSent) {
@@ -119,11 +119,11 @@ TEST_F(FakeRunTest, BurstBeyondTheEndIsSent) {
 }
 
 TEST_F(FakeRunTest, UnplugsAtAnyMoment) {
-  const Account account = play({.faults = {"unplug@0.0437s=0.1"}});
+  const DeliveryLog delivery_log = play({.faults = {"unplug@0.0437s=0.1"}});
   EXPECT_THAT(transport_.unplugged_ns, testing::Contains(43'700'000));
   ASSERT_EQ(transport_.plugged_ns.size(), 2U);
   EXPECT_EQ(transport_.plugged_ns[1], 143'700'000);
-  EXPECT_EQ(account.plugged_in, 2U);
+  EXPECT_EQ(delivery_log.plugged_in, 2U);
   EXPECT_EQ(received(5).counter, 5U);  // it runs on, and nothing was made meanwhile
   EXPECT_EQ(transport_.notes[5].time_ns, 143'700'000);
 }
@@ -136,45 +136,45 @@ TEST_F(FakeRunTest, RestartsWhenToldTo) {
 }
 
 TEST_F(FakeRunTest, JumpsStay) {
-  const Account account = play({.faults = {"counter_jump@5=-3", "clock_jump@7=2.5"}});
+  const DeliveryLog delivery_log = play({.faults = {"counter_jump@5=-3", "clock_jump@7=2.5"}});
   EXPECT_EQ(received(5).counter, 2U);
   EXPECT_EQ(received(6).counter, 3U);
   EXPECT_EQ(received(6).time_us, 60'000U);
   EXPECT_EQ(received(7).time_us, 2'570'000U);
-  EXPECT_EQ(account.counter_jumped, -3);
+  EXPECT_EQ(delivery_log.counter_jumped, -3);
 }
 
 TEST_F(FakeRunTest, SpoilsTheReportsItSays) {
-  const Account account =
+  const DeliveryLog delivery_log =
       play({.faults = {"truncated@3=7", "garbage@5", "wrong_checksum@7", "wrong_id@9"}});
   for (std::size_t k = 0; k < 20; ++k) {
     EXPECT_EQ(is_readable(k), k != 3 && k != 5 && k != 7 && k != 9) << k;
   }
   EXPECT_EQ(transport_.notes[3].packet.size, 7U);
   EXPECT_EQ(transport_.notes[9].packet.bytes[0], 2U);
-  EXPECT_EQ(account.deliveries.altered, 4U);
-  EXPECT_EQ(account.deliveries.intact, 16U);
+  EXPECT_EQ(delivery_log.deliveries.altered, 4U);
+  EXPECT_EQ(delivery_log.deliveries.intact, 16U);
 }
 
 TEST_F(FakeRunTest, OneReportIsSpoiltOnce) {
-  const Account account = play({.faults = {"stall@3", "garbage@3"}});
-  EXPECT_EQ(account.deliveries.lost_failed, 1U);
-  EXPECT_EQ(account.not_done[static_cast<std::size_t>(FaultKind::garbage)], 1U);
+  const DeliveryLog delivery_log = play({.faults = {"stall@3", "garbage@3"}});
+  EXPECT_EQ(delivery_log.deliveries.lost_failed, 1U);
+  EXPECT_EQ(delivery_log.not_done[static_cast<std::size_t>(FaultKind::garbage)], 1U);
 }
 
 TEST_F(FakeRunTest, SaysWhatTheTransportCannotDo) {
   transport_.can_fail_transfers = false;
-  const Account account = play({.faults = {"stall@3", "transfer_error@4"}});
-  EXPECT_EQ(account.deliveries.intact, 20U);
-  EXPECT_EQ(account.not_done[static_cast<std::size_t>(FaultKind::stall)], 1U);
-  EXPECT_EQ(account.not_done[static_cast<std::size_t>(FaultKind::transfer_error)], 1U);
+  const DeliveryLog delivery_log = play({.faults = {"stall@3", "transfer_error@4"}});
+  EXPECT_EQ(delivery_log.deliveries.intact, 20U);
+  EXPECT_EQ(delivery_log.not_done[static_cast<std::size_t>(FaultKind::stall)], 1U);
+  EXPECT_EQ(delivery_log.not_done[static_cast<std::size_t>(FaultKind::transfer_error)], 1U);
 }
 
 TEST_F(FakeRunTest, ChanceSparesFirstAndLast) {
-  const Account account = play({.faults = {"garbage~1"}});
+  const DeliveryLog delivery_log = play({.faults = {"garbage~1"}});
   EXPECT_TRUE(is_readable(0));
   EXPECT_TRUE(is_readable(19));
-  EXPECT_EQ(account.deliveries.altered, 18U);
+  EXPECT_EQ(delivery_log.deliveries.altered, 18U);
 }
 
 TEST_F(FakeRunTest, SameSeedSameReports) {
@@ -190,7 +190,7 @@ TEST_F(FakeRunTest, SameSeedSameReports) {
 }
 
 TEST_F(FakeRunTest, AccountIsJson) {
-  const auto json = nlohmann::json::parse(account_json(play({.faults = {"garbage@3"}})));
+  const auto json = nlohmann::json::parse(delivery_log_json(play({.faults = {"garbage@3"}})));
   EXPECT_EQ(json["made"], 20);
   EXPECT_EQ(json["delivered_altered"], 1);
   EXPECT_EQ(json["faults"], nlohmann::json({{"garbage", 1}}));

@@ -232,7 +232,7 @@ TEST(PublishedCriterion, RefusesWhatCannotBeTunedBy) {
   }
 }
 
-TEST(PublishedJudgement, AsksNeitherForASizeNorForNoFriction) {
+TEST(MatchingCriterion, AsksNeitherForASizeNorForNoFriction) {
   PublishedParameters parameters = golden_parameters();
   parameters.friction.initial_variance[2] = parameters.friction.process_variance[2] = 0;
   const std::vector<PublishedRecording> recordings = {golden_chewing()};
@@ -246,7 +246,7 @@ TEST(PublishedJudgement, AsksNeitherForASizeNorForNoFriction) {
   }
 }
 
-TEST(PublishedJudgement, TakesNoNegativeFriction) {
+TEST(MatchingCriterion, TakesNoNegativeFriction) {
   PublishedParameters parameters = golden_parameters();
   const std::vector<PublishedRecording> recordings = {golden_chewing()};
   parameters.friction.initial_variance[2] = parameters.friction.process_variance[2] = 0;
@@ -273,7 +273,7 @@ TEST(PublishedJudgement, TakesNoNegativeFriction) {
   EXPECT_FALSE(tuning.satisfies);
 }
 
-TEST(PublishedJudgement, WantsSteadyFriction) {
+TEST(MatchingCriterion, WantsSteadyFriction) {
   PublishedParameters parameters = golden_parameters();
   parameters.friction.initial_variance[2] = 1e-6;
   const std::vector<PublishedRecording> recordings = {golden_chewing()};
@@ -285,7 +285,7 @@ TEST(PublishedJudgement, WantsSteadyFriction) {
   EXPECT_FALSE(judge_published_tuning(recordings, parameters, 0.999 * range).satisfies);
 }
 
-TEST(PublishedJudgement, CountsDivergence) {
+TEST(MatchingCriterion, CountsDivergence) {
   PublishedParameters parameters = golden_parameters();
   parameters.mass.process_variance[2] = 10;  // the mass turns negative
   const std::vector<PublishedRecording> recordings = {golden_chewing()};

@@ -11,11 +11,11 @@
 #include "statistics/random.h"
 #include "support/temporary_folder.h"
 #include "tuning/bounded_search.h"
+#include "tuning/equivalent_white_noise.h"
 #include "tuning/innovation_likelihood.h"
 #include "tuning/likelihood_tuning.h"
 #include "tuning/starting_values.h"
 #include "tuning/tuning_recording.h"
-#include "tuning/white_stand_in.h"
 
 namespace condyle::host {
 namespace {
@@ -165,17 +165,17 @@ TEST(BoundedSearch, StaysWithinBoundsAndStops) {
   EXPECT_TRUE(search(two_hills, bounds, draw_starts({0, 0}, 1, bounds, 4, 1), {}, control).stopped);
 }
 
-TEST(WhiteStandIn, OfNoiseThatIsNearlyWhiteIsThatNoise) {
+TEST(EquivalentWhiteNoise, OfNoiseThatIsNearlyWhiteIsThatNoise) {
   const NoiseModel model{1e-4, 5, kStep_s / 20};
-  const WhiteStandIn stand_in = white_stand_in(model, kStep_s);
+  const EquivalentWhiteNoise stand_in = equivalent_white_noise(model, kStep_s);
   EXPECT_NEAR(stand_in.white.position_sd_m / model.position_sd_m, 1, 0.01);
   EXPECT_NEAR(stand_in.white.jerk_density_m2_s5 / model.jerk_density_m2_s5, 1, 0.02);
   EXPECT_NEAR(stand_in.velocity_error_m_s / stand_in.best_velocity_error_m_s, 1, 1e-4);
 }
 
-TEST(WhiteStandIn, ErrsMoreThanTheFilterThatKnowsTheNoise) {
+TEST(EquivalentWhiteNoise, ErrsMoreThanTheFilterThatKnowsTheNoise) {
   for (const double correlation_s : {0.01, 0.03, 0.1}) {
-    const WhiteStandIn stand_in = white_stand_in({1e-4, 5, correlation_s}, kStep_s);
+    const EquivalentWhiteNoise stand_in = equivalent_white_noise({1e-4, 5, correlation_s}, kStep_s);
     EXPECT_GT(stand_in.velocity_error_m_s, stand_in.best_velocity_error_m_s);
     EXPECT_LT(stand_in.velocity_error_m_s, 2 * stand_in.best_velocity_error_m_s);
   }

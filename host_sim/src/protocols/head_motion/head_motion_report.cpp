@@ -18,48 +18,48 @@ using Json = nlohmann::ordered_json;
 using Value = IdentifiedValue<double>;
 
 // Why a value is not measured, and the remedy.
-const char* reason(JointLimit limit) {
+const char* reason(ImpedanceLimit limit) {
   switch (limit) {
-    case JointLimit::no_drive:
+    case ImpedanceLimit::no_drive:
       return "no acceleration accompanies the positions";
-    case JointLimit::too_slow:
+    case ImpedanceLimit::too_slow:
       return "the rate of positions or accelerations is too low; record at least 25 of each per "
              "second";
-    case JointLimit::too_early:
+    case ImpedanceLimit::too_early:
       return "too short; record 10 s of motion or more without a gap";
-    case JointLimit::noise:
+    case ImpedanceLimit::noise:
       return "the head's motion does not explain the jaw's: a muscle, a hand or a contact acts, "
              "the "
              "head turns, or one of them was smoothed";
-    case JointLimit::dynamics:
+    case ImpedanceLimit::dynamics:
       return "accelerometer or tracker was smoothed or delayed; record both unfiltered";
-    case JointLimit::mass_stated:
+    case ImpedanceLimit::mass_stated:
       return "the gain in the motion differs from the calibration: the head rotates, muscles act, "
              "or the accelerometer is along another axis (--acceleration-gain-sd, --lever-sd)";
-    case JointLimit::delay_stated:
+    case ImpedanceLimit::delay_stated:
       return "the acceleration's delay differs from the stated one (--acceleration-delay-ms)";
-    case JointLimit::changing:
+    case ImpedanceLimit::changing:
       return "damping, or the acceleration's delay, changes along the recording; record for a "
              "shorter time";
-    case JointLimit::negative_friction:
+    case ImpedanceLimit::negative_friction:
       return "damping would be negative: muscles drive the jaw, or the acceleration has the wrong "
              "sign";
-    case JointLimit::excitation:
-    case JointLimit::mass_or_stiffness:
+    case ImpedanceLimit::excitation:
+    case ImpedanceLimit::mass_or_stiffness:
       return "the motion is too weak or too uniform; nod more, at several rhythms";
-    case JointLimit::viscous_or_coulomb:
+    case ImpedanceLimit::viscous_or_coulomb:
       return "the motion does not separate damping from a force that only changes direction, such "
              "as Coulomb friction or bursts of a muscle; vary the speed";
-    case JointLimit::gain:
+    case ImpedanceLimit::gain:
       return "the uncertainty of the accelerometer's gain is too large (--acceleration-gain-sd, "
              "--lever-sd)";
-    case JointLimit::delay:
+    case ImpedanceLimit::delay:
       return "the uncertainty of the acceleration's delay is too large "
              "(--acceleration-delay-sd-ms)";
-    case JointLimit::missing:
+    case ImpedanceLimit::missing:
       return "muscles may add too much; the jaw must be relaxed (give --muscle-share SHARE, if "
              "known)";
-    case JointLimit::smoothing:
+    case ImpedanceLimit::smoothing:
       return "the noise of accelerations or positions is not white, as after smoothing or with "
              "rounded time stamps; record both unfiltered, with times to 0.1 ms";
     default:
@@ -79,7 +79,7 @@ std::pair<double, double> interval(const Value& value) {
 
 std::string line(const char* name, const char* unit, const Value& value) {
   const auto [low, high] = interval(value);
-  if (value.limit == JointLimit::none) {
+  if (value.limit == ImpedanceLimit::none) {
     return fmt::format("{:<20}{:<26}95 %: {:<20}measured\n", name,
                        fmt::format("{:.5g} +- {:.2g} {}", value.fitted, value.fitted_sd, unit),
                        fmt::format("{:.4g} to {:.4g}", low, high));
@@ -90,7 +90,7 @@ std::string line(const char* name, const char* unit, const Value& value) {
 }
 
 Json json_of(const Value& value) {
-  const bool is_known = value.limit == JointLimit::none;
+  const bool is_known = value.limit == ImpedanceLimit::none;
   const auto [low, high] = interval(value);
   const auto number = [](bool is_shown, double shown) { return is_shown ? Json(shown) : Json(); };
   return {{"value", number(is_known, value.fitted)},
@@ -197,7 +197,7 @@ std::vector<std::unique_ptr<OutputFile>> draw_head_motion(const std::string& dir
                                                           const IdentifiedHeadMotion& motion) {
   Gnuplot gnuplot(directory);
   gnuplot.send(block(motion));
-  const bool is_measured = motion.estimate.damping_rate_per_s.limit == JointLimit::none;
+  const bool is_measured = motion.estimate.damping_rate_per_s.limit == ImpedanceLimit::none;
   const std::string title =
       fmt::format("Head motion, {}{}", std::filesystem::path(motion.recording).filename().string(),
                   is_measured ? "" : ": kv/m NOT KNOWN");

@@ -3,15 +3,15 @@
 // uses only its own samples, so that a change can be seen.
 //
 //   z, u      measured position (m) and drive (N) of a sample
-//   theta     lambda, eta, kappa, c (driven_point.h), at the baseline, which is not updated
+//   theta     lambda, eta, kappa, c (mass_spring_damper.h), at the baseline, which is not updated
 //   y, P, K   state (p, v, u) of the linear filter at theta, its covariance and gain; H = (1 0 0)
 //   r, S      innovation z - H y and its variance H P H' + R
 //   W, psi    dy / dtheta; psi = H W before the update, so that r = psi dtheta + noise
 //   k         kv, m, ks, b: kv = lambda / eta and so on (point_regression.h); G = dtheta / dk
 //   s, I      score and information of dk over a cycle
 //
-// Prediction:  y, P by driven_point.h and drive_noise_bias.h, W <- F W + the step's derivatives
-// Update:      s += G' (psi' r / S + r^2 / S times what drive_noise_bias.h adds)
+// Prediction:  y, P by mass_spring_damper.h and drive_noise_bias.h, W <- F W + the step's
+// derivatives Update:      s += G' (psi' r / S + r^2 / S times what drive_noise_bias.h adds)
 //              I += G' psi' psi G / S
 //              y <- y + K r, W <- W - K psi
 // Cycle end:   dk = I^-1 s with all four unknown: what an error of m, ks and b leaves in a single
@@ -31,11 +31,11 @@
 #pragma once
 
 #include "condyle/estimator/changes/change_parameters.h"
-#include "condyle/estimator/changes/cycle_cutter.h"
+#include "condyle/estimator/changes/cycle_segmentation.h"
 #include "condyle/estimator/impedance/drive_noise_bias.h"
-#include "condyle/estimator/impedance/driven_point.h"
-#include "condyle/estimator/impedance/joint_estimate.h"
-#include "condyle/estimator/impedance/joint_parameters.h"
+#include "condyle/estimator/impedance/impedance_estimate.h"
+#include "condyle/estimator/impedance/impedance_parameters.h"
+#include "condyle/estimator/impedance/mass_spring_damper.h"
 
 namespace condyle {
 
@@ -71,7 +71,7 @@ struct CycleReport {
 
 /// The baseline from an identification that ran over it.
 template <class Scalar>
-DampingBaseline baseline_of(const JointEstimate<Scalar>& estimate) {
+DampingBaseline baseline_of(const ImpedanceEstimate<Scalar>& estimate) {
   return {static_cast<double>(estimate.plain.friction_Ns_m),
           static_cast<double>(estimate.plain.mass_kg),
           static_cast<double>(estimate.plain.stiffness_N_m),
@@ -83,18 +83,18 @@ template <class Scalar>
 class CycleDamping {
  public:
   /// All must be valid. Only the noises and the gate of `joint` are used.
-  CycleDamping(const DampingBaseline& baseline, const JointParameters& joint,
+  CycleDamping(const DampingBaseline& baseline, const ImpedanceParameters& impedance,
                const CycleParameters& parameters)
       : parameters_(parameters),
         friction_Ns_m_(Scalar(baseline.friction_Ns_m)),
-        velocity_variance_(square(Scalar(joint.velocity_sd_m_s))),
-        drive_variance_(square(Scalar(joint.drive.noise_sd_N))),
-        gate_(square(Scalar(joint.gate_sd))),
+        velocity_variance_(square(Scalar(impedance.velocity_sd_m_s))),
+        drive_variance_(square(Scalar(impedance.drive.noise_sd_N))),
+        gate_(square(Scalar(impedance.gate_sd))),
         cutter_(Scalar(parameters.travel_m)) {
     const Scalar e = Scalar(1) / Scalar(baseline.mass_kg);
     rates_ = {friction_Ns_m_ * e, e, Scalar(baseline.stiffness_N_m) * e,
               Scalar(baseline.offset_N) * e};
-    force_density_ = square(Scalar(joint.force_noise_N_root_s) * e);
+    force_density_ = square(Scalar(impedance.force_noise_N_root_s) * e);
   }
 
   /// The next sample, `T` s after the previous one: its drive `u` (N) and its position `z` (m) with
@@ -272,7 +272,7 @@ class CycleDamping {
   DrivenRates<Scalar> rates_;
   Scalar friction_Ns_m_, velocity_variance_, drive_variance_, gate_;
   Scalar force_density_ = 0;  ///< of white acceleration (m^2/s^3)
-  CycleCutter<Scalar> cutter_;
+  CycleSegmentation<Scalar> cutter_;
 
   bool is_started_ = false;
   int rejected_in_a_row_ = 0;

@@ -35,12 +35,12 @@ template <class Scalar>
 class CycleTimeline {
  public:
   /// All must be valid.
-  CycleTimeline(const JointParameters& joint, const WatchParameters& watch)
-      : joint_(joint),
+  CycleTimeline(const ImpedanceParameters& impedance, const WatchParameters& watch)
+      : impedance_(impedance),
         watch_(watch),
-        delay_ns_(nanoseconds(joint.drive.delay_s)),
-        longest_gap_ns_(nanoseconds(joint.drive.longest_gap_s)),
-        identification_(joint) {}
+        delay_ns_(nanoseconds(impedance.drive.delay_s)),
+        longest_gap_ns_(nanoseconds(impedance.drive.longest_gap_s)),
+        identification_(impedance) {}
 
   /// A measured drive (N), stamped `time_ns`. Each cycle that ends with it is passed to
   /// `sink(cycle)`, as a TimedCycle.
@@ -73,7 +73,7 @@ class CycleTimeline {
   }
 
   /// A position (m) with noise of standard deviation `sd_m`; NaN: it was due and is missing. If
-  /// teeth or food may touch (JointParameters), the cycle is dropped.
+  /// teeth or food may touch (ImpedanceParameters), the cycle is dropped.
   template <class Sink>
   void add_position(TimeNs time_ns, Scalar position_m, Scalar sd_m, Sink&& sink) {
     if (!damping_ && std::isfinite(position_m)) {
@@ -92,7 +92,7 @@ class CycleTimeline {
   /// True once the baseline is known and cycles are delivered.
   bool is_watching() const { return damping_.has_value(); }
   /// The properties identified so far, or when the watch began.
-  JointEstimate<Scalar> identified() const { return identification_.estimate(); }
+  ImpedanceEstimate<Scalar> identified() const { return identification_.estimate(); }
   /// Counts of problems, in the identification and after it.
   DriveCounts counts() const {
     DriveCounts sum = identification_.counts();
@@ -160,8 +160,8 @@ class CycleTimeline {
       return;
     }
     is_at_start_ = false;
-    if (position.position_m > Scalar(joint_.contact_above_m) ||
-        position.position_m < Scalar(joint_.contact_below_m)) {
+    if (position.position_m > Scalar(impedance_.contact_above_m) ||
+        position.position_m < Scalar(impedance_.contact_below_m)) {
       ++counts_.positions_in_contact;
       damping_->interrupt();
       at_ns_ = position.time_ns;
@@ -177,15 +177,16 @@ class CycleTimeline {
   void begin_watch() {
     using std::sqrt;
     if (seconds(identified_ns_) < watch_.identification_s) return;
-    const JointEstimate<Scalar> estimate = identification_.estimate();
-    const JointLimit limit = estimate.mass_kg.limit;
+    const ImpedanceEstimate<Scalar> estimate = identification_.estimate();
+    const ImpedanceLimit limit = estimate.mass_kg.limit;
     if (is_failure(limit) || !is_valid(baseline_of(estimate))) return;
-    JointParameters joint = joint_;
-    joint.drive.noise_sd_N = static_cast<double>(estimate.drive_noise_sd_N) *
-                             sqrt(1 + static_cast<double>(between_) / static_cast<double>(drives_));
-    damping_.emplace(baseline_of(estimate), joint, watch_.cycles);
+    ImpedanceParameters impedance = impedance_;
+    impedance.drive.noise_sd_N =
+        static_cast<double>(estimate.drive_noise_sd_N) *
+        sqrt(1 + static_cast<double>(between_) / static_cast<double>(drives_));
+    damping_.emplace(baseline_of(estimate), impedance, watch_.cycles);
     start_at(end_ns_);
-    if (joint_.delay == DelayModel::fitted) {  // then the fitted delay is subtracted too
+    if (impedance_.delay == DelayModel::fitted) {  // then the fitted delay is subtracted too
       delay_ns_ = nanoseconds(static_cast<double>(estimate.plain.delay_s));
       has_drive_ = false;
     }
@@ -196,7 +197,7 @@ class CycleTimeline {
     has_drive_ = false;
   }
 
-  JointParameters joint_;
+  ImpedanceParameters impedance_;
   WatchParameters watch_;
   TimeNs delay_ns_, longest_gap_ns_;
   PointIdentification<Scalar> identification_;

@@ -17,7 +17,8 @@
 //              whichever is more; s is learned from the innovations, so that their mean NIS is 1
 //              (too large an s gives too much friction, too small an s too little)
 //              lambda, kappa, c, g_n   constants
-// Prediction:  by driven_point.h with the drive sum g_n F_n + d of a mass of 1; A <- F A F' + Q + B
+// Prediction:  by mass_spring_damper.h with the drive sum g_n F_n + d of a mass of 1; A <- F A F' +
+// Q + B
 //                Q   of lowest order in T / tau, q = 2 (s rms F)^2 / tau:
 //                    Q_dd = q T, Q_vd = q T^2 / 2, Q_vv = q T^3 / 3, Q_pd = q T^3 / 6,
 //                    Q_pv = q T^4 / 8, Q_pp = q T^5 / 20
@@ -29,8 +30,8 @@
 //              and m are known up to one scale (g u = m a + kv v), which the assumed mass sets.
 //              They are derived, never measured.
 //
-// What no number of samples averages out is added to A, by coherent_error.h with y = (v, p, 1,
-// F_n):
+// What no number of samples averages out is added to A, by correlated_model_error.h with y = (v, p,
+// 1, F_n):
 //   E^2 = (error_share rms F)^2 + (sigma_lag rms F')^2
 // F' is taken for what the motion needs: rms F' = (w^2 + |kappa|) rms v + |lambda| rms a,
 // w^2 = mean a^2 / mean v^2. The same error draws gains and friction towards 0 (errors in
@@ -38,10 +39,10 @@
 // stiffness and offset, beyond their own intervals: they are shown only if a gain is.
 #pragma once
 
-#include "condyle/estimator/emg/coherent_error.h"
+#include "condyle/estimator/emg/correlated_model_error.h"
 #include "condyle/estimator/emg/emg_estimate.h"
 #include "condyle/estimator/emg/emg_parameters.h"
-#include "condyle/estimator/impedance/driven_point.h"
+#include "condyle/estimator/impedance/mass_spring_damper.h"
 #include "condyle/estimator/math/innovation_monitor.h"
 #include "condyle/estimator/math/symmetric_matrix.h"
 
@@ -161,7 +162,7 @@ class EmgIdentification {
   enum { p, v, d, lambda, kappa, c, g, kStates = g + kMuscles };
   static constexpr int kValues = kStates - lambda;  // the constant ones
   using State = Eigen::Matrix<Scalar, kStates, 1>;
-  using Values = typename CoherentError<Scalar, kValues>::Vector;
+  using Values = typename CorrelatedModelError<Scalar, kValues>::Vector;
 
   static Scalar square(Scalar value) { return value * value; }
   static Scalar half_known(const EmgPrior& prior) {
@@ -441,7 +442,7 @@ class EmgIdentification {
   Scalar noise_share_ = kFirstShare;
   std::uint64_t restarts_ = 0;
   Scalar time_s_ = 0, mean_F2_ = 0, mean_d2_ = 0, mean_v2_ = 0, mean_a2_ = 0;
-  CoherentError<Scalar, kValues> coherent_;
+  CorrelatedModelError<Scalar, kValues> coherent_;
 };
 
 }  // namespace condyle

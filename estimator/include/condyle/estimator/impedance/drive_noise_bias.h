@@ -2,7 +2,8 @@
 // What the noise of a measured drive biases in the parameters of a driven point, and how much it
 // adds to their score so that it does not (errors in variables).
 //
-//   x, y      state (p, v, u0, u1) of driven_point.h, u0 and u1 the drive at the last sample and at
+//   x, y      state (p, v, u0, u1) of mass_spring_damper.h, u0 and u1 the drive at the last sample
+//   and at
 //             the next: true, estimated by the linear filter at given parameters; d = y - x its
 //             error, P its covariance
 //   theta_i   lambda, eta, kappa, tau (delay of the drive beyond what was taken off; s)
@@ -30,7 +31,7 @@
 // y follows, so that it makes no error of a regressor.
 #pragma once
 
-#include "condyle/estimator/impedance/driven_point.h"
+#include "condyle/estimator/impedance/mass_spring_damper.h"
 #include "condyle/estimator/math/symmetric_matrix.h"
 
 namespace condyle {

@@ -36,8 +36,8 @@ struct HeadMotionParameters {
   double muscle_share = 1;     ///< s, 0 to 1
   double longest_gap_s = 0.1;  ///< between accelerations; they are unknown in a longer one
   /// Shown, as assumed, if they are not measured.
-  JointPrior damping_rate_per_s{40, 40};
-  JointPrior stiffness_per_mass_per_s2{400, 400};
+  ImpedancePrior damping_rate_per_s{40, 40};
+  ImpedancePrior stiffness_per_mass_per_s2{400, 400};
   /// The smallest differences that matter to the user.
   double damping_rate_resolution_per_s = 0.4;
   double stiffness_resolution_fraction = 0.1;
@@ -46,7 +46,7 @@ struct HeadMotionParameters {
 /// True if every parameter is in its range.
 constexpr bool is_valid(const HeadMotionParameters& parameters) {
   constexpr Range positive{1e-9, 1e6}, share{0, 1};
-  const auto fits = [&](const JointPrior& prior) {
+  const auto fits = [&](const ImpedancePrior& prior) {
     return Range{-1e6, 1e6}.contains(prior.mean) && positive.contains(prior.sd);
   };
   return share.contains(parameters.gain_sd) && share.contains(parameters.lever_sd) &&
@@ -94,35 +94,35 @@ class HeadMotionIdentification {
   /// The last conclusion.
   HeadMotionEstimate<Scalar> estimate() const {
     using std::abs;
-    const JointEstimate<Scalar>& joint = point_.estimate();
+    const ImpedanceEstimate<Scalar>& impedance = point_.estimate();
     HeadMotionEstimate<Scalar> estimate;
-    estimate.damping_rate_per_s = joint.friction_Ns_m;
-    estimate.stiffness_per_mass_per_s2 = joint.stiffness_N_m;
+    estimate.damping_rate_per_s = impedance.friction_Ns_m;
+    estimate.stiffness_per_mass_per_s2 = impedance.stiffness_N_m;
     IdentifiedValue<Scalar>& stiffness = estimate.stiffness_per_mass_per_s2;
     const Scalar highest_sd =
         Scalar(parameters_.stiffness_resolution_fraction / 2) * abs(stiffness.fitted);
     if (!is_failure(stiffness.limit) && stiffness.fitted_sd <= highest_sd) {
-      stiffness.limit = JointLimit::none;
+      stiffness.limit = ImpedanceLimit::none;
       stiffness.quantity = {stiffness.fitted, stiffness.fitted_sd, Provenance::measured};
     }
-    estimate.gain = Scalar(1) / joint.mass_kg.fitted;
-    estimate.gain_sd = joint.mass_kg.fitted_sd * estimate.gain * estimate.gain;
-    estimate.residual_ratio = joint.residual_ratio;
-    estimate.acceleration_noise_sd_m_s2 = joint.drive_noise_sd_N;
-    estimate.position_noise_sd_m = joint.position_noise_sd_m;
-    estimate.rms_acceleration_m_s2 = joint.drive_variation_rms_N;
-    estimate.rms_position_m = joint.position_rms_m;
-    estimate.rms_velocity_m_s = joint.velocity_rms_m_s;
+    estimate.gain = Scalar(1) / impedance.mass_kg.fitted;
+    estimate.gain_sd = impedance.mass_kg.fitted_sd * estimate.gain * estimate.gain;
+    estimate.residual_ratio = impedance.residual_ratio;
+    estimate.acceleration_noise_sd_m_s2 = impedance.drive_noise_sd_N;
+    estimate.position_noise_sd_m = impedance.position_noise_sd_m;
+    estimate.rms_acceleration_m_s2 = impedance.drive_variation_rms_N;
+    estimate.rms_position_m = impedance.position_rms_m;
+    estimate.rms_velocity_m_s = impedance.velocity_rms_m_s;
     return estimate;
   }
 
   DriveCounts counts() const { return point_.counts(); }
 
  private:
-  static JointParameters point_of(const HeadMotionParameters& parameters) {
+  static ImpedanceParameters point_of(const HeadMotionParameters& parameters) {
     // A resolution so small that it never decides: that of the stiffness is a share of it.
     constexpr double kNever = 1e-9;
-    JointParameters point;
+    ImpedanceParameters point;
     point.friction_Ns_m = parameters.damping_rate_per_s;
     point.friction_resolution_Ns_m = parameters.damping_rate_resolution_per_s;
     point.mass = MassModel::known;

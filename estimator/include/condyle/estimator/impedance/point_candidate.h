@@ -24,14 +24,14 @@
 // regression.
 #pragma once
 
-#include "condyle/estimator/impedance/joint_parameters.h"
+#include "condyle/estimator/impedance/impedance_parameters.h"
 #include "condyle/estimator/impedance/regression_fit.h"
 
 namespace condyle {
 
 /// True if a parameter is stated to wander.
-inline bool has_walk(const JointParameters& parameters) {
-  for (const JointPrior* prior :
+inline bool has_walk(const ImpedanceParameters& parameters) {
+  for (const ImpedancePrior* prior :
        {&parameters.friction_Ns_m, &parameters.mass_kg, &parameters.stiffness_N_m,
         &parameters.offset_N, &parameters.coulomb_N}) {
     if (prior->walk_per_root_s > 0) return true;
@@ -61,7 +61,7 @@ struct Candidate {
 class PointColumns {
  public:
   /// `parameters` must live as long as this.
-  explicit PointColumns(const JointParameters& parameters) : parameters_(parameters) {}
+  explicit PointColumns(const ImpedanceParameters& parameters) : parameters_(parameters) {}
 
   bool is_mass_known() const { return parameters_.mass == MassModel::known; }
   bool fits_delay() const { return parameters_.delay == DelayModel::fitted; }
@@ -126,7 +126,7 @@ class PointColumns {
   }
 
  private:
-  const JointParameters& parameters_;
+  const ImpedanceParameters& parameters_;
 };
 
 /// The selected values.

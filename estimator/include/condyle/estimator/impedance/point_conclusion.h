@@ -18,7 +18,7 @@ class PointConclusion {
   static constexpr std::size_t kFewestBlocks = 16;
 
   /// `parameters` must be valid; both must live as long as this.
-  PointConclusion(const PointRegression<Scalar>& regression, const JointParameters& parameters)
+  PointConclusion(const PointRegression<Scalar>& regression, const ImpedanceParameters& parameters)
       : regression_(regression), parameters_(parameters), setup_(regression.setup()) {}
 
   /// The conclusion from everything in the regression so far.
@@ -26,18 +26,18 @@ class PointConclusion {
                                  // callers
   [[gnu::noinline]]
 #endif
-  JointEstimate<Scalar>
+  ImpedanceEstimate<Scalar>
   draw() const;
 
  private:
-  JointEstimate<Scalar> nothing_known() const {
-    JointEstimate<Scalar> estimate;
+  ImpedanceEstimate<Scalar> nothing_known() const {
+    ImpedanceEstimate<Scalar> estimate;
     const DriveParameters& drive = parameters_.drive;
-    const JointPrior delay{drive.delay_s, drive.delay_sd_s, 0};
-    const JointLimit limit = regression_.is_too_slow() ? JointLimit::too_slow
-                             : regression_.has_drive() ? JointLimit::too_early
-                                                       : JointLimit::no_drive;
-    const auto set = [limit](IdentifiedValue<Scalar>& value, const JointPrior& prior) {
+    const ImpedancePrior delay{drive.delay_s, drive.delay_sd_s, 0};
+    const ImpedanceLimit limit = regression_.is_too_slow() ? ImpedanceLimit::too_slow
+                                 : regression_.has_drive() ? ImpedanceLimit::too_early
+                                                           : ImpedanceLimit::no_drive;
+    const auto set = [limit](IdentifiedValue<Scalar>& value, const ImpedancePrior& prior) {
       value.quantity = {Scalar(prior.mean), Scalar(prior.sd), Provenance::assumed};
       value.limit = limit;
     };
@@ -55,13 +55,13 @@ class PointConclusion {
   }
 
   const PointRegression<Scalar>& regression_;
-  const JointParameters& parameters_;
+  const ImpedanceParameters& parameters_;
   RegressionSetup setup_;
 };
 
 template <class Scalar>
-JointEstimate<Scalar> PointConclusion<Scalar>::draw() const {
-  JointEstimate<Scalar> estimate = nothing_known();
+ImpedanceEstimate<Scalar> PointConclusion<Scalar>::draw() const {
+  ImpedanceEstimate<Scalar> estimate = nothing_known();
   const std::size_t size = regression_.has_begun() ? regression_.blocks().size() : 0;
   if (size < kFewestBlocks) return estimate;
   const internal::PointJudgement<Scalar> all(regression_.blocks(), setup_, parameters_, 0);
@@ -69,7 +69,7 @@ JointEstimate<Scalar> PointConclusion<Scalar>::draw() const {
   if (!has_walk(parameters_)) return estimate;
   for (const std::size_t first : {size / 2, size - size / 4}) {
     if (size - first < kFewestBlocks) break;
-    JointEstimate<Scalar> recent = nothing_known();
+    ImpedanceEstimate<Scalar> recent = nothing_known();
     const internal::PointJudgement<Scalar> later(regression_.blocks(), setup_, parameters_, first);
     later.write(recent);
     take_better(recent.friction_Ns_m, estimate.friction_Ns_m);

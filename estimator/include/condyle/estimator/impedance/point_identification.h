@@ -13,7 +13,7 @@ template <class Scalar>
 class PointIdentification {
  public:
   /// `parameters` must be valid.
-  explicit PointIdentification(const JointParameters& parameters)
+  explicit PointIdentification(const ImpedanceParameters& parameters)
       : parameters_(parameters), regression_(parameters) {
     conclude();
   }
@@ -42,15 +42,15 @@ class PointIdentification {
   }
 
   /// The last conclusion.
-  const JointEstimate<Scalar>& estimate() const { return estimate_; }
+  const ImpedanceEstimate<Scalar>& estimate() const { return estimate_; }
   /// Number of conclusions.
   std::uint64_t conclusions() const { return conclusions_; }
   DriveCounts counts() const { return regression_.counts(); }
 
  private:
-  JointParameters parameters_;
+  ImpedanceParameters parameters_;
   PointRegression<Scalar> regression_;
-  JointEstimate<Scalar> estimate_;
+  ImpedanceEstimate<Scalar> estimate_;
   std::uint64_t conclusions_ = 0;
   bool has_concluded_ = false;
   TimeNs concluded_ns_ = 0;

@@ -30,7 +30,7 @@ template <class Scalar>
 class PointJudgement {
  public:
   PointJudgement(const RegressionBlocks<Scalar>& blocks, const RegressionSetup& setup,
-                 const JointParameters& parameters, std::size_t first)
+                 const ImpedanceParameters& parameters, std::size_t first)
       : parameters_(parameters),
         columns_(parameters),
         data_(blocks, setup, first),
@@ -40,7 +40,7 @@ class PointJudgement {
     judge();
   }
 
-  void write(JointEstimate<Scalar>& estimate) const {
+  void write(ImpedanceEstimate<Scalar>& estimate) const {
     using std::sqrt;
     estimate.used_s = Scalar(data_.duration_s());
     estimate.drive_noise_sd_N = Scalar(sqrt(data_.drive_variance_N2()));
@@ -56,7 +56,7 @@ class PointJudgement {
           estimate.mass_kg);
     write(value_.friction, parameters_.friction_Ns_m, parameters_.friction_resolution_Ns_m,
           1 / rms_.v, estimate.friction_Ns_m);
-    const auto by_prior = [](const JointPrior& prior) { return sqrt(2.0) * prior.sd; };
+    const auto by_prior = [](const ImpedancePrior& prior) { return sqrt(2.0) * prior.sd; };
     write(value_.stiffness, parameters_.stiffness_N_m, by_prior(parameters_.stiffness_N_m),
           1 / rms_.x, estimate.stiffness_N_m);
     write(value_.offset, parameters_.offset_N, by_prior(parameters_.offset_N), 1,
@@ -66,7 +66,7 @@ class PointJudgement {
             estimate.coulomb_N);
     }
     if (!columns_.fits_delay()) return;
-    const JointPrior stated{parameters_.drive.delay_s, parameters_.drive.delay_sd_s, 0};
+    const ImpedancePrior stated{parameters_.drive.delay_s, parameters_.drive.delay_sd_s, 0};
     write(value_.delay, stated, by_prior(stated), 0, estimate.delay_s);
   }
 
@@ -129,8 +129,8 @@ class PointJudgement {
   }
 
   // `per_N`: effect on the value of a force of 1 N rms in phase.
-  void write(const Candidate& candidate, const JointPrior& prior, double resolution, double per_N,
-             IdentifiedValue<Scalar>& value) const {
+  void write(const Candidate& candidate, const ImpedancePrior& prior, double resolution,
+             double per_N, IdentifiedValue<Scalar>& value) const {
     using std::abs;
     using std::sqrt;
     const FittedValue& fit = candidate.fit;
@@ -140,23 +140,23 @@ class PointJudgement {
                is_mass = &candidate == &value_.mass, is_offset = &candidate == &value_.offset;
     struct Part {
       double variance;
-      JointLimit limit;
+      ImpedanceLimit limit;
     };
     const Part parts[] = {
-        {square(fit.sd), JointLimit::resolution},
+        {square(fit.sd), ImpedanceLimit::resolution},
         {candidate.discrepancy2,
-         is_friction ? JointLimit::viscous_or_coulomb : JointLimit::mass_or_stiffness},
+         is_friction ? ImpedanceLimit::viscous_or_coulomb : ImpedanceLimit::mass_or_stiffness},
         {is_delay
              ? 0
              : stated_.scale2() * square(fit.value - parameters_.mass_kg.mean * fit.per_known_mass),
-         JointLimit::gain},
-        {stated_.mass_variance() * square(fit.per_known_mass), JointLimit::gain},
-        {candidate.delay2(columns_.delay_sd_s()), JointLimit::delay},
-        {square(stated_.missing_N() * per_N), JointLimit::missing},
-        {smoothing_s4_ * square(fit.per_delay2), JointLimit::smoothing},
+         ImpedanceLimit::gain},
+        {stated_.mass_variance() * square(fit.per_known_mass), ImpedanceLimit::gain},
+        {candidate.delay2(columns_.delay_sd_s()), ImpedanceLimit::delay},
+        {square(stated_.missing_N() * per_N), ImpedanceLimit::missing},
+        {smoothing_s4_ * square(fit.per_delay2), ImpedanceLimit::smoothing},
         {square(((is_noise_white_ ? 0.1 : 0.25) + abs(residual_ - 1)) * fit.correction),
-         JointLimit::excitation},
-        {square(prior.walk_per_root_s) * T / 3, JointLimit::changing}};
+         ImpedanceLimit::excitation},
+        {square(prior.walk_per_root_s) * T / 3, ImpedanceLimit::changing}};
     double sum = 0;
     const Part* largest = &parts[0];
     for (const Part& part : parts) {
@@ -174,23 +174,23 @@ class PointJudgement {
     value.sampling_sd = Scalar(fit.sd);
     const double target = square(resolution / 2);
     const bool suffices = sum <= target;
-    if (failure_ != JointLimit::none) {
+    if (failure_ != ImpedanceLimit::none) {
       value.limit = failure_;
     } else if (suffices) {
-      value.limit = JointLimit::none;
+      value.limit = ImpedanceLimit::none;
       value.quantity = {value.fitted, value.fitted_sd, Provenance::measured};
-    } else if (!fit.is_known() || largest->limit == JointLimit::resolution) {
+    } else if (!fit.is_known() || largest->limit == ImpedanceLimit::resolution) {
       const double alone_sd = is_mass       ? mass_alone_sd_
                               : is_friction ? friction_alone_sd_
                                             : FittedValue::kUnbounded;
       const double others = sum - parts[0].variance;
       const bool would_do = alone_sd < FittedValue::kUnbounded &&
                             square(alone_sd) + (fit.is_known() ? others : 0) <= target;
-      value.limit = would_do
-                        ? (is_mass ? JointLimit::mass_or_stiffness : JointLimit::friction_or_delay)
-                    : fit.is_known() ? JointLimit::resolution
-                                     : JointLimit::excitation;
-      if (value.limit == JointLimit::resolution && others < target) {
+      value.limit = would_do         ? (is_mass ? ImpedanceLimit::mass_or_stiffness
+                                                : ImpedanceLimit::friction_or_delay)
+                    : fit.is_known() ? ImpedanceLimit::resolution
+                                     : ImpedanceLimit::excitation;
+      if (value.limit == ImpedanceLimit::resolution && others < target) {
         value.needed_s = Scalar(T * parts[0].variance / (target - others));
       }
     } else {
@@ -198,7 +198,7 @@ class PointJudgement {
     }
   }
 
-  const JointParameters& parameters_;
+  const ImpedanceParameters& parameters_;
   PointColumns columns_;
   RegressionData<Scalar> data_;
   PointMotion rms_;
@@ -209,7 +209,7 @@ class PointJudgement {
   double mass_alone_sd_ = FittedValue::kUnbounded, friction_alone_sd_ = FittedValue::kUnbounded;
   PointValues<Scalar> plain_;
   PointCandidates value_;
-  JointLimit failure_ = JointLimit::none;
+  ImpedanceLimit failure_ = ImpedanceLimit::none;
 };
 
 }  // namespace internal

@@ -24,7 +24,7 @@
 #pragma once
 
 #include "condyle/estimator/impedance/even_channel.h"
-#include "condyle/estimator/impedance/joint_parameters.h"
+#include "condyle/estimator/impedance/impedance_parameters.h"
 #include "condyle/estimator/impedance/regression_sums.h"
 
 namespace condyle {
@@ -51,7 +51,7 @@ template <class Scalar>
 class PointRegression {
  public:
   /// `parameters` must be valid.
-  explicit PointRegression(const JointParameters& parameters)
+  explicit PointRegression(const ImpedanceParameters& parameters)
       : parameters_(parameters),
         positions_(kLeastPositionStep_ns, kNanosecondsPerSecond),
         drive_(kLeastDriveStep_ns, nanoseconds(parameters.drive.longest_gap_s)),
@@ -325,7 +325,7 @@ class PointRegression {
 
   static constexpr double kLeastNoise_m = 1e-9;
 
-  JointParameters parameters_;
+  ImpedanceParameters parameters_;
   EvenChannel<Scalar, kPositions> positions_;
   EvenChannel<Scalar, kDrives> drive_;
   TimeNs delay_ns_;

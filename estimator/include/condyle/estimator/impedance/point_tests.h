@@ -16,7 +16,7 @@
 // but for tau; m is theirs.
 #pragma once
 
-#include "condyle/estimator/impedance/joint_estimate.h"
+#include "condyle/estimator/impedance/impedance_estimate.h"
 #include "condyle/estimator/impedance/point_candidate.h"
 
 namespace condyle::internal {
@@ -48,7 +48,7 @@ struct PointMotion {
 /// What is stated about the drive and about a known mass.
 class PointStatement {
  public:
-  PointStatement(const JointParameters& parameters, const PointMotion& motion)
+  PointStatement(const ImpedanceParameters& parameters, const PointMotion& motion)
       : drive_(parameters.drive) {
     const bool is_mass_known = parameters.mass == MassModel::known;
     missing_N_ = drive_.missing_share * (is_mass_known ? motion.u_about_mean : motion.u);
@@ -78,7 +78,7 @@ class PointTests {
 
   /// `mass` and `friction` as they would be shown; if the mass is known, `mass` as if it were
   /// unknown. `residual`: R so far; may be lowered.
-  PointTests(const RegressionData<Scalar>& data, const JointParameters& parameters,
+  PointTests(const RegressionData<Scalar>& data, const ImpedanceParameters& parameters,
              const PointMotion& motion, const PointStatement& stated, const Fit& E, const Fit& P0,
              const Candidate& mass, const Candidate& friction, double& residual)
       : parameters_(parameters),
@@ -97,23 +97,23 @@ class PointTests {
                                          : FittedValue::kUnbounded;
     const double independent = data.duration_s() * data.setup().cutoff_rad_s / 3.55;
     failure_ = of_mass();
-    if (failure_ != JointLimit::none) return;
+    if (failure_ != ImpedanceLimit::none) return;
     if (residual < FittedValue::kUnbounded && residual > 1.25 + 3 * sqrt(2 / independent)) {
-      failure_ = JointLimit::noise;
+      failure_ = ImpedanceLimit::noise;
     } else if (curvature.is_known() && beyond(curvature.value, kDynamics * curvature_sd)) {
-      failure_ = JointLimit::dynamics;
+      failure_ = ImpedanceLimit::dynamics;
     } else if (delay.is_known() && beyond(delay.value, kDelay * sd_of_delay(delay))) {
-      failure_ = JointLimit::delay_stated;
+      failure_ = ImpedanceLimit::delay_stated;
     } else if (!has_walk(parameters_) &&
                (has_trend(P0.fitted(kVelocityColumn)) || has_trend(E.fitted(kAccelerationColumn)) ||
                 has_trend(delay))) {
-      failure_ = JointLimit::changing;
+      failure_ = ImpedanceLimit::changing;
     } else if (friction_.fit.is_known() && friction_.fit.value < -kNegative * sd_of_friction()) {
-      failure_ = JointLimit::negative_friction;
+      failure_ = ImpedanceLimit::negative_friction;
     }
   }
 
-  JointLimit failure() const { return failure_; }
+  ImpedanceLimit failure() const { return failure_; }
   /// The part of u'' that the test of dynamics leaves open, squared (s^4).
   double curvature_s4() const { return curvature_s4_; }
 
@@ -125,23 +125,23 @@ class PointTests {
     return abs(value) > limit;
   }
 
-  JointLimit of_mass() const {
+  ImpedanceLimit of_mass() const {
     using std::sqrt;
-    if (!mass_.fit.is_known()) return JointLimit::none;
+    if (!mass_.fit.is_known()) return ImpedanceLimit::none;
     const double mass = mass_.fit.value,
                  mass_sd =
                      sqrt(mass_.all2(columns_.delay_sd_s()) + stated_.scale2() * square(mass) +
                           square(stated_.missing_N() / motion_.a) + stated_.mass_variance());
     if (columns_.is_mass_known()) {
       return beyond(mass - parameters_.mass_kg.mean, kMassStated * mass_sd)
-                 ? JointLimit::mass_stated
-                 : JointLimit::none;
+                 ? ImpedanceLimit::mass_stated
+                 : ImpedanceLimit::none;
     }
-    if (mass < -kNegative * mass_sd) return JointLimit::drive_reversed;
+    if (mass < -kNegative * mass_sd) return ImpedanceLimit::drive_reversed;
     return mass + kNegative * mass_sd < parameters_.least_mass_kg ||
                    mass - kNegative * mass_sd > parameters_.most_mass_kg
-               ? JointLimit::implausible_mass
-               : JointLimit::none;
+               ? ImpedanceLimit::implausible_mass
+               : ImpedanceLimit::none;
   }
 
   double sd_of_delay(const FittedValue& delay) const {
@@ -162,13 +162,13 @@ class PointTests {
                square(kTrend) * (fit.trend2 + square(columns_.delay_sd_s() * fit.trend_per_delay));
   }
 
-  const JointParameters& parameters_;
+  const ImpedanceParameters& parameters_;
   PointColumns columns_;
   const PointMotion& motion_;
   const PointStatement& stated_;
   const Candidate &mass_, &friction_;
   double curvature_s4_ = 0;
-  JointLimit failure_ = JointLimit::none;
+  ImpedanceLimit failure_ = ImpedanceLimit::none;
 };
 
 }  // namespace condyle::internal

@@ -15,7 +15,7 @@
 //
 // The form of A. E. Bryson and M. Frazier, modified by G. J. Bierman, Fixed interval smoothing with
 // discrete measurements, Int. J. Control 18 (1973) 65-75: no matrix is inverted, so that float
-// suffices. Units: P and S in units of the noise variance R (motion_bank.h), so l has 1/m, L none.
+// suffices. Units: P and S in units of the noise variance R (filter_bank.h), so l has 1/m, L none.
 #pragma once
 
 #include "condyle/estimator/motion/white_jerk.h"

@@ -9,14 +9,14 @@
 //            numbers, held between floor and ceiling; the floor is at least step^2 / 12 if the
 //            positions are rounded (rounding_step.h). Each nu^2 / S counts at most huber^2 R_i, so
 //            that glitches do not become noise.
-// Weights.   log w_i = max(long_i - max long, -kLead) + short_i, up to a constant:
+// Weights.   log w_i = max(long_i - max long, -kLongScoreFloor) + short_i, up to a constant:
 //            long_i    log likelihood over the memory, -n/2 (log R_i + <log S_i>), tempered: jaw
 //                      motion is not white jerk, innovations are correlated, and n of them count as
 //                      kIndependentShare n
 //            short_i   log likelihood of about the last kShortMemory samples,
 //                      -1/2 sum min(log R_i S_i + nu^2 / (R_i S_i), floor)
 //            What served best so far leads, its R and q are those reported, but by no more than
-//            e^kLead, and by e^kLivelier more for each member in between if the other is
+//            e^kLongScoreFloor, and by e^kLivelier more for each member in between if the other is
 //            livelier: when the jaw starts or stops, a few samples put another member in charge,
 //            and of those that explain these as well the least lively.
 // Floor.     max_j log R_j S_j + gate^2, common to all members. A sample that even the widest does
@@ -25,8 +25,8 @@
 //            measured.
 //
 // The two memories are this project's. Their constants were chosen on simulated chewing:
-// kShortMemory 4 to 12, kLead 8 to 12 and kIndependentShare 0.15 to 1 change the mean velocity
-// error by less than 1 %.
+// kShortMemory 4 to 12, kLongScoreFloor 8 to 12 and kIndependentShare 0.15 to 1 change the mean
+// velocity error by less than 1 %.
 #pragma once
 
 #include <algorithm>
@@ -44,8 +44,8 @@ class MemberWeights {
   /// One scalar for each member.
   using Each = Array<Scalar, kMembers>;
 
-  static constexpr Scalar kPlausible = Scalar(1e-3);  ///< least weight that counts
-  static constexpr Scalar kExcuses = Scalar(0.003);   ///< and least that can excuse a sample
+  static constexpr Scalar kPlausible = Scalar(1e-3);      ///< least weight that counts
+  static constexpr Scalar kLikelyWeight = Scalar(0.003);  ///< and least that can excuse a sample
 
   /// Adaptive members: all start with the noise `R` (m^2), limited to `lowest_R` to `highest_R`.
   /// The one in the middle leads; the least lively has the largest weight.
@@ -128,7 +128,7 @@ class MemberWeights {
   /// `mean_log_S`.
   void weigh(const Each& mean_log_S, Scalar n) {
     Each score;
-    const Scalar lowest = score_memory(mean_log_S, n, score) - kLead;
+    const Scalar lowest = score_memory(mean_log_S, n, score) - kLongScoreFloor;
     Scalar best = -std::numeric_limits<Scalar>::infinity();
     for (int i = 0; i < count_; ++i) {
       const Scalar rarity = kLivelier * static_cast<Scalar>(std::max(i - leader_, 0));
@@ -138,7 +138,7 @@ class MemberWeights {
     Scalar sum = 0;
     for (int i = 0; i < count_; ++i) {
       const Scalar behind = score[i] - best;
-      weight_[i] = behind < kHopeless ? Scalar(0) : elementary::exp(behind);
+      weight_[i] = behind < kNegligibleLogWeight ? Scalar(0) : elementary::exp(behind);
       sum += weight_[i];
     }
     const Scalar inverse_sum = Scalar(1) / sum;
@@ -152,7 +152,7 @@ class MemberWeights {
     const Scalar best = score_memory(mean_log_S, n, score);
     // Compensates the lead of the members that served best.
     for (int i = 0; i < count_; ++i) {
-      const Scalar level = -std::max(score[i] - best, -kLead);
+      const Scalar level = -std::max(score[i] - best, -kLongScoreFloor);
       short_score_[i] += share * (level - short_score_[i]);
     }
     weigh(mean_log_S, n);
@@ -174,10 +174,10 @@ class MemberWeights {
 
  private:
   static constexpr Scalar kIndependentShare = Scalar(0.3);
-  static constexpr Scalar kLead = 6;
+  static constexpr Scalar kLongScoreFloor = 6;
   static constexpr Scalar kShortMemory = 8;  // samples
   static constexpr Scalar kLivelier = Scalar(0.5);
-  static constexpr Scalar kHopeless = -20;  // log weight behind the best
+  static constexpr Scalar kNegligibleLogWeight = -20;  // log weight behind the best
 
   // Log likelihoods over the memory, and which of them leads; the leader's.
   Scalar score_memory(const Each& mean_log_S, Scalar n, Each& score) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The prediction of a bank of filters (motion_bank.h) for the next measurement, after `predict`.
+// The prediction of a bank of filters (filter_bank.h) for the next measurement, after `predict`.
 //
 //   nu, S    innovation of a member (m), and its variance in units of R
 //   w, R, R' a member's weight, the noise (m^2) that it makes out, and the noise as it is stated
@@ -13,7 +13,7 @@
 #include <limits>
 
 #include "condyle/estimator/math/elementary.h"
-#include "condyle/estimator/motion/motion_bank.h"
+#include "condyle/estimator/motion/filter_bank.h"
 
 namespace condyle {
 
@@ -32,8 +32,8 @@ enum class Noise { stated, own };
 
 /// The prediction of `bank` for the measurement `z_m` along `axis`.
 template <class Scalar, int kAxes>
-Expectation<Scalar> expectation(const MotionBank<Scalar, kAxes>& bank, int axis, Scalar z_m) {
-  using Weights = typename MotionBank<Scalar, kAxes>::Weights;
+Expectation<Scalar> expectation(const FilterBank<Scalar, kAxes>& bank, int axis, Scalar z_m) {
+  using Weights = typename FilterBank<Scalar, kAxes>::Weights;
   Expectation<Scalar> expected;
   Scalar weight_sum = 0, own_variance_m2 = 0;
   expected.of_likely_squared = std::numeric_limits<Scalar>::infinity();
@@ -47,7 +47,7 @@ Expectation<Scalar> expectation(const MotionBank<Scalar, kAxes>& bank, int axis,
     expected.position_m += weight * position_m;
     expected.variance_m2 += weight * bank.stated_R(axis, i) * S;
     own_variance_m2 += weight * R * S;
-    if (weight > Weights::kExcuses) {
+    if (weight > Weights::kLikelyWeight) {
       expected.of_likely_squared =
           std::min(expected.of_likely_squared, innovation_m * innovation_m / (R * S));
     }
@@ -61,8 +61,8 @@ Expectation<Scalar> expectation(const MotionBank<Scalar, kAxes>& bank, int axis,
 
 /// Log density of the measurement `z_m` (1/m along each axis) by `bank`.
 template <Noise kNoise, class Scalar, int kAxes>
-Scalar log_density(const MotionBank<Scalar, kAxes>& bank, const Array<Scalar, kAxes>& z_m) {
-  using Weights = typename MotionBank<Scalar, kAxes>::Weights;
+Scalar log_density(const FilterBank<Scalar, kAxes>& bank, const Array<Scalar, kAxes>& z_m) {
+  using Weights = typename FilterBank<Scalar, kAxes>::Weights;
   constexpr Scalar kTwoPi = Scalar(6.283185307179586);
   constexpr Scalar kLeastExponent = -80;  // e^-80 is still a number in float
   Scalar sum = 0;

@@ -53,7 +53,7 @@ struct SampleVerdict {
 template <class Scalar, int kAxes>
 class MotionHypotheses {
  public:
-  using Bank = MotionBank<Scalar, kAxes>;
+  using Bank = FilterBank<Scalar, kAxes>;
   using Position = typename Bank::Position;
   using Verdict = SampleVerdict<Scalar, kAxes>;
   using Odds = ChangeOdds<Scalar, kAxes>;

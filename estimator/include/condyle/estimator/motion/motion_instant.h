@@ -22,7 +22,7 @@ struct BankTrack {
 /// One sample and its results. `kKept`: false if no estimate waits for later samples.
 template <class Scalar, int kAxes, bool kKept>
 struct MotionInstant {
-  using Bank = MotionBank<Scalar, kAxes>;
+  using Bank = FilterBank<Scalar, kAxes>;
   using Track = BankTrack<typename Bank::Step, kKept ? Bank::kMostMembers : 1>;
 
   TimeNs time_ns = 0;

@@ -2,7 +2,7 @@
 // The recommended estimator: position, velocity and acceleration along up to three axes from
 // measured positions and their times, and the net force for an assumed mass.
 //
-//   motion_bank.h        motion: exact white-jerk filters; noise and liveliness learned
+//   filter_bank.h        motion: exact white-jerk filters; noise and liveliness learned
 //   outlier_gate.h       outliers: full weight, less, none
 //   motion_hypotheses.h  outlier or change of the motion: both, until later samples decide
 //   rounding_step.h      rounded positions, whose noise is no less than that of rounding
@@ -143,7 +143,7 @@ class RecommendedEstimator {
   /// Delay of an estimate in samples.
   int lag() const { return lag_; }
   /// The filters behind the estimate.
-  const MotionBank<Scalar, kAxes>& bank() const { return motion_.main(); }
+  const FilterBank<Scalar, kAxes>& bank() const { return motion_.main(); }
   /// Both hypotheses, if there are two.
   const MotionHypotheses<Scalar, kAxes>& motion() const { return motion_; }
   /// The rounding step of positions along `axis` (m); 0 if none was found.
@@ -152,7 +152,7 @@ class RecommendedEstimator {
  private:
   static constexpr int kInstants = kMostLag + 1;
   static constexpr Scalar kLargestPosition_m = Scalar(1e6);
-  using Bank = MotionBank<Scalar, kAxes>;
+  using Bank = FilterBank<Scalar, kAxes>;
   using Instants = MotionInstants<Scalar, kAxes, kInstants>;
   using Instant = typename Instants::Instant;
 
@@ -277,7 +277,7 @@ class RecommendedEstimator {
       estimate.axes[axis].noise_sd_m = std::sqrt(bank().noise_variance_m2(axis));
       estimate.axes[axis].jerk_density_m2_s5 = bank().jerk_density_m2_s5(axis);
       estimate.events.add(Event::noise_at_limit, bank().noise_is_at_limit(axis));
-      estimate.events.add(Event::liveliness_at_limit, bank().liveliness_is_at_limit(axis));
+      estimate.events.add(Event::liveliness_at_limit, bank().jerk_density_is_at_limit(axis));
     }
     return estimate;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Number of samples in a mean that forgets: the memory of a bank of filters (motion_bank.h).
+// Number of samples in a mean that forgets: the memory of a bank of filters (filter_bank.h).
 //
 //   T    mean time step (s)
 //   n    samples that the mean rests on; the next one has the share 1/n in it

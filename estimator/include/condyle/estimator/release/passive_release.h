@@ -213,7 +213,7 @@ Scalar noise_factor(const PassiveRelease<Scalar>& release, Scalar samples) {
 
 /// The ends of an interval around `value`, with `apart` added on either side.
 template <class Scalar>
-std::pair<Scalar, Scalar> widened(Scalar value, std::pair<Scalar, Scalar> ends, Scalar apart) {
+std::pair<Scalar, Scalar> to_double(Scalar value, std::pair<Scalar, Scalar> ends, Scalar apart) {
   using std::sqrt;
   const auto half = [apart](Scalar own) { return sqrt(own * own + apart * apart); };
   return {value - half(value - ends.first), value + half(ends.second - value)};
@@ -294,7 +294,7 @@ PassiveRelease<Scalar> fit_passive_release(std::span<const Scalar> time_s,
                                                      : later.log_omega;
     const std::pair own(search.interval_end(minimum, held, Scalar(-1), deviation, variance, q),
                         search.interval_end(minimum, held, Scalar(1), deviation, variance, q));
-    return internal::widened(value, own, q * apart);
+    return internal::to_double(value, own, q * apart);
   };
   const ReleaseSpread& spread = settings.spread;
   const ReleaseResolution& resolution = settings.resolution;

@@ -23,7 +23,7 @@
 
 #include <array>
 
-#include "condyle/estimator/impedance/joint_parameters.h"
+#include "condyle/estimator/impedance/impedance_parameters.h"
 #include "condyle/estimator/release/passive_release.h"
 
 namespace condyle {
@@ -44,8 +44,8 @@ struct ReleaseLoad {
 struct ReleasePairSettings {
   ReleaseLoad load;
   /// The smallest differences that matter to the user.
-  double friction_resolution_Ns_m = JointParameters{}.friction_resolution_Ns_m;
-  double mass_resolution_fraction = JointParameters{}.mass_resolution_fraction;
+  double friction_resolution_Ns_m = ImpedanceParameters{}.friction_resolution_Ns_m;
+  double mass_resolution_fraction = ImpedanceParameters{}.mass_resolution_fraction;
   double stiffness_resolution_fraction = 0.1;
   /// Spread between subjects, before any measurement.
   double friction_spread_Ns_m = 5, stiffness_spread_N_m = 100, mass_spread_kg = 0.1;

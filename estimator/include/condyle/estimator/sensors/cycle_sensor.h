@@ -58,7 +58,7 @@ CycleSensor<Scalar, kAxes>::CycleSensor(const RecommendedParameters& parameters,
                                         const FollowedPoint& followed, int axis)
     : axis_(axis),
       motion_(parameters, is_valid(parameters) ? 0 : kUnusableLag, followed),
-      timeline_(parameters.joint, parameters.changes) {}
+      timeline_(parameters.impedance, parameters.changes) {}
 
 template <class Scalar, int kAxes>
 void CycleSensor<Scalar, kAxes>::add_drive(TimeNs time_ns, double drive_N) {

@@ -12,7 +12,7 @@ namespace condyle {
 /// A RecommendedEstimate, and the results for the followed point at that time.
 template <class Scalar>
 struct DrivenEstimate : RecommendedEstimate<Scalar> {
-  JointEstimate<Scalar> joint;
+  ImpedanceEstimate<Scalar> impedance;
 };
 
 /// As RecommendedSensor; the identification follows one of its axes. It uses the positions that the
@@ -37,13 +37,13 @@ class DrivenSensor {
   [[nodiscard]] bool drain(Estimate& estimate);
 
   /// Concludes from everything given so far, as at the end of a recording.
-  const JointEstimate<Scalar>& conclude() {
+  const ImpedanceEstimate<Scalar>& conclude() {
     identification_.conclude();
     return identification_.estimate();
   }
 
   /// The last conclusion, and the number of conclusions.
-  const JointEstimate<Scalar>& conclusion() const { return identification_.estimate(); }
+  const ImpedanceEstimate<Scalar>& conclusion() const { return identification_.estimate(); }
   std::uint64_t conclusions() const { return identification_.conclusions(); }
   DriveCounts counts() const { return identification_.counts(); }
 
@@ -60,7 +60,7 @@ DrivenSensor<Scalar, kAxes, kMostLag>::DrivenSensor(const DrivenParameters& para
                                                     const FollowedPoint& followed, int axis)
     : axis_(axis),
       motion_(parameters, is_valid(parameters) ? lag : kUnusableLag, followed),
-      identification_(parameters.joint) {}
+      identification_(parameters.impedance) {}
 
 template <class Scalar, int kAxes, int kMostLag>
 void DrivenSensor<Scalar, kAxes, kMostLag>::add_drive(TimeNs time_ns, double drive_N) {
@@ -88,7 +88,7 @@ auto DrivenSensor<Scalar, kAxes, kMostLag>::complete(Estimate estimate) -> Estim
                         std::isfinite(axis.innovation_m) &&
                         !estimate.events.has(Event::outlier_rejected);
   if (is_taken) identification_.add_position(estimate.time_ns, axis.measured_position_m);
-  estimate.joint = identification_.estimate();
+  estimate.impedance = identification_.estimate();
   return estimate;
 }
 

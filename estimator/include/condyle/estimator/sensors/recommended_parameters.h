@@ -4,14 +4,14 @@
 #pragma once
 
 #include "condyle/estimator/changes/change_parameters.h"
-#include "condyle/estimator/impedance/joint_parameters.h"
+#include "condyle/estimator/impedance/impedance_parameters.h"
 #include "condyle/estimator/motion/motion_parameters.h"
 
 namespace condyle {
 
 /// Parameters of motion, and of friction and mass for a measured drive (driven_sensor.h).
 struct DrivenParameters : MotionEstimatorParameters {
-  JointParameters joint;
+  ImpedanceParameters impedance;
 };
 
 /// Parameters in a parameter file of the recommended estimator.
@@ -23,7 +23,7 @@ struct RecommendedParameters : DrivenParameters {
 template <class Parameters, class Visitor>
 constexpr void visit_driven_fields(Parameters& parameters, Visitor&& visit) {
   visit_motion_fields(parameters, visit);
-  visit_joint_fields(parameters.joint, visit);
+  visit_impedance_fields(parameters.impedance, visit);
 }
 
 /// Like visit_motion_fields, for each numeric field of a RecommendedParameters.
@@ -36,10 +36,10 @@ constexpr void visit_recommended_fields(Parameters& parameters, Visitor&& visit)
 /// True if is_valid holds for the motion's, and every other field is in its range.
 constexpr bool is_valid(const DrivenParameters& parameters) {
   bool valid = is_valid(static_cast<const MotionEstimatorParameters&>(parameters));
-  visit_joint_fields(parameters.joint, [&valid](const char*, const char*, const double* values,
-                                                std::size_t, const char*, Range range) {
-    valid = valid && range.contains(*values);
-  });
+  visit_impedance_fields(
+      parameters.impedance,
+      [&valid](const char*, const char*, const double* values, std::size_t, const char*,
+               Range range) { valid = valid && range.contains(*values); });
   return valid;
 }
 

@@ -17,7 +17,7 @@
 #include <optional>
 #include <span>
 
-#include "condyle/estimator/impedance/joint_estimate.h"
+#include "condyle/estimator/impedance/impedance_estimate.h"
 #include "condyle/estimator/motion/recommended_estimator.h"
 #include "condyle/estimator/published/parameters.h"
 #include "condyle/estimator/published/published_cascade.h"
@@ -208,7 +208,7 @@ struct RecommendedEstimateMessage {
 template <class Scalar>
 struct ConclusionMessage {
   static constexpr MessageType kType = MessageType::conclusion;
-  JointEstimate<Scalar> conclusion;
+  ImpedanceEstimate<Scalar> conclusion;
 };
 
 /// The target's counts since it started; reports and run: since `start`.
