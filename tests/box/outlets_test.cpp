@@ -76,14 +76,14 @@ TEST(EstimateLine, KeepsEveryBitAndSaysWhatIsNotKnown) {
   EXPECT_EQ(json["axis"]["velocity_provenance"], "measured");
   EXPECT_TRUE(json["axis"]["position_m"].is_null());
   EXPECT_EQ(json["axis"]["position_provenance"], "");
-  EXPECT_EQ(json["joint"]["friction_provenance"], "assumed");
-  EXPECT_EQ(json["joint"]["friction_limit"], "missing");
+  EXPECT_EQ(json["impedance"]["friction_provenance"], "assumed");
+  EXPECT_EQ(json["impedance"]["friction_limit"], "missing");
   EXPECT_EQ(json["events"], nlohmann::json::array({"time_gap"}));
 
   box.has_impedance = false;
   box.estimate.time_valid = false;
   const nlohmann::json without = nlohmann::json::parse(estimate_line(box));
-  EXPECT_FALSE(without.contains("joint"));
+  EXPECT_FALSE(without.contains("impedance"));
   EXPECT_TRUE(without["time_s"].is_null());
 }
 

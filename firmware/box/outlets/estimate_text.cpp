@@ -67,7 +67,7 @@ std::string estimate_line(const BoxEstimate& box) {
           add_quantity(impedance, name, value.quantity);
           impedance[name.limit()] = limit_name(value.limit);
         });
-    json["joint"] = impedance;
+    json["impedance"] = impedance;
   }
   Json events = Json::array();
   for (std::size_t i = 0; i < kEventCount; ++i) {
