@@ -1,36 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Friction of a point that muscles drive, from its position and the forces of the muscles, whose
-// gains are unknown.
+// Friction of a point that muscles drive, from its position and the muscles' forces of unknown
+// gains: the values that the filter of emg_filter.h supports, with its symbols.
 //
-//   z         measured position (m)
-//   F_n       force of muscle n along the followed axis at gain 1 (N), muscle_force.h; linear from
-//             sample to sample
-//   x         state: p, v, d, lambda, kappa, c, g_1 ... g_8
-//   d         force that the F_n miss or make up, per mass (m/s^2)
-//   lambda    kv / m,  kappa = ks / m,  c = constant force / m,  g_n = K_n / m
-//   A         covariance of x
 //   m         mass, assumed
 //
-// Model:       p' = v,  v' = sum g_n F_n + d + c - lambda v - kappa p      (eqs 2 and 9, corrected)
-//              d' = -d / tau + white, of standard deviation s rms(F), with
-//              rms(F)^2 = mean of (sum |g_n F_n|)^2 + d^2, of the fitted or of the prior's gains,
-//              whichever is more; s is learned from the innovations, so that their mean NIS is 1
-//              (too large an s gives too much friction, too small an s too little)
-//              lambda, kappa, c, g_n   constants
-// Prediction:  by mass_spring_damper.h with the drive sum g_n F_n + d of a mass of 1; A <- F A F' +
-// Q + B
-//                Q   of lowest order in T / tau, q = 2 (s rms F)^2 / tau:
-//                    Q_dd = q T, Q_vd = q T^2 / 2, Q_vv = q T^3 / 3, Q_pd = q T^3 / 6,
-//                    Q_pv = q T^4 / 8, Q_pp = q T^5 / 20
-//                B   what the products lambda v and kappa p of two unknowns add beyond their
-//                    linear part, of normal x: B_vv = T^2 sum (A_aa A_bb + A_ab^2),
-//                    B_pv = T B_vv / 2, B_pp = T^2 B_vv / 4
-// Update:      for z, the single state p: S = A_pp + R, K = A_.p / S, A <- A - S K K'
 // Values:      kv = lambda m and the like, with the standard deviation of the assumed mass: K_n, kv
 //              and m are known up to one scale (g u = m a + kv v), which the assumed mass sets.
 //              They are derived, never measured.
 //
-// What no number of samples averages out is added to A, by correlated_model_error.h with y = (v, p,
+// What no number of samples averages out is added to P, by correlated_model_error.h with y = (v, p,
 // 1, F_n):
 //   E^2 = (error_share rms F)^2 + (sigma_lag rms F')^2
 // F' is taken for what the motion needs: rms F' = (w^2 + |kappa|) rms v + |lambda| rms a,
@@ -39,360 +17,112 @@
 // stiffness and offset, beyond their own intervals: they are shown only if a gain is.
 #pragma once
 
-#include "condyle/estimator/emg/correlated_model_error.h"
-#include "condyle/estimator/emg/emg_estimate.h"
-#include "condyle/estimator/emg/emg_parameters.h"
-#include "condyle/estimator/impedance/mass_spring_damper.h"
-#include "condyle/estimator/math/innovation_monitor.h"
-#include "condyle/estimator/math/symmetric_matrix.h"
+#include "condyle/estimator/emg/emg_filter.h"
 
 namespace condyle {
 
-/// The filter. Fixed size, no allocation; see above.
+/// The identification. Fixed size, no allocation; see above.
 template <class Scalar>
-class EmgIdentification {
+class EmgIdentification : public EmgFilter<Scalar> {
  public:
-  using Forces = std::array<Scalar, kMostMuscles>;
-  /// Position and velocity of the point.
-  struct Place {
-    Scalar position_m = 0, velocity_m_s = 0;
-    bool is_known = false;
-  };
-
-  /// `parameters` must be valid. At most kMostMuscles of `muscles` are used; the first forces are
-  /// given.
-  EmgIdentification(const EmgParameters& parameters, std::size_t muscles)
-      : parameters_(parameters), muscles_(static_cast<int>(muscles)) {
-    set_prior();
-  }
-
-  /// The forces change to `F` (N), of gain 1 along the followed axis, within `T` s; T > 0, not used
-  /// for the first forces. The previous interval is completed.
-  void drive(Scalar T, const Forces& F) {
-    complete();
-    if (has_drive_) {
-      before_ = after_;
-      interval_s_ = T;
-      share_ = Scalar(0);
-    } else {
-      share_ = Scalar(1);
-    }
-    after_ = F;
-    has_drive_ = true;
-  }
-
-  /// Completes the interval; then the state `T` s after its end for constant forces.
-  Place complete(Scalar T = Scalar(0)) {
-    advance(Scalar(1));
-    if (!is_started_) return {};
-    return {x_[p] + T * x_[v], x_[v] + T * acceleration(drive_at(Scalar(1)) + x_[d]), true};
-  }
-
-  /// A position `z` (m) with noise of standard deviation `sd` (m), measured when the share `share`
-  /// (0 to 1) of the present interval has passed; not earlier than the previous one.
-  EmgOutcome measure(Scalar share, Scalar z, Scalar sd) {
-    nis_ = std::numeric_limits<Scalar>::quiet_NaN();
-    if (!has_drive_) return outcome_ = EmgOutcome::waits;
-    if (!is_started_) {
-      share_ = share;
-      start(z, square(sd));
-      return outcome_ = EmgOutcome::started;
-    }
-    advance(share);
-    outcome_ = update(z, square(sd));
-    if (outcome_ == EmgOutcome::refused || !is_usable()) {
-      interrupt();
-      set_prior();
-      ++restarts_;
-      outcome_ = EmgOutcome::refused;
-    }
-    return outcome_;
-  }
-
-  /// Forgets position and forces, but not the identified values.
-  void interrupt() { is_started_ = has_drive_ = false; }
+  using EmgFilter<Scalar>::EmgFilter;
 
   /// The present results.
   EmgEstimate<Scalar> estimate() const {
     using std::sqrt;
     EmgEstimate<Scalar> estimate;
-    const Scalar m = Scalar(parameters_.mass_kg.mean);
-    estimate.outcome = outcome_;
-    estimate.nis = nis_;
-    estimate.mean_nis = monitor_.mean_nis();
-    estimate.innovation_correlation = monitor_.correlation();
+    const Scalar m = Scalar(parameters().mass_kg.mean);
+    estimate.outcome = outcome();
+    estimate.nis = Filter::nis();
+    estimate.mean_nis = monitor().mean_nis();
+    estimate.innovation_correlation = monitor().correlation();
     estimate.found_error_share = found_error_share();
-    estimate.noise_share = noise_share_;
+    estimate.noise_share = noise_share();
     estimate.rejected_share = rejected_share();
-    estimate.restarts = restarts_;
-    estimate.position_m = x_[p];
-    estimate.velocity_m_s = x_[v];
-    estimate.force_error_N = m * x_[d];
-    estimate.force_rms_N = m * sqrt(mean_F2_);
-    estimate.mass_kg = {m, Scalar(parameters_.mass_kg.sd), Provenance::assumed};
-    const Granted granted = what_is_granted();
-    estimate.friction_Ns_m = value(lambda, parameters_.friction_Ns_m,
-                                   Scalar(parameters_.friction_resolution_Ns_m), granted);
+    estimate.restarts = restarts();
+    estimate.position_m = x()[p];
+    estimate.velocity_m_s = x()[v];
+    estimate.force_error_N = m * x()[d];
+    estimate.force_rms_N = m * sqrt(powers().F2);
+    estimate.mass_kg = {m, Scalar(parameters().mass_kg.sd), Provenance::assumed};
+    const SystematicVariance systematic = systematic_variance();
+    estimate.friction_Ns_m = value(lambda, parameters().friction_Ns_m,
+                                   Scalar(parameters().friction_resolution_Ns_m), systematic);
     bool is_scale_known = false;
-    for (int n = 0; n < muscles_; ++n) {
+    for (int n = 0; n < muscles(); ++n) {
       EmgValue<Scalar>& gain = estimate.gain[static_cast<std::size_t>(n)];
-      gain = value(g + n, parameters_.gain, Scalar(parameters_.gain_resolution), granted);
+      gain = value(g + n, parameters().gain, Scalar(parameters().gain_resolution), systematic);
       is_scale_known = is_scale_known || gain.limit == EmgLimit::none;
     }
     const auto scaled = [&](int i, const EmgPrior& prior) {
-      EmgValue<Scalar> of = value(i, prior, half_known(prior), granted);
+      EmgValue<Scalar> of = value(i, prior, half_known(prior), systematic);
       if (of.limit == EmgLimit::none && !is_scale_known) {
         of.limit = EmgLimit::scale;
         of.quantity = {Scalar(prior.mean), Scalar(prior.sd), Provenance::assumed};
       }
       return of;
     };
-    estimate.stiffness_N_m = scaled(kappa, parameters_.stiffness_N_m);
-    estimate.offset_N = scaled(c, parameters_.offset_N);
+    estimate.stiffness_N_m = scaled(kappa, parameters().stiffness_N_m);
+    estimate.offset_N = scaled(c, parameters().offset_N);
     return estimate;
   }
 
  private:
+  using Filter = EmgFilter<Scalar>;
+  using Filter::correlated_error, Filter::found_error_share, Filter::monitor, Filter::muscles;
+  using Filter::kValues;
+  using Filter::noise_share, Filter::outcome, Filter::P, Filter::parameters, Filter::powers;
+  using Filter::p, Filter::v, Filter::d, Filter::lambda, Filter::kappa, Filter::c, Filter::g;
+  using Filter::prior_of, Filter::rejected_share, Filter::restarts, Filter::square, Filter::x;
+  using typename Filter::Values;
+
   static constexpr Scalar kFewestInnovations = 200, kHighestNis = Scalar(1.5);
   static constexpr Scalar kLowestCorrelation = Scalar(-0.3);
-  static constexpr Scalar kLowestShare = Scalar(1e-4), kFirstShare = Scalar(0.1);
   static constexpr Scalar kMostRejectedShare = Scalar(0.05);
-  static constexpr int kMostRejected = 3, kMuscles = static_cast<int>(kMostMuscles);
 
-  enum { p, v, d, lambda, kappa, c, g, kStates = g + kMuscles };
-  static constexpr int kValues = kStates - lambda;  // the constant ones
-  using State = Eigen::Matrix<Scalar, kStates, 1>;
-  using Values = typename CorrelatedModelError<Scalar, kValues>::Vector;
-
-  static Scalar square(Scalar value) { return value * value; }
   static Scalar half_known(const EmgPrior& prior) {
     using std::sqrt;
     return sqrt(Scalar(2)) * Scalar(prior.sd);
   }
 
-  const EmgPrior& prior_of(int state) const {
-    if (state == lambda) return parameters_.friction_Ns_m;
-    if (state == kappa) return parameters_.stiffness_N_m;
-    return state == c ? parameters_.offset_N : parameters_.gain;
-  }
-
-  // The priors of kv, ks, b and K_n, converted to values per mass: x = k / m has the variance
-  // E[m^-2] var k + k^2 var 1/m.
-  void set_prior() {
-    x_.setZero();
-    A_ = {};
-    monitor_ = {};
-    positions_ = rejected_ = Scalar(0);
-    const Scalar stated = Scalar(parameters_.error_share);
-    noise_share_ = stated < kFirstShare ? stated : kFirstShare;
-    time_s_ = mean_F2_ = mean_d2_ = mean_v2_ = mean_a2_ = Scalar(0);
-    coherent_ = {};
-    const Scalar e = Scalar(1) / Scalar(parameters_.mass_kg.mean);
-    const Scalar e_variance = square(e * e * Scalar(parameters_.mass_kg.sd));
-    for (int i = lambda; i < g + muscles_; ++i) {
-      const Scalar k = Scalar(prior_of(i).mean);
-      x_[i] = k * e;
-      for (int j = lambda; j <= i; ++j) A_(i, j) = k * Scalar(prior_of(j).mean) * e_variance;
-      A_(i, i) += (e * e + e_variance) * square(Scalar(prior_of(i).sd));
-    }
-  }
-
-  void start(Scalar z, Scalar R) {
-    x_[p] = z;
-    x_[v] = x_[d] = Scalar(0);
-    for (const int i : {p, v, d}) A_.clear_entry(i);
-    A_(p, p) = R;
-    A_(v, v) = square(Scalar(parameters_.velocity_sd_m_s));
-    A_(d, d) = error_variance(after_);
-    rejected_in_a_row_ = 0;
-    is_started_ = true;
-  }
-
-  Scalar force_at(Scalar share, int n) const {
-    const auto i = static_cast<std::size_t>(n);
-    return before_[i] + share * (after_[i] - before_[i]);
-  }
-  // Per mass.
-  Scalar drive_at(Scalar share) const {
-    Scalar sum = 0;
-    for (int n = 0; n < muscles_; ++n) sum += x_[g + n] * force_at(share, n);
-    return sum;
-  }
-  Scalar acceleration(Scalar drive) const {
-    return drive + x_[c] - x_[lambda] * x_[v] - x_[kappa] * x_[p];
-  }
-  // (sum |g_n F_n|)^2 + d^2
-  Scalar force_power(const Forces& F) const {
-    using std::abs;
-    const Scalar prior = Scalar(parameters_.gain.mean / parameters_.mass_kg.mean);
-    Scalar fitted_sum = 0, prior_sum = 0;
-    for (int n = 0; n < muscles_; ++n) {
-      const Scalar force = abs(F[static_cast<std::size_t>(n)]);
-      fitted_sum += abs(x_[g + n]) * force;
-      prior_sum += prior * force;
-    }
-    return square(fitted_sum > prior_sum ? fitted_sum : prior_sum) + square(x_[d]);
-  }
-  Scalar error_variance(const Forces& F) const {
-    return square(noise_share_) * (time_s_ > Scalar(0) ? mean_F2_ : force_power(F));
-  }
-
-  // Advances to the share `end` of the present interval.
-  void advance(Scalar end) {
-    const Scalar T = (end - share_) * interval_s_;
-    if (!(T > Scalar(0))) return;
-    if (is_started_) predict(T, share_, end);
-    share_ = end;
-  }
-
-  void predict(Scalar T, Scalar begin, Scalar end) {
-    add_powers(T, end);
-    const DrivenRates<Scalar> rates{x_[lambda], Scalar(1), x_[kappa], x_[c]};
-    const Scalar tau = Scalar(parameters_.error_time_s);
-    const Scalar kept = elementary::exp(-T / tau);  // of d
-    const DrivenStep<Scalar> step =
-        driven_step(rates, driven_response(rates, T), x_[p], x_[v], drive_at(begin) + x_[d],
-                    drive_at(end) + kept * x_[d]);
-    // Rows p and v of F, in the order of the state.
-    Eigen::Matrix<Scalar, 2, kStates> F, B;
-    const typename DrivenStep<Scalar>::Row* const of[] = {&step.position, &step.velocity};
-    for (int row = 0; row < 2; ++row) {
-      const auto& entries = *of[row];
-      const Scalar before = entries[kOfDriveBefore], after = entries[kOfDrive];
-      F(row, p) = entries[kOfPosition];
-      F(row, v) = entries[kOfVelocity];
-      F(row, d) = before + kept * after;
-      F(row, lambda) = entries[kOfLambda];
-      F(row, kappa) = entries[kOfKappa];
-      F(row, c) = entries[kOfOffset];
-      for (int n = 0; n < kMuscles; ++n) {
-        F(row, g + n) = before * force_at(begin, n) + after * force_at(end, n);
-      }
-      for (int j = 0; j < kStates; ++j) {  // B = F A
-        Scalar sum = 0;
-        for (int i = 0; i < kStates; ++i) sum += F(row, i) * A_(i, j);
-        B(row, j) = sum;
-      }
-    }
-    const Scalar q = Scalar(2) * error_variance(after_) / tau, T2 = T * T, T3 = T2 * T;
-    const Scalar b = T * T * (of_product(lambda, v) + of_product(kappa, p));
-    A_(p, p) = B.row(0).dot(F.row(0)) + q * T3 * T2 / Scalar(20) + b * T2 / Scalar(4);
-    A_(p, v) = B.row(0).dot(F.row(1)) + q * T2 * T2 / Scalar(8) + b * T / Scalar(2);
-    A_(v, v) = B.row(1).dot(F.row(1)) + q * T3 / Scalar(3) + b;
-    for (int j = d; j < kStates; ++j) {
-      const Scalar share = j == d ? kept : Scalar(1);
-      A_(p, j) = share * B(0, j);
-      A_(v, j) = share * B(1, j);
-      A_(d, j) *= j == d ? kept * kept : kept;
-    }
-    A_(p, d) += q * T3 / Scalar(6);
-    A_(v, d) += q * T2 / Scalar(2);
-    A_(d, d) += q * T;
-    x_[p] = step.position[kSolution];
-    x_[v] = step.velocity[kSolution];
-    x_[d] *= kept;
-  }
-
-  // Variance of the product of two states beyond its linear part.
-  Scalar of_product(int i, int j) const { return A_(i, i) * A_(j, j) + square(A_(i, j)); }
-
-  EmgOutcome update(Scalar z, Scalar R) {
-    using std::sqrt;
-    const Scalar S = A_(p, p) + R;
-    if (!(S > S - S)) return EmgOutcome::refused;
-    const Scalar innovation = z - x_[p];
-    nis_ = innovation * innovation / S;
-    positions_ += Scalar(1);
-    if (!(nis_ <= square(Scalar(parameters_.gate_sd)))) {
-      rejected_ += Scalar(1);
-      monitor_.add(std::numeric_limits<Scalar>::quiet_NaN());
-      if (++rejected_in_a_row_ == kMostRejected) is_started_ = false;
-      return EmgOutcome::rejected;
-    }
-    monitor_.add(innovation / sqrt(S));
-    learn_noise();
-    rejected_in_a_row_ = 0;
-    State K;
-    for (int i = 0; i < kStates; ++i) K[i] = A_(i, p) / S;
-    x_ += K * innovation;
-    for (int i = 0; i < kStates; ++i) {
-      for (int j = i; j < kStates; ++j) A_(i, j) -= S * K[i] * K[j];
-    }
-    return EmgOutcome::updated;
-  }
-
-  // Steers the NIS towards 1; large deviations count as 3 standard deviations.
-  void learn_noise() {
-    constexpr Scalar kFirst = Scalar(1) / Scalar(50), kLast = Scalar(1) / Scalar(400);
-    const Scalar one = Scalar(1) / (monitor_.count() + Scalar(50));
-    const Scalar weight = one > kFirst ? kFirst : one < kLast ? kLast : one;
-    const Scalar excess = (nis_ < Scalar(9) ? nis_ : Scalar(9)) - Scalar(1);
-    noise_share_ *= elementary::exp(weight * excess);
-    noise_share_ = noise_share_ < kLowestShare ? kLowestShare : noise_share_;
-  }
-
-  bool is_usable() const {
-    const Scalar sum = x_.sum();
-    return sum - sum == Scalar(0);
-  }
-
-  // Means over all time.
-  void add_powers(Scalar T, Scalar end) {
-    time_s_ += T;
-    const Scalar weight = T / time_s_;
-    const auto add = [weight](Scalar& mean, Scalar value) { mean += weight * (value - mean); };
-    Forces F{};
-    Values y = Values::Zero();
-    y[lambda - lambda] = x_[v];
-    y[kappa - lambda] = x_[p];
-    y[c - lambda] = Scalar(1);
-    for (int n = 0; n < muscles_; ++n) {
-      F[static_cast<std::size_t>(n)] = y[g - lambda + n] = force_at(end, n);
-    }
-    add(mean_F2_, force_power(F));
-    add(mean_d2_, square(x_[d]));
-    add(mean_v2_, square(x_[v]));
-    add(mean_a2_, square(acceleration(drive_at(end) + x_[d])));
-    coherent_.add(y, weight);
-  }
-
   // Variances of errors that no number of samples averages out, and the two parts of E^2.
-  struct Granted {
+  struct SystematicVariance {
     Values variance = Values::Zero();
     Scalar force = 0, lag = 0;
   };
 
-  Granted what_is_granted() const {
+  SystematicVariance systematic_variance() const {
     using std::abs;
     using std::sqrt;
-    Granted granted;
-    if (!(mean_v2_ > Scalar(0))) return granted;
-    granted.force = square(Scalar(parameters_.error_share)) * mean_F2_;
-    const Scalar slope =
-        (mean_a2_ / mean_v2_ + abs(x_[kappa])) * sqrt(mean_v2_) + abs(x_[lambda]) * sqrt(mean_a2_);
-    granted.lag = square(Scalar(parameters_.lag_sd_s) * slope);
+    SystematicVariance systematic;
+    if (!(powers().v2 > Scalar(0))) return systematic;
+    systematic.force = square(Scalar(parameters().error_share)) * powers().F2;
+    const Scalar slope = (powers().a2 / powers().v2 + abs(x()[kappa])) * sqrt(powers().v2) +
+                         abs(x()[lambda]) * sqrt(powers().a2);
+    systematic.lag = square(Scalar(parameters().lag_sd_s) * slope);
     Values D;
     for (int i = 0; i < kValues; ++i) {
-      D[i] = Scalar(prior_of(lambda + i).sd / parameters_.mass_kg.mean);
+      D[i] = Scalar(prior_of(lambda + i).sd / parameters().mass_kg.mean);
     }
-    granted.variance = coherent_.variances(granted.force + granted.lag, D);
-    return granted;
+    systematic.variance = correlated_error().variances(systematic.force + systematic.lag, D);
+    return systematic;
   }
 
   EmgValue<Scalar> value(int i, const EmgPrior& prior, Scalar resolution,
-                         const Granted& granted) const {
+                         const SystematicVariance& systematic) const {
     using std::sqrt;
-    const Scalar m = Scalar(parameters_.mass_kg.mean);
-    const Scalar of_filter = m * m * A_(i, i), of_granted = m * m * granted.variance[i - lambda];
+    const Scalar m = Scalar(parameters().mass_kg.mean);
+    const Scalar of_filter = m * m * P()(i, i),
+                 of_systematic = m * m * systematic.variance[i - lambda];
     EmgValue<Scalar> value;
     value.quantity = {Scalar(prior.mean), Scalar(prior.sd), Provenance::assumed};
-    value.fitted = m * x_[i];
-    value.filter_sd = sqrt(of_filter > Scalar(0) ? of_filter : Scalar(0));
-    const Scalar of_mass = square(x_[i] * Scalar(parameters_.mass_kg.sd));
-    value.fitted_sd = sqrt(square(value.filter_sd) + of_granted + of_mass);
-    value.information = information_share(of_filter + of_granted, square(Scalar(prior.sd)));
-    if (!(monitor_.count() >= kFewestInnovations)) {
-      value.limit = time_s_ > Scalar(0) ? EmgLimit::too_early : EmgLimit::no_emg;
+    value.fitted = m * x()[i];
+    value.sampling_sd = sqrt(of_filter > Scalar(0) ? of_filter : Scalar(0));
+    const Scalar of_mass = square(x()[i] * Scalar(parameters().mass_kg.sd));
+    value.fitted_sd = sqrt(square(value.sampling_sd) + of_systematic + of_mass);
+    value.information = information_share(of_filter + of_systematic, square(Scalar(prior.sd)));
+    if (!(monitor().count() >= kFewestInnovations)) {
+      value.limit = powers().time_s > Scalar(0) ? EmgLimit::too_early : EmgLimit::no_emg;
     } else if (!model_holds()) {
       value.limit = EmgLimit::model;
     } else if (!(value.information >= Scalar(kMeasuredInformationShare))) {
@@ -400,49 +130,23 @@ class EmgIdentification {
     } else if (value.fitted_sd <= resolution / Scalar(2)) {
       value.limit = EmgLimit::none;
       value.quantity = {value.fitted, value.fitted_sd, Provenance::derived};
-    } else if (of_mass > of_granted && of_mass > of_filter) {
+    } else if (of_mass > of_systematic && of_mass > of_filter) {
       value.limit = EmgLimit::mass;
-    } else if (of_filter > of_granted) {
+    } else if (of_filter > of_systematic) {
       value.limit = EmgLimit::resolution;
     } else {
-      value.limit = granted.lag > granted.force ? EmgLimit::lag : EmgLimit::force;
+      value.limit = systematic.lag > systematic.force ? EmgLimit::lag : EmgLimit::force;
     }
     return value;
   }
 
-  Scalar rejected_share() const {
-    return positions_ > Scalar(0) ? rejected_ / positions_ : Scalar(0);
-  }
-
-  Scalar found_error_share() const {
-    using std::sqrt;
-    return mean_F2_ > Scalar(0) ? sqrt(mean_d2_ / mean_F2_) : Scalar(0);
-  }
-
   // The error of the muscles' force may be smaller than stated, but not larger.
   bool model_holds() const {
-    const Scalar stated = Scalar(parameters_.error_share);
-    return found_error_share() <= stated && noise_share_ <= stated &&
-           monitor_.mean_nis() < kHighestNis && !monitor_.is_correlated() &&
-           monitor_.correlation() > kLowestCorrelation && rejected_share() < kMostRejectedShare;
+    const Scalar stated = Scalar(parameters().error_share);
+    return found_error_share() <= stated && noise_share() <= stated &&
+           monitor().mean_nis() < kHighestNis && !monitor().is_correlated() &&
+           monitor().correlation() > kLowestCorrelation && rejected_share() < kMostRejectedShare;
   }
-
-  EmgParameters parameters_;
-  int muscles_;
-  State x_ = State::Zero();
-  SymmetricMatrix<Scalar, kStates> A_;
-  InnovationMoments<Scalar> monitor_;
-  EmgOutcome outcome_ = EmgOutcome::waits;
-  Scalar nis_ = std::numeric_limits<Scalar>::quiet_NaN();
-  bool has_drive_ = false, is_started_ = false;
-  Forces before_{}, after_{};
-  Scalar interval_s_ = 0, share_ = 1;  // of the forces; the share that has passed
-  int rejected_in_a_row_ = 0;
-  Scalar positions_ = 0, rejected_ = 0;
-  Scalar noise_share_ = kFirstShare;
-  std::uint64_t restarts_ = 0;
-  Scalar time_s_ = 0, mean_F2_ = 0, mean_d2_ = 0, mean_v2_ = 0, mean_a2_ = 0;
-  CorrelatedModelError<Scalar, kValues> coherent_;
 };
 
 }  // namespace condyle
