@@ -97,7 +97,7 @@ TEST(EmgIdentification, WithholdsWhereTheForceMayBeWrong) {
   EXPECT_EQ(estimate.friction_Ns_m.limit, EmgLimit::force);
   EXPECT_EQ(estimate.friction_Ns_m.quantity.provenance, Provenance::assumed);
   EXPECT_EQ(estimate.friction_Ns_m.quantity.value, EmgParameters{}.friction_Ns_m.mean);
-  EXPECT_GT(estimate.friction_Ns_m.fitted_sd, 10 * estimate.friction_Ns_m.filter_sd);
+  EXPECT_GT(estimate.friction_Ns_m.fitted_sd, 10 * estimate.friction_Ns_m.sampling_sd);
   EXPECT_EQ(estimate.offset_N.limit, EmgLimit::scale);
   EXPECT_EQ(estimate.offset_N.quantity.provenance, Provenance::assumed);
   EXPECT_EQ(estimate.offset_N.quantity.value, EmgParameters{}.offset_N.mean);

@@ -137,19 +137,23 @@ template <class Scalar>
 void check_conclusion() {
   using Any = AnyBits<Scalar>;
   Any any;
-  using Joint = ImpedanceEstimate<Scalar>;
+  using Identified = ImpedanceEstimate<Scalar>;
   using Value = IdentifiedValue<Scalar>;
-  constexpr Value Joint::*kValues[] = {&Joint::friction_Ns_m, &Joint::mass_kg,
-                                       &Joint::stiffness_N_m, &Joint::offset_N,
-                                       &Joint::coulomb_N,     &Joint::delay_s};
+  constexpr Value Identified::*kValues[] = {&Identified::friction_Ns_m, &Identified::mass_kg,
+                                            &Identified::stiffness_N_m, &Identified::offset_N,
+                                            &Identified::coulomb_N,     &Identified::delay_s};
   constexpr Scalar Value::*kParts[] = {&Value::fitted, &Value::fitted_sd, &Value::sampling_sd,
                                        &Value::needed_s};
-  constexpr Scalar Joint::*kNumbers[] = {
-      &Joint::used_s,         &Joint::drive_noise_sd_N,      &Joint::position_noise_sd_m,
-      &Joint::drive_rms_N,    &Joint::drive_variation_rms_N, &Joint::velocity_rms_m_s,
-      &Joint::position_rms_m, &Joint::residual_ratio};
+  constexpr Scalar Identified::*kNumbers[] = {&Identified::used_s,
+                                              &Identified::drive_noise_sd_N,
+                                              &Identified::position_noise_sd_m,
+                                              &Identified::drive_rms_N,
+                                              &Identified::drive_variation_rms_N,
+                                              &Identified::velocity_rms_m_s,
+                                              &Identified::position_rms_m,
+                                              &Identified::residual_ratio};
   ConclusionMessage<Scalar> message;
-  Joint& said = message.conclusion;
+  Identified& said = message.conclusion;
   for (const auto value : kValues) {
     any.set((said.*value).quantity);
     for (const auto part : kParts) any.set(said.*value.*part);
@@ -158,7 +162,7 @@ void check_conclusion() {
   }
   for (const auto number : kNumbers) any.set(said.*number);
   any.set(said.plain.mass_kg);
-  const Joint heard = sent(message).conclusion;
+  const Identified heard = sent(message).conclusion;
   for (const auto value : kValues) {
     RC_ASSERT(Any::are_same((said.*value).quantity, (heard.*value).quantity));
     for (const auto part : kParts) RC_ASSERT(Any::are_same(said.*value.*part, heard.*value.*part));

@@ -32,6 +32,18 @@ struct Quantity {
   Provenance provenance = Provenance::not_computed;
 };
 
+/// A fitted value, the value to show, and the limit that withholds it. `kFirst` is the limit before
+/// any measurement.
+template <class Scalar, class LimitName, LimitName kFirst>
+struct LimitedValue {
+  static constexpr Scalar kNone = std::numeric_limits<Scalar>::quiet_NaN();
+  Quantity<Scalar> quantity;   ///< the value to show: the prior, assumed, while a limit holds
+  Scalar fitted = kNone;       ///< even if withheld
+  Scalar fitted_sd = kNone;    ///< with systematic errors; infinite if unbounded
+  Scalar sampling_sd = kNone;  ///< without systematic errors
+  LimitName limit = kFirst;
+};
+
 /// Half-width of a normal distribution's central 95 %, in standard deviations.
 inline constexpr double kNormalQuantile95 = 1.959963984540054;
 

@@ -14,11 +14,11 @@
 // integral is again that of one sigma^2 per sample.
 #pragma once
 
-#include <array>
 #include <optional>
 
 #include "condyle/estimator/changes/cycle_damping.h"
 #include "condyle/estimator/impedance/point_identification.h"
+#include "condyle/estimator/sampled_interval.h"
 
 namespace condyle {
 
@@ -38,8 +38,8 @@ class CycleTimeline {
   CycleTimeline(const ImpedanceParameters& impedance, const WatchParameters& watch)
       : impedance_(impedance),
         watch_(watch),
-        delay_ns_(nanoseconds(impedance.drive.delay_s)),
-        longest_gap_ns_(nanoseconds(impedance.drive.longest_gap_s)),
+        interval_(-nanoseconds(impedance.drive.delay_s),
+                  nanoseconds(impedance.drive.longest_gap_s)),
         identification_(impedance) {}
 
   /// A measured drive (N), stamped `time_ns`. Each cycle that ends with it is passed to
@@ -47,26 +47,25 @@ class CycleTimeline {
   template <class Sink>
   void add_drive(TimeNs time_ns, Scalar drive_N, Sink&& sink) {
     if (!damping_) identification_.add_drive(time_ns, drive_N);
-    TimeNs force_time_ns = 0, step_ns = 0;
-    const bool has_overflow = __builtin_sub_overflow(time_ns, delay_ns_, &force_time_ns) ||
-                              __builtin_sub_overflow(force_time_ns, end_ns_, &step_ns);
-    if (has_drive_ && (has_overflow || step_ns > longest_gap_ns_ || step_ns < -longest_gap_ns_)) {
-      if (damping_) ++counts_.drive_gaps;
-      interrupt();
-    } else if (has_drive_ && step_ns <= 0) {
+    const SampleOrder order = interval_.add(time_ns);
+    const TimeNs begin_ns = interval_.begin_ns(), end_ns = interval_.end_ns();
+    if (order == SampleOrder::not_in_order) {
       if (damping_) ++counts_.drive_not_in_order;
       return;
     }
-    if (has_drive_) {
-      if (damping_ && at_ns_ < end_ns_) damping_->drive(advance_to(end_ns_), end_N_);
-      identified_ns_ += step_ns;
+    if (order == SampleOrder::after_gap && damping_) {
+      ++counts_.drive_gaps;
+      damping_->interrupt();
     }
-    begin_ns_ = has_drive_ ? end_ns_ : force_time_ns;
-    begin_N_ = has_drive_ ? end_N_ : drive_N;
-    end_ns_ = force_time_ns;
+    if (order == SampleOrder::next) {
+      if (damping_ && at_ns_ < begin_ns) damping_->drive(advance_to(begin_ns), end_N_);
+      identified_ns_ += end_ns - begin_ns;
+      begin_N_ = end_N_;
+    } else {
+      start_at(end_ns);
+      begin_N_ = drive_N;
+    }
     end_N_ = drive_N;
-    if (!has_drive_) start_at(force_time_ns);
-    has_drive_ = true;
     ++drives_;
     take_waiting(sink);
     if (!damping_) begin_watch();
@@ -79,13 +78,13 @@ class CycleTimeline {
     if (!damping_ && std::isfinite(position_m)) {
       identification_.add_position(time_ns, position_m);
     }
-    if (has_drive_ && time_ns < begin_ns_) {
+    if (interval_.has_sample() && time_ns < interval_.begin_ns()) {
       if (damping_) ++counts_.positions_too_early;
-    } else if (waiting_count_ == kMostWaiting) {
+    } else if (waiting_.is_full()) {
       if (damping_) ++counts_.positions_dropped;
     } else {
-      waiting_[waiting_count_++] = {time_ns, position_m, sd_m};
-      if (has_drive_) take_waiting(sink);
+      waiting_.add({time_ns, position_m, sd_m});
+      if (interval_.has_sample()) take_waiting(sink);
     }
   }
 
@@ -105,17 +104,6 @@ class CycleTimeline {
   }
 
  private:
-  static constexpr std::size_t kMostWaiting =
-      64;  // for a drive of 25 Hz and positions of 500 Hz, and more
-  struct Waiting {
-    TimeNs time_ns;
-    Scalar position_m, sd_m;
-  };
-
-  static Scalar seconds_between(TimeNs begin_ns, TimeNs end_ns) {
-    return static_cast<Scalar>(seconds(end_ns - begin_ns));
-  }
-
   void start_at(TimeNs time_ns) {
     at_ns_ = time_ns;
     is_at_start_ = true;
@@ -123,36 +111,31 @@ class CycleTimeline {
 
   // The time step to there.
   Scalar advance_to(TimeNs time_ns) {
-    const Scalar T = seconds_between(at_ns_, time_ns);
+    const Scalar T = static_cast<Scalar>(seconds(time_ns - at_ns_));
     at_ns_ = time_ns;
     return T;
   }
 
   Scalar drive_at(TimeNs time_ns) const {
-    if (begin_ns_ == end_ns_) return end_N_;
-    const Scalar share = seconds_between(begin_ns_, time_ns) / seconds_between(begin_ns_, end_ns_);
-    return begin_N_ + share * (end_N_ - begin_N_);
+    if (interval_.begin_ns() == interval_.end_ns()) return end_N_;
+    return begin_N_ + interval_.share<Scalar>(time_ns) * (end_N_ - begin_N_);
   }
 
   // Takes the positions within the present interval.
   template <class Sink>
   void take_waiting(Sink&& sink) {
-    std::size_t taken = 0;
-    for (; taken < waiting_count_ && waiting_[taken].time_ns <= end_ns_; ++taken) {
-      take(waiting_[taken], sink);
-    }
-    for (std::size_t i = taken; i < waiting_count_; ++i) waiting_[i - taken] = waiting_[i];
-    waiting_count_ -= taken;
+    waiting_.take_until(interval_.end_ns(),
+                        [&](const TimedPosition<Scalar>& position) { take(position, sink); });
   }
 
   template <class Sink>
-  void take(const Waiting& position, Sink&& sink) {
-    if (position.time_ns < begin_ns_) {
+  void take(const TimedPosition<Scalar>& position, Sink&& sink) {
+    if (position.time_ns < interval_.begin_ns()) {
       if (damping_) ++counts_.positions_too_early;
       return;
     }
     if (!damping_) {
-      if (position.time_ns < end_ns_) ++between_;
+      if (position.time_ns < interval_.end_ns()) ++between_;
       return;
     }
     if (position.time_ns < at_ns_ || (position.time_ns == at_ns_ && !is_at_start_)) {
@@ -185,32 +168,24 @@ class CycleTimeline {
         static_cast<double>(estimate.drive_noise_sd_N) *
         sqrt(1 + static_cast<double>(between_) / static_cast<double>(drives_));
     damping_.emplace(baseline_of(estimate), impedance, watch_.cycles);
-    start_at(end_ns_);
+    start_at(interval_.end_ns());
     if (impedance_.delay == DelayModel::fitted) {  // then the fitted delay is subtracted too
-      delay_ns_ = nanoseconds(static_cast<double>(estimate.plain.delay_s));
-      has_drive_ = false;
+      interval_.set_shift(-nanoseconds(static_cast<double>(estimate.plain.delay_s)));
+      interval_.forget();
     }
-  }
-
-  void interrupt() {
-    if (damping_) damping_->interrupt();
-    has_drive_ = false;
   }
 
   ImpedanceParameters impedance_;
   WatchParameters watch_;
-  TimeNs delay_ns_, longest_gap_ns_;
+  SampledInterval interval_;  // of the drive, at the times of the force
   PointIdentification<Scalar> identification_;
   std::optional<CycleDamping<Scalar>> damping_;  // of the baseline, once that is known
   TimeNs identified_ns_ = 0;
   std::uint64_t drives_ = 0, between_ = 0;  // samples of the drive, positions between them
-  bool has_drive_ = false;
-  TimeNs begin_ns_ = 0, end_ns_ = 0;  // of the drive's present interval
-  TimeNs at_ns_ = 0;                  // the time of damping_
-  bool is_at_start_ = false;          // no position was taken there
+  TimeNs at_ns_ = 0;                        // the time of damping_
+  bool is_at_start_ = false;                // no position was taken there
   Scalar begin_N_ = 0, end_N_ = 0;
-  std::array<Waiting, kMostWaiting> waiting_{};
-  std::size_t waiting_count_ = 0;
+  WaitingPositions<Scalar> waiting_;
   DriveCounts counts_;
 };
 

@@ -45,15 +45,10 @@ constexpr const char* limit_name(EmgLimit limit) {
   return names[static_cast<int>(limit)];
 }
 
-/// One value of the model.
+/// A value of the filter at the assumed mass; derived if it is shown.
 template <class Scalar>
-struct EmgValue {
-  Quantity<Scalar> quantity;  ///< the value to show: the prior, assumed, unless it is derived
-  Scalar fitted = 0;          ///< by the filter and the assumed mass, even if withheld
-  Scalar fitted_sd = 0;       ///< includes errors that no number of samples averages out
-  Scalar filter_sd = 0;       ///< excludes them
-  Scalar information = 0;     ///< its information share (provenance.h), by fitted_sd
-  EmgLimit limit = EmgLimit::no_emg;
+struct EmgValue : LimitedValue<Scalar, EmgLimit, EmgLimit::no_emg> {
+  Scalar information = 0;  ///< information share (provenance.h) by fitted_sd
 };
 
 /// The results after a position.

@@ -11,7 +11,7 @@
 #pragma once
 
 #include "condyle/estimator/emg/emg_identification.h"
-#include "condyle/estimator/sample.h"
+#include "condyle/estimator/sampled_interval.h"
 
 namespace condyle {
 
@@ -42,8 +42,7 @@ class EmgTimeline {
   /// delayed envelope.
   EmgTimeline(const EmgParameters& parameters, const MuscleSet& muscles, double lag_s = 0)
       : muscles_(muscles),
-        lag_ns_(nanoseconds(parameters.lag_s + lag_s)),
-        longest_gap_ns_(nanoseconds(parameters.longest_gap_s)),
+        interval_(nanoseconds(parameters.lag_s + lag_s), nanoseconds(parameters.longest_gap_s)),
         stage_(parameters, muscles.count) {}
 
   /// Excitations, share of the maximum, stamped `time_ns`; below 0 they count as 0.
@@ -56,46 +55,42 @@ class EmgTimeline {
       }
       excitation[n] = measured[n] > Scalar(0) ? measured[n] : Scalar(0);
     }
-    TimeNs force_time_ns = 0, step_ns = 0;
-    const bool has_overflow = __builtin_add_overflow(time_ns, lag_ns_, &force_time_ns) ||
-                              __builtin_sub_overflow(force_time_ns, end_ns_, &step_ns);
-    if (has_emg_ && (has_overflow || step_ns > longest_gap_ns_ || step_ns < -longest_gap_ns_)) {
-      ++counts_.emg_gaps;
-      interrupt();
-    } else if (has_emg_ && step_ns <= 0) {
+    const SampleOrder order = interval_.add(time_ns);
+    if (order == SampleOrder::not_in_order) {
       ++counts_.emg_not_in_order;
       return;
     }
-    if (!has_emg_) activation_ = excitation_ = excitation;
-    const Scalar T = has_emg_ ? seconds_between(end_ns_, force_time_ns) : Scalar(0);
+    if (order == SampleOrder::after_gap) {
+      ++counts_.emg_gaps;
+      stage_.interrupt();
+    }
+    if (order != SampleOrder::next) activation_ = excitation_ = excitation;
+    const Scalar T = interval_.length_s<Scalar>();
     for (std::size_t n = 0; n < muscles_.count; ++n) {
       const Scalar mean = (excitation_[n] + excitation[n]) / Scalar(2);
       activation_[n] = activation_after(activation_[n], mean, T);
     }
     excitation_ = excitation;
-    begin_ns_ = has_emg_ ? end_ns_ : force_time_ns;
-    end_ns_ = force_time_ns;
-    has_emg_ = true;
     stage_.drive(T, forces(T));
     take_waiting();
   }
 
   /// A measured position (m) with noise of standard deviation `sd_m`.
   void add_position(TimeNs time_ns, Scalar position_m, Scalar sd_m) {
-    if (has_emg_ && time_ns < begin_ns_) {
+    if (interval_.has_sample() && time_ns < interval_.begin_ns()) {
       ++counts_.positions_too_early;
-    } else if (waiting_count_ == kMostWaiting) {
+    } else if (waiting_.is_full()) {
       ++counts_.positions_dropped;
     } else if (!muscles_.jaw.reaches(position_m)) {
       ++counts_.out_of_reach;
     } else {
-      waiting_[waiting_count_++] = {time_ns, position_m, sd_m};
-      if (has_emg_) take_waiting();
+      waiting_.add({time_ns, position_m, sd_m});
+      if (interval_.has_sample()) take_waiting();
     }
   }
 
   /// When the force of EMG stamped `time_ns` acts; give earlier positions before it.
-  TimeNs force_time_ns(TimeNs time_ns) const { return time_ns + lag_ns_; }
+  TimeNs force_time_ns(TimeNs time_ns) const { return time_ns + interval_.shift_ns(); }
   /// The present results.
   EmgEstimate<Scalar> estimate() const { return stage_.estimate(); }
   const EmgTimelineCounts& counts() const { return counts_; }
@@ -103,22 +98,11 @@ class EmgTimeline {
   const typename EmgIdentification<Scalar>::Forces& forces_N() const { return forces_; }
 
  private:
-  // For EMG of 25 Hz and positions of 500 Hz, and some more.
-  static constexpr std::size_t kMostWaiting = 64;
-  struct Waiting {
-    TimeNs time_ns;
-    Scalar position_m, sd_m;
-  };
-
-  static Scalar seconds_between(TimeNs begin_ns, TimeNs end_ns) {
-    return static_cast<Scalar>(seconds(end_ns - begin_ns));
-  }
-
   // Forces now, `T` s after the previous ones.
   const typename EmgIdentification<Scalar>::Forces& forces(Scalar T) {
     auto place = stage_.complete(T);
     if (!place.is_known) {
-      place = {waiting_count_ > 0 ? waiting_[0].position_m : Scalar(0), Scalar(0), false};
+      place = {waiting_.is_empty() ? Scalar(0) : waiting_.first().position_m, Scalar(0), false};
     }
     if (!muscles_.jaw.reaches(place.position_m)) {
       ++counts_.out_of_reach;
@@ -135,36 +119,22 @@ class EmgTimeline {
 
   // Takes the positions within the present interval.
   void take_waiting() {
-    std::size_t taken = 0;
-    for (; taken < waiting_count_ && waiting_[taken].time_ns <= end_ns_; ++taken) {
-      const Waiting& position = waiting_[taken];
-      if (position.time_ns < begin_ns_) {
+    waiting_.take_until(interval_.end_ns(), [this](const TimedPosition<Scalar>& position) {
+      if (position.time_ns < interval_.begin_ns()) {
         ++counts_.positions_too_early;
-        continue;
+        return;
       }
-      const Scalar share = begin_ns_ == end_ns_ ? Scalar(1)
-                                                : seconds_between(begin_ns_, position.time_ns) /
-                                                      seconds_between(begin_ns_, end_ns_);
+      const Scalar share = interval_.share<Scalar>(position.time_ns);
       (void)stage_.measure(share, position.position_m, position.sd_m);
-    }
-    for (std::size_t i = taken; i < waiting_count_; ++i) waiting_[i - taken] = waiting_[i];
-    waiting_count_ -= taken;
-  }
-
-  void interrupt() {
-    stage_.interrupt();
-    has_emg_ = false;
+    });
   }
 
   MuscleSet muscles_;
-  TimeNs lag_ns_, longest_gap_ns_;
+  SampledInterval interval_;  // of the EMG, at the times of its force
   EmgIdentification<Scalar> stage_;
-  bool has_emg_ = false;
-  TimeNs begin_ns_ = 0, end_ns_ = 0;  // of the EMG's present interval
   Excitations excitation_{}, activation_{};
   typename EmgIdentification<Scalar>::Forces forces_{};
-  std::array<Waiting, kMostWaiting> waiting_{};
-  std::size_t waiting_count_ = 0;
+  WaitingPositions<Scalar> waiting_;
   EmgTimelineCounts counts_;
 };
 

@@ -129,9 +129,7 @@ class DriveNoiseBias {
     }
     const Matrix4 M = kept * M_;
     M_ = M;
-    for (int i = 0; i < 4; ++i) {
-      for (int j = i; j < 4; ++j) P_(i, j) -= S * K[i] * K[j];
-    }
+    P_.take_off(S, K);
     return score;
   }
 

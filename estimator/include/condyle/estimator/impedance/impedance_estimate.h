@@ -66,16 +66,11 @@ constexpr const char* limit_name(ImpedanceLimit limit) {
   return names[static_cast<int>(limit)];
 }
 
-/// One identified value and its uncertainty.
+/// A value of the regression.
 template <class Scalar>
-struct IdentifiedValue {
-  static constexpr Scalar kNone = std::numeric_limits<Scalar>::quiet_NaN();
-  Quantity<Scalar> quantity;   ///< the value to show: the prior, assumed, unless it is measured
-  Scalar fitted = kNone;       ///< by the regression, even if withheld
-  Scalar fitted_sd = kNone;    ///< includes that of the assumptions; infinite if unbounded
-  Scalar sampling_sd = kNone;  ///< excludes it: the recording's own scatter
-  Scalar needed_s = kNone;     ///< recorded time that would suffice; if the limit is resolution
-  ImpedanceLimit limit = ImpedanceLimit::no_drive;
+struct IdentifiedValue : LimitedValue<Scalar, ImpedanceLimit, ImpedanceLimit::no_drive> {
+  /// Recorded time that would suffice; set if the limit is resolution.
+  Scalar needed_s = std::numeric_limits<Scalar>::quiet_NaN();
 };
 
 /// Values of one fit, which belong together even if withheld.

@@ -76,6 +76,12 @@ class SymmetricMatrix {
     }
     clear_entry(from);
   }
+  /// Takes off S K K', as the update by one measurement of innovation variance `S` does.
+  constexpr void take_off(Scalar S, const Eigen::Matrix<Scalar, size, 1>& K) {
+    for (int i = 0; i < size; ++i) {
+      for (int j = i; j < size; ++j) (*this)(i, j) -= S * K[i] * K[j];
+    }
+  }
   /// The same matrix with all entries.
   Eigen::Matrix<Scalar, size, size> dense() const {
     Eigen::Matrix<Scalar, size, size> matrix;
