@@ -27,7 +27,7 @@ struct BoxEstimate {
   std::uint64_t number = 0;  ///< of the estimate in its run, from 1
   TimeNs arrival_ns = 0;     ///< of the report it answers
   NodeMark node;
-  bool has_impedance = false;  ///< the facebow measures a drive: `estimate.joint` holds
+  bool has_impedance = false;  ///< the facebow measures a drive: `estimate.impedance` holds
   DrivenEstimate<double> estimate;
 };
 
