@@ -15,10 +15,8 @@
 #include "hosted/files/input_error.h"
 #include "hosted/files/number_text.h"
 #include "hosted/node/node_client.h"
+#include "options/analysis_options.h"
 #include "options/command_line.h"
-#include "options/drive_options.h"
-#include "options/estimator_option.h"
-#include "options/recording_choice.h"
 #include "output/estimates_file.h"
 #include "output/impedance_text.h"
 #include "output/progress.h"
@@ -34,8 +32,8 @@ struct BridgeOptions {
   std::string input, port, out, serial;
   unsigned baud = 1'000'000;
   bool checks = false;
-  EstimatorOption estimator;
-  DriveOptions drive_stated;
+  EstimatorChoice estimator;
+  DriveStatement drive_stated;
   RecordingChoice choice;
 };
 
@@ -371,10 +369,10 @@ Command add_bridge(CommandLine app) {
   command.add_flag(
       "--check", options->checks,
       "Also run the same estimator on this computer, and compare every answer byte by byte");
-  options->estimator.add_to(command);
-  options->drive_stated.add_to(command);
+  add_estimator_options(command, options->estimator);
+  add_drive_options(command, options->drive_stated);
   // The line to the microcontroller names points of the instrument only.
-  options->choice.add_to(command, JawPoints::no);
+  add_recording_options(command, options->choice, JawPoints::no);
   command.add_option("--serial", options->serial, "Serial number, if several are plugged in");
   command.group("Output").add_option("-o,--out=FILE", options->out, "CSV file for the estimates");
   return [options] { return bridge(*options); };

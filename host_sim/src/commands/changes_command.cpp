@@ -15,10 +15,8 @@
 #include "estimation/replayed_drive.h"
 #include "hosted/config/parameter_file.h"
 #include "hosted/files/input_error.h"
+#include "options/analysis_options.h"
 #include "options/command_line.h"
-#include "options/drive_options.h"
-#include "options/estimator_option.h"
-#include "options/recording_choice.h"
 #include "output/progress.h"
 #include "output/report_text.h"
 #include "recordings/replay_facebow.h"
@@ -28,7 +26,7 @@ namespace {
 
 struct ChangesOptions : RecordingChoice {
   std::string recording, drive, parameters, out, figures;
-  DriveOptions drive_stated;
+  DriveStatement drive_stated;
   double false_alarm_interval_h = 0;
   std::optional<double> smallest_change_Ns_m;
 };
@@ -235,9 +233,9 @@ Command add_changes(CommandLine app) {
   command.add_option("--drive=FILE", options->drive,
                      "Total force along the followed axis, in its own file: CSV with time_s and "
                      "drive_N, or a session log");
-  options->drive_stated.add_to(command);
+  add_drive_options(command, options->drive_stated);
   command.add_option("--parameters=FILE", options->parameters, "TOML file, as for replay");
-  options->add_to(command);
+  add_recording_options(command, *options);
   command.group("Output").add_option("-o,--out=FILE", options->out,
                                      "CSV file with one row for each cycle");
   command.group("Output").add_option("--figures=FOLDER", options->figures,

@@ -12,6 +12,7 @@
 #include "comparison/session_text.h"
 #include "condyle/hal/clock.h"
 #include "hosted/files/input_error.h"
+#include "options/analysis_options.h"
 #include "options/command_line.h"
 #include "output/progress.h"
 #include "output/report_text.h"
@@ -236,8 +237,8 @@ Command add_compare(CommandLine app) {
   command.add_option("--lag", options->lag, "Fixed lag in samples (recommended)")
       .within(0, 16)
       .show_default();
-  options->plan.choice.add_to(command);
-  options->plan.drive.add_to(command);
+  add_recording_options(command, options->plan.choice);
+  add_drive_options(command, options->plan.drive);
   command.group("Output").add_option("-o,--out=FILE", options->out,
                                      "CSV file: one row for each recording and estimator; with "
                                      "--session, for each quantity and pair of sessions");

@@ -8,6 +8,7 @@
 
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
+#include "options/analysis_options.h"
 #include "options/command_line.h"
 #include "output/output_file.h"
 #include "output/report_text.h"
@@ -93,7 +94,7 @@ Command add_emg(CommandLine app) {
   command.add_option("--noise-mm", options->noise_mm, "Standard deviation of a measured position")
       .number_in({1e-6, 100})
       .show_default();
-  options->source.choice.add_to(command);
+  add_recording_options(command, options->source.choice);
   command.group("Output").add_option(
       "-o,--out=FILE", options->out,
       "NAME.json for the values, NAME.csv for one row for each position");

@@ -8,9 +8,8 @@
 #include "evaluation/evaluation_figures.h"
 #include "evaluation/evaluation_text.h"
 #include "hosted/files/input_error.h"
+#include "options/analysis_options.h"
 #include "options/command_line.h"
-#include "options/drive_options.h"
-#include "options/estimator_option.h"
 #include "output/output_file.h"
 #include "output/progress.h"
 #include "simulation/scenario_file.h"
@@ -20,15 +19,15 @@ namespace {
 
 struct EvaluateOptions {
   std::string scenario;
-  EstimatorOption estimator;
+  EstimatorChoice estimator;
   std::string out;
   std::string figures;
   EvaluationPlan plan;
-  DriveOptions drive;
+  DriveStatement drive;
 };
 
 EstimatorSettings choose_settings(const EvaluateOptions& options, const Scenario& scenario) {
-  const EstimatorOption& estimator = options.estimator;
+  const EstimatorChoice& estimator = options.estimator;
   estimator.refuse_if_published("--lag", estimator.lag > 0);
   estimator.refuse_if_published("--drive-...", options.drive.is_given());
   if (options.drive.is_given() && !(scenario.drive.rate_Hz > 0)) {
@@ -118,8 +117,8 @@ Command add_evaluate(CommandLine app) {
       "Show that the published friction does not follow the true one.");
   command.add_option("SCENARIO", options->scenario, "TOML file; host_sim/scenarios has examples")
       .required();
-  options->estimator.add_to(command);
-  options->drive.add_to(command);
+  add_estimator_options(command, options->estimator);
+  add_drive_options(command, options->drive);
   command.add_option("--runs", options->plan.runs, "Number of runs")
       .number_in({2, 1e6})
       .show_default();

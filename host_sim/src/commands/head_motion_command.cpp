@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "hosted/files/input_error.h"
+#include "options/analysis_options.h"
 #include "options/command_line.h"
 #include "output/output_file.h"
 #include "output/report_text.h"
@@ -153,7 +154,7 @@ Command add_head_motion(CommandLine protocol) {
       .number_in({-1000, 1000})
       .show_default();
   options->stated.add_to(command);
-  source.choice.add_to(command);
+  add_recording_options(command, source.choice);
   command
       .add_option("--noise-mm", options->noise_mm,
                   "Standard deviation of a measured position, for comparison with the noise found")

@@ -19,8 +19,8 @@
 #include "inspect/descriptor_text.h"
 #include "inspect/device_argument.h"
 #include "inspect/device_inspector.h"
+#include "options/analysis_options.h"
 #include "options/command_line.h"
-#include "options/recording_choice.h"
 
 namespace condyle::host {
 namespace {

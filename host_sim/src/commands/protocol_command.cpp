@@ -9,6 +9,7 @@
 #include "commands/emg_command.h"
 #include "commands/head_motion_command.h"
 #include "hosted/files/input_error.h"
+#include "options/analysis_options.h"
 #include "options/command_line.h"
 #include "output/output_file.h"
 #include "output/report_text.h"
@@ -27,7 +28,7 @@ struct FitOptions {
   std::string out, figures;
 
   void add_to(CommandLine command) {
-    source.choice.add_to(command);
+    add_recording_options(command, source.choice);
     command
         .add_option("--noise-mm", noise_mm,
                     "Standard deviation of a measured position; without it, that of the residuals, "

@@ -20,8 +20,8 @@
 #include "hosted/files/input_error.h"
 #include "hosted/files/text_file.h"
 #include "hosted/files/wall_clock.h"
+#include "options/analysis_options.h"
 #include "options/command_line.h"
-#include "options/recording_choice.h"
 #include "output/live_estimates.h"
 #include "output/report_text.h"
 

@@ -15,10 +15,8 @@
 #include "hosted/config/parameter_file.h"
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
+#include "options/analysis_options.h"
 #include "options/command_line.h"
-#include "options/drive_options.h"
-#include "options/estimator_option.h"
-#include "options/recording_choice.h"
 #include "output/deferred_problem.h"
 #include "output/device_values.h"
 #include "output/estimates_file.h"
@@ -33,14 +31,14 @@ namespace {
 
 struct ReplayOptions : RecordingChoice {
   std::string recording;
-  EstimatorOption estimator;
+  EstimatorChoice estimator;
   std::string out;
   std::string figures;
   std::string values;
   bool as_json = false;
   double speed = 0;
   std::string drive;  // a recording of its own
-  DriveOptions drive_stated;
+  DriveStatement drive_stated;
 };
 
 // The recording, and what is followed in it.
@@ -255,15 +253,15 @@ Command add_replay(CommandLine app) {
                   "CSV, Zebris text or XML, JAWS3D text, SSFF, session log (MCAP) or capture of "
                   "USB traffic (pcap, pcapng), recognised by its content; or sim:SCENARIO.toml")
       .required();
-  options->estimator.add_to(command);
-  options->RecordingChoice::add_to(command);
+  add_estimator_options(command, options->estimator);
+  add_recording_options(command, *options);
   command.add_option("--speed", options->speed, "0 as fast as possible, 1 real time")
       .number_in({0, 1e6})
       .show_default();
   command.add_option("--drive=FILE", options->drive,
                      "Total force along the followed axis, in its own file: CSV with time_s and "
                      "drive_N, or a session log");
-  options->drive_stated.add_to(command);
+  add_drive_options(command, options->drive_stated);
   command.group("Output").add_flag("--json", options->as_json,
                                    "Print the summary as JSON, for programs");
   command.group("Output").add_option("-o,--out=FILE", options->out, "CSV file for the estimates");

@@ -10,8 +10,8 @@
 #include "condyle/hal/clock.h"
 #include "hosted/config/parameter_file.h"
 #include "hosted/files/input_error.h"
+#include "options/analysis_options.h"
 #include "options/command_line.h"
-#include "options/recording_choice.h"
 #include "output/progress.h"
 #include "output/report_text.h"
 #include "tuning/likelihood_tuning.h"
@@ -272,7 +272,7 @@ Command add_tune(CommandLine app) {
                   "Samples kept in memory, of all recordings together (likelihood 200000, evenly "
                   "spread; published 20000, the first)")
       .within(2'000, 100'000'000);
-  options->choice.add_to(command);
+  add_recording_options(command, options->choice);
   command.group("Output").add_option(
       "--tunings=FILE", options->tunings,
       "CSV file for all tunings that satisfy the criterion (published)");

@@ -51,9 +51,9 @@ class ComparedRecommended final : public ComparedEstimator {
 
 }  // namespace
 
-std::unique_ptr<ComparedEstimator> make_compared_estimator(const EstimatorOption& option,
+std::unique_ptr<ComparedEstimator> make_compared_estimator(const EstimatorChoice& option,
                                                            const RecordingChoice& choice,
-                                                           const DriveOptions& drive,
+                                                           const DriveStatement& drive,
                                                            const std::string& source,
                                                            const ReplayFacebow& facebow) {
   if (option.is_published()) {

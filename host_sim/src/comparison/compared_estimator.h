@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
+#include "estimation/drive_statement.h"
 #include "estimation/estimate_row.h"
-#include "options/drive_options.h"
-#include "options/estimator_option.h"
-#include "options/recording_choice.h"
+#include "estimation/estimator_choice.h"
+#include "recordings/recording_choice.h"
 #include "recordings/replay_facebow.h"
 
 namespace condyle::host {
@@ -27,9 +27,9 @@ class ComparedEstimator {
 
 /// The estimator that `option` names, as replay sets it up for the recording `source`, which is
 /// open in `facebow`. Problems are InputErrors.
-std::unique_ptr<ComparedEstimator> make_compared_estimator(const EstimatorOption& option,
+std::unique_ptr<ComparedEstimator> make_compared_estimator(const EstimatorChoice& option,
                                                            const RecordingChoice& choice,
-                                                           const DriveOptions& drive,
+                                                           const DriveStatement& drive,
                                                            const std::string& source,
                                                            const ReplayFacebow& facebow);
 

@@ -15,14 +15,14 @@ namespace condyle::host {
 /// An estimator and the user's name for it.
 struct NamedEstimator {
   std::string name;
-  EstimatorOption option;
+  EstimatorChoice option;
 };
 
 /// What to run, and how.
 struct ComparisonPlan {
   std::vector<NamedEstimator> estimators;  ///< at least one; the first is the baseline
   RecordingChoice choice;
-  DriveOptions drive;  ///< statements about a drive in the recordings
+  DriveStatement drive;  ///< statements about a drive in the recordings
 };
 
 /// The result of one recording.

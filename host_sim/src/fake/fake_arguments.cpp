@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fake/fake_arguments.h"
+#include "options/analysis_options.h"
 #include "options/command_line.h"
-#include "options/recording_choice.h"
 
 namespace condyle::host::fake {
 

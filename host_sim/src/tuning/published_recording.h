@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "options/recording_choice.h"
+#include "recordings/recording_choice.h"
 #include "tuning/matching_criterion.h"
 
 namespace condyle::host {

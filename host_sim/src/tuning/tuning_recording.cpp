@@ -10,8 +10,8 @@
 #include "condyle/firmware/run_loop.h"
 #include "condyle/firmware/sensor_choice.h"
 #include "condyle/hal/clock.h"
+#include "estimation/estimator_choice.h"
 #include "hosted/files/input_error.h"
-#include "options/estimator_option.h"
 #include "recordings/replay_facebow.h"
 #include "tuning/innovation_likelihood.h"
 

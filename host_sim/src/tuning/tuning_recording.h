@@ -10,7 +10,7 @@
 
 #include "condyle/estimator/sample.h"
 #include "condyle/estimator/sensors/recommended_parameters.h"
-#include "options/recording_choice.h"
+#include "recordings/recording_choice.h"
 
 namespace condyle::host {
 

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "options/recording_choice.h"
 #include "protocols/emg/emg_recording.h"
+#include "recordings/recording_choice.h"
 
 namespace condyle::host {
 

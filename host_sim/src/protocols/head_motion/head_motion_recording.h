@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "condyle/estimator/impedance/head_motion.h"
-#include "options/recording_choice.h"
+#include "recordings/recording_choice.h"
 
 namespace condyle::host {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "options/recording_choice.h"
+#include "recordings/recording_choice.h"
 
 namespace condyle::host {
 

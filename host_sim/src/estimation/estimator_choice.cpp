@@ -1,44 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "options/estimator_option.h"
+#include "estimation/estimator_choice.h"
 
 #include <fmt/format.h>
 
 #include "hosted/files/input_error.h"
-#include "options/command_line.h"
 
 namespace condyle::host {
 
-void EstimatorOption::add_to(CommandLine line) {
-  const CommandLine command = line.group("Estimator");
-  command.add_option("--estimator", name, "Which estimator runs")
-      .one_of({"recommended", "published"})
-      .show_default();
-  command
-      .add_option(
-          "--lag", lag,
-          "Fixed lag in samples: a larger lag gives more accurate, later estimates (recommended)")
-      .within(0, 16)
-      .show_default();
-  command.add_option("--parameters=FILE", parameters,
-                     "TOML file with the parameters of the estimator");
-}
-
-void EstimatorOption::refuse_if_published(const char* option, bool given,
+void EstimatorChoice::refuse_if_published(const char* option, bool given,
                                           const char* chosen_by) const {
   if (!is_published() || !given) return;
   throw InputError(option, fmt::format("is not supported by {} published", chosen_by),
                    fmt::format("leave it out, or give {} recommended", chosen_by));
 }
 
-LoadedParameters EstimatorOption::load_published() const {
+LoadedParameters EstimatorChoice::load_published() const {
   return parameters.empty() ? LoadedParameters{} : load_parameters(parameters);
 }
 
-RecommendedParameters EstimatorOption::load_recommended() const {
+RecommendedParameters EstimatorChoice::load_recommended() const {
   return parameters.empty() ? RecommendedParameters{} : load_recommended_parameters(parameters);
 }
 
-RecommendedParameters load_recommended_for(const EstimatorOption& estimator,
+RecommendedParameters load_recommended_for(const EstimatorChoice& estimator,
                                            const RecordingInfo& info, const std::string& source) {
   if (!estimator.parameters.empty() || info.parameters_toml.empty()) {
     return estimator.load_recommended();
@@ -46,7 +30,7 @@ RecommendedParameters load_recommended_for(const EstimatorOption& estimator,
   return parse_recommended_parameters(source + ": its parameters", info.parameters_toml);
 }
 
-PublishedParameters load_published_for(const EstimatorOption& estimator,
+PublishedParameters load_published_for(const EstimatorChoice& estimator,
                                        std::optional<TimeNs> step_ns, const std::string& source) {
   LoadedParameters loaded = estimator.load_published();
   if (loaded.gives_sample_time) return loaded.values;

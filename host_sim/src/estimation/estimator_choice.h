@@ -6,19 +6,15 @@
 
 #include "condyle/estimator/sample.h"
 #include "hosted/config/parameter_file.h"
-#include "options/command_line.h"
 #include "recordings/recording.h"
 
 namespace condyle::host {
 
 /// The user's choice of an estimator.
-struct EstimatorOption {
+struct EstimatorChoice {
   std::string name = "recommended";  ///< or "published"
   std::string parameters;            ///< TOML file; empty: the defaults
   int lag = 0;                       ///< samples
-
-  /// Gives `command` the options that fill this, which must outlive it.
-  void add_to(CommandLine command);
 
   bool is_published() const { return name == "published"; }
   /// Throws InputError if `option`, which only the recommended estimator has, is `given` to the
@@ -33,13 +29,13 @@ struct EstimatorOption {
 
 /// The recommended estimator's parameters for the recording `source`: those stored in the
 /// recording, if it has them and no file is given.
-RecommendedParameters load_recommended_for(const EstimatorOption& estimator,
+RecommendedParameters load_recommended_for(const EstimatorChoice& estimator,
                                            const RecordingInfo& info, const std::string& source);
 
 /// The published cascade's parameters for samples `step_ns` apart, if the file does not give
 /// sample_time_s. Throws an InputError that names `source` if `step_ns` is absent or not a usable
 /// sample time.
-PublishedParameters load_published_for(const EstimatorOption& estimator,
+PublishedParameters load_published_for(const EstimatorChoice& estimator,
                                        std::optional<TimeNs> step_ns, const std::string& source);
 
 /// Throws InputError if a step of `step_s` is so long that each sample would lose the state. `step`

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// The options that several commands share. Each function gives `command` options that fill its
+// second argument, which must outlive them.
+#pragma once
+
+#include "estimation/drive_statement.h"
+#include "estimation/estimator_choice.h"
+#include "options/command_line.h"
+#include "recordings/recording_choice.h"
+
+namespace condyle::host {
+
+/// What --profile means in every command.
+inline constexpr const char* kProfileMeaning =
+    "TOML file that describes the device and the meaning of its reports";
+
+/// Whether a command can follow points of the jaw in addition to those of the instrument.
+enum class JawPoints { no, yes };
+
+/// --point, --axis and --jaw-point-mm.
+void add_followed_options(CommandLine command, FollowedChoice& choice,
+                          JawPoints jaw_points = JawPoints::yes);
+
+/// --ignore-column, --profile, --unit and --movement.
+void add_reading_options(CommandLine command, RecordingOptions& reading);
+
+/// The options of the two functions above, and --faults.
+void add_recording_options(CommandLine command, RecordingChoice& choice,
+                           JawPoints jaw_points = JawPoints::yes);
+
+/// --estimator, --lag and --parameters.
+void add_estimator_options(CommandLine command, EstimatorChoice& choice);
+
+/// --drive-missing and the other properties of a measured drive.
+void add_drive_options(CommandLine command, DriveStatement& drive);
+
+}  // namespace condyle::host
