@@ -71,7 +71,7 @@ class SampledInterval {
 
 /// A position (m) with the standard deviation of its noise (m).
 template <class Scalar>
-struct TimedPosition {
+struct WaitingPosition {
   TimeNs time_ns = 0;
   Scalar position_m = 0, sd_m = 0;
 };
@@ -86,9 +86,9 @@ class WaitingPositions {
   bool is_full() const { return count_ == kMost; }
   bool is_empty() const { return count_ == 0; }
   /// The earliest; there must be one.
-  const TimedPosition<Scalar>& first() const { return positions_[0]; }
+  const WaitingPosition<Scalar>& first() const { return positions_[0]; }
   /// Must not be full.
-  void add(const TimedPosition<Scalar>& position) { positions_[count_++] = position; }
+  void add(const WaitingPosition<Scalar>& position) { positions_[count_++] = position; }
   /// Gives `take(position)` those up to `end_ns` and removes them.
   template <class Take>
   void take_until(TimeNs end_ns, Take&& take) {
@@ -99,7 +99,7 @@ class WaitingPositions {
   }
 
  private:
-  std::array<TimedPosition<Scalar>, kMost> positions_{};
+  std::array<WaitingPosition<Scalar>, kMost> positions_{};
   std::size_t count_ = 0;
 };
 

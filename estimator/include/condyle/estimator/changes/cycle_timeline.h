@@ -125,11 +125,11 @@ class CycleTimeline {
   template <class Sink>
   void take_waiting(Sink&& sink) {
     waiting_.take_until(interval_.end_ns(),
-                        [&](const TimedPosition<Scalar>& position) { take(position, sink); });
+                        [&](const WaitingPosition<Scalar>& position) { take(position, sink); });
   }
 
   template <class Sink>
-  void take(const TimedPosition<Scalar>& position, Sink&& sink) {
+  void take(const WaitingPosition<Scalar>& position, Sink&& sink) {
     if (position.time_ns < interval_.begin_ns()) {
       if (damping_) ++counts_.positions_too_early;
       return;

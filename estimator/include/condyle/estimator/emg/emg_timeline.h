@@ -119,7 +119,7 @@ class EmgTimeline {
 
   // Takes the positions within the present interval.
   void take_waiting() {
-    waiting_.take_until(interval_.end_ns(), [this](const TimedPosition<Scalar>& position) {
+    waiting_.take_until(interval_.end_ns(), [this](const WaitingPosition<Scalar>& position) {
       if (position.time_ns < interval_.begin_ns()) {
         ++counts_.positions_too_early;
         return;
