@@ -91,14 +91,14 @@ def build(parts):
 
 
 class Log:
-    """What a session log of condyle's fake facebow holds: the counters of its reports, how many
+    """What a session log of condyle's fake facebow holds: its reports and their counters, how many
     it says are missing, and whether it is complete."""
 
     def __init__(self, path):
         with open(path, "rb") as file:
             data = file.read()
         self.is_complete = data.endswith(MAGIC) and len(data) > 2 * len(MAGIC)
-        self.counters, self.not_recorded = [], 0
+        self.counters, self.reports, self.not_recorded = [], [], 0
         topics = {}
         for opcode, content in pieces(data):
             if opcode != CHUNK:
@@ -111,6 +111,7 @@ class Log:
 
     def _take(self, topic, message):
         if topic == b"/source_0/report":  # encoding, time, size; report id; its counter
+            self.reports.append(message[16:])
             self.counters.append(struct.unpack_from("<I", message, 17)[0])
         elif topic == b"/source_0/event":
             kind, count = struct.unpack_from("<QQ", message, 12)

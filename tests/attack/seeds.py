@@ -3,18 +3,25 @@
 that read them. {} stands for the mutated file, OUT/ for the folder that holds what is written."""
 import glob
 import os
+import re
 import subprocess
 from collections import namedtuple
 
-from mcap import pieces
+import captures
+from mcap import Log, pieces
 
-Target = namedtuple("Target", "name ending is_text seeds commands parts")
+Target = namedtuple("Target", "name ending is_text seeds commands parts tame")
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
 
 def read(path, limit=None):
     with open(path if os.path.isabs(path) else os.path.join(ROOT, path), "rb") as file:
         return file.read(limit)
+
+
+def after_choice(path):
+    """A seed of a fuzzer whose first byte chooses options, without that byte."""
+    return read(path)[1:]
 
 
 def rows(data, count):
@@ -30,8 +37,8 @@ def simulated(condyle, scenario, folder):
 
 
 def jaws3d(seed):
-    return seed + b"".join(b"%.2f %d %d %d\n" % (0.01 * i, i, 2 * i % 7, i * i % 11)
-                           for i in range(1, 40))
+    return seed + b"".join(b"%.3f %d %d %d\n" % (0.015 * i, i, 2 * i % 7, i * i % 11)
+                           for i in range(2, 40))
 
 
 def targets(condyle, box, folder, log):
@@ -40,8 +47,8 @@ def targets(condyle, box, folder, log):
     muscle_driven = simulated(condyle, "host_sim/scenarios/free_opening.toml", folder)
     point = simulated(condyle, "host_sim/scenarios/point_mass.toml", folder)
     chewing = rows(read("host_sim/recordings/chewing_60hz.csv"), 400)
-    axis = [chewing, read(fuzz + "recording/axis_csv"), rows(read(point + ".csv"), 400)]
-    points = [rows(read(muscle_driven + ".csv"), 200), read(fuzz + "recording/points_csv")]
+    axis = [chewing, after_choice(fuzz + "recording/axis_csv"), rows(read(point + ".csv"), 400)]
+    points = [rows(read(muscle_driven + ".csv"), 200), after_choice(fuzz + "recording/points_csv")]
     plain = os.path.join(folder, "plain.csv")
     with open(plain, "wb") as file:
         file.write(rows(read(point + ".csv"), 900))
@@ -58,9 +65,13 @@ def targets(condyle, box, folder, log):
         b"%.3f,%.3f\n" % (i / 60, 3 * ((i % 30) / 15 - 1)) for i in range(600))
     facebow = os.path.join(ROOT, "hal/profiles/condyle_facebow.toml")
     muscles_file = os.path.join(ROOT, "host_sim/muscles/artisynth.toml")
-    capture = os.path.join(ROOT, fuzz, "capture/pcap")
+    capture = os.path.join(folder, "capture.pcap")
     session = read(log)
-    logs = [session, read(fuzz + "session_log/complete"), read(fuzz + "session_log/cut")]
+    reports = Log(log).reports[:40]
+    mapped = captures.USB_LINUX_MMAPPED
+    with open(capture, "wb") as file:
+        file.write(captures.pcap(reports))
+    logs = [session, after_choice(fuzz + "session_log/complete"), after_choice(fuzz + "session_log/cut")]
     parts = [whole for whole in (list(pieces(one)) for one in logs[:2]) if whole]
     scenarios = [read(one) for one in sorted(glob.glob(os.path.join(ROOT, "host_sim/scenarios/*.toml")))]
     short = [short_scenario(one) for one in scenarios]
@@ -70,11 +81,15 @@ def targets(condyle, box, folder, log):
     def group(name, *endings):
         return [read(fuzz + name + "/" + one) for one in endings]
 
-    def target(name, ending, is_text, seeds, *commands, parts=None):
-        return Target(name, ending, is_text, seeds, [list(one) for one in commands], parts)
+    def chosen(name, *endings):
+        return [after_choice(fuzz + name + "/" + one) for one in endings]
 
-    capture_seeds = group("capture", "pcap", "pcap_big_endian_mmapped")
-    next_seeds = group("capture", "pcapng", "pcapng_big_endian_mmapped")
+    def target(name, ending, is_text, seeds, *commands, parts=None, tame=lambda data: data):
+        return Target(name, ending, is_text, seeds, [list(one) for one in commands], parts, tame)
+
+    pcaps = [captures.pcap(reports), captures.pcap(reports, ">", mapped)] + chosen("capture", "pcap")
+    pcapngs = ([captures.pcapng(reports), captures.pcapng(reports, ">", mapped)] +
+               chosen("capture", "pcapng"))
     descriptors = group("descriptor", "odd", "three_axes", "usage_zero", "vendor")
     return [
         target("CSV, one axis", ".csv", True, axis, replay + out,
@@ -94,17 +109,17 @@ def targets(condyle, box, folder, log):
         target("muscle file", ".toml", True, [muscles],
                [condyle, "protocol", "emg", body, "--emg", emg_file, "--muscles", "{}", "--out",
                 "OUT/out.csv"]),
-        target("Zebris text", ".txt", True, group("recording", "probe_text"), replay + out),
-        target("JAWS3D text", ".txt", True, [jaws3d(group("recording", "probe_text_times")[0])],
+        target("Zebris text", ".txt", True, chosen("recording", "probe_text"), replay + out),
+        target("JAWS3D text", ".txt", True, [jaws3d(chosen("recording", "probe_text_times")[0])],
                replay + out),
-        target("Zebris XML", ".xml", True, group("recording", "zebris_xml"),
+        target("Zebris XML", ".xml", True, chosen("recording", "zebris_xml"),
                replay + out + ["--unit", "mm"]),
-        target("SSFF", ".ssff", False, group("recording", "ssff"), replay + out),
+        target("SSFF", ".ssff", False, chosen("recording", "ssff"), replay + out),
         target("MCAP, as it comes", ".mcap", False, logs, replay + out,
                replay + out + ["--values", "OUT/values"]),
         target("MCAP, checksums right", ".mcap", False, logs, replay + out, parts=parts),
-        target("pcap", ".pcap", False, capture_seeds, replay + out + ["--profile", facebow]),
-        target("pcapng", ".pcapng", False, next_seeds, replay + out + ["--profile", facebow]),
+        target("pcap", ".pcap", False, pcaps, replay + out + ["--profile", facebow]),
+        target("pcapng", ".pcapng", False, pcapngs, replay + out + ["--profile", facebow]),
         target("profile", ".toml", True, group("profile", "condyle_facebow.toml", "pose.toml",
                                                "self_describing_3_axis.toml"),
                [condyle, "replay", capture, "--profile", "{}"] + out),
@@ -113,7 +128,7 @@ def targets(condyle, box, folder, log):
         target("parameters, published", ".toml", True, group("parameters", "shipped.toml"),
                [condyle, "replay", plain, "--estimator", "published", "--parameters", "{}"] + out),
         target("scenario", ".toml", True, short, [condyle, "simulate", "{}", "--out", "OUT/out.csv",
-                                                  "--truth", "OUT/truth.csv"]),
+                                                  "--truth", "OUT/truth.csv"], tame=not_long),
         target("report descriptor", ".bin", False, descriptors,
                [condyle, "inspect", "--descriptor", "{}"],
                [condyle, "inspect", "--descriptor", "{}", "--json"]),
@@ -134,9 +149,17 @@ def made_emg(muscles):
 
 def short_scenario(text):
     """A second of it: the mutator needs its words, not its length."""
-    kept = [b"duration_s = 1" if line.startswith(b"duration_s") else line
-            for line in text.split(b"\n")]
-    return b"\n".join(kept)
+    return re.sub(rb"(?m)^duration_s.*$", b"duration_s = 1", text)
+
+
+def not_long(text):
+    """A mutated scenario; one of hours takes the time that it asks for, so it gets 100 s."""
+    def shortened(match):
+        try:
+            return match[1] + b"100" if float(match[2]) > 100 else match[0]
+        except ValueError:
+            return match[0]
+    return re.sub(rb"(?m)^(\s*duration_s\s*=\s*)([-+\w.]+)", shortened, text)
 
 
 def full_box():
