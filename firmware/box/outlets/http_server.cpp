@@ -28,7 +28,7 @@ namespace {
 
 constexpr unsigned kMostConnections = 1200, kMostServed = 200;
 constexpr int kBacklog = 128;
-constexpr TimeNs kPatience_ns = 5 * kNanosecondsPerSecond;  // with a disk that does not answer
+constexpr TimeNs kPatience_ns = 5 * kNanosecondsPerSecond;  // with a disk that does not respond
 constexpr TimeNs kSilence_ns = 5 * kNanosecondsPerSecond;   // before a sign of life is sent
 constexpr std::size_t kConnectionMemory = 32 * 1024;
 
