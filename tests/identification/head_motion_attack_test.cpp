@@ -56,7 +56,10 @@ std::vector<HeadAttack> attacks() {
   // The head turns.
   add({.name = "lever 2 % stated", .drive = at(60, 1.02)}, 0.02);
   add({.name = "lever 5 % stated", .drive = at(60, 0.95)}, 0.05);
+  add({.name = "lever 3 % unsaid", .drive = at(60, 0.97)});
+  add({.name = "lever 4 % unsaid", .drive = at(60, 1.04)});
   add({.name = "lever 5 % unsaid", .drive = at(60, 0.95)});
+  add({.name = "lever 6 % unsaid", .drive = at(60, 1.06)});
   add({.name = "lever 10 % unsaid", .drive = at(60, 1.1)});
   // What the model does not have.
   add({.name = "hardening 5 %", .point = jaw(0, 4e5, 0), .drive = at(60)});

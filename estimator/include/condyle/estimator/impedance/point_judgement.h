@@ -8,7 +8,9 @@
 //
 // Granted, each apart from the others, beside V and d^2:
 //   gain      sigma_g (theta - m_0 dtheta/dm_0), one scale of all: sigma_g^2 = gain^2 + scale^2 +
-//             3/4 angle^4 (a force at an angle A counts with cos A, which is 1 - A^2 / 2)
+//             3/4 angle^4 (a force at an angle A counts with cos A, which is 1 - A^2 / 2). If the
+//             mass is known, the motion shows the scale, m / m_0: what it shows beyond 2 of its
+//             standard deviations counts for sigma_g if it is more
 //   delay     known to s: s times what a second of delay adds, to second order; by regression
 //   missing   a force of at most the share s of the total, in phase with v or a: s rms(u) / rms(v);
 //             if the mass is known, u about its mean
@@ -18,6 +20,8 @@
 //   noise     (0.1 + |R - 1|) times the correction for noise, 0.25 if it is not white
 // Measured: standard deviation, all of it, at most half the resolution that the user asks for.
 #pragma once
+
+#include <algorithm>
 
 #include "condyle/estimator/impedance/point_tests.h"
 
@@ -72,6 +76,7 @@ class PointJudgement {
 
  private:
   using Fit = RegressionFit<Scalar>;
+  static constexpr double kShownScale = 2;
 
   void judge() {
     const Fit P(data_, columns_.of(false, false, false)),
@@ -128,6 +133,17 @@ class PointJudgement {
     }
   }
 
+  double scale2() const {
+    const double stated = stated_.scale2();
+    const Candidate& mass = value_.mass;
+    if (!columns_.is_mass_known() || !mass.fit.is_known()) return stated;
+    const double known = parameters_.mass_kg.mean;
+    const double departure2 = square(mass.fit.value - known);
+    const double variance = mass.all2(columns_.delay_sd_s()) + square(stated_.missing_N() / rms_.a);
+    if (!(departure2 > square(kShownScale) * variance)) return stated;
+    return std::max(stated, (departure2 - stated_.mass_variance()) / square(known));
+  }
+
   // `per_N`: effect on the value of a force of 1 N rms in phase.
   void write(const Candidate& candidate, const ImpedancePrior& prior, double resolution,
              double per_N, IdentifiedValue<Scalar>& value) const {
@@ -146,9 +162,8 @@ class PointJudgement {
         {square(fit.sd), ImpedanceLimit::resolution},
         {candidate.discrepancy2,
          is_friction ? ImpedanceLimit::viscous_or_coulomb : ImpedanceLimit::mass_or_stiffness},
-        {is_delay
-             ? 0
-             : stated_.scale2() * square(fit.value - parameters_.mass_kg.mean * fit.per_known_mass),
+        {is_delay ? 0
+                  : scale2() * square(fit.value - parameters_.mass_kg.mean * fit.per_known_mass),
          ImpedanceLimit::gain},
         {stated_.mass_variance() * square(fit.per_known_mass), ImpedanceLimit::gain},
         {candidate.delay2(columns_.delay_sd_s()), ImpedanceLimit::delay},
