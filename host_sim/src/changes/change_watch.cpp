@@ -39,7 +39,7 @@ Stretch stretch_of(const std::vector<WatchedCycle>& cycles, std::size_t begin, s
 }
 
 double of_drive(const WatchSettings& settings, const Stretch& before, const Stretch& after) {
-  const double missing = settings.drive.missing_share *
+  const double missing = missing_over_measured(settings.drive.missing_share) *
                          (before.drive_per_velocity_Ns_m + after.drive_per_velocity_Ns_m);
   const double delay = settings.mass_kg * settings.drive.delay_sd_s *
                        std::abs(after.rhythm2_rad2_s2 - before.rhythm2_rad2_s2);

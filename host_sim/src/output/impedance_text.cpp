@@ -161,10 +161,9 @@ std::string impedance_text(const ImpedanceEstimate<double>& impedance,
   if (!noise.empty()) ReplaySummary::add_line(text, "drive noise", noise);
   ReplaySummary::add_line(
       text, "assumes",
-      fmt::format("as stated: drive in N, gain within {:g} %, axis within {:g} degrees; "
-                  "positions to scale within {:g} %; delay {:g} +- {:g} ms; {:g} % of the "
-                  "force missing. Twice the drive, or half the positions, makes friction and "
-                  "mass twice as large",
+      fmt::format("drive in N, gain within {:g} %, axis within {:g} degrees; positions to scale "
+                  "within {:g} %; delay {:g} +- {:g} ms; up to {:g} % of the force missing. Twice "
+                  "the drive, or half the positions, makes friction and mass twice as large",
                   drive.gain_sd * 100, drive.axis_angle_sd_rad * 180 / std::numbers::pi,
                   drive.position_scale_sd * 100, drive.delay_s * 1e3, drive.delay_sd_s * 1e3,
                   drive.missing_share * 100));

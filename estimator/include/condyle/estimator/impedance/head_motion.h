@@ -131,7 +131,9 @@ class HeadMotionIdentification {
     point.drive.gain_sd = std::sqrt(parameters.gain_sd * parameters.gain_sd +
                                     parameters.lever_sd * parameters.lever_sd);
     point.drive.delay_sd_s = parameters.delay_sd_s;
-    point.drive.missing_share = parameters.muscle_share;
+    point.drive.missing_share = parameters.muscle_share < 1  // of the total, not of -m a
+                                    ? parameters.muscle_share / (1 + parameters.muscle_share)
+                                    : 1;
     point.drive.longest_gap_s = parameters.longest_gap_s;
     return point;
   }

@@ -3,6 +3,8 @@
 // `visit_impedance_fields` is the one list of their names and ranges.
 #pragma once
 
+#include <limits>
+
 #include "condyle/estimator/published/parameters.h"
 
 namespace condyle {
@@ -32,6 +34,12 @@ struct DriveParameters {
   double longest_gap_s = 0.05;  ///< between its samples; it is unknown in a longer one (s)
 };
 
+/// Largest missing force relative to the measured one, if the drive may miss `share` (0 to 1) of
+/// the total; infinite for 1.
+constexpr double missing_over_measured(double share) {
+  return share < 1 ? share / (1 - share) : std::numeric_limits<double>::infinity();
+}
+
 /// Whether the drive's delay is taken as stated, with its uncertainty widening the intervals, or is
 /// estimated with the other values, starting from the stated one.
 enum class DelayModel { known, fitted };
@@ -39,7 +47,7 @@ enum class DelayModel { known, fitted };
 /// Whether the mass is the prior's, or is estimated with the other values.
 enum class MassModel { known, fitted };
 
-/// The joint identification.
+/// The identification of mass, damping and stiffness.
 struct ImpedanceParameters {
   ImpedancePrior friction_Ns_m{0.05, 0.5, 0};
   ImpedancePrior mass_kg{0.25, 0.25, 0};

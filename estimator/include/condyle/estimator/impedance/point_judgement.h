@@ -12,8 +12,9 @@
 //             mass is known, the motion shows the scale, m / m_0: what it shows beyond 2 of its
 //             standard deviations counts for sigma_g if it is more
 //   delay     known to s: s times what a second of delay adds, to second order; by regression
-//   missing   a force of at most the share s of the total, in phase with v or a: s rms(u) / rms(v);
-//             if the mass is known, u about its mean
+//   missing   a force of at most the share s of the total, in phase with v or a:
+//             s / (1 - s) rms(u) / rms(v); if the mass is known, u about its mean; unbounded at s =
+//             1
 //   mass      sigma_m dtheta/dm_0
 //   smoothing if the noise of the positions is not white, what a square second of u''
 //             adds, times what the test of dynamics leaves open: the root of u''^2 + V
@@ -139,9 +140,17 @@ class PointJudgement {
     if (!columns_.is_mass_known() || !mass.fit.is_known()) return stated;
     const double known = parameters_.mass_kg.mean;
     const double departure2 = square(mass.fit.value - known);
-    const double variance = mass.all2(columns_.delay_sd_s()) + square(stated_.missing_N() / rms_.a);
+    const double variance =
+        mass.all2(columns_.delay_sd_s()) + square(stated_.tested_missing_N() / rms_.a);
     if (!(departure2 > square(kShownScale) * variance)) return stated;
     return std::max(stated, (departure2 - stated_.mass_variance()) / square(known));
+  }
+
+  // An unknown force may change any value, the delay too.
+  double missing2(double per_N) const {
+    const double missing_N = stated_.missing_N();
+    return missing_N < FittedValue::kUnbounded ? square(missing_N * per_N)
+                                               : FittedValue::kUnbounded;
   }
 
   // `per_N`: effect on the value of a force of 1 N rms in phase.
@@ -167,7 +176,7 @@ class PointJudgement {
          ImpedanceLimit::gain},
         {stated_.mass_variance() * square(fit.per_known_mass), ImpedanceLimit::gain},
         {candidate.delay2(columns_.delay_sd_s()), ImpedanceLimit::delay},
-        {square(stated_.missing_N() * per_N), ImpedanceLimit::missing},
+        {missing2(per_N), ImpedanceLimit::missing},
         {smoothing_s4_ * square(fit.per_delay2), ImpedanceLimit::smoothing},
         {square(((is_noise_white_ ? 0.1 : 0.25) + abs(residual_ - 1)) * fit.correction),
          ImpedanceLimit::excitation},

@@ -51,12 +51,16 @@ class PointStatement {
   PointStatement(const ImpedanceParameters& parameters, const PointMotion& motion)
       : drive_(parameters.drive) {
     const bool is_mass_known = parameters.mass == MassModel::known;
-    missing_N_ = drive_.missing_share * (is_mass_known ? motion.u_about_mean : motion.u);
+    const double measured_N = is_mass_known ? motion.u_about_mean : motion.u;
+    missing_N_ = missing_over_measured(drive_.missing_share) * measured_N;
+    tested_missing_N_ = drive_.missing_share < 1 ? missing_N_ : measured_N;
     mass_variance_ = is_mass_known ? square(parameters.mass_kg.sd) : 0;
   }
 
-  /// rms of the force that the drive may miss (N).
+  /// rms of the force that the drive may miss (N); infinite if that is unknown.
   double missing_N() const { return missing_N_; }
+  /// The same for a test: what it shows is wrong even if as much is missing as was measured.
+  double tested_missing_N() const { return tested_missing_N_; }
   /// Of a known mass (kg^2).
   double mass_variance() const { return mass_variance_; }
   /// Relative variance of the one scale of drive, positions and axis.
@@ -67,7 +71,7 @@ class PointStatement {
 
  private:
   const DriveParameters& drive_;
-  double missing_N_ = 0, mass_variance_ = 0;
+  double missing_N_ = 0, tested_missing_N_ = 0, mass_variance_ = 0;
 };
 
 /// The results of the tests.
@@ -131,7 +135,7 @@ class PointTests {
     const double mass = mass_.fit.value,
                  mass_sd =
                      sqrt(mass_.all2(columns_.delay_sd_s()) + stated_.scale2() * square(mass) +
-                          square(stated_.missing_N() / motion_.a) + stated_.mass_variance());
+                          square(stated_.tested_missing_N() / motion_.a) + stated_.mass_variance());
     if (columns_.is_mass_known()) {
       return beyond(mass - parameters_.mass_kg.mean, kMassStated * mass_sd)
                  ? ImpedanceLimit::mass_stated
@@ -152,7 +156,8 @@ class PointTests {
   }
   double sd_of_friction() const {
     using std::sqrt;
-    return sqrt(friction_.all2(columns_.delay_sd_s()) + square(stated_.missing_N() / motion_.v));
+    return sqrt(friction_.all2(columns_.delay_sd_s()) +
+                square(stated_.tested_missing_N() / motion_.v));
   }
 
   // A delay within its statement is not a trend.
