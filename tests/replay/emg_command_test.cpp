@@ -56,8 +56,8 @@ TEST_F(Emg, WithholdsFrictionWhereTheForceMayBeWrong) {
   const auto result = identify();
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output,
-              AllOf(HasSubstr("research use only"), HasSubstr("0.17 +- 0.03 kg, assumed"),
-                    HasSubstr("friction                      WITHHELD; assumed 0.05 +- 20 Ns/m"),
+              AllOf(HasSubstr("research use only"), HasSubstr("0.17 kg (sd 0.03), assumed"),
+                    HasSubstr("friction                      WITHHELD; assumed 0.05 Ns/m (sd 20)"),
                     HasSubstr("which a longer recording does not average out"),
                     HasSubstr("smallest difference of friction"), HasSubstr("8 muscles"),
                     Not(HasSubstr("note"))));

@@ -123,7 +123,7 @@ TEST_F(HeadMotionCommand, SaysWhatItCannotUse) {
          "no column acceleration_m_s2");
   refuse(run_condyle({"protocol", "head-motion", jaw_, "--acceleration", folder_ / "none.csv"}),
          "none.csv");
-  refuse(identify({"--begin-s", "3", "--end-s", "2"}), "is not after the begin");
+  refuse(identify({"--begin-s", "3", "--end-s", "2"}), "is not after the start");
   refuse(identify({"--begin-s", "100"}), "none of its positions has accelerations");
   refuse(identify({"--out", jaw_}), "is also an input");
   refuse(identify({"--point", "2"}), "has one point");

@@ -40,11 +40,18 @@ TEST(InspectCommand, GivesTheFieldsAsJson) {
 
 TEST(InspectCommand, ReadsHexadecimalTextHoweverItIsWritten) {
   const TemporaryFolder folder;
-  const std::string expected = inspect(folder.write("spaced", "06 00 ff a1 01 c0")).output;
-  for (const char* text : {"0x06, 0x00, 0xff,\n0xA1, 0x1, 0xC0\n", "0600FFA101C0", "6 0 ff a1 1 c0",
-                           "\x06\x00\xff\xa1\x01\xc0"}) {
-    const std::string bytes = text[0] == '\x06' ? std::string(text, 6) : text;
-    EXPECT_EQ(inspect(folder.write("other", bytes)).output, expected) << bytes;
+  const std::string bytes("\x06\x00\xff\xa1\x01\x75\x08\x95\x01\x81\x02\xc0", 12);
+  const CommandResult expected = inspect(folder.write("bytes", bytes));
+  ASSERT_EQ(expected.exit_code, 0) << expected.errors;
+  for (const char* text : {"06 00 ff a1 01 75 08 95 01 81 02 c0",
+                           "0x06, 0x00, 0xff,\n0xA1, 0x1, 0x75,0x8 0x95 0x1 0x81 0x2 0xC0\n",
+                           "0600FFA101750895018102C0", "6 0 ff a1 1 75 8 95 1 81 2 c0"}) {
+    EXPECT_EQ(inspect(folder.write("other", text)).output, expected.output) << text;
+  }
+  for (const char* text : {"", "zz", "06 00 ff a1 01 c0"}) {
+    const CommandResult none = inspect(folder.write("none", text));
+    EXPECT_EQ(none.exit_code, 3) << text;
+    EXPECT_THAT(none.errors, HasSubstr("describes no reports")) << text;
   }
   const CommandResult odd = inspect(folder.write("odd.txt", "05 01\n060 00\n"));
   EXPECT_EQ(odd.exit_code, 2);

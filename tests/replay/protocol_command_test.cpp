@@ -73,8 +73,9 @@ TEST(ProtocolRelease, FindsTheReleaseAndItsValues) {
   const auto result = run_condyle({"protocol", "release", path, "--noise-mm", "0.05", "--out",
                                    folder / "r.json", "--figures", folder / "figures"});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
-  EXPECT_THAT(result.output, AllOf(HasSubstr("research use only"), HasSubstr("begin found"),
-                                   HasSubstr("+-"), HasSubstr("measured"), HasSubstr("as stated")));
+  EXPECT_THAT(result.output,
+              AllOf(HasSubstr("research use only"), HasSubstr("start found"), HasSubstr("(sd "),
+                    HasSubstr("measured"), HasSubstr("as stated")));
   const auto json = read_json(folder / "r.json");
   EXPECT_TRUE(holds(json["damping_rate_per_s"], 8));
   EXPECT_TRUE(holds(json["stiffness_per_mass_per_s2"], 400));
@@ -126,7 +127,7 @@ TEST(ProtocolRelease, SaysWhatItCannotUse) {
     EXPECT_THAT(result.errors, HasSubstr(words));
     EXPECT_EQ(result.output, "");
   };
-  refuse({"release", path, "--begin-s", "0.9", "--end-s", "0.5"}, "is not after the begin");
+  refuse({"release", path, "--begin-s", "0.9", "--end-s", "0.5"}, "is not after the start");
   refuse({"release", path, "--begin-s", "1.15"}, "a fit needs 10");
   refuse({"release", path, "--noise-mm", "0.05", "--begin-s", "0.01", "--end-s", "0.19"},
          "no motion above the noise");

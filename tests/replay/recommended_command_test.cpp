@@ -31,7 +31,7 @@ TEST(Recommended, IsTheDefaultAndShowsWhatItKnows) {
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.errors, testing::IsEmpty());
   for (const char* words :
-       {"research use only", "duration    29.9833 s, 1800 samples", "delay       none",
+       {"research use only", "duration    29.9833 s, 1800 samples", "lag         none",
         "recommended: white-jerk motion, noise and jerk learned over 8 s", "mm sd at the end",
         "mean NIS    0.99", "(95 %), measured", "derived: assumed mass times measured acceleration",
         "Friction and mass are not computed: position alone does not determine them"}) {
@@ -70,7 +70,7 @@ TEST(Recommended, WithALagEachRowIsStillTheInstantItEstimates) {
         run_condyle({"replay", kShipped, "--lag", lag, "--out", folder / "e.csv"});
     EXPECT_EQ(result.exit_code, 0) << result.errors;
     if (lag == "6") {
-      EXPECT_THAT(result.output, HasSubstr("delay       6 samples, 100 ms on average"));
+      EXPECT_THAT(result.output, HasSubstr("lag         6 samples, 100 ms on average"));
     }
     return read_table(folder / "e.csv");
   };

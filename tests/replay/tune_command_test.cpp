@@ -254,7 +254,7 @@ TEST_F(Tune, OfRealRecordingsSaysWhetherWhiteNoiseServes) {
     const CommandResult result = tune({reference_data(name)}, {"--starts", "2"});
     ASSERT_EQ(result.exit_code, 0) << result.errors;
     if (result.output.find(", inside the 95 % bounds") == std::string::npos) {
-      EXPECT_THAT(result.output, HasSubstr("  reason  ")) << name;
+      EXPECT_THAT(result.output, HasSubstr("  against it  ")) << name;
     }
     std::cout << result.output;
   }

@@ -34,8 +34,8 @@ std::string cycles_text(const ChangeWatch& watch) {
   if (watch.counted == 0) return text;
   return text +
          line("",
-              fmt::format("{:.2f} s each; damping {:.3g} Ns/m on average, of one cycle +- {:.2g} "
-                          "(sd); they differ by {:.2f} times that",
+              fmt::format("{:.2f} s each; damping {:.3g} Ns/m on average of all; stated sd of one "
+                          "cycle {:.2g}, scatter of the cycles {:.2f} times that",
                           watch.mean_duration_s, watch.mean_Ns_m, watch.sd_Ns_m, watch.spread));
 }
 

@@ -109,6 +109,10 @@ Command add_plan_head_motion(CommandLine protocol) {
   HeadMotionPlan& plan = planned->plan;
   const CommandLine command = protocol.add_command(
       "plan-head-motion", "Print the expected standard deviation, and how long to record");
+  command.add_example("condyle protocol plan-head-motion --amplitude-mm 10 --frequency-Hz 2",
+                      "Plan a head motion: what precision to expect.");
+  command.add_example("condyle protocol plan-head-motion --wanted-damping-rate-sd-per-s 0.1",
+                      "How long to record for kv/m with this standard deviation.");
   const auto add = [&](const char* name, double& value, const char* meaning, Range range) {
     command.add_option(name, value, meaning).number_in(range).show_default();
   };
@@ -140,6 +144,11 @@ Command add_head_motion(CommandLine protocol) {
   const CommandLine command = protocol.add_command(
       "head-motion",
       "Identify kv/m and ks/m of a relaxed jaw from its response to the head's acceleration");
+  command.add_example(
+      "condyle protocol head-motion nods.csv --acceleration nods.head.csv --muscle-share 0",
+      "The acceleration in its own file; the jaw is relaxed.");
+  command.add_example("condyle protocol head-motion nods.csv --muscle-share 0.1",
+                      "The acceleration in a column; muscles add at most a tenth.");
   HeadMotionSource& source = options->source;
   command.add_option("RECORDING", source.recording, "As for replay; relative to the head")
       .required();

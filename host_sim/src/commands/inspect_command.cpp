@@ -39,6 +39,13 @@ int inspect_descriptor(const InspectOptions& options) {
                             options.descriptor, result.error.byte_offset, result.error.reason));
     return kExitRefused;
   }
+  if (result.descriptor->reports.empty()) {
+    print_error(
+        fmt::format("{}: it describes no reports; give the report descriptor of an input "
+                    "device, as bytes or as hexadecimal text",
+                    options.descriptor));
+    return kExitRefused;
+  }
   print_output(options.as_json ? descriptor_json(*result.descriptor)
                                : descriptor_text(*result.descriptor));
   return kExitOk;

@@ -36,7 +36,7 @@ struct FitOptions {
         .number_in({1e-6, 100});
     command
         .add_option("--let-go-ms", let_go_ms,
-                    "Time after the begin at which the support was certainly gone; without it a "
+                    "Time after the start at which the support was certainly gone; without it a "
                     "slow hand and an overdamped jaw look alike")
         .number_in({0, 1000});
     command.group("Output").add_option("-o,--out=FILE", out, "JSON file for the values");
@@ -91,6 +91,10 @@ Command add_plan(CommandLine app) {
   auto plan = std::make_shared<ReleasePlan>();
   const CommandLine command = app.add_command(
       "plan-release", "Print the expected standard deviation, and how long to record");
+  command.add_example("condyle protocol plan-release --opening-mm 10",
+                      "Plan a release: what precision to expect.");
+  command.add_example("condyle protocol plan-release --wanted-damping-rate-sd-per-s 0.5",
+                      "How many releases give kv/m with this standard deviation.");
   const auto add = [&](const char* name, double& value, const char* meaning, Range range) {
     command.add_option(name, value, meaning).number_in(range).show_default();
   };
@@ -120,6 +124,10 @@ Command add_release(CommandLine app) {
   auto options = std::make_shared<Options>();
   const CommandLine command = app.add_command(
       "release", "Fit a passive release: kv/m, ks/m, damping ratio and natural frequency");
+  command.add_example("condyle protocol release release.csv --noise-mm 0.05",
+                      "Fit a release; 0.05 mm of noise test the model.");
+  command.add_example("condyle protocol release release.csv --let-go-ms 20 --figures figures",
+                      "The support was gone after 20 ms; draw the fit.");
   command.add_option("RECORDING", options->recording, "As for replay").required();
   options->add_to(command);
   command
@@ -128,7 +136,7 @@ Command add_release(CommandLine app) {
       .number_in(kTimeRange);
   command
       .add_option("--end-s", options->end_s,
-                  "Last time, from the first sample; by default 0.6 s after the begin")
+                  "Last time, from the first sample; by default 0.6 s after the start")
       .number_in(kTimeRange);
   command
       .add_option("--damping-rate-resolution-per-s", options->resolution.damping_rate_per_s,
@@ -154,6 +162,11 @@ Command add_combine(CommandLine app) {
   auto options = std::make_shared<Options>();
   const CommandLine command = app.add_command(
       "combine", "Combine two releases, the second with a known load, into kv, ks and m");
+  command.add_example("condyle protocol combine first.csv second.csv --added-mass-kg 0.2",
+                      "Two releases, the second with 0.2 kg fixed to the jaw.");
+  command.add_example(
+      "condyle protocol combine first.csv second.csv --added-mass-kg 0.2 --added-weight-N 2",
+      "The load also pulls with its weight.");
   command.add_option("FIRST", options->first, "Recording without the load").required();
   command.add_option("SECOND", options->second, "Recording with the load").required();
   options->add_to(command);
@@ -161,7 +174,7 @@ Command add_combine(CommandLine app) {
                                    const char* meaning) {
     command.add_option(name, value, meaning).values(2).number_in(kTimeRange);
   };
-  add_times("--begin-s", options->begin_s, "Begin of the first and the second release");
+  add_times("--begin-s", options->begin_s, "Start of the first and of the second release");
   add_times("--end-s", options->end_s, "End of the first and the second release");
   const auto add_load = [command](const std::string& name, const char* unit, KnownLoad& load,
                                   const char* meaning) {

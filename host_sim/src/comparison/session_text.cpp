@@ -51,7 +51,7 @@ std::string change_text(const SessionChange& change) {
                      !change.exceeds() ? "not detectable"
                      : change.exceeds_adjusted()
                          ? "CHANGED, also among so many comparisons"
-                         : "larger, but expected by chance among so many comparisons");
+                         : "exceeded, but as chance does among so many comparisons");
 }
 
 std::string quantity_text(const QuantityComparison& quantity,

@@ -2,6 +2,7 @@
 #include "options/command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <regex>
 
 #include <algorithm>
 #include <cstddef>
@@ -191,7 +192,13 @@ OptionText describe(const CLI::Option& option) {
   text.is_argument = option.get_positional();
   text.name = text.is_argument ? option.get_name(true) : "--" + option.get_lnames().at(0);
   if (!option.get_snames().empty()) text.short_name = "-" + option.get_snames()[0];
+  text.is_list = text.is_argument && option.get_expected_max() > 1;
   text.value = option.get_type_name();
+  const int values = option.get_expected_max();
+  if (!text.is_argument && values == option.get_expected_min() && values > 1) {
+    const std::string one = text.value;
+    for (int i = 1; i < values; ++i) text.value += " " + one;
+  }
   text.meaning = option.get_description();
   const std::string default_value = option.get_default_str();
   if (!default_value.empty()) text.meaning += " [" + default_value + "]";
@@ -227,6 +234,21 @@ CommandText describe(const CLI::App& app, const std::string& name) {
     text.commands.push_back(describe(*part, name + " " + part->get_name()));
   }
   return text;
+}
+
+// The parser's words for a wrong or missing value, in ours.
+std::string plain_error(const std::string& error) {
+  static const std::regex choice(R"((\S+): (.*) not in \{(.*)\})"),
+      missing(R"((\S+): (\d+) required \S+ missing)");
+  std::smatch found;
+  if (std::regex_match(error, found, choice)) {
+    const std::string choices = std::regex_replace(found[3].str(), std::regex(","), ", ");
+    return found[1].str() + ": must be one of " + choices + ", not '" + found[2].str() + "'";
+  }
+  if (std::regex_match(error, found, missing)) {
+    return found[1].str() + ": needs " + (found[2] == "1" ? "a value" : found[2].str() + " values");
+  }
+  return error;
 }
 
 // The command that `words` name, and the number of words in its name.
@@ -320,7 +342,7 @@ Program::Parsed Program::parse(int argc, const char* const* argv, std::string& t
       text = command.name + " requires one of its commands:\n" + help_text(command);
       return Parsed::wrong;
     }
-    text = command.name + ": " + clean_line(error.what()) + "\nRun " + command.name +
+    text = command.name + ": " + clean_line(plain_error(error.what())) + "\nRun " + command.name +
            " --help for more.";
     return Parsed::wrong;
   }

@@ -65,8 +65,9 @@ std::string usage(const CommandText& command) {
   std::string words = command.name;
   if (!command.commands.empty()) words += " COMMAND";
   for (const OptionText& option : command.options) {
-    if (option.is_argument)
-      words += option.is_required ? " " + option.name : " [" + option.name + "]";
+    if (!option.is_argument) continue;
+    const std::string name = option.name + (option.is_list ? "..." : "");
+    words += option.is_required ? " " + name : " [" + name + "]";
   }
   for (const OptionText& option : command.options) {
     if (!option.is_argument && option.is_required) {

@@ -18,6 +18,7 @@ struct OptionText {
   std::vector<std::string> choices;  ///< allowed values; empty: any
   bool is_argument = false;
   bool is_required = false;
+  bool is_list = false;  ///< an argument that takes any number of values
 };
 
 /// A working command line, and its effect.

@@ -117,10 +117,10 @@ std::string RecommendedSummary::text() const {
                                               parameters_.noise.memory_s)
                                 : "noise and jerk as given",
                        parameters_.assumed_mass_kg));
-  add_line(text, "delay",
+  add_line(text, "lag",
            lag_ == 0 ? "none: each estimate uses the samples up to its own"
                      : fmt::format("{} samples, {:.4g} ms on average: each estimate uses that many "
-                                   "later samples",
+                                   "later samples, the last ones only those that follow",
                                    lag_, lag_ * mean_step_s() * 1e3));
   text += body_text();
   if (last_.position_m.provenance == Provenance::not_computed) {

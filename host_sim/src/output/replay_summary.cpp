@@ -199,8 +199,9 @@ std::vector<std::string> ReplaySummary::unit_warnings() const {
   const double widest_m = *std::max_element(ranges_m.begin(), ranges_m.end());
   if (widest_m > kWidest_m || (widest_m > 0 && widest_m < kNarrowest_m)) {
     warnings.push_back(
-        fmt::format("the positions span {:.2g} mm, but a jaw moves 1 to 70 mm: check their unit, "
-                    "which the column's name or --unit states",
+        fmt::format("the positions span {:.2g} mm, but a jaw moves 1 to 70 mm: check their unit; "
+                    "position_m is in metres, position_mm in millimetres, and --unit is for "
+                    "formats that state none",
                     widest_m * 1e3));
   }
   if (steps_ > 0 && mean_step_s() < kShortestStep_s) {

@@ -121,11 +121,12 @@ class CsvRecording final : public Recording {
       column.role = Column::Role::coordinate;
       seen_[column.coordinate] = true;
     } else {
-      throw InputError(
-          fmt::format("{}: column {}", place(), quote(name)), "the column is not known",
-          reads_drive_alone_
-              ? fmt::format("take it out of the file; {} is read", drive_column_)
-              : fmt::format("leave it out with --ignore-column '{}'; {}", name, kColumns));
+      throw InputError(fmt::format("{}: column {}", place(), quote(name)),
+                       "the column is not known",
+                       reads_drive_alone_
+                           ? fmt::format("take it out of the file; {} is read", drive_column_)
+                           : fmt::format("rename it or leave it out with --ignore-column '{}'; {}",
+                                         name, kColumns));
     }
     if (unit == "mm") column.units_per_metre = 1000;
     const auto quantity = [](std::string_view full) { return full.substr(0, full.rfind('_')); };
@@ -177,7 +178,9 @@ class CsvRecording final : public Recording {
                                    columns_[std::min(fields_.size(), columns_.size() - 1)].name),
                        fmt::format("the row has {} columns, the header names {}", fields_.size(),
                                    columns_.size()),
-                       "complete the row; numbers take a decimal point, not a comma");
+                       fields_.size() > columns_.size()
+                           ? "write decimals with a decimal point, not a comma"
+                           : "complete the row; numbers take a decimal point, not a comma");
     }
     sample.drive_valid = info_.has_drive;
     for (std::size_t i = 0; i < columns_.size(); ++i) {

@@ -62,8 +62,10 @@ bool FaultRule::accept(NumberStatus status, const std::string& place, std::strin
       fail(fmt::format("{} is larger than a number can hold", quote(text)), "correct the value");
       break;
     case NumberStatus::not_a_number:
-      fail(fmt::format("{} is not a number", quote(text)),
-           "write numbers with a decimal point, like 0.0123");
+      fail(
+          fmt::format("{} is not a number", quote(text)),
+          "write numbers with a decimal point, like 0.0123; leave a missing value empty, and count "
+          "it with --faults event");
       break;
   }
   return false;

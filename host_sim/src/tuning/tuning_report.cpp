@@ -201,7 +201,7 @@ std::string tuning_text(const std::vector<TuningRecording>& recordings, const Li
   text += line("optimum", unique_text(white, plan.starts));
   text += check_text(white.held_out) + extremes_text(recordings, white.held_out);
   if (white.held_out.whiteness_p >= kWhite) text += line("", whiteness_text(white.held_out));
-  for (const std::string& reason : tuning.reasons) text += line("  reason", reason);
+  for (const std::string& reason : tuning.reasons) text += line("  against it", reason);
   if (tuning.correlated) text += correlated_text(plan, tuning);
   if (!tuning.correlated_serves) text += adaptive_text(tuning.written_check);
   return text;

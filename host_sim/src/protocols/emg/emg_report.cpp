@@ -72,14 +72,13 @@ std::string explain(EmgLimit limit) {
 std::string line(const std::string& name, const char* unit, const Value& value) {
   const auto& [number, deviation, provenance] = value.quantity;
   if (provenance == Provenance::assumed) {
-    return fmt::format("{:<30}WITHHELD; assumed {:.4g} +- {:.2g}{}: {}\n", name, number, deviation,
-                       unit, explain(value.limit));
+    return fmt::format("{:<30}WITHHELD; assumed {:.4g}{} (sd {:.2g}): {}\n", name, number, unit,
+                       deviation, explain(value.limit));
   }
   const double half = kNormalQuantile95 * deviation;
   return fmt::format(
-      "{:<30}{:.4g} +- {:.2g}{}, 95 %: {:.4g} to {:.4g}; derived, by the assumed "
-      "mass\n",
-      name, number, deviation, unit, number - half, number + half);
+      "{:<30}95 %: {:.4g} to {:.4g}{} ({:.4g}, sd {:.2g}); derived, by the assumed mass\n", name,
+      number - half, number + half, unit, number, deviation);
 }
 
 Json json_of(const Value& value) {
@@ -169,9 +168,9 @@ std::string emg_text(const EmgResult& result) {
   text += fmt::format("{:<30}{}, {} rows at {:.4g} Hz, {} muscles{}\n", "EMG", result.source.emg,
                       result.emg_rows, result.emg.rate_Hz, result.muscles.set.count,
                       result.source.emg_reading.is_raw ? ", raw" : "");
-  text +=
-      fmt::format("{:<30}{:.4g} +- {:.2g} kg, assumed: EMG of unknown gain does not determine it\n",
-                  "mass", estimate.mass_kg.value, estimate.mass_kg.standard_deviation);
+  text += fmt::format(
+      "{:<30}{:.4g} kg (sd {:.2g}), assumed: EMG of unknown gain does not determine it\n", "mass",
+      estimate.mass_kg.value, estimate.mass_kg.standard_deviation);
   text += line("friction", " Ns/m", estimate.friction_Ns_m);
   if (has_resolution(estimate.friction_Ns_m.limit)) {
     text += fmt::format("{:<30}smallest difference of friction {:.2g} Ns/m; requested {:.4g}\n",
@@ -184,8 +183,8 @@ std::string emg_text(const EmgResult& result) {
     text += line("gain of " + result.muscles.channels[n].muscle, "", estimate.gain[n]);
   }
   text += fmt::format(
-      "{:<30}rms {:.3g} N at the assumed mass; assumed error {:.0f} % of that, assumed lag {:.0f} "
-      "+- {:.0f} ms\n",
+      "{:<30}rms {:.3g} N at the assumed mass; assumed error {:.0f} % of that, assumed delay "
+      "{:.0f} ms (sd {:.0f})\n",
       "muscles' force", estimate.force_rms_N, 100 * parameters.error_share, 1e3 * parameters.lag_s,
       1e3 * parameters.lag_sd_s);
   text += fmt::format("{:<30}mean NIS {:.2f}, correlation {:.2f}, {:.1f} % rejected\n",

@@ -152,7 +152,7 @@ IdentifiedHeadMotion identify_head_motion(const HeadMotionSource& source,
   if (source.begin_s && source.end_s && !(*source.end_s > *source.begin_s)) {
     throw InputError(
         "--end-s",
-        fmt::format("{:g} s is not after the begin at {:g} s", *source.end_s, *source.begin_s),
+        fmt::format("{:g} s is not after the start at {:g} s", *source.end_s, *source.begin_s),
         "give a later time");
   }
   IdentifiedHeadMotion motion;

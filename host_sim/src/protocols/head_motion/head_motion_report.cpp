@@ -81,7 +81,7 @@ std::string line(const char* name, const char* unit, const Value& value) {
   const auto [low, high] = interval(value);
   if (value.limit == ImpedanceLimit::none) {
     return fmt::format("{:<20}{:<26}95 %: {:<20}measured\n", name,
-                       fmt::format("{:.5g} +- {:.2g} {}", value.fitted, value.fitted_sd, unit),
+                       fmt::format("{:.5g} {} (sd {:.2g})", value.fitted, unit, value.fitted_sd),
                        fmt::format("{:.4g} to {:.4g}", low, high));
   }
   const std::string bounds =
@@ -146,8 +146,8 @@ std::string head_motion_text(const IdentifiedHeadMotion& motion) {
                         "motion", estimate.rms_acceleration_m_s2, 1e3 * estimate.rms_position_m,
                         1e3 * estimate.rms_velocity_m_s);
   }
-  text += fmt::format("{:<20}gain +- {:.3g}, lever +- {:.3g}, delay +- {:.3g} ms, muscles {}\n",
-                      "stated", stated.gain_sd, stated.lever_sd, 1e3 * stated.delay_sd_s,
+  text += fmt::format("{:<20}sd of gain {:.3g}, lever {:.3g}, delay {:.3g} ms; muscles {}\n",
+                      "assumes", stated.gain_sd, stated.lever_sd, 1e3 * stated.delay_sd_s,
                       stated.muscle_share < 1
                           ? fmt::format("up to {:g} of the inertial force", stated.muscle_share)
                           : "not known");
@@ -155,7 +155,7 @@ std::string head_motion_text(const IdentifiedHeadMotion& motion) {
   text += line("ks/m", "1/s^2", estimate.stiffness_per_mass_per_s2);
   text += fmt::format("{:<20}{}; the mass cancels and is not determined\n", "gain",
                       std::isfinite(estimate.gain_sd)
-                          ? fmt::format("from the motion: {:.4g} +- {:.2g} of the stated",
+                          ? fmt::format("from the motion: {:.4g} (sd {:.2g}) of the stated",
                                         estimate.gain, estimate.gain_sd)
                           : "as stated: the motion does not determine it");
   if (is_judged) {

@@ -107,7 +107,7 @@ ReleaseStretch read_release(const ReleaseSource& source) {
   const double begin_s = let_go_s + source.let_go_s;
   if (!(end_s > begin_s)) {
     throw InputError("--end-s",
-                     fmt::format("{:g} s is not after the begin at {:g} s", end_s, begin_s),
+                     fmt::format("{:g} s is not after the start at {:g} s", end_s, begin_s),
                      "give a later time");
   }
   for (std::size_t i = 0; i < stretch.all_time_s.size(); ++i) {

@@ -31,7 +31,7 @@ std::string line(const char* name, const char* unit, const Value& value) {
   }
   const double low = value.low95, high = value.high95;
   return fmt::format("{:<20}{:<26}95 %: {:<20}{}\n", name,
-                     fmt::format("{:.5g} +- {:.2g} {}", number, deviation, unit),
+                     fmt::format("{:.5g} {} (sd {:.2g})", number, unit, deviation),
                      fmt::format("{:.4g} to {:.4g}", low, high), explain(provenance));
 }
 
@@ -64,7 +64,7 @@ std::string advice(const PassiveRelease<double>& fit) {
     case ReleaseResiduals::larger:
       return "the residuals are larger than the stated noise: this was not a release of a spring "
              "and a damper alone\n                    (a hand, a muscle, a contact, dry friction; "
-             "begin too early, end too late), or the noise is larger.\n                    NOTHING "
+             "start too early, end too late), or the noise is larger.\n                    NOTHING "
              "IS MEASURED; look at the figure (--figures), choose --begin-s and --end-s";
     case ReleaseResiduals::coloured:
       return "neighbouring residuals are correlated: smoothed positions, or not a release of a "
@@ -115,7 +115,7 @@ std::string dump(Json json) {
 }  // namespace
 
 FittedRelease fit_release(const ReleaseSource& source, const ReleaseSettings& settings) {
-  FittedRelease release{source.recording, read_release(source), {}};
+  FittedRelease release{source.recording, read_release(source), {}, settings.noise_sd_m > 0};
   const auto& times = release.stretch.time_s;
   release.fit = fit_passive_release<double>(times, release.stretch.position_m, settings);
   const auto refuse = [&](const std::string& problem, const char* mend) {
@@ -153,7 +153,7 @@ std::string release_text(const FittedRelease& release) {
   std::string text = fmt::format("{:<20}{}\n", "recording", clean_line(release.recording));
   text += fmt::format("{:<20}{:.4f} to {:.4f} s ({}), {} samples\n", "release",
                       release.stretch.time_s.front(), release.stretch.time_s.back(),
-                      release.stretch.was_found ? "begin found" : "begin as given",
+                      release.stretch.was_found ? "start found" : "start as given",
                       release.stretch.time_s.size());
   text += line("kv/m", "1/s", fit.damping_rate_per_s);
   text += line("ks/m", "1/s^2", fit.stiffness_per_mass_per_s2);
@@ -162,12 +162,22 @@ std::string release_text(const FittedRelease& release) {
   text += fmt::format("{:<20}start {:.3f} mm, rest {:.3f} mm, velocity at the start {:.1f} mm/s\n",
                       "motion", 1e3 * fit.start_m, 1e3 * fit.rest_m, 1e3 * fit.start_velocity_m_s);
   text += fmt::format(
-      "{:<20}rms {:.4f} mm, assumed noise {:.4f} mm, chi-square {:.1f} of {} degrees of "
-      "freedom, correlation {:.2f}: {}\n",
-      "residuals", 1e3 * fit.residual_rms_m, 1e3 * fit.noise_sd_m, fit.chi_square,
-      fit.degrees_of_freedom, fit.residual_correlation, residuals_name(fit.residuals));
+      "{:<20}rms {:.4f} mm, noise {:.4f} mm {}, chi-square {:.1f} of {} degrees of freedom, "
+      "correlation {:.2f}: {}\n",
+      "residuals", 1e3 * fit.residual_rms_m, 1e3 * fit.noise_sd_m,
+      release.is_noise_stated ? "as stated" : "by these residuals", fit.chi_square,
+      fit.degrees_of_freedom, fit.residual_correlation,
+      fit.residuals == ReleaseResiduals::as_stated && !release.is_noise_stated
+          ? "white"
+          : residuals_name(fit.residuals));
   const std::string note = advice(fit);
   if (!note.empty()) text += fmt::format("{:<20}{}\n", "note", note);
+  if (!release.is_noise_stated) {
+    text += fmt::format(
+        "{:<20}the noise was not stated (--noise-mm): the size of the residuals "
+        "cannot reveal a wrong model\n",
+        "note");
+  }
   return text;
 }
 

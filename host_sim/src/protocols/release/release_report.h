@@ -17,6 +17,7 @@ struct FittedRelease {
   std::string recording;
   ReleaseStretch stretch;
   PassiveRelease<double> fit;
+  bool is_noise_stated = false;
 };
 
 /// Fits the release that `source` names. Throws InputError with a remedy if it cannot be fitted.
