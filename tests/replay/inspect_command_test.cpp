@@ -48,7 +48,7 @@ TEST(InspectCommand, ReadsHexadecimalTextHoweverItIsWritten) {
                            "0600FFA101750895018102C0", "6 0 ff a1 1 75 8 95 1 81 2 c0"}) {
     EXPECT_EQ(inspect(folder.write("other", text)).output, expected.output) << text;
   }
-  for (const char* text : {"", "zz", "06 00 ff a1 01 c0"}) {
+  for (const char* text : {"", "zz\n", "06 00 ff a1 01 c0"}) {
     const CommandResult none = inspect(folder.write("none", text));
     EXPECT_EQ(none.exit_code, 3) << text;
     EXPECT_THAT(none.errors, HasSubstr("describes no reports")) << text;
