@@ -152,7 +152,7 @@ TEST_P(TunedChewing, FindsNoiseAndTheBestVelocityFromStartsWrongByAThousand) {
   EXPECT_LT(worst_velocity, 0.03);
 }
 
-// At 60 Hz the chewing itself is no white jerk within a sample time, and R absorbs what it is not.
+// At 60 Hz the chewing is not white jerk within a sample time, and R is wrong by up to a quarter.
 INSTANTIATE_TEST_SUITE_P(Rates, TunedChewing,
                          testing::Values(ChewingCase{200, 20e-6, 60, 0.10},
                                          ChewingCase{200, 100e-6, 60, 0.10},
