@@ -124,10 +124,10 @@ int run(int argc, char** argv) {
   }
   const int exit_code = child->wait();
   transport.settle();
-  const host::fake::Account account = fake.account();
-  std::printf("%s\n", host::fake::account_json(account).c_str());
+  const host::fake::DeliveryLog log = fake.delivery_log();
+  std::printf("%s\n", host::fake::delivery_log_json(log).c_str());
   std::fflush(stdout);
-  return account.balances() ? exit_code : kExitNotExact;
+  return log.balances() ? exit_code : kExitNotExact;
 }
 
 }  // namespace
