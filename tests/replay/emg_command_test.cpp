@@ -141,7 +141,7 @@ TEST_F(Emg, RefusesWhatItCannotUse) {
   expect(identify({}, folder_ / "none.toml"), "none.toml");
   expect(identify({}, folder_.write("empty.toml", "")), "lacks a muscle");
   expect(identify({}, muscles_with("masss = 1\n")), "unknown key 'masss'");
-  expect(identify({}, muscles_with("[muscles.masseter]\narm = 1\n")), "at most 8");
+  expect(identify({}, muscles_with("[muscles.masseter]\narm = 1\n")), "the maximum is 8");
   expect(identify({}, folder_.write("arm.toml", "[muscles.a]\nmaximum_force_N = 5\n")),
          "no arm of a");
   expect(identify({}, folder_.write("column.toml", "[muscles.a]\narm = 0.01\n")),

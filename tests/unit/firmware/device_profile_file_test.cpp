@@ -218,7 +218,7 @@ TEST(DeviceProfileFile, NamesPlaceProblemAndMendOfKeys) {
                     HasSubstr("give 0 to 65535")));
   EXPECT_THAT(problem_of("vendor_id = 1", "vendor_id = 1.5"), HasSubstr("takes a whole number"));
   EXPECT_THAT(problem_of("vendor_id = 1\n", ""),
-              HasSubstr("p.toml: vendor_id is missing; condyle"));
+              HasSubstr("p.toml: vendor_id is missing; run condyle"));
   EXPECT_THAT(problem_of("name = \"n\"", "name = \"\""), HasSubstr("name is missing"));
   EXPECT_THAT(problem_of("width_bits = 24", "widht_bits = 24"),
               HasSubstr("p.toml:10:1: unknown key 'widht_bits'; keys of [coordinates] are"))
@@ -243,7 +243,7 @@ TEST(DeviceProfileFile, NamesPlaceProblemAndMendOfKeys) {
   EXPECT_THAT(problem_with("axes = [\"x\", \"y\"]\n"), HasSubstr("an array of 3 strings"));
   EXPECT_THAT(problem_with("axes = \"xyz\"\n"), HasSubstr("an array of 3 strings"));
   EXPECT_THAT(problem_with("axes = [\"x\", \"y\", \"w\"]\n"),
-              HasSubstr("p.toml:14:19: axes is none"));
+              HasSubstr("p.toml:14:19: axes has an unknown value"));
   EXPECT_THAT(problem_with("order = [\"x\", \"x\", \"z\"]\n"), HasSubstr("a coordinate twice"));
   EXPECT_THAT(problem_with("x = 5\n"), HasSubstr("coordinates.x is a section"));
   EXPECT_THAT(problem_with("[coordinates.w]\n"), HasSubstr("unknown key 'w'"));

@@ -155,7 +155,7 @@ TEST(ProbeTextRecording, NamesItsProblems) {
   expect("0 1 1\nLinear 3 -0.02\n1 2 3\n", "is not a time step");
   expect("0 1 1\nLinear 3 0.02\n1 2\n", "recording:3: column 3: the row has 2 numbers, not 3");
   expect("0 1 1\nLinear 3 0.02\n1 2 3\n1 2 x\n", "recording:4: column 3: 'x' is not a number");
-  expect("0 1 1\nLinear 3 4e9\n1 2 3\n1 2 3\n1 2 3\n", "row 3 lies 8e+09 s after the first");
+  expect("0 1 1\nLinear 3 4e9\n1 2 3\n1 2 3\n1 2 3\n", "row 3 is 8e+09 s after the first");
   expect("0 1 1\nLinear 3 explicit\nnan 1 2 3\n", "column 1 (time): 'nan' is not a finite");
 }
 
