@@ -160,6 +160,15 @@ TEST(Help, ItsExamplesRun) {
   make(home / "point_mass.toml", "jaw.csv");
   make(scenario("passive_release.toml"), "release.csv");
   make(home / "long.toml", "chewing.csv");
+  make(scenario("passive_release.toml"), "first.csv");
+  std::string loaded = text_of(scenario("passive_release.toml"));
+  const std::size_t mass = loaded.find("mass_kg");
+  loaded.replace(mass, loaded.find('\n', mass) - mass, "mass_kg = 0.45");
+  std::ofstream(home / "loaded.toml") << loaded;
+  make(home / "loaded.toml", "second.csv");
+  make(scenario("nodding_head.toml"), "nods.csv");
+  make(scenario("chewing_with_emg.toml"), "food.csv");
+  std::filesystem::copy(testing_support::source_path("/host_sim/muscles/artisynth.toml"), home);
   for (const char* name : {"a", "b", "c", "d", "e", "f"}) {
     ASSERT_EQ(run_condyle({"simulate", home / "point_mass.toml", "--seed", std::to_string(name[0]),
                            "--out", home / (std::string(name) + ".csv")})

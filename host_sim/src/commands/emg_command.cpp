@@ -64,11 +64,11 @@ Command add_emg(CommandLine app) {
   const CommandLine command = app.add_command("emg",
                                               "Estimate friction from EMG and a muscle model, with "
                                               "the mass assumed; or report that it is not known");
-  command.add_example("condyle protocol emg chewing.csv --emg chewing.emg.csv --muscles jaw.toml",
+  command.add_example("condyle protocol emg food.csv --emg food.emg.csv --muscles artisynth.toml",
                       "Envelopes of the EMG; a muscle model in a file.");
   command.add_example(
-      "condyle protocol emg chewing.csv --emg raw.csv --muscles jaw.toml --raw --out values.json",
-      "Raw EMG; the values also as JSON.");
+      "condyle protocol emg food.csv --emg food.emg.csv --muscles artisynth.toml --out values.json",
+      "The values also as JSON.");
   command.add_option("RECORDING", options->source.recording, "As for replay").required();
   command
       .add_option("--emg=FILE", options->source.emg, "CSV: time_s and one column for each muscle")

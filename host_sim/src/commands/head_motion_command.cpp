@@ -147,8 +147,9 @@ Command add_head_motion(CommandLine protocol) {
   command.add_example(
       "condyle protocol head-motion nods.csv --acceleration nods.head.csv --muscle-share 0",
       "The acceleration in its own file; the jaw is relaxed.");
-  command.add_example("condyle protocol head-motion nods.csv --muscle-share 0.1",
-                      "The acceleration in a column; muscles add at most a tenth.");
+  command.add_example(
+      "condyle protocol head-motion nods.csv --acceleration nods.head.csv --muscle-share 0.1",
+      "Muscles add at most a tenth of the inertial force.");
   HeadMotionSource& source = options->source;
   command.add_option("RECORDING", source.recording, "As for replay; relative to the head")
       .required();
