@@ -36,7 +36,7 @@ TEST_P(FakeFacebow, DoesEveryFaultInRealTime) {
     const Played played =
         play_reports(kReports, {"--rate-Hz", "500", "--faults", kAllFaults}, kJump);
     expect_exact(played);
-    EXPECT_EQ(played.delivery_log["faults"].size(), is_usb() ? 11U : 9U) << played.text;
+    EXPECT_EQ(played.account["faults"].size(), is_usb() ? 11U : 9U) << played.text;
   }
 }
 
@@ -45,7 +45,7 @@ TEST_P(FakeFacebow, DoesEveryFaultAsReportsAreTaken) {
     const Played played =
         play_reports(kReports, {"--by-consumption", "--faults", kAllFaults}, kJump);
     expect_exact(played);
-    EXPECT_EQ(played.delivery_log["faults"].size(), is_usb() ? 11U : 9U) << played.text;
+    EXPECT_EQ(played.account["faults"].size(), is_usb() ? 11U : 9U) << played.text;
     EXPECT_EQ(played.reader_count("bad"), 4) << played.text;
     EXPECT_EQ(played.reader_count("opened"), 2) << played.text;
     EXPECT_EQ(played.reader_count("disconnections"), 1) << played.text;

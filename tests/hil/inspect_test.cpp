@@ -46,8 +46,8 @@ TEST_P(Inspect, ShowsWhatAProfileMakesOfIt) {
   const Played played =
       inspect({"--profile", testing_support::source_path("/hal/profiles/condyle_facebow.toml")});
   ASSERT_EQ(played.exit_code, 0) << played.text;
-  for (const char* words : {"as condyle fake facebow says", "100 reports received, 0 lost", "x1",
-                            " mm", "device time"}) {
+  for (const char* words : {"decoded by the profile condyle fake facebow",
+                            "100 reports received, 0 lost", "x1", " mm", "device time"}) {
     EXPECT_THAT(played.text, HasSubstr(words));
   }
 }
