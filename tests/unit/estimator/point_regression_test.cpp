@@ -85,6 +85,38 @@ TEST(PointIdentification, FindsThePointWhereDriveAndPositionsComeApart) {
   }
 }
 
+// A force that was never measured may change every value.
+TEST(PointIdentification, MeasuresNothingWhileTheMissingForceIsUnknown) {
+  ImpedanceParameters parameters = exact();
+  parameters.drive.missing_share = 1;
+  for (const bool is_everything_fitted : {false, true}) {
+    if (is_everything_fitted) {
+      parameters.delay = DelayModel::fitted;
+      parameters.coulomb_N.sd = 0.1;
+    }
+    const auto estimate = identify<double>(parameters, {}, 20, kAsItIs)->estimate();
+    for (const auto* value : {&estimate.friction_Ns_m, &estimate.mass_kg, &estimate.stiffness_N_m,
+                              &estimate.offset_N, &estimate.coulomb_N, &estimate.delay_s}) {
+      EXPECT_NE(value->quantity.provenance, Provenance::measured);
+      EXPECT_NE(value->limit, ImpedanceLimit::none);
+    }
+    EXPECT_EQ(estimate.stiffness_N_m.limit, ImpedanceLimit::missing);
+  }
+}
+
+// Half of the force measured, and stated so: twice the measured force may be at work.
+TEST(PointIdentification, TakesTheMissingShareOfTheTotal) {
+  ImpedanceParameters parameters = exact();
+  const Chewing half{
+      .mass_kg = 0.125, .friction_Ns_m = 0.025, .stiffness_N_m = 10, .offset_N = 0.05};
+  for (const double share : {0.1, 0.5}) {
+    parameters.drive.missing_share = share;
+    const auto estimate = identify<double>(parameters, half, 20, kAsItIs)->estimate();
+    const double at_work = 0.125 / (1 - share);
+    EXPECT_LT(std::abs(estimate.mass_kg.fitted - at_work), 1.96 * estimate.mass_kg.fitted_sd);
+  }
+}
+
 TEST(PointIdentification, SaysTheSameInFloat) {
   const auto in_double = identify<double>(exact(), {}, 20, kAsItIs)->estimate();
   const auto in_float = identify<float>(exact(), {}, 20, kAsItIs)->estimate();
