@@ -9,7 +9,10 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <latch>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
@@ -44,6 +47,20 @@ bool is_gone(const std::string& file, const std::string& folder) {
   return std::filesystem::symlink_status(file, error).type() ==
              std::filesystem::file_type::not_found &&
          statvfs(folder.c_str(), &status) == 0;
+}
+
+// The next part is opened before the present one is closed. Locked memory is never given back, so
+// what a second part needs, rings and the stacks of two threads, is taken at the start.
+void take_memory_of_another_part(std::size_t sources, std::size_t ring_reports) {
+  std::vector<std::uint8_t> rings(sources * ring_reports * (hal::kMaxReportSize + 64), 1);
+  std::latch both(2);
+  const auto wait = [&both, &rings](std::size_t at) {
+    rings[at] = 0;
+    both.arrive_and_wait();
+  };
+  std::thread writer(wait, 0), synchroniser(wait, rings.size() / 2);
+  writer.join();
+  synchroniser.join();
 }
 
 }  // namespace
@@ -113,6 +130,7 @@ SessionRecorder::Answer SessionRecorder::start(const std::string& subject) {
     state_.problem = answer.words;
     return answer;
   }
+  take_memory_of_another_part(companions_.size() + 2, configuration_.log.ring_reports);
   starts_free_ns_ = starts_ns;
   box_log_.say(BoxLog::Level::notice, "session", "recording " + state_.file);
   return answer;
