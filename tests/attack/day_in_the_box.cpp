@@ -39,10 +39,12 @@ std::ptrdiff_t descriptors() {
   return least;
 }
 
+// Not the youngest ones: a part begins before the status names its file.
 std::uint64_t delete_finished(const std::filesystem::path& folder, const std::string& written) {
+  const auto youngest = std::filesystem::file_time_type::clock::now() - std::chrono::seconds(10);
   std::uint64_t bytes = 0;
   for (const auto& file : std::filesystem::directory_iterator(folder)) {
-    if (file.path().string() == written) continue;
+    if (file.path().string() == written || file.last_write_time() > youngest) continue;
     bytes += file.file_size();
     std::filesystem::remove(file.path());
   }
