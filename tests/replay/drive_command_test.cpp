@@ -138,8 +138,8 @@ TEST_F(Drive, NoticesUnitsThatCannotBe) {
   EXPECT_THAT(scaled(1e3), AllOf(withheld, HasSubstr("if the drive is in mN")));
   EXPECT_THAT(scaled(-1), AllOf(withheld, HasSubstr("the sign of the drive or of the axis")));
   // The motion cannot tell: what the values rest on is said.
-  EXPECT_THAT(scaled(0.2), AllOf(HasSubstr("few jaws have such a mass"),
-                                 HasSubstr("assumes     drive in N")));
+  EXPECT_THAT(scaled(0.2),
+              AllOf(HasSubstr("few jaws have such a mass"), HasSubstr("assumes     drive in N")));
   auto stated = complete_;
   stated.insert(stated.end(), {"--drive-noise-N", "0.1"});
   EXPECT_THAT(replay(recording_, stated).output, HasSubstr("0.011 N, 0.1 N was stated"));

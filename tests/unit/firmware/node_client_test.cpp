@@ -221,7 +221,8 @@ TEST_F(NodeClientTest, SaysBeforehandWhatTheTargetCannot) {
   expect_refused(bad, {}, "the line: cannot decode these reports; check the device's profile");
   hal::StartMessage start;
   start.followed.point = 2;
-  expect_refused(layout(), start, "cannot follow point 2: the reports have one point; leave out --point");
+  expect_refused(layout(), start,
+                 "cannot follow point 2: the reports have one point; leave out --point");
   start = {};
   start.lag = static_cast<std::uint8_t>(client_.greeting().longest_lag + 1);
   expect_refused(layout(), start, "no memory for a lag of ");
