@@ -6,7 +6,6 @@ namespace {
 
 constexpr Statement kDefault, kFit{.fits_delay = true, .delay_sd_s = 5e-3},
     kKnown{.delay_sd_s = 5e-5, .gain_sd = 1e-3};
-constexpr Motion kChewing;
 constexpr Motion kSine{.second = 0, .third = 0, .rhythm_spread = 0, .height_spread = 0};
 constexpr Motion sine(double frequency_Hz, double amplitude_m = 7.5e-3) {
   Motion motion = kSine;
