@@ -51,16 +51,25 @@ bool is_gone(const std::string& file, const std::string& folder) {
 
 // The next part is opened before the present one is closed. Locked memory is never given back, so
 // what a second part needs, rings and the stacks of two threads, is taken at the start.
+// Without them the session goes on, and grows later.
 void take_memory_of_another_part(std::size_t sources, std::size_t ring_reports) {
-  std::vector<std::uint8_t> rings(sources * ring_reports * (hal::kMaxReportSize + 64), 1);
-  std::latch both(2);
-  const auto wait = [&both, &rings](std::size_t at) {
-    rings[at] = 0;
-    both.arrive_and_wait();
-  };
-  std::thread writer(wait, 0), synchroniser(wait, rings.size() / 2);
-  writer.join();
-  synchroniser.join();
+  constexpr std::ptrdiff_t kThreads = 2;
+  std::latch all_run(kThreads);
+  std::vector<std::uint8_t> rings;
+  std::vector<std::thread> threads;
+  try {
+    rings.resize(kThreads + sources * ring_reports * (hal::kMaxReportSize + 64));
+    threads.reserve(kThreads);
+    while (std::ssize(threads) < kThreads) {
+      threads.emplace_back([&all_run, &byte = rings[threads.size()]] {
+        byte = 1;  // used, so that the compiler keeps them
+        all_run.arrive_and_wait();
+      });
+    }
+  } catch (const std::exception&) {
+    all_run.count_down(kThreads - std::ssize(threads));
+  }
+  for (std::thread& thread : threads) thread.join();
 }
 
 }  // namespace
