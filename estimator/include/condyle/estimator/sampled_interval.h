@@ -20,9 +20,9 @@ enum class SampleOrder {
 /// The interval between two neighbouring samples of a channel, on the clock of the positions.
 class SampledInterval {
  public:
-  /// `shift_ns` is added to the channel's times.
+  /// `shift_ns` is added to the channel's times. A negative gap counts as 0.
   SampledInterval(TimeNs shift_ns, TimeNs longest_gap_ns)
-      : shift_ns_(shift_ns), longest_gap_ns_(longest_gap_ns) {}
+      : shift_ns_(shift_ns), longest_gap_ns_(longest_gap_ns > 0 ? longest_gap_ns : 0) {}
 
   /// A sample stamped `time_ns`. After `next` the interval ends with it; after `first` and
   /// `after_gap` it begins and ends there; after `not_in_order` it is as before.

@@ -38,7 +38,7 @@ class CycleTimeline {
   CycleTimeline(const ImpedanceParameters& impedance, const WatchParameters& watch)
       : impedance_(impedance),
         watch_(watch),
-        interval_(-nanoseconds(impedance.drive.delay_s),
+        interval_(nanoseconds(-impedance.drive.delay_s),
                   nanoseconds(impedance.drive.longest_gap_s)),
         identification_(impedance) {}
 
@@ -170,7 +170,7 @@ class CycleTimeline {
     damping_.emplace(baseline_of(estimate), impedance, watch_.cycles);
     start_at(interval_.end_ns());
     if (impedance_.delay == DelayModel::fitted) {  // then the fitted delay is subtracted too
-      interval_.set_shift(-nanoseconds(static_cast<double>(estimate.plain.delay_s)));
+      interval_.set_shift(nanoseconds(-static_cast<double>(estimate.plain.delay_s)));
       interval_.forget();
     }
   }
