@@ -23,6 +23,8 @@ inline constexpr int kExitInternal = 70;
 
 using Command = std::function<int()>;
 
+/// `condyle analyse`
+Command add_analyse(CommandLine app);
 /// `condyle replay`
 Command add_replay(CommandLine app);
 /// `condyle simulate`

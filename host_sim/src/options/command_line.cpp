@@ -70,6 +70,13 @@ Option Option::values(int count) {
   return *this;
 }
 
+Option Option::values_each(int count) {
+  option_->type_size(count);
+  option_->expected(1, CLI::detail::expected_max_vector_size);
+  option_->allow_extra_args(false);
+  return *this;
+}
+
 Option Option::one_value_each() {
   option_->allow_extra_args(false);
   return *this;
@@ -105,6 +112,10 @@ CommandLine CommandLine::add_command(const std::string& name, const std::string&
   command->group(group);
   command->set_help_flag("-h,--help", "Show this help");
   return CommandLine(*command);
+}
+
+void CommandLine::also_called(const std::string& name) const {
+  app_->alias(name);
 }
 
 void CommandLine::add_example(const std::string& line, const std::string& meaning) const {

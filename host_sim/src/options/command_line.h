@@ -36,6 +36,8 @@ class Option {
   Option number_in(Range range);
   /// The number of values that it takes.
   Option values(int count);
+  /// It takes `count` values at each use, and may be used several times.
+  Option values_each(int count);
   /// It takes one value at each use.
   Option one_value_each();
   Option separated_by(char separator);
@@ -59,6 +61,8 @@ class CommandLine {
   /// `group`: its heading in the list of commands.
   CommandLine add_command(const std::string& name, const std::string& meaning,
                           const std::string& group = "Commands") const;
+  /// Another name of this command.
+  void also_called(const std::string& name) const;
   /// A working command line, for the help.
   void add_example(const std::string& line, const std::string& meaning) const;
   /// The same command; its help shows options added here under `heading`.

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "commands/commands.h"
+#include "condyle/hal/clock.h"
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
+#include "options/analysis_options.h"
+#include "options/command_line.h"
+#include "output/deferred_problem.h"
+#include "output/progress.h"
+#include "output/report_text.h"
+#include "readings/readings_files.h"
+
+namespace condyle::host {
+namespace {
+
+struct AnalyseOptions : AnalysisChoice {
+  std::vector<std::string> recordings;
+  std::vector<std::string> task_words;
+  std::string tasks_file;
+  std::vector<double> reference;
+  std::string moving_body = "lower";
+  std::string out;
+  bool as_json = false;
+  bool without_figures = false;
+};
+
+// Where the n-th of several recordings has its own files.
+std::string prefix_of(std::size_t n, std::size_t count) {
+  return count > 1 ? fmt::format("{}_", n + 1) : std::string();
+}
+
+int analyse_all(AnalyseOptions& options) {
+  if (!options.tasks_file.empty()) options.tasks = read_tasks(options.tasks_file);
+  for (const Task& task : tasks_of_words(options.task_words)) options.tasks.push_back(task);
+  if (!options.reference.empty()) {
+    if (!(options.reference[1] > options.reference[0])) {
+      throw InputError("--reference-s",
+                       fmt::format("it ends at {:g} s, not after {:g} s", options.reference[1],
+                                   options.reference[0]),
+                       "give the begin, then the end");
+    }
+    options.reference_s = {options.reference[0], options.reference[1]};
+  }
+  options.moving =
+      options.moving_body == "upper" ? MovingBody::upper : MovingBody::lower;
+  if (!options.landmarks.empty()) static_cast<void>(load_landmarks(options.landmarks));
+  std::unique_ptr<OutputFolder> folder;
+  std::vector<std::unique_ptr<OutputFile>> files;
+  const auto path_in = [&options](const std::string& name) {
+    return (std::filesystem::path(options.out) / name).string();
+  };
+  const auto write = [&](const std::string& name, const std::string& text) {
+    files.push_back(std::make_unique<OutputFile>(path_in(name)));
+    files.back()->write(text);
+    files.back()->close();
+  };
+  if (!options.out.empty()) folder = std::make_unique<OutputFolder>(options.out);
+
+  hal::SteadyClock clock;
+  std::vector<Analysis> analyses;
+  std::vector<std::string> problems;
+  std::string text;
+  {
+    Progress progress("analysing", clock, 1);
+    for (std::size_t i = 0; i < options.recordings.size(); ++i) {
+      if (stop_requested()) return report_stop();
+      progress.show(static_cast<double>(i) / static_cast<double>(options.recordings.size()));
+      try {
+        Analysis analysis = analyse(options.recordings[i], options);
+        const std::string prefix = prefix_of(i, options.recordings.size());
+        if (folder) {
+          files.push_back(std::make_unique<OutputFile>(path_in(prefix + "poses.csv")));
+          write_poses(analysis, *files.back());
+          files.back()->close();
+          if (!options.without_figures) {
+            for (auto& figure : draw_readings(options.out, prefix, analysis)) {
+              files.push_back(std::move(figure));
+            }
+          }
+        }
+        text += (text.empty() ? "" : "\n") + analysis_text(analysis);
+        analysis.path = {};
+        analyses.push_back(std::move(analysis));
+      } catch (const InputError& error) {
+        if (options.recordings.size() == 1) throw;
+        problems.push_back(error.what());
+      }
+    }
+  }
+  if (folder) {
+    write("readings.csv", readings_csv(analyses));
+    write("readings.json", readings_json(analyses));
+    write("cycles.csv", cycles_csv(analyses));
+    write("summary.txt", banner() + text);
+  }
+  const std::string names = files.empty() ? std::string() : commit_all(files);
+  if (options.as_json) {
+    print_output(readings_json(analyses));
+  } else {
+    print_output(banner() + text + (names.empty() ? "" : "\nfiles\n" + names));
+  }
+  for (const std::string& problem : problems) print_error(problem);
+  return problems.empty() ? kExitOk : kExitBadInput;
+}
+
+}  // namespace
+
+Command add_analyse(CommandLine app) {
+  auto options = std::make_shared<AnalyseOptions>();
+  const CommandLine command = app.add_command(
+      "analyse", "Read range of motion, condylar paths, chewing and smoothness from recordings",
+      "Analyse recordings");
+  command.also_called("analyze");
+  command.add_example("condyle analyse jaw.csv --landmarks jaw.landmarks.toml --out readings",
+                      "Find the tasks and read everything that the recording shows.");
+  command.add_example(
+      "condyle analyse jaw.csv --landmarks jaw.landmarks.toml --tasks jaw.tasks.csv --out readings",
+      "Use the tasks that a file states.");
+  command
+      .add_option("RECORDING", options->recordings,
+                  "Three points, poses or one point, in any format that replay reads; one or more")
+      .required();
+  command.add_option("--landmarks=FILE", options->landmarks,
+                     "TOML file with condyles, lower incisor and reference plane");
+  command
+      .add_option("--task", options->task_words,
+                  "NAME BEGIN END (s): opening, protrusion, left, right, chewing, border or rest; "
+                  "repeatable")
+      .values_each(3);
+  command.add_option("--tasks=FILE", options->tasks_file,
+                     "The tasks as CSV: task, begin_s, end_s");
+  command
+      .add_option("--reference-s", options->reference,
+                  "BEGIN END of a rest in the reference position; found if not given")
+      .values(2);
+  command
+      .add_option("--moving", options->moving_body,
+                  "Body that the recording tracks: lower jaw, or head seen from the lower jaw")
+      .one_of({"lower", "upper"})
+      .show_default();
+  add_reading_options(command, options->reading);
+  command.group("Output").add_option("-o,--out=FOLDER", options->out,
+                                     "Folder for readings, cycles, poses and figures");
+  command.group("Output").add_flag("--no-figures", options->without_figures, "Draw no figures");
+  command.group("Output").add_flag("--json", options->as_json,
+                                   "Print the readings as JSON, for programs");
+  return [options] { return analyse_all(*options); };
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "readings/analysis.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "hosted/files/input_error.h"
+#include "readings/strokes.h"
+#include "readings/stroke_readings.h"
+#include "readings/task_readings.h"
+#include "readings/uncertainty.h"
+
+namespace condyle::host {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
+// No jaw moves that far without turning more than that.
+constexpr double kFarWithoutTurn_m = 15e-3, kLeastTurn_rad = 2 * kDegree;
+constexpr double kLeastReference_s = 0.1;
+
+// Direction of closing in the instrument's frame.
+Vector3d up_of(const std::optional<Landmarks>& landmarks, MovingBody moving) {
+  if (!landmarks) return Vector3d::Zero();
+  const Vector3d up = head_frame(*landmarks).linear().col(2);
+  return moving == MovingBody::upper ? Vector3d(-up) : up;
+}
+
+SampleRun reference_of(const PoseTrack& track, const AnalysisChoice& choice,
+                       const std::optional<Landmarks>& landmarks, const std::string& recording,
+                       Analysis& analysis) {
+  SampleRun run{0, 0};
+  if (choice.reference_s) {
+    const auto [begin_s, end_s] = *choice.reference_s;
+    const auto& time_s = track.time_s;
+    run.begin = static_cast<std::size_t>(
+        std::lower_bound(time_s.begin(), time_s.end(), begin_s - 1e-9) - time_s.begin());
+    run.end = static_cast<std::size_t>(
+        std::upper_bound(time_s.begin(), time_s.end(), end_s + 1e-9) - time_s.begin());
+    if (run.end < run.begin + 2) {
+      throw InputError(recording,
+                       fmt::format("--reference-s {:g} {:g}: it has {} usable samples there", begin_s,
+                                   end_s, run.end > run.begin ? run.end - run.begin : 0),
+                       fmt::format("give an interval of rest between {:g} and {:g} s",
+                                   time_s.front(), time_s.back()));
+    }
+  } else if (const auto rest = find_rest(track, up_of(landmarks, choice.moving))) {
+    run = *rest;
+    analysis.is_reference_found = true;
+  } else {
+    throw InputError(recording, "no rest of 0.3 s was found for the reference position",
+                     "state one with --reference-s BEGIN END");
+  }
+  analysis.reference_begin_s = track.time_s[run.begin];
+  analysis.reference_end_s = track.time_s[run.end - 1];
+  if (analysis.reference_end_s - analysis.reference_begin_s < kLeastReference_s) {
+    analysis.notes.push_back("the reference position rests on less than 0.1 s");
+  }
+  return run;
+}
+
+JawGeometry geometry_without_landmarks(const PoseTrack& track, const ReferredMotion& motion,
+                                       SampleRun reference) {
+  JawGeometry geometry;
+  geometry.middle_m = geometry.incisor_m = motion.middle_m;
+  geometry.condyle_m = {motion.middle_m, motion.middle_m};
+  if (track.has_rotation && !track.body_m.isZero(0)) {
+    geometry.incisor_m += track.pose[reference.begin].linear() * track.body_m.col(0);
+  }
+  return geometry;
+}
+
+void describe_path(const ReferredMotion& motion, const JawGeometry& geometry, Analysis& analysis) {
+  const LocalFit fit(motion.time_s, 0, motion.time_s.size());
+  SmoothMotion smooth{motion.time_s, {}, {}};
+  fit.apply(motion.motion, smooth.value, smooth.slope);
+  paths_of(smooth, geometry, analysis.path);
+  double turn_rad = 0, distance_m = 0;
+  for (const Vector6& value : smooth.value) {
+    turn_rad = std::max(turn_rad, value.tail<3>().norm());
+    distance_m = std::max(distance_m, value.head<3>().norm());
+  }
+  analysis.largest_rotation_deg = turn_rad / kDegree;
+  analysis.largest_displacement_mm = distance_m / kMillimetre;
+  const std::vector<double> gains = fit.gains();
+  const Vector3d lever = geometry.incisor_m - geometry.middle_m;
+  for (std::size_t k = 0; k < gains.size(); ++k) {
+    const Vector3d r = rotation_by(smooth.value[k].tail<3>()) * lever;
+    Eigen::Matrix<double, 3, 6> J;
+    J << Eigen::Matrix3d::Identity(), -Eigen::Matrix3d{{0, -r[2], r[1]}, {r[2], 0, -r[0]}, {-r[1], r[0], 0}};
+    const double variance = (J * analysis.noise.covariance * J.transpose()).trace() / 3;
+    analysis.incisor_sd_m.push_back(std::sqrt(variance * gains[k]));
+  }
+}
+
+// Why readings that need rotation are withheld; empty: they are not.
+std::string rotation_problem(const PoseTrack& track, const Analysis& analysis) {
+  if (!track.has_rotation) return "the recording has one point, which shows no rotation";
+  const double sd_deg =
+      std::sqrt(analysis.noise.covariance.bottomRightCorner<3, 3>().trace() / 3) / kDegree;
+  if (analysis.largest_rotation_deg < 3 * sd_deg) {
+    return fmt::format("the jaw turns by {:.2f} deg, its noise has {:.2f} deg (sd)",
+                       analysis.largest_rotation_deg, sd_deg);
+  }
+  return "";
+}
+
+}  // namespace
+
+Analysis analyse(const std::string& recording, const AnalysisChoice& choice) {
+  Analysis analysis;
+  analysis.recording = recording;
+  const PoseTrack track = read_poses(recording, choice.reading);
+  analysis.info = track.info;
+  analysis.counts = track.counts;
+  analysis.events = track.events;
+  std::optional<Landmarks> landmarks;
+  if (!choice.landmarks.empty()) landmarks = load_landmarks(choice.landmarks);
+  analysis.has_landmarks = landmarks.has_value();
+  const double end_s = track.time_s.back();
+  analysis.duration_s = end_s - track.time_s.front();
+  analysis.rate_Hz = static_cast<double>(track.time_s.size() - 1) / analysis.duration_s;
+  const SampleRun rest = reference_of(track, choice, landmarks, recording, analysis);
+  const ReferredMotion motion = motion_from(track, rest.begin, rest.end, choice.moving);
+  if (landmarks) check_near(*landmarks, motion.middle_m, choice.landmarks);
+  analysis.noise = noise_of(motion, rest.begin, rest.end);
+  const JawGeometry geometry = landmarks ? geometry_of(*landmarks, motion.middle_m)
+                                         : geometry_without_landmarks(track, motion, rest);
+  describe_path(motion, geometry, analysis);
+
+  TaskContext context;
+  context.motion = &motion;
+  context.noise = &analysis.noise;
+  context.has_landmarks = analysis.has_landmarks;
+  if (landmarks && landmarks->condyle_kind == "arbitrary") {
+    context.condyle_assumption = "the condylar points are arbitrary, not measured";
+  }
+  const double reference_count = static_cast<double>(rest.end - rest.begin);
+  context.errors = shared_errors(landmarks ? &*landmarks : nullptr, geometry,
+                                 analysis.noise.covariance / reference_count);
+  context.rotation_problem = rotation_problem(track, analysis);
+  if (track.has_rotation && analysis.largest_displacement_mm * kMillimetre > kFarWithoutTurn_m &&
+      analysis.largest_rotation_deg * kDegree < kLeastTurn_rad) {
+    analysis.unusable = fmt::format(
+        "the points move by {:.0f} mm and turn by {:.1f} deg, which no jaw does: the recording has "
+        "lost its rotation",
+        analysis.largest_displacement_mm, analysis.largest_rotation_deg);
+  }
+  context.unusable = analysis.unusable;
+
+  analysis.tasks = choice.tasks;
+  if (analysis.tasks.empty() && track.info.is_of_device) {
+    analysis.tasks = marked_tasks(recording, end_s);
+  }
+  if (analysis.tasks.empty()) analysis.tasks = found_tasks(analysis.path, context);
+  for (const Task& task : analysis.tasks) {
+    if (task.begin_s > end_s || task.end_s < track.time_s.front()) {
+      throw InputError(recording,
+                       fmt::format("task {} from {:g} to {:g} s lies outside the recording",
+                                   name_of(task.kind), task.begin_s, task.end_s),
+                       fmt::format("it lasts from {:g} to {:g} s", track.time_s.front(), end_s));
+    }
+  }
+  if (analysis.tasks.empty()) {
+    analysis.tasks.push_back({TaskKind::whole, track.time_s.front(), end_s, true});
+    analysis.notes.push_back(
+        analysis.has_landmarks
+            ? "no task was found; state them with --task NAME BEGIN END"
+            : "without landmarks no task is found; state them with --task NAME BEGIN END");
+  }
+  read_tasks_of(analysis, context);
+  return analysis;
+}
+
+}  // namespace condyle::host

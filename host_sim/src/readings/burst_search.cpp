@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "readings/burst_search.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace condyle::host {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+constexpr double kLongestBurst_s = 0.2, kLeastDeparture_m = 3e-4;
+constexpr std::size_t kSide = 4, kNeighbours = 20;
+constexpr std::size_t kLeastFrozen = 5;
+constexpr double kJumpRatio = 6, kMisfitRatio = 5;
+
+// How far sample k + 1 departs from the straight line through k - 1 and k.
+double bend(const std::vector<double>& time_s, const std::vector<Vector6>& path, std::size_t k) {
+  const double before_s = time_s[k] - time_s[k - 1], after_s = time_s[k + 1] - time_s[k];
+  return (path[k + 1] - path[k] - (path[k] - path[k - 1]) * (after_s / before_s)).norm();
+}
+
+// Whether `begin` to `end` jumps away from the cubic through the samples on both sides.
+bool is_burst(const std::vector<double>& time_s, const std::vector<Vector6>& path,
+              std::size_t begin, std::size_t end) {
+  constexpr int rows = 2 * kSide;
+  const double middle_s = (time_s[begin] + time_s[end - 1]) / 2;
+  const double scale_s = (time_s[end + kSide - 1] - time_s[begin - kSide]) / 2;
+  const auto powers = [&](std::size_t k) {
+    const double x = (time_s[k] - middle_s) / scale_s;
+    return Eigen::RowVector4d(1, x, x * x, x * x * x);
+  };
+  Eigen::Matrix<double, rows, 4> A;
+  Eigen::Matrix<double, rows, 6> y;
+  for (std::size_t i = 0; i < kSide; ++i) {
+    for (const auto& [row, k] :
+         {std::pair(i, begin - kSide + i), std::pair(kSide + i, end + i)}) {
+      A.row(static_cast<int>(row)) = powers(k);
+      y.row(static_cast<int>(row)) = path[k].transpose();
+    }
+  }
+  const Eigen::Matrix<double, 4, 6> cubic = A.householderQr().solve(y);
+  const double misfit_m = std::sqrt((A * cubic - y).squaredNorm() / (rows - 4));
+  const double limit_m = std::max(kMisfitRatio * misfit_m, kLeastDeparture_m);
+  for (std::size_t k = begin; k < end; ++k) {
+    if ((powers(k) * cubic - path[k].transpose()).norm() < limit_m) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<SampleRun> find_bursts(const std::vector<double>& time_s,
+                                   const std::vector<Vector6>& path) {
+  std::vector<SampleRun> runs;
+  if (path.size() < 2 * kSide + 1) return runs;
+  std::vector<double> bends(path.size(), 0);
+  for (std::size_t k = 1; k + 1 < path.size(); ++k) bends[k] = bend(time_s, path, k);
+  std::vector<double> near;
+  for (std::size_t begin = kSide; begin + kSide < path.size(); ++begin) {
+    const double jump_m = bends[begin - 1];
+    if (jump_m < kLeastDeparture_m) continue;
+    const std::size_t from = begin > kNeighbours ? begin - kNeighbours : 1;
+    const std::size_t to = std::min(begin + kNeighbours, path.size() - 1);
+    near.assign(bends.begin() + static_cast<std::ptrdiff_t>(from),
+                bends.begin() + static_cast<std::ptrdiff_t>(to));
+    std::nth_element(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2),
+                     near.end());
+    if (jump_m < kJumpRatio * near[near.size() / 2]) continue;
+    for (std::size_t end = begin + 1; end + kSide <= path.size(); ++end) {
+      if (time_s[end - 1] - time_s[begin] > kLongestBurst_s) break;
+      if (!is_burst(time_s, path, begin, end)) continue;
+      runs.push_back({begin, end});
+      begin = end + kSide - 1;
+      break;
+    }
+  }
+  return runs;
+}
+
+std::vector<SampleRun> find_frozen(const std::vector<Vector6>& path) {
+  std::vector<SampleRun> runs;
+  for (std::size_t begin = 0; begin < path.size();) {
+    std::size_t end = begin + 1;
+    while (end < path.size() && path[end] == path[begin]) ++end;
+    const bool jumps =
+        end < path.size() && (path[end] - path[begin]).norm() > kLeastDeparture_m;
+    if (end - begin >= kLeastFrozen && jumps) runs.push_back({begin + 1, end});
+    begin = end;
+  }
+  return runs;
+}
+
+}  // namespace condyle::host

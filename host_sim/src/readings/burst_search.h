@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs of samples that no jaw can have: bursts that jump away from the path, and frozen poses.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+namespace condyle::host {
+
+/// Length that makes a rotation (rad) comparable to a displacement (m).
+inline constexpr double kRotationLength_m = 0.1;
+
+/// Samples from `begin` to `end` (without).
+struct SampleRun {
+  std::size_t begin, end;
+};
+
+/// Bursts in `path`: displacement (m), and rotation times kRotationLength_m. A burst lasts at most
+/// 0.2 s. A cubic through four samples before and four after it fits these, and every sample of the
+/// burst is far from it: five times the misfit, and 0.3 mm.
+std::vector<SampleRun> find_bursts(const std::vector<double>& time_s,
+                                   const std::vector<Eigen::Matrix<double, 6, 1>>& path);
+
+/// Runs of five or more equal samples that end with a jump.
+std::vector<SampleRun> find_frozen(const std::vector<Eigen::Matrix<double, 6, 1>>& path);
+
+}  // namespace condyle::host

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Chewing cycles: from one most closed instant to the next.
+//
+//   z    height of the incisor (m), smoothed; the jaw closes upward
+//   d    rise and fall that make a cycle: 2 mm, and 0.3 of the 90th percentile of the heights
+//   closed instant   the top of z. Where the jaw stays closed for 0.2 s or more, a cycle ends with
+//                    the arrival and the next one begins with the departure: the zero of the power
+//                    law through the passages of three depths below the top
+// A cycle is not taken, but listed, if it lasts less than 0.25 s or more than 3 s, or has a gap of
+// more than 0.1 s.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "readings/jaw_geometry.h"
+#include "readings/reading.h"
+
+namespace condyle::host {
+
+/// A cycle, as samples of the path in which it was found.
+struct ChewingCycle {
+  std::size_t begin = 0, turn = 0, end = 0;  ///< closed, most open, closed
+  bool begins_after_pause = false, ends_with_pause = false;
+  double begin_s = 0, turn_s = 0, end_s = 0;
+  std::string rejected;  ///< why it is not taken; empty: taken
+};
+
+/// The cycles in `height_m` at `time_s`; `noise_sd_m`: of a smoothed height.
+std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
+                                      const std::vector<double>& height_m, double noise_sd_m);
+
+/// The names of a cycle's readings, in the order of read_cycle.
+std::vector<std::string_view> readings_of_cycle(bool has_landmarks);
+
+/// The readings of `cycle` from the `path` of its samples and some around, which begins with sample
+/// `offset` of the path in which it was found.
+void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m,
+                bool has_landmarks, const JawPath& path, std::vector<double>& values,
+                std::vector<std::string>* why);
+
+/// The height of the incisor along the path: Z, or without landmarks the direction in which it moves
+/// most.
+std::vector<double> heights_of(const JawPath& path, bool has_landmarks);
+
+}  // namespace condyle::host

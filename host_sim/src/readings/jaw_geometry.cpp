@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "readings/jaw_geometry.h"
+
+#include <cmath>
+
+namespace condyle::host {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+Matrix3d cross_matrix(const Vector3d& v) {
+  Matrix3d m;
+  m << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
+  return m;
+}
+
+// Angular velocity of the rotation vector w with the rate `rate`.
+Vector3d angular_velocity(const Vector3d& w, const Vector3d& rate) {
+  const double angle = w.norm();
+  const Matrix3d W = cross_matrix(w);
+  const double square = angle * angle;
+  const double a = angle < 1e-4 ? 0.5 - square / 24 : (1 - std::cos(angle)) / square;
+  const double b =
+      angle < 1e-3 ? 1.0 / 6 - square / 120 : (angle - std::sin(angle)) / (square * angle);
+  return rate + a * (W * rate) + b * (W * (W * rate));
+}
+
+}  // namespace
+
+JawGeometry geometry_of(const Landmarks& landmarks, const Vector3d& middle_m) {
+  JawGeometry geometry;
+  geometry.has_landmarks = true;
+  geometry.head = head_frame(landmarks);
+  geometry.middle_m = middle_m;
+  geometry.incisor_m = landmarks.point_m[Landmarks::incisor_lower];
+  geometry.condyle_m = {landmarks.point_m[Landmarks::condyle_left],
+                        landmarks.point_m[Landmarks::condyle_right]};
+  return geometry;
+}
+
+void paths_of(const SmoothMotion& motion, const JawGeometry& geometry, JawPath& path) {
+  const Matrix3d into_head = geometry.head.linear().transpose();
+  const std::size_t count = motion.time_s.size();
+  path.time_s = motion.time_s;
+  for (auto* points : {&path.incisor_m, &path.incisor_m_s, &path.condyle_m[0], &path.condyle_m[1],
+                       &path.condyle_m_s[0], &path.condyle_m_s[1], &path.rotation_rad,
+                       &path.middle_m}) {
+    points->resize(count);
+  }
+  const Vector3d f = geometry.middle_m;
+  // The reference was mistaken by a small motion: undone from the right.
+  const Matrix3d undo = rotation_by(-geometry.reference_turn_rad);
+  const bool is_mistaken = !geometry.reference_turn_rad.isZero(0);
+  for (int side = 0; side < 2; ++side) {
+    path.condyle_at_m[static_cast<std::size_t>(side)] =
+        geometry.head.inverse(Eigen::Isometry) * geometry.condyle_m[static_cast<std::size_t>(side)];
+  }
+  path.middle_at_m = geometry.head.inverse(Eigen::Isometry) * f;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3d w = motion.value[k].tail<3>();
+    Matrix3d R = rotation_by(w);
+    const Vector3d omega = angular_velocity(w, motion.slope[k].tail<3>());
+    Vector3d u = motion.value[k].head<3>() - R * geometry.reference_shift_m;
+    if (is_mistaken) R = R * undo;
+    const auto place = [&](const Vector3d& b, Vector3d& d, Vector3d& v) {
+      const Vector3d turned = R * (b - f);
+      d = into_head * (u + turned - (b - f));
+      v = into_head * (motion.slope[k].head<3>() + omega.cross(turned));
+    };
+    place(geometry.incisor_m, path.incisor_m[k], path.incisor_m_s[k]);
+    for (std::size_t side = 0; side < 2; ++side) {
+      place(geometry.condyle_m[side], path.condyle_m[side][k], path.condyle_m_s[side][k]);
+    }
+    path.rotation_rad[k] = into_head * (is_mistaken ? rotation_vector(R) : w);
+    path.middle_m[k] = into_head * u;
+  }
+}
+
+double twist_about(const Vector3d& vector_rad, int axis) {
+  const double angle = vector_rad.norm();
+  if (angle == 0) return 0;
+  return 2 * std::atan2(std::sin(angle / 2) * vector_rad[axis] / angle, std::cos(angle / 2));
+}
+
+}  // namespace condyle::host

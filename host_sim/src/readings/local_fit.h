@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Value and slope of a motion at each sample: least squares of a quadratic over the samples within
+// 50 ms on both sides, at least five of them. Linear in the samples, with known weights.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "readings/pose_track.h"
+
+namespace condyle::host {
+
+/// Half width of the window (s), and where samples are few, the greatest half width.
+inline constexpr double kFitHalfWidth_s = 0.05, kWidestFit_s = 0.15;
+/// Fewest samples of a fit.
+inline constexpr std::size_t kLeastFitSamples = 5;
+
+/// The weights of the fits at samples `begin` to `end` (without) of a recording.
+class LocalFit {
+ public:
+  LocalFit(const std::vector<double>& time_s, std::size_t begin, std::size_t end);
+
+  /// Values and slopes (per s) at the samples, from `samples`, those of `first_used` to
+  /// `end_used`.
+  void apply(const std::vector<Vector6>& samples, std::vector<Vector6>& values,
+             std::vector<Vector6>& slopes) const;
+
+  /// Variance of each value over that of a sample.
+  std::vector<double> gains() const;
+
+  /// The samples that the fits use.
+  std::size_t first_used() const { return first_used_; }
+  std::size_t end_used() const { return end_used_; }
+
+ private:
+  struct Window {
+    std::size_t first;  // from first_used_
+    std::vector<double> value_weights, slope_weights;
+  };
+  std::size_t first_used_ = 0, end_used_ = 0;
+  std::vector<Window> windows_;
+};
+
+/// Part of a motion with its smoothed values.
+struct SmoothMotion {
+  std::vector<double> time_s;
+  std::vector<Vector6> value, slope;
+};
+
+}  // namespace condyle::host

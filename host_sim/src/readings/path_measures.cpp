@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "readings/path_measures.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace condyle::host {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+std::size_t greatest_at(const std::vector<double>& values, std::size_t begin, std::size_t end) {
+  const auto first = values.begin() + static_cast<std::ptrdiff_t>(begin);
+  const auto last = values.begin() + static_cast<std::ptrdiff_t>(end);
+  return begin + static_cast<std::size_t>(std::max_element(first, last) - first);
+}
+
+double greatest_value(const std::vector<double>& time_s, const std::vector<double>& values,
+                      std::size_t at) {
+  if (at == 0 || at + 1 >= values.size()) return values[at];
+  const double a = time_s[at - 1] - time_s[at], b = time_s[at + 1] - time_s[at];
+  const double p = values[at - 1] - values[at], q = values[at + 1] - values[at];
+  // values[at] + slope x + curve x^2
+  const double curve = (p * b - q * a) / (a * b * (a - b));
+  const double slope = (p - curve * a * a) / a;
+  if (!(curve < 0)) return values[at];
+  const double top = -slope / (2 * curve);
+  return top > a && top < b ? values[at] - slope * slope / (4 * curve) : values[at];
+}
+
+double path_length_m(const Points& points, std::size_t begin, std::size_t end, double chord_m) {
+  double length_m = 0;
+  Vector3d from = points[begin];
+  for (std::size_t k = begin + 1; k <= end; ++k) {
+    // Chords of the given length along the segment, which may hold several.
+    while ((points[k] - from).norm() >= chord_m) {
+      const Vector3d a = points[k - 1] - from, along = points[k] - points[k - 1];
+      // |a + x along| = chord
+      const double A = along.squaredNorm(), B = a.dot(along);
+      const double C = a.squaredNorm() - chord_m * chord_m;
+      const double x = A > 0 ? (-B + std::sqrt(std::max(B * B - A * C, 0.0))) / A : 1;
+      from = points[k - 1] + std::clamp(x, 0.0, 1.0) * along;
+      length_m += chord_m;
+    }
+  }
+  return length_m + (points[end] - from).norm();
+}
+
+double hull_area(const Points& points, int first, int second) {
+  using Point = std::pair<double, double>;
+  std::vector<Point> sorted;
+  for (const Vector3d& point : points) sorted.emplace_back(point[first], point[second]);
+  std::sort(sorted.begin(), sorted.end());
+  if (sorted.size() < 3) return 0;
+  const auto turn = [](const Point& a, const Point& b, const Point& c) {
+    return (b.first - a.first) * (c.second - a.second) -
+           (b.second - a.second) * (c.first - a.first);
+  };
+  // Andrew's monotone chain.
+  std::vector<Point> hull;
+  for (int pass = 0; pass < 2; ++pass) {
+    const std::size_t start = hull.size();
+    for (const Point& point : sorted) {
+      while (hull.size() >= start + 2 && turn(hull[hull.size() - 2], hull.back(), point) <= 0) {
+        hull.pop_back();
+      }
+      hull.push_back(point);
+    }
+    hull.pop_back();
+    std::reverse(sorted.begin(), sorted.end());
+  }
+  double area = 0;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Point& a = hull[i];
+    const Point& b = hull[(i + 1) % hull.size()];
+    area += a.first * b.second - b.first * a.second;
+  }
+  return std::abs(area) / 2;
+}
+
+HelicalAxis helical_axis(const Vector3d& w_rad, const Vector3d& at_m, const Vector3d& d_m) {
+  HelicalAxis axis;
+  axis.angle_rad = w_rad.norm();
+  axis.direction = w_rad / axis.angle_rad;
+  axis.translation_m = axis.direction.dot(d_m);
+  const Vector3d across = d_m - axis.translation_m * axis.direction;
+  // The point of the axis nearest to the middle between the two places of the point.
+  axis.point_m = at_m + 0.5 * (across + axis.direction.cross(across) / std::tan(axis.angle_rad / 2));
+  return axis;
+}
+
+std::optional<Vector3d> hinge_axis_crossing_m(const JawPath& path, std::size_t begin,
+                                              std::size_t end) {
+  // In coordinates about f, a length of 0.1 m as unit: rows [R, -I] z = -t.
+  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
+  for (std::size_t k = begin; k <= end; ++k) {
+    Eigen::Matrix<double, 3, 6> row;
+    row << rotation_by(path.rotation_rad[k]), -Matrix3d::Identity();
+    normal += row.transpose() * row;
+    right -= row.transpose() * path.middle_m[k];
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(normal);
+  const auto& values = solver.eigenvalues();  // ascending: the axis direction first
+  if (!(values[1] > 4 * values[0]) || !(values[1] > 0)) return std::nullopt;
+  Eigen::Matrix<double, 6, 1> z = Eigen::Matrix<double, 6, 1>::Zero();
+  for (int i = 1; i < 6; ++i) {
+    const auto vector = solver.eigenvectors().col(i);
+    z += vector * (vector.dot(right) / values[i]);
+  }
+  const Vector3d direction = solver.eigenvectors().col(0).head<3>().normalized();
+  if (std::abs(direction.y()) < 0.5) return std::nullopt;
+  const Vector3d point = path.middle_at_m + z.head<3>();
+  return point - direction * (point.y() / direction.y());
+}
+
+}  // namespace condyle::host

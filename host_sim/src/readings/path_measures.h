@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measures of paths: greatest values, first passages, lengths, areas.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "readings/jaw_geometry.h"
+
+namespace condyle::host {
+
+using Points = std::vector<Eigen::Vector3d>;
+
+/// Index of the greatest of `values` from `begin` to `end` (without), which must not be empty.
+std::size_t greatest_at(const std::vector<double>& values, std::size_t begin, std::size_t end);
+
+/// The greatest value near the sample `at`: top of the parabola through it and its neighbours.
+double greatest_value(const std::vector<double>& time_s, const std::vector<double>& values,
+                      std::size_t at);
+
+/// A point on a path between two samples.
+struct Passage {
+  std::size_t after;  ///< sample before it
+  Eigen::Vector3d point;
+};
+
+/// The first passage, from sample `begin` to `end` (included), of a curve through `points` with
+/// the velocities `rates`, where `measure(point)` reaches `level`. Cubic between samples.
+template <class Measure>
+std::optional<Passage> first_passage(const std::vector<double>& time_s, const Points& points,
+                                     const Points& rates, std::size_t begin, std::size_t end,
+                                     double level, const Measure& measure) {
+  for (std::size_t k = begin; k < end; ++k) {
+    if (measure(points[k]) > level || measure(points[k + 1]) < level) continue;
+    const double step_s = time_s[k + 1] - time_s[k];
+    const auto at = [&](double x) -> Eigen::Vector3d {
+      const double y = 1 - x;
+      return y * y * (1 + 2 * x) * points[k] + x * x * (1 + 2 * y) * points[k + 1] +
+             x * y * step_s * (y * rates[k] - x * rates[k + 1]);
+    };
+    double low = 0, high = 1;
+    for (int i = 0; i < 40; ++i) {
+      const double middle = (low + high) / 2;
+      (measure(at(middle)) < level ? low : high) = middle;
+    }
+    return Passage{k, at(high)};
+  }
+  return std::nullopt;
+}
+
+/// Length of the path from sample `begin` to `end` (included), by chords of `chord_m`.
+double path_length_m(const Points& points, std::size_t begin, std::size_t end, double chord_m);
+
+/// Area of the convex hull of the points' coordinates `first` and `second`.
+double hull_area(const Points& points, int first, int second);
+
+/// The finite helical axis of the rotation vector `w_rad` with displacement `d_m` of the point
+/// `at_m`.
+struct HelicalAxis {
+  Eigen::Vector3d direction, point_m;
+  double angle_rad, translation_m;
+};
+HelicalAxis helical_axis(const Eigen::Vector3d& w_rad, const Eigen::Vector3d& at_m,
+                         const Eigen::Vector3d& d_m);
+
+/// The axis about which the poses from sample `begin` to `end` (included) turn, by least squares of
+/// |R x + t - c| (Ehrig, Taylor, Duda, Heller 2007): where it crosses Y = 0. Absent if they turn too
+/// little.
+std::optional<Eigen::Vector3d> hinge_axis_crossing_m(const JawPath& path, std::size_t begin,
+                                                     std::size_t end);
+
+}  // namespace condyle::host

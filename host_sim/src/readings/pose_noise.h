@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// The noise of a recording's poses, from the recording itself.
+//
+//   sixth differences of neighbouring samples cancel the motion; median of their size -> variance,
+//   share of equal signs -> correlation (sin(pi/2 q), Greiner's relation)
+//   smoothed recordings: noise that neighbours share vanishes in these differences. At rest,
+//   differences over longer steps show it; the covariance grows by the largest ratio, as far as it
+//   is beyond chance.
+#pragma once
+
+#include "readings/pose_track.h"
+
+namespace condyle::host {
+
+/// Noise of one sample's motion.
+struct PoseNoise {
+  Matrix6 covariance = Matrix6::Zero();  ///< m^2, m rad, rad^2
+  Matrix6 root = Matrix6::Zero();        ///< root root' = covariance
+  double coloured = 1;                   ///< variance of what averages slowly, over that above
+  bool is_checked_at_rest = false;       ///< the rest was long enough to see colour
+};
+
+/// The noise of `motion`, at rest from `begin` to `end` (without).
+PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t end);
+
+}  // namespace condyle::host

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "readings/pose_track.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "condyle/estimator/pose/point_follower.h"
+#include "condyle/estimator/pose/rigid_body.h"
+#include "hosted/files/input_error.h"
+#include "readings/burst_search.h"
+
+namespace condyle::host {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// Digits of a recording, below which a residual means nothing.
+constexpr double kSmallestTolerance_m = 1e-4;
+constexpr std::size_t kLeastSamples = 10;
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+struct ThreePoints {
+  double time_s;
+  Matrix3d points_m;
+};
+
+// Fits the body with the median distances; what does not fit is not used.
+void fit_body(const std::vector<ThreePoints>& samples, const std::string& recording,
+              PoseTrack& track) {
+  Vector3d distances_m;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> all;
+    for (const ThreePoints& sample : samples) all.push_back(distances_of(sample.points_m)[k]);
+    distances_m[k] = median_of(std::move(all));
+  }
+  const auto in_jaw_frame = RigidBody<double>::from_distances(distances_m);
+  if (in_jaw_frame.status() != PoseStatus::ok) {
+    throw InputError(recording, "its three points lie on a line or coincide",
+                     "give three points of one rigid body that span a triangle");
+  }
+  const Vector3d middle_m = in_jaw_frame.shape_m().rowwise().mean();
+  track.body_m = in_jaw_frame.shape_m().colwise() - middle_m;
+  const RigidBody<double> body(track.body_m);
+  std::vector<PoseFit<double>> fits;
+  std::vector<double> residuals_m;
+  for (const ThreePoints& sample : samples) {
+    fits.push_back(body.fit(sample.points_m));
+    residuals_m.push_back(fits.back().residual_rms_m);
+  }
+  const double tolerance_m = std::max(8 * median_of(residuals_m), kSmallestTolerance_m);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (fits[i].status != PoseStatus::ok || fits[i].residual_rms_m > tolerance_m) {
+      ++track.counts.not_rigid;
+      continue;
+    }
+    Isometry3d pose;
+    pose.linear() = fits[i].pose.rotation;
+    pose.translation() = fits[i].pose.translation;
+    track.time_s.push_back(samples[i].time_s);
+    track.pose.push_back(pose);
+  }
+}
+
+void keep_usable(PoseTrack& track) {
+  std::vector<Vector6> path;
+  for (const Isometry3d& pose : track.pose) {
+    Vector6 place;
+    place << pose.translation(),
+        kRotationLength_m * rotation_vector(pose.linear() * track.pose[0].linear().transpose());
+    path.push_back(place);
+  }
+  const std::vector<SampleRun> bursts = find_bursts(track.time_s, path);
+  const std::vector<SampleRun> frozen = find_frozen(path);
+  std::vector<bool> bad(path.size(), false);
+  for (const auto& [runs, count] : {std::pair(&bursts, &track.counts.in_bursts),
+                                    std::pair(&frozen, &track.counts.frozen)}) {
+    for (const SampleRun& run : *runs) {
+      track.events.push_back(fmt::format(
+          "{} samples from {:.2f} to {:.2f} s {}", run.end - run.begin, track.time_s[run.begin],
+          track.time_s[run.end - 1],
+          runs == &bursts ? "jump away from the path" : "repeat one pose while the jaw moves"));
+      for (std::size_t i = run.begin; i < run.end; ++i) {
+        *count += bad[i] ? 0U : 1U;
+        bad[i] = true;
+      }
+    }
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (bad[i]) continue;
+    track.time_s[kept] = track.time_s[i];
+    track.pose[kept++] = track.pose[i];
+  }
+  track.time_s.resize(kept);
+  track.pose.resize(kept);
+}
+
+}  // namespace
+
+Vector3d rotation_vector(const Matrix3d& rotation) {
+  const Eigen::Quaterniond q(rotation);
+  const double s = q.vec().norm();
+  if (s < 1e-12) return 2 * (q.w() < 0 ? -1 : 1) * q.vec();
+  const double angle = 2 * std::atan2(s, std::abs(q.w()));
+  return (q.w() < 0 ? -angle : angle) / s * q.vec();
+}
+
+Matrix3d rotation_by(const Vector3d& vector_rad) {
+  const double angle = vector_rad.norm();
+  if (angle == 0) return Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, vector_rad / angle).toRotationMatrix();
+}
+
+PoseTrack read_poses(const std::string& recording, const RecordingOptions& reading) {
+  RecordingOptions options = reading;
+  options.faults = FaultPolicy::event;  // missing rows are counted
+  const auto opened = open_recording(recording, options);
+  PoseTrack track;
+  std::vector<ThreePoints> points;
+  Sample sample;
+  double last_s = 0;
+  bool has_time = false;
+  while (opened->next(sample)) {
+    ++track.counts.samples;
+    if (sample.kind == SampleKind::one_axis) break;
+    if (!sample.time_valid || !sample.position_valid) {
+      ++track.counts.missing;
+      continue;
+    }
+    const double time_s = seconds(sample.time_ns);
+    if (has_time && time_s <= last_s) {
+      ++track.counts.time_reversed;
+      continue;
+    }
+    has_time = true;
+    last_s = time_s;
+    if (sample.kind == SampleKind::three_points) {
+      points.push_back({time_s, points_of<double>(sample)});
+      continue;
+    }
+    Isometry3d pose = Isometry3d::Identity();
+    const double* const c = sample.coordinates;
+    pose.translation() = Vector3d(c[0], c[1], c[2]);
+    if (sample.kind == SampleKind::pose) {
+      const auto fit = pose_from_quaternion<double>(Vector3d(c[0], c[1], c[2]),
+                                                    Eigen::Vector4d(c[3], c[4], c[5], c[6]));
+      if (fit.status != PoseStatus::ok) {
+        ++track.counts.not_rigid;
+        continue;
+      }
+      pose.linear() = fit.pose.rotation;
+    }
+    track.time_s.push_back(time_s);
+    track.pose.push_back(pose);
+  }
+  track.info = opened->info();
+  if (track.info.kind == SampleKind::one_axis) {
+    throw InputError(recording, "holds the position along one axis",
+                     "readings need a point in space or three points; use condyle replay");
+  }
+  track.has_rotation = track.info.kind != SampleKind::one_point;
+  track.body_m = Matrix3d::Zero();
+  const auto refuse_if_short = [&](std::size_t usable) {
+    if (usable >= kLeastSamples) return;
+    throw InputError(recording,
+                     fmt::format("{} of {} samples can be used", usable, track.counts.samples),
+                     fmt::format("at least {} are needed", kLeastSamples));
+  };
+  if (track.info.kind == SampleKind::three_points) {
+    refuse_if_short(points.size());
+    fit_body(points, recording, track);
+  }
+  refuse_if_short(track.pose.size());
+  keep_usable(track);
+  refuse_if_short(track.pose.size());
+  return track;
+}
+
+ReferredMotion motion_from(const PoseTrack& track, std::size_t begin, std::size_t end,
+                      MovingBody moving) {
+  // Mean pose: mean place, and the mean of the small rotations from the first sample.
+  Vector3d place_m = Vector3d::Zero(), turn_rad = Vector3d::Zero();
+  const Matrix3d first = track.pose[begin].linear();
+  for (std::size_t i = begin; i < end; ++i) {
+    place_m += track.pose[i].translation();
+    turn_rad += rotation_vector(track.pose[i].linear() * first.transpose());
+  }
+  const double count = static_cast<double>(end - begin);
+  Isometry3d reference;
+  reference.linear() = rotation_by(turn_rad / count) * first;
+  reference.translation() = place_m / count;
+  const Isometry3d back = reference.inverse(Eigen::Isometry);
+  ReferredMotion result;
+  result.middle_m = reference.translation();
+  result.time_s = track.time_s;
+  result.motion.reserve(track.pose.size());
+  for (const Isometry3d& pose : track.pose) {
+    Isometry3d moved = pose * back;
+    if (moving == MovingBody::upper) moved = moved.inverse(Eigen::Isometry);
+    Vector6 motion;
+    motion << moved * result.middle_m - result.middle_m, rotation_vector(moved.linear());
+    result.motion.push_back(motion);
+  }
+  return result;
+}
+
+}  // namespace condyle::host

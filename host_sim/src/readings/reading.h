@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// A reading: one number about a jaw's motion, with its interval, definition and provenance, or the
+// reason why it is withheld.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace condyle::host {
+
+/// The kinds of tasks that have readings.
+/// `whole`: the whole recording, if its tasks are not known.
+enum class TaskKind { opening, protrusion, left, right, chewing, border, rest, whole };
+/// Number of kinds that have a name.
+inline constexpr std::size_t kTaskKinds = 7;
+/// Its name, as in files and options; empty for the whole recording.
+const char* name_of(TaskKind kind);
+/// All names.
+std::vector<std::string_view> task_names();
+
+/// A side of the jaw; of a condylar reading, that of the condyle.
+enum class Side { none, left, right };
+/// "", "left" or "right".
+const char* name_of(Side side);
+
+/// What a reading rests on.
+enum class ReadingProvenance {
+  measured,  ///< follows from positions and measured landmarks
+  derived,   ///< also from a named assumption
+  withheld,  ///< not known
+};
+/// As a word.
+const char* name_of(ReadingProvenance provenance);
+
+/// The definition of a reading.
+struct ReadingDefinition {
+  std::string_view name;
+  std::string_view unit;
+  std::string_view definition;
+  /// Half 95 % interval from which on the reading is withheld, in `unit`.
+  double largest_half_interval;
+  bool needs_rotation;
+  bool needs_plane;  ///< the angle or direction refers to the reference plane
+};
+
+/// The definition called `name`, which must exist.
+const ReadingDefinition& definition_of(std::string_view name);
+/// All of them.
+const std::vector<ReadingDefinition>& reading_definitions();
+
+/// A reading of a task (`stroke` 0) or of one stroke of it. Values in the definition's unit.
+struct JawReading {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  const ReadingDefinition* definition = nullptr;
+  TaskKind task = TaskKind::opening;
+  Side side = Side::none;
+  int stroke = 0;
+  double value = kNone, low = kNone, high = kNone;
+  ReadingProvenance provenance = ReadingProvenance::withheld;
+  std::string reason;  ///< why it is withheld, or what a derived one assumes
+};
+
+/// An estimate before it is judged: value and the parts of its uncertainty, in the unit of the
+/// definition.
+struct UncertainValue {
+  double value = JawReading::kNone;
+  double noise_sd = 0;     ///< of the instrument's noise during the stroke
+  double smoothing = 0;    ///< what smoothing changed and was corrected
+  std::vector<double> fixed;  ///< change per standard deviation of each error that strokes share
+  std::string missing;     ///< why there is no value
+
+  /// Half the 95 % interval.
+  double half_interval() const;
+};
+
+/// The mean of the values of several strokes; those without a value do not count.
+UncertainValue mean_of(const std::vector<UncertainValue>& strokes);
+
+/// The reading with `value`, withheld if it has none or its interval is too wide.
+JawReading judged(const ReadingDefinition& definition, const UncertainValue& value);
+
+}  // namespace condyle::host

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "readings/readings_files.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "hosted/files/clean_text.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : clean_line(text)) {
+    if (c == '"') result += '"';
+    result += c;
+  }
+  return result + "\"";
+}
+
+std::string number(double value) {
+  return std::isfinite(value) ? fmt::format("{:.9g}", value) : std::string();
+}
+
+nlohmann::ordered_json json_number(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return value;
+}
+
+}  // namespace
+
+std::string readings_csv(const std::vector<Analysis>& analyses) {
+  std::string text =
+      "recording,task,side,stroke,reading,value,low,high,unit,definition,provenance,reason\n";
+  for (const Analysis& analysis : analyses) {
+    for (const JawReading& reading : analysis.readings) {
+      text += fmt::format(
+          "{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(analysis.recording),
+          name_of(reading.task), name_of(reading.side),
+          reading.stroke > 0 ? std::to_string(reading.stroke) : "", reading.definition->name,
+          number(reading.value), number(reading.low), number(reading.high),
+          reading.definition->unit, quoted(std::string(reading.definition->definition)),
+          name_of(reading.provenance), quoted(reading.reason));
+    }
+  }
+  return text;
+}
+
+std::string readings_json(const std::vector<Analysis>& analyses) {
+  nlohmann::ordered_json all = {{"format", "condyle-readings-1"},
+                                {"condyle", CONDYLE_VERSION},
+                                {"note", "research use only; not a diagnosis"},
+                                {"recordings", nlohmann::ordered_json::array()}};
+  for (const Analysis& analysis : analyses) {
+    nlohmann::ordered_json one = {
+        {"recording", clean_line(analysis.recording)},
+        {"format", clean_line(analysis.info.format)},
+        {"usable", analysis.unusable.empty()},
+        {"reason", analysis.unusable},
+        {"duration_s", analysis.duration_s},
+        {"rate_Hz", analysis.rate_Hz},
+        {"reference_s", {analysis.reference_begin_s, analysis.reference_end_s}},
+        {"reference", analysis.is_reference_found ? "found" : "stated"},
+        {"rotation_noise_sd_deg",
+         std::sqrt(analysis.noise.covariance.bottomRightCorner<3, 3>().trace() / 3) / kDegree},
+        {"position_noise_sd_mm",
+         std::sqrt(analysis.noise.covariance.topLeftCorner<3, 3>().trace() / 3) * 1e3},
+        {"samples", analysis.counts.samples},
+        {"samples_not_used", analysis.counts.missing + analysis.counts.not_rigid +
+                                 analysis.counts.time_reversed + analysis.counts.in_bursts +
+                                 analysis.counts.frozen}};
+    one["notes"] = nlohmann::ordered_json::array();
+    for (const auto* list : {&analysis.info.notes, &analysis.notes, &analysis.events}) {
+      for (const std::string& note : *list) one["notes"].push_back(clean_line(note));
+    }
+    one["tasks"] = nlohmann::ordered_json::array();
+    for (const Task& task : analysis.tasks) {
+      one["tasks"].push_back({{"task", name_of(task.kind)},
+                              {"begin_s", task.begin_s},
+                              {"end_s", task.end_s},
+                              {"found", task.is_found}});
+    }
+    one["readings"] = nlohmann::ordered_json::array();
+    for (const JawReading& reading : analysis.readings) {
+      one["readings"].push_back(
+          {{"task", name_of(reading.task)},
+           {"side", name_of(reading.side)},
+           {"stroke", reading.stroke > 0 ? nlohmann::ordered_json(reading.stroke) : nullptr},
+           {"reading", reading.definition->name},
+           {"value", json_number(reading.value)},
+           {"low", json_number(reading.low)},
+           {"high", json_number(reading.high)},
+           {"unit", reading.definition->unit},
+           {"definition", reading.definition->definition},
+           {"provenance", name_of(reading.provenance)},
+           {"reason", clean_line(reading.reason)}});
+    }
+    all["recordings"].push_back(std::move(one));
+  }
+  return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::string cycles_csv(const std::vector<Analysis>& analyses) {
+  // Those without landmarks have fewer columns of values.
+  const auto names = readings_of_cycle(true);
+  std::string text = "recording,sequence,cycle,begin_s,turn_s,end_s";
+  for (const auto name : names) text += fmt::format(",{},{}_half_interval", name, name);
+  text += ",rejected\n";
+  for (const Analysis& analysis : analyses) {
+    for (const AnalysedCycle& cycle : analysis.cycles) {
+      text += fmt::format("{},{},{},{:.6f},{:.6f},{:.6f}", quoted(analysis.recording),
+                          cycle.sequence, cycle.number > 0 ? std::to_string(cycle.number) : "",
+                          cycle.cycle.begin_s, cycle.cycle.turn_s, cycle.cycle.end_s);
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        const bool has = i < cycle.values.size();
+        text += fmt::format(",{},{}", has ? number(cycle.values[i].value) : "",
+                            has ? number(cycle.values[i].half_interval()) : "");
+      }
+      text += fmt::format(",{}\n", quoted(cycle.cycle.rejected));
+    }
+  }
+  return text;
+}
+
+void write_poses(const Analysis& analysis, OutputFile& file) {
+  const JawPath& path = analysis.path;
+  const char* const followed = analysis.has_landmarks ? "incisor" : "point1";
+  std::string header = "time_s";
+  for (const char axis : {'x', 'y', 'z'}) header += fmt::format(",{}_{}_mm", followed, axis);
+  header += fmt::format(",{}_sd_mm", followed);
+  for (const char axis : {'x', 'y', 'z'}) header += fmt::format(",{}_v{}_mm_s", followed, axis);
+  for (const char axis : {'x', 'y', 'z'}) header += fmt::format(",rotation_{}_deg", axis);
+  if (analysis.has_landmarks) {
+    for (const char* side : {"left", "right"}) {
+      for (const char axis : {'x', 'y', 'z'}) header += fmt::format(",condyle_{}_{}_mm", side, axis);
+    }
+  }
+  file.write(header + "\n");
+  std::string row;
+  const auto add = [&row](const Eigen::Vector3d& values, double scale) {
+    for (const double value : values) row += fmt::format(",{:.5f}", value * scale);
+  };
+  for (std::size_t k = 0; k < path.time_s.size(); ++k) {
+    row = fmt::format("{:.6f}", path.time_s[k]);
+    add(path.incisor_m[k], 1e3);
+    row += fmt::format(",{:.5f}", analysis.incisor_sd_m[k] * 1e3);
+    add(path.incisor_m_s[k], 1e3);
+    add(path.rotation_rad[k], 1 / kDegree);
+    if (analysis.has_landmarks) {
+      add(path.condyle_m[0][k], 1e3);
+      add(path.condyle_m[1][k], 1e3);
+    }
+    file.write(row + "\n");
+  }
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// The readings of one stroke: an excursion of the jaw from the reference position and back.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "readings/jaw_geometry.h"
+#include "readings/reading.h"
+
+namespace condyle::host {
+
+/// A reading of a stroke of some kind, and its side.
+struct StrokeReading {
+  std::string_view name;
+  Side side = Side::none;
+};
+
+/// What a stroke of `kind` has.
+std::vector<StrokeReading> readings_of_stroke(TaskKind kind, bool has_landmarks);
+
+/// Their values for the path of one stroke, in their units; NaN where there is none. `why`, if not
+/// null, then holds the reason.
+void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
+                 std::vector<double>& values, std::vector<std::string>* why);
+
+}  // namespace condyle::host

@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "readings/task_readings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "readings/stroke_readings.h"
+#include "readings/strokes.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr int kStrokePairs = 40, kCyclePairs = 12;
+constexpr double kLeastStroke_m = 1.5e-3, kLeastFoundStroke_m = 3e-3;
+constexpr double kMargin_s = 0.15, kLongestGap_s = 0.15, kNewSequence_s = 2;
+constexpr double kNoiseExcess = 0.2;  // share of a jerk that noise may explain
+constexpr std::size_t kLeastChewingCycles = 4;
+
+struct Key {
+  std::string_view name;
+  Side side;
+};
+
+class TaskReader {
+ public:
+  TaskReader(Analysis& analysis, const TaskContext& context)
+      : analysis_(analysis), context_(context), random_(20, 1) {}
+
+  void read(TaskKind kind) {
+    std::vector<SampleRun> windows;
+    bool is_found = false;
+    for (const Task& task : analysis_.tasks) {
+      if (task.kind != kind) continue;
+      windows.push_back(samples_of(task));
+      is_found = is_found || task.is_found;
+    }
+    if (windows.empty()) return;
+    if (kind == TaskKind::chewing) {
+      read_chewing(windows, is_found);
+    } else {
+      read_strokes(kind, windows, is_found);
+    }
+  }
+
+  // Condylar inclination of mediotrusion minus that of protrusion, by side.
+  void read_fischer() {
+    const auto& definition = definition_of("fischer_angle_5mm_deg");
+    for (const Side side : {Side::left, Side::right}) {
+      const TaskKind orbiting = side == Side::left ? TaskKind::right : TaskKind::left;
+      const auto mediotrusion = means_.find(mean_key(orbiting, "condylar_inclination_5mm_deg", side));
+      const auto protrusion =
+          means_.find(mean_key(TaskKind::protrusion, "condylar_inclination_5mm_deg", side));
+      if (mediotrusion == means_.end() || protrusion == means_.end()) continue;
+      UncertainValue difference = mediotrusion->second;
+      const UncertainValue& other = protrusion->second;
+      if (!std::isfinite(other.value)) difference.missing = other.missing;
+      difference.value -= other.value;
+      difference.noise_sd = std::hypot(difference.noise_sd, other.noise_sd);
+      difference.smoothing += other.smoothing;
+      for (std::size_t i = 0; i < difference.fixed.size() && i < other.fixed.size(); ++i) {
+        difference.fixed[i] -= other.fixed[i];
+      }
+      add(definition, orbiting, side, 0, difference, false);
+    }
+  }
+
+ private:
+  static std::string mean_key(TaskKind kind, std::string_view name, Side side) {
+    return fmt::format("{}/{}/{}", name_of(kind), name, name_of(side));
+  }
+
+  SampleRun samples_of(const Task& task) const {
+    const auto& time_s = analysis_.path.time_s;
+    const auto index = [&](auto at) { return static_cast<std::size_t>(at - time_s.begin()); };
+    return {index(std::lower_bound(time_s.begin(), time_s.end(), task.begin_s - 1e-9)),
+            index(std::upper_bound(time_s.begin(), time_s.end(), task.end_s + 1e-9))};
+  }
+
+  std::string problem_of(const ReadingDefinition& definition) const {
+    if (!context_.unusable.empty()) return context_.unusable;
+    if (definition.needs_rotation) return context_.rotation_problem;
+    return "";
+  }
+
+  void add(const ReadingDefinition& definition, TaskKind kind, Side side, int stroke,
+           UncertainValue value, bool is_found) {
+    const std::string problem = problem_of(definition);
+    if (!problem.empty()) {
+      value.value = JawReading::kNone;
+      value.missing = problem;
+    }
+    JawReading reading = judged(definition, value);
+    reading.task = kind;
+    reading.side = side;
+    reading.stroke = stroke;
+    if (reading.provenance == JawReadingMeasured) {
+      std::string assumption;
+      if (definition.name.find("condylar") == 0 || definition.name.find("bennett") == 0 ||
+          definition.name.find("side_shift") == 0) {
+        assumption = context_.condyle_assumption;
+      }
+      if (is_found) {
+        assumption += fmt::format("{}the task was found, not stated", assumption.empty() ? "" : "; ");
+      }
+      if (!assumption.empty()) {
+        reading.reason = assumption;
+        if (!context_.condyle_assumption.empty() && assumption.find(context_.condyle_assumption) == 0) {
+          reading.provenance = ReadingProvenance::derived;
+        }
+      }
+    }
+    analysis_.readings.push_back(std::move(reading));
+  }
+  static constexpr ReadingProvenance JawReadingMeasured = ReadingProvenance::measured;
+
+  void read_strokes(TaskKind kind, const std::vector<SampleRun>& windows, bool is_found) {
+    const bool is_one = kind == TaskKind::rest || kind == TaskKind::border || kind == TaskKind::whole;
+    std::vector<double> distance_m;
+    for (const auto& point : analysis_.path.incisor_m) distance_m.push_back(point.norm());
+    std::vector<SampleRun> strokes;
+    for (const SampleRun& window : windows) {
+      if (is_one) {
+        strokes.push_back(window);
+        continue;
+      }
+      for (SampleRun run : find_strokes(distance_m, window.begin, window.end, kLeastStroke_m)) {
+        const auto& time_s = analysis_.path.time_s;
+        const std::size_t floor = strokes.empty() ? 0 : strokes.back().end;
+        const double begin_s = time_s[run.begin], end_s = time_s[run.end - 1];
+        while (run.begin > floor && begin_s - time_s[run.begin - 1] <= kMargin_s) --run.begin;
+        while (run.end < time_s.size() && time_s[run.end] - end_s <= kMargin_s) ++run.end;
+        strokes.push_back(run);
+      }
+    }
+    const auto names = readings_of_stroke(kind, context_.has_landmarks);
+    std::vector<std::vector<UncertainValue>> by_reading(names.size());
+    for (std::size_t i = 0; i < strokes.size(); ++i) {
+      const auto values = values_of(kind, strokes[i], names.size());
+      for (std::size_t k = 0; k < names.size(); ++k) {
+        by_reading[k].push_back(values[k]);
+        if (is_one) continue;
+        add(definition_of(names[k].name), kind, names[k].side, static_cast<int>(i + 1), values[k],
+            is_found);
+      }
+    }
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      UncertainValue mean = mean_of(by_reading[k]);
+      if (strokes.empty()) mean.missing = "the jaw leaves the reference position by less than 1.5 mm";
+      means_[mean_key(kind, names[k].name, names[k].side)] = mean;
+      add(definition_of(names[k].name), kind, names[k].side, 0, mean, is_found);
+    }
+    withhold_what_needs_landmarks(kind);
+  }
+
+  std::vector<UncertainValue> values_of(TaskKind kind, SampleRun stroke, std::size_t count) {
+    std::vector<UncertainValue> none(count);
+    const double gap_s = longest_gap_s(analysis_.path.time_s, stroke.begin, stroke.end);
+    const bool is_long = stroke.end - stroke.begin > 20'000;
+    std::string problem;
+    if (stroke.end < stroke.begin + 5) problem = "it has fewer than five usable samples";
+    if (gap_s > kLongestGap_s) problem = fmt::format("a gap of {:.2f} s", gap_s);
+    if (!context_.unusable.empty()) problem = context_.unusable;
+    if (!problem.empty() && kind != TaskKind::whole) {
+      for (UncertainValue& value : none) value.missing = problem;
+      return none;
+    }
+    auto values = uncertain_values(
+        *context_.motion, stroke.begin, stroke.end, *context_.noise, context_.errors,
+        is_long ? 4 : kStrokePairs, random_,
+        [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
+          read_stroke(kind, context_.has_landmarks, path, into, why);
+        });
+    return values;
+  }
+
+  void withhold_what_needs_landmarks(TaskKind kind) {
+    if (context_.has_landmarks) return;
+    const auto here = readings_of_stroke(kind, false);
+    for (const StrokeReading& reading : readings_of_stroke(kind, true)) {
+      const bool is_here = std::any_of(here.begin(), here.end(), [&](const StrokeReading& other) {
+        return other.name == reading.name && other.side == reading.side;
+      });
+      if (is_here) continue;
+      UncertainValue missing;
+      missing.missing = "it needs landmarks; give --landmarks FILE";
+      add(definition_of(reading.name), kind, reading.side, 0, missing, false);
+    }
+  }
+
+  void read_chewing(const std::vector<SampleRun>& windows, bool is_found) {
+    const JawPath& path = analysis_.path;
+    const auto names = readings_of_cycle(context_.has_landmarks);
+    std::vector<std::vector<UncertainValue>> by_reading(names.size());
+    int taken = 0;
+    const std::vector<double> heights = heights_of(path, context_.has_landmarks);
+    for (const SampleRun& window : windows) {
+      if (window.end < window.begin + 5) continue;
+      const auto part = [&](const std::vector<double>& all) {
+        return std::vector<double>(all.begin() + static_cast<std::ptrdiff_t>(window.begin),
+                                   all.begin() + static_cast<std::ptrdiff_t>(window.end));
+      };
+      std::vector<double> sds = part(analysis_.incisor_sd_m);
+      std::nth_element(sds.begin(), sds.begin() + static_cast<std::ptrdiff_t>(sds.size() / 2), sds.end());
+      const double sd_m = sds[sds.size() / 2];
+      for (ChewingCycle cycle : find_cycles(part(path.time_s), part(heights), sd_m)) {
+        cycle.begin += window.begin;
+        cycle.turn += window.begin;
+        cycle.end += window.begin;
+        AnalysedCycle analysed{cycle, {}, 0, 1, ""};
+        if (!analysis_.cycles.empty()) {
+          const AnalysedCycle& last = analysis_.cycles.back();
+          analysed.sequence =
+              last.sequence + (cycle.begin_s - last.cycle.end_s > kNewSequence_s ? 1 : 0);
+        }
+        if (cycle.rejected.empty()) {
+          analysed.number = ++taken;
+          analysed.values = values_of(cycle, sd_m);
+          for (std::size_t k = 0; k < names.size(); ++k) by_reading[k].push_back(analysed.values[k]);
+        }
+        analysis_.cycles.push_back(std::move(analysed));
+      }
+    }
+    UncertainValue count;
+    count.value = taken;
+    add(definition_of("cycle_count"), TaskKind::chewing, Side::none, 0, count, is_found);
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      UncertainValue mean = mean_of(by_reading[k]);
+      if (taken == 0) mean.missing = "no chewing cycle was found";
+      add(definition_of(names[k]), TaskKind::chewing, Side::none, 0, mean, is_found);
+      if (k == 0) add_frequency(by_reading[0], mean, is_found);
+    }
+  }
+
+  void add_frequency(const std::vector<UncertainValue>& durations, const UncertainValue& mean,
+                     bool is_found) {
+    UncertainValue frequency = mean;
+    frequency.value = 1 / mean.value;
+    const double slope = frequency.value * frequency.value;
+    frequency.noise_sd *= slope;
+    frequency.smoothing *= slope;
+    for (double& change : frequency.fixed) change *= slope;
+    add(definition_of("cycle_frequency_Hz"), TaskKind::chewing, Side::none, 0, frequency, is_found);
+    UncertainValue spread;
+    double squares = 0, noise = 0, count = 0;
+    for (const UncertainValue& duration : durations) {
+      if (!std::isfinite(duration.value)) continue;
+      squares += (duration.value - mean.value) * (duration.value - mean.value);
+      noise += duration.noise_sd * duration.noise_sd;
+      ++count;
+    }
+    if (count >= 3) {
+      noise /= count;
+      const double variance = std::max(squares / (count - 1) - noise, 0.0);
+      spread.value = std::sqrt(variance);
+      const double of_variance = std::sqrt((4 * variance * noise + 2 * noise * noise) / count);
+      spread.noise_sd = of_variance / (2 * std::max(spread.value, std::sqrt(of_variance)) + 1e-12);
+    } else {
+      spread.missing = "fewer than three cycles";
+    }
+    add(definition_of("cycle_duration_sd_s"), TaskKind::chewing, Side::none, 0, spread, is_found);
+  }
+
+  std::vector<UncertainValue> values_of(const ChewingCycle& cycle, double sd_m) {
+    const auto& time_s = analysis_.path.time_s;
+    std::size_t begin = cycle.begin, end = cycle.end + 1;
+    const double before_s = cycle.begins_after_pause ? 0.3 : kMargin_s;
+    const double after_s = cycle.ends_with_pause ? 0.3 : kMargin_s;
+    while (begin > 0 && time_s[cycle.begin] - time_s[begin - 1] <= before_s) --begin;
+    while (end < time_s.size() && time_s[end] - time_s[cycle.end] <= after_s) ++end;
+    return uncertain_values(
+        *context_.motion, begin, end, *context_.noise, context_.errors, kCyclePairs, random_,
+        [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
+          read_cycle(cycle, begin, sd_m, context_.has_landmarks, path, into, why);
+        });
+  }
+
+  Analysis& analysis_;
+  const TaskContext& context_;
+  RandomGenerator random_;
+  std::map<std::string, UncertainValue> means_;
+};
+
+}  // namespace
+
+std::vector<Task> found_tasks(const JawPath& path, const TaskContext& context) {
+  std::vector<Task> tasks;
+  if (!context.has_landmarks) return tasks;
+  const auto& time_s = path.time_s;
+  // Chewing: at least four cycles of at most 1.6 s in a row.
+  const auto cycles = find_cycles(time_s, heights_of(path, true), 0);
+  const auto is_chewing = [](const ChewingCycle& cycle) {
+    return cycle.rejected.empty() && cycle.end_s - cycle.begin_s <= 1.6;
+  };
+  std::vector<bool> chewed(time_s.size(), false);
+  for (std::size_t i = 0; i < cycles.size();) {
+    std::size_t j = i;
+    while (j < cycles.size() && is_chewing(cycles[j]) &&
+           (j == i || cycles[j].begin_s - cycles[j - 1].end_s <= kNewSequence_s)) {
+      ++j;
+    }
+    if (j - i >= kLeastChewingCycles) {
+      tasks.push_back({TaskKind::chewing, cycles[i].begin_s, cycles[j - 1].end_s, true});
+      std::fill(chewed.begin() + static_cast<std::ptrdiff_t>(cycles[i].begin),
+                chewed.begin() + static_cast<std::ptrdiff_t>(cycles[j - 1].end + 1), true);
+    }
+    i = std::max(j, i + 1);
+  }
+  std::vector<double> distance_m;
+  for (const auto& point : path.incisor_m) distance_m.push_back(point.norm());
+  for (std::size_t begin = 0; begin < time_s.size();) {
+    std::size_t end = begin;
+    while (end < time_s.size() && !chewed[end]) ++end;
+    // Strokes of different kinds differ in size: one after the other, each by the least height.
+    for (const SampleRun& run : find_strokes_alone(distance_m, begin, end, kLeastFoundStroke_m)) {
+      const auto top = std::max_element(distance_m.begin() + static_cast<std::ptrdiff_t>(run.begin),
+                                        distance_m.begin() + static_cast<std::ptrdiff_t>(run.end));
+      const auto kind = kind_of_stroke(path.incisor_m[static_cast<std::size_t>(top - distance_m.begin())]);
+      if (kind) tasks.push_back({*kind, time_s[run.begin], time_s[run.end - 1], true});
+    }
+    begin = end + 1;
+  }
+  std::sort(tasks.begin(), tasks.end(),
+            [](const Task& a, const Task& b) { return a.begin_s < b.begin_s; });
+  return tasks;
+}
+
+void read_tasks_of(Analysis& analysis, const TaskContext& context) {
+  TaskReader reader(analysis, context);
+  for (std::size_t i = 0; i < kTaskKinds; ++i) reader.read(static_cast<TaskKind>(i));
+  reader.read(TaskKind::whole);
+  reader.read_fischer();
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "readings/tasks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "hosted/files/clean_text.h"
+#include "hosted/files/input_error.h"
+#include "hosted/files/number_text.h"
+#include "recordings/recording_formats.h"
+#include "recordings/session_markers.h"
+
+namespace condyle::host {
+namespace {
+
+std::string all_names() {
+  std::string text;
+  for (const std::string_view name : task_names()) {
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", name);
+  }
+  return text;
+}
+
+double time_of(std::string_view text, const std::string& place, const char* what) {
+  double value = 0;
+  if (parse_number(text, value) != NumberStatus::ok) {
+    throw InputError(place, fmt::format("{} is not a time", quote(text)),
+                     fmt::format("give the {} in seconds on the recording's clock", what));
+  }
+  return value;
+}
+
+Task task_of(const std::string& place, const std::string& name, std::string_view begin,
+             std::string_view end) {
+  Task task{task_kind(name, place), time_of(begin, place, "begin"), time_of(end, place, "end"),
+            false};
+  if (!(task.end_s > task.begin_s)) {
+    throw InputError(place, fmt::format("{} ends at {:g} s, not after {:g} s", name, task.end_s,
+                                        task.begin_s),
+                     "give the begin, then the end");
+  }
+  return task;
+}
+
+}  // namespace
+
+TaskKind task_kind(const std::string& name, const std::string& place) {
+  const auto names = task_names();
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) {
+    throw InputError(place, fmt::format("{} is not a task", quote(name)),
+                     fmt::format("tasks are {}", all_names()));
+  }
+  return static_cast<TaskKind>(found - names.begin());
+}
+
+std::vector<Task> tasks_of_words(const std::vector<std::string>& words) {
+  std::vector<Task> tasks;
+  for (std::size_t i = 0; i + 2 < words.size(); i += 3) {
+    tasks.push_back(task_of("--task", words[i], words[i + 1], words[i + 2]));
+  }
+  return tasks;
+}
+
+std::vector<Task> read_tasks(const std::string& path) {
+  ByteReader reader(path);
+  RowReader rows(reader);
+  std::string_view row;
+  const auto place = [&] { return fmt::format("{}:{}", path, rows.line()); };
+  std::vector<std::string_view> fields;
+  int columns[3] = {-1, -1, -1};
+  constexpr const char* names[3] = {"task", "begin_s", "end_s"};
+  if (!rows.next(row)) row = {};
+  split_row(row, fields);
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      if (fields[i] == names[k]) columns[k] = static_cast<int>(i);
+    }
+  }
+  for (int k = 0; k < 3; ++k) {
+    if (columns[k] < 0) {
+      throw InputError(place(), fmt::format("no column {}", names[k]),
+                       "the first line names the columns: task,begin_s,end_s");
+    }
+  }
+  std::vector<Task> tasks;
+  while (rows.next(row)) {
+    if (row.empty()) continue;
+    split_row(row, fields);
+    std::string_view values[3];
+    for (int k = 0; k < 3; ++k) {
+      if (static_cast<std::size_t>(columns[k]) >= fields.size()) {
+        throw InputError(place(), fmt::format("the row has no {}", names[k]),
+                         "complete the row: task, begin and end");
+      }
+      values[k] = fields[static_cast<std::size_t>(columns[k])];
+    }
+    tasks.push_back(task_of(place(), std::string(values[0]), values[1], values[2]));
+  }
+  if (tasks.empty()) {
+    throw InputError(path, "holds no task", "add rows such as opening,2.0,8.5");
+  }
+  return tasks;
+}
+
+std::vector<Task> marked_tasks(const std::string& path, double end_s) {
+  const std::vector<SessionMarker> markers = read_markers(path);
+  const auto names = task_names();
+  std::vector<Task> tasks;
+  for (std::size_t i = 0; i < markers.size(); ++i) {
+    const std::string text(trim(markers[i].text));
+    const auto found = std::find(names.begin(), names.end(), text);
+    if (found == names.end()) continue;
+    const double begin_s = seconds(markers[i].time_ns);
+    const double until_s = i + 1 < markers.size() ? seconds(markers[i + 1].time_ns) : end_s;
+    if (until_s > begin_s) {
+      tasks.push_back({static_cast<TaskKind>(found - names.begin()), begin_s, until_s, false});
+    }
+  }
+  return tasks;
+}
+
+}  // namespace condyle::host
