@@ -64,9 +64,9 @@ SampleRun reference_of(const PoseTrack& track, const AnalysisChoice& choice,
   return run;
 }
 
-JawGeometry geometry_without_landmarks(const PoseTrack& track, const ReferredMotion& motion,
+ReadingGeometry geometry_without_landmarks(const PoseTrack& track, const ReferredMotion& motion,
                                        SampleRun reference) {
-  JawGeometry geometry;
+  ReadingGeometry geometry;
   geometry.middle_m = geometry.incisor_m = motion.middle_m;
   geometry.condyle_m = {motion.middle_m, motion.middle_m};
   if (track.has_rotation && !track.body_m.isZero(0)) {
@@ -75,7 +75,7 @@ JawGeometry geometry_without_landmarks(const PoseTrack& track, const ReferredMot
   return geometry;
 }
 
-void describe_path(const ReferredMotion& motion, const JawGeometry& geometry, Analysis& analysis) {
+void describe_path(const ReferredMotion& motion, const ReadingGeometry& geometry, Analysis& analysis) {
   const LocalFit fit(motion.time_s, 0, motion.time_s.size());
   SmoothMotion smooth{motion.time_s, {}, {}};
   fit.apply(motion.motion, smooth.value, smooth.slope);
@@ -112,24 +112,31 @@ std::string rotation_problem(const PoseTrack& track, const Analysis& analysis) {
 
 }  // namespace
 
-Analysis analyse(const std::string& recording, const AnalysisChoice& choice) {
+Analysis analyse(const std::string& source, const AnalysisChoice& choice) {
+  std::optional<Landmarks> landmarks;
+  if (!choice.landmarks.empty()) landmarks = load_landmarks(choice.landmarks);
+  RecordingOptions reading = choice.reading;
+  reading.faults = FaultPolicy::event;  // missing rows are counted
+  return analyse(*open_recording(source, reading), source, landmarks, choice);
+}
+
+Analysis analyse(Recording& recording, const std::string& name,
+                 const std::optional<Landmarks>& landmarks, const AnalysisChoice& choice) {
   Analysis analysis;
-  analysis.recording = recording;
-  const PoseTrack track = read_poses(recording, choice.reading);
+  analysis.recording = name;
+  const PoseTrack track = read_poses(recording, name);
   analysis.info = track.info;
   analysis.counts = track.counts;
   analysis.events = track.events;
-  std::optional<Landmarks> landmarks;
-  if (!choice.landmarks.empty()) landmarks = load_landmarks(choice.landmarks);
   analysis.has_landmarks = landmarks.has_value();
   const double end_s = track.time_s.back();
   analysis.duration_s = end_s - track.time_s.front();
   analysis.rate_Hz = static_cast<double>(track.time_s.size() - 1) / analysis.duration_s;
-  const SampleRun rest = reference_of(track, choice, landmarks, recording, analysis);
+  const SampleRun rest = reference_of(track, choice, landmarks, name, analysis);
   const ReferredMotion motion = motion_from(track, rest.begin, rest.end, choice.moving);
   if (landmarks) check_near(*landmarks, motion.middle_m, choice.landmarks);
   analysis.noise = noise_of(motion, rest.begin, rest.end);
-  const JawGeometry geometry = landmarks ? geometry_of(*landmarks, motion.middle_m)
+  const ReadingGeometry geometry = landmarks ? geometry_of(*landmarks, motion.middle_m)
                                          : geometry_without_landmarks(track, motion, rest);
   describe_path(motion, geometry, analysis);
 
@@ -155,12 +162,12 @@ Analysis analyse(const std::string& recording, const AnalysisChoice& choice) {
 
   analysis.tasks = choice.tasks;
   if (analysis.tasks.empty() && track.info.is_of_device) {
-    analysis.tasks = marked_tasks(recording, end_s);
+    analysis.tasks = marked_tasks(name, end_s);
   }
   if (analysis.tasks.empty()) analysis.tasks = found_tasks(analysis.path, context);
   for (const Task& task : analysis.tasks) {
     if (task.begin_s > end_s || task.end_s < track.time_s.front()) {
-      throw InputError(recording,
+      throw InputError(name,
                        fmt::format("task {} from {:g} to {:g} s lies outside the recording",
                                    name_of(task.kind), task.begin_s, task.end_s),
                        fmt::format("it lasts from {:g} to {:g} s", track.time_s.front(), end_s));

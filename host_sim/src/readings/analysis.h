@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "readings/chewing_cycles.h"
-#include "readings/jaw_geometry.h"
+#include "readings/reading_geometry.h"
 #include "readings/pose_noise.h"
 #include "readings/pose_track.h"
 #include "readings/reading.h"
@@ -55,7 +55,10 @@ struct Analysis {
   std::vector<double> incisor_sd_m;  ///< of each smoothed position, root of the mean variance
 };
 
-/// Analyses the recording. Throws InputError if it, or the landmarks, cannot be used.
-Analysis analyse(const std::string& recording, const AnalysisChoice& choice);
+/// Analyses the recording at `source`. Throws InputError if it, or the landmarks, cannot be used.
+Analysis analyse(const std::string& source, const AnalysisChoice& choice);
+/// The same for an open recording and given landmarks; messages call it `name`.
+Analysis analyse(Recording& recording, const std::string& name,
+                 const std::optional<Landmarks>& landmarks, const AnalysisChoice& choice);
 
 }  // namespace condyle::host

@@ -44,7 +44,7 @@ std::vector<std::size_t> turning_points(const std::vector<double>& z, double lea
 
 // Depth below the top that counts as closed.
 double closed_depth_m(double height_m, double noise_sd_m) {
-  return std::max({0.2e-3, 5 * noise_sd_m, 0.015 * height_m});
+  return std::max({0.05e-3, 5 * noise_sd_m, 0.004 * height_m});
 }
 
 // When z, going from `from` in steps of `way`, first lies `depth_m` below `top_m`, interpolated.
@@ -67,11 +67,11 @@ double passage_s(const std::vector<double>& time_s, const std::vector<double>& z
 double departure_s(const std::vector<double>& time_s, const std::vector<double>& z,
                    std::size_t last, int way, double top_m, double depth_m) {
   const double t1 = passage_s(time_s, z, last, way, top_m - depth_m);
-  const double t2 = passage_s(time_s, z, last, way, top_m - 4 * depth_m);
-  const double t3 = passage_s(time_s, z, last, way, top_m - 16 * depth_m);
+  const double t2 = passage_s(time_s, z, last, way, top_m - 2 * depth_m);
+  const double t3 = passage_s(time_s, z, last, way, top_m - 4 * depth_m);
   const double first_s = t2 - t1, second_s = t3 - t2;
   if (first_s == 0) return t1;
-  const double ratio = std::clamp(second_s / first_s, 1.4, 4.0);
+  const double ratio = std::clamp(second_s / first_s, 1.2, 2.0);
   return t1 - first_s / (ratio - 1);
 }
 

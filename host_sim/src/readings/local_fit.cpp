@@ -45,20 +45,21 @@ LocalFit::LocalFit(const std::vector<double>& time_s, std::size_t begin, std::si
     const auto [first, last] = ranges[k - begin];
     const std::size_t count = last - first;
     Window window{first - first_used_, {}, {}};
-    // A quadratic needs five samples; with fewer, the sample itself and the slope of its line.
-    const int terms = count >= kLeastFitSamples ? 3 : count >= 2 ? 2 : 1;
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Identity();
+    // At a border, where all samples lie on one side, a quadratic: a cubic would follow the noise.
+    const bool is_border = first == k || last == k + 1;
+    const int terms = count >= kLeastFitSamples ? (is_border ? 3 : 4) : count >= 2 ? 2 : 1;
+    Eigen::Matrix4d normal = Eigen::Matrix4d::Identity();
     normal.topLeftCorner(terms, terms).setZero();
     const auto powers = [&](std::size_t i) {
       const double x = (time_s[i] - time_s[k]) / kFitHalfWidth_s;
-      Eigen::Vector3d row(1, x, x * x);
-      row.tail(3 - terms).setZero();
+      Eigen::Vector4d row(1, x, x * x, x * x * x);
+      row.tail(4 - terms).setZero();
       return row;
     };
     for (std::size_t i = first; i < last; ++i) normal += powers(i) * powers(i).transpose();
-    const Eigen::Matrix3d inverse = normal.inverse();
+    const Eigen::Matrix4d inverse = normal.inverse();
     for (std::size_t i = first; i < last; ++i) {
-      const Eigen::Vector3d weights = inverse * powers(i);
+      const Eigen::Vector4d weights = inverse * powers(i);
       window.value_weights.push_back(weights[0]);
       window.slope_weights.push_back(weights[1] / kFitHalfWidth_s);
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Value and slope of a motion at each sample: least squares of a quadratic over the samples within
-// 50 ms on both sides, at least five of them. Linear in the samples, with known weights.
+// Value and slope of a motion at each sample: least squares of a cubic over the samples within 50 ms
+// on both sides, at least seven of them. A quadratic would give slopes 3 % too small at the peak of a
+// chewing stroke. Linear in the samples, with known weights.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +14,7 @@ namespace condyle::host {
 /// Half width of the window (s), and where samples are few, the greatest half width.
 inline constexpr double kFitHalfWidth_s = 0.05, kWidestFit_s = 0.15;
 /// Fewest samples of a fit.
-inline constexpr std::size_t kLeastFitSamples = 5;
+inline constexpr std::size_t kLeastFitSamples = 7;
 
 /// The weights of the fits at samples `begin` to `end` (without) of a recording.
 class LocalFit {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "readings/jaw_geometry.h"
+#include "readings/reading_geometry.h"
 
 namespace condyle::host {
 

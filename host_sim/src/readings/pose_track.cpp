@@ -33,7 +33,7 @@ struct ThreePoints {
 };
 
 // Fits the body with the median distances; what does not fit is not used.
-void fit_body(const std::vector<ThreePoints>& samples, const std::string& recording,
+void fit_body(const std::vector<ThreePoints>& samples, const std::string& name,
               PoseTrack& track) {
   Vector3d distances_m;
   for (int k = 0; k < 3; ++k) {
@@ -43,7 +43,7 @@ void fit_body(const std::vector<ThreePoints>& samples, const std::string& record
   }
   const auto in_jaw_frame = RigidBody<double>::from_distances(distances_m);
   if (in_jaw_frame.status() != PoseStatus::ok) {
-    throw InputError(recording, "its three points lie on a line or coincide",
+    throw InputError(name, "its three points lie on a line or coincide",
                      "give three points of one rigid body that span a triangle");
   }
   const Vector3d middle_m = in_jaw_frame.shape_m().rowwise().mean();
@@ -119,16 +119,13 @@ Matrix3d rotation_by(const Vector3d& vector_rad) {
   return Eigen::AngleAxisd(angle, vector_rad / angle).toRotationMatrix();
 }
 
-PoseTrack read_poses(const std::string& recording, const RecordingOptions& reading) {
-  RecordingOptions options = reading;
-  options.faults = FaultPolicy::event;  // missing rows are counted
-  const auto opened = open_recording(recording, options);
+PoseTrack read_poses(Recording& recording, const std::string& name) {
   PoseTrack track;
   std::vector<ThreePoints> points;
   Sample sample;
   double last_s = 0;
   bool has_time = false;
-  while (opened->next(sample)) {
+  while (recording.next(sample)) {
     ++track.counts.samples;
     if (sample.kind == SampleKind::one_axis) break;
     if (!sample.time_valid || !sample.position_valid) {
@@ -161,22 +158,22 @@ PoseTrack read_poses(const std::string& recording, const RecordingOptions& readi
     track.time_s.push_back(time_s);
     track.pose.push_back(pose);
   }
-  track.info = opened->info();
+  track.info = recording.info();
   if (track.info.kind == SampleKind::one_axis) {
-    throw InputError(recording, "holds the position along one axis",
+    throw InputError(name, "holds the position along one axis",
                      "readings need a point in space or three points; use condyle replay");
   }
   track.has_rotation = track.info.kind != SampleKind::one_point;
   track.body_m = Matrix3d::Zero();
   const auto refuse_if_short = [&](std::size_t usable) {
     if (usable >= kLeastSamples) return;
-    throw InputError(recording,
+    throw InputError(name,
                      fmt::format("{} of {} samples can be used", usable, track.counts.samples),
                      fmt::format("at least {} are needed", kLeastSamples));
   };
   if (track.info.kind == SampleKind::three_points) {
     refuse_if_short(points.size());
-    fit_body(points, recording, track);
+    fit_body(points, name, track);
   }
   refuse_if_short(track.pose.size());
   keep_usable(track);

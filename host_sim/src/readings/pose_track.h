@@ -41,8 +41,8 @@ struct PoseTrack {
   std::vector<std::string> events;      ///< bursts, as text
 };
 
-/// Reads it. Throws InputError if it cannot be used.
-PoseTrack read_poses(const std::string& recording, const RecordingOptions& reading);
+/// Reads `recording`, which messages call `name`. Throws InputError if it cannot be used.
+PoseTrack read_poses(Recording& recording, const std::string& name);
 
 /// Which body moves relative to the instrument.
 enum class MovingBody { lower, upper };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The list of readings. Distances are displacements from the reference position in the head frame:
-// X anterior, Y left, Z superior (jaw_geometry.h).
+// X anterior, Y left, Z superior (reading_geometry.h).
 #include "readings/reading.h"
 
 namespace condyle::host {
@@ -8,8 +8,9 @@ namespace condyle::host {
 const std::vector<ReadingDefinition>& reading_definitions() {
   static const std::vector<ReadingDefinition> all = {
       {"displacement_mm", "mm", "greatest displacement of the lower incisor (of point 1 without "
-       "landmarks)", 2, false, false},
-      {"rotation_deg", "deg", "greatest rotation from the reference position", 3, true, false},
+       "landmarks) in a stroke, or in a task without strokes", 2, false, false},
+      {"rotation_deg", "deg", "greatest rotation from the reference position in a stroke, or in a "
+       "task without strokes", 3, true, false},
       {"opening_mm", "mm", "greatest displacement of the lower incisor", 2, false, false},
       {"opening_vertical_mm", "mm", "greatest displacement of the lower incisor downward, "
        "perpendicular to the reference plane", 2, false, true},

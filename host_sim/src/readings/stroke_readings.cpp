@@ -91,6 +91,9 @@ struct Outward {
   double travel_m = 0;
 };
 
+// Its length, from the very passage of kOnset_m.
+double outward_length_m(const JawPath& path, std::size_t side, const Outward& outward);
+
 double sagittal(const Vector3d& point) {
   return std::hypot(point.x(), point.z());
 }
@@ -107,6 +110,19 @@ Outward outward_of(const Points& condyle_m) {
   outward.begin = outward.end;
   while (outward.begin > 0 && sagittal(condyle_m[outward.begin]) > kOnset_m) --outward.begin;
   return outward;
+}
+
+double outward_length_m(const JawPath& path, std::size_t side, const Outward& outward) {
+  if (outward.travel_m < kOnset_m || outward.end == 0) return kNone;
+  Points points = path.condyle_m[side];
+  const auto onset = first_passage(path.time_s, points, path.condyle_m_s[side], outward.begin,
+                                   outward.begin + 1, kOnset_m, sagittal);
+  if (onset) points[outward.begin] = onset->point;
+  // The top lies between samples.
+  std::vector<double> travels;
+  for (const Vector3d& point : points) travels.push_back(sagittal(point));
+  const double beyond_m = greatest_value(path.time_s, travels, outward.end) - outward.travel_m;
+  return path_length_m(points, outward.begin, outward.end, kChord_m) + beyond_m;
 }
 
 double medial(const Vector3d& point, std::size_t side) {
@@ -164,10 +180,7 @@ void add_condyles(TaskKind kind, const JawPath& path, Values& out) {
   double length_mm[2];
   for (std::size_t side = 0; side < 2; ++side) {
     const Outward outward = outward_of(path.condyle_m[side]);
-    length_mm[side] = outward.travel_m > kOnset_m
-                          ? path_length_m(path.condyle_m[side], outward.begin, outward.end,
-                                          kChord_m) / kMillimetre
-                          : kNone;
+    length_mm[side] = outward_length_m(path, side, outward) / kMillimetre;
     out.add(length_mm[side], [] { return std::string("the condyle travels less than 0.3 mm"); });
     out.add(greatest_mm(path, sizes_of(path.condyle_m[side])));
     const bool orbits = (kind == TaskKind::left && side == 1) || (kind == TaskKind::right && side == 0);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "readings/jaw_geometry.h"
+#include "readings/reading_geometry.h"
 #include "readings/reading.h"
 
 namespace condyle::host {

@@ -8,12 +8,21 @@ namespace condyle::host {
 namespace {
 
 constexpr double kLeastRest_s = 0.3, kRestSpeed_m_s = 2e-3, kClosed_m = 0.5e-3;
-constexpr double kSpeedWindow_s = 0.1;
+constexpr double kSpeedWindow_s = 0.1, kRestMargin_s = 0.25;
 
 struct Rest {
   SampleRun run;
   double height_m;
 };
+
+// Without the slow beginning and end of the neighbouring movements.
+SampleRun inner_part(const std::vector<double>& time_s, SampleRun run) {
+  const double begin_s = time_s[run.begin], end_s = time_s[run.end - 1];
+  const double margin_s = std::min(kRestMargin_s, (end_s - begin_s) / 4);
+  while (time_s[run.begin] < begin_s + margin_s) ++run.begin;
+  while (time_s[run.end - 1] > end_s - margin_s) --run.end;
+  return run;
+}
 
 }  // namespace
 
@@ -47,6 +56,7 @@ std::optional<SampleRun> find_rest(const PoseTrack& track, const Eigen::Vector3d
     }
     begin = end + 1;
   }
+  for (Rest& rest : rests) rest.run = inner_part(time_s, rest.run);
   if (rests.empty()) return std::nullopt;
   if (up.isZero(0)) return rests[0].run;
   double highest_m = rests[0].height_m;

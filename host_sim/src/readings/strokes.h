@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "readings/jaw_geometry.h"
+#include "readings/reading_geometry.h"
 #include "readings/burst_search.h"
 #include "readings/reading.h"
 

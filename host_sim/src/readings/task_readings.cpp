@@ -16,7 +16,9 @@ namespace {
 constexpr int kStrokePairs = 40, kCyclePairs = 12;
 constexpr double kLeastStroke_m = 1.5e-3, kLeastFoundStroke_m = 3e-3;
 constexpr double kMargin_s = 0.15, kLongestGap_s = 0.15, kNewSequence_s = 2;
-constexpr double kNoiseExcess = 0.2;  // share of a jerk that noise may explain
+// Standard deviation of the instant at which the jaw leaves or reaches a pause: it begins and ends
+// so slowly that its form, which is not known, decides.
+constexpr double kPauseBoundary_s = 8e-3;
 constexpr std::size_t kLeastChewingCycles = 4;
 
 struct Key {
@@ -226,11 +228,28 @@ class TaskReader {
     UncertainValue count;
     count.value = taken;
     add(definition_of("cycle_count"), TaskKind::chewing, Side::none, 0, count, is_found);
+    add_greatest(windows, is_found);
     for (std::size_t k = 0; k < names.size(); ++k) {
       UncertainValue mean = mean_of(by_reading[k]);
       if (taken == 0) mean.missing = "no chewing cycle was found";
       add(definition_of(names[k]), TaskKind::chewing, Side::none, 0, mean, is_found);
       if (k == 0) add_frequency(by_reading[0], mean, is_found);
+    }
+  }
+
+  // Displacement and rotation: the greatest of all windows.
+  void add_greatest(const std::vector<SampleRun>& windows, bool is_found) {
+    const auto names = readings_of_stroke(TaskKind::whole, context_.has_landmarks);
+    std::vector<UncertainValue> greatest;
+    for (const SampleRun& window : windows) {
+      const auto values = values_of(TaskKind::whole, window, names.size());
+      if (greatest.empty()) greatest = values;
+      for (std::size_t k = 0; k < names.size(); ++k) {
+        if (values[k].value > greatest[k].value) greatest[k] = values[k];
+      }
+    }
+    for (std::size_t k = 0; k < greatest.size(); ++k) {
+      add(definition_of(names[k].name), TaskKind::chewing, Side::none, 0, greatest[k], is_found);
     }
   }
 
@@ -270,11 +289,19 @@ class TaskReader {
     const double after_s = cycle.ends_with_pause ? 0.3 : kMargin_s;
     while (begin > 0 && time_s[cycle.begin] - time_s[begin - 1] <= before_s) --begin;
     while (end < time_s.size() && time_s[end] - time_s[cycle.end] <= after_s) ++end;
-    return uncertain_values(
+    auto values = uncertain_values(
         *context_.motion, begin, end, *context_.noise, context_.errors, kCyclePairs, random_,
         [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
           read_cycle(cycle, begin, sd_m, context_.has_landmarks, path, into, why);
         });
+    // Duration, opening time, closing time.
+    const double at_begin_s = cycle.begins_after_pause ? kPauseBoundary_s : 0;
+    const double at_end_s = cycle.ends_with_pause ? kPauseBoundary_s : 0;
+    const double added_s[] = {std::hypot(at_begin_s, at_end_s), at_begin_s, at_end_s};
+    for (std::size_t i = 0; i < 3; ++i) {
+      values[i].noise_sd = std::hypot(values[i].noise_sd, added_s[i]);
+    }
+    return values;
   }
 
   Analysis& analysis_;

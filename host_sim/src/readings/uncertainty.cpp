@@ -8,6 +8,11 @@ namespace {
 
 // Beyond this share of draws without a value, the value depends on chance.
 constexpr double kMostMissing = 0.1;
+// Smoothing a second time changes noise by less than this, in standard deviations.
+constexpr double kNoiseOfSmoothing = 0.7;
+// What is left after the correction is far less than what was corrected; the interval contains this
+// many times that.
+constexpr double kTimesSmoothing = 2;
 
 std::vector<Vector6> part(const std::vector<Vector6>& samples, std::size_t begin, std::size_t end) {
   return {samples.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -21,7 +26,7 @@ struct Draws {
 
 }  // namespace
 
-SharedErrors shared_errors(const Landmarks* landmarks, const JawGeometry& geometry,
+SharedErrors shared_errors(const Landmarks* landmarks, const ReadingGeometry& geometry,
                            const Matrix6& reference) {
   SharedErrors errors{geometry, {}};
   if (landmarks != nullptr) {
@@ -37,7 +42,7 @@ SharedErrors shared_errors(const Landmarks* landmarks, const JawGeometry& geomet
   const Matrix6 root = reference.llt().matrixL();
   for (int i = 0; i < 6 && root.allFinite(); ++i) {
     if (root.col(i).isZero(0)) continue;
-    JawGeometry moved = geometry;
+    ReadingGeometry moved = geometry;
     moved.reference_shift_m = root.col(i).head<3>();
     moved.reference_turn_rad = root.col(i).tail<3>();
     errors.off_by_one_sd.push_back(moved);
@@ -74,7 +79,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
   paths_of(smooth, errors.geometry, path);
   read(path, values, &why);
   std::vector<UncertainValue> results(values.size());
-  for (const JawGeometry& moved : errors.off_by_one_sd) {
+  for (const ReadingGeometry& moved : errors.off_by_one_sd) {
     paths_of(smooth, moved, path);
     read(path, once, nullptr);
     for (std::size_t i = 0; i < results.size(); ++i) results[i].fixed.push_back(once[i] - values[i]);
@@ -120,11 +125,11 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
     const double count = std::max(drawn.count, 1.0);
     const double variance = drawn.squares / count;
     const double smoothing = once[i] - values[i];
-    const double square = smoothing * smoothing;
-    const double share = square + variance > 0 ? square / (square + variance) : 0;
-    result.value = values[i] - share * smoothing - drawn.excess / count;
     result.noise_sd = std::sqrt(variance);
-    result.smoothing = std::abs(smoothing);
+    // Beyond what noise alone changes.
+    const double excess = std::max(std::abs(smoothing) - kNoiseOfSmoothing * result.noise_sd, 0.0);
+    result.value = values[i] - std::copysign(excess, smoothing) - drawn.excess / count;
+    result.smoothing = kTimesSmoothing * excess;
     for (const double change : result.fixed) {
       if (!std::isfinite(change)) result.missing = "whether the movement reaches it depends on the landmarks";
     }

@@ -2,9 +2,9 @@
 // What measures of a path are worth: values with the parts of their uncertainty.
 //
 //   y    smoothed motion of the stroke; F(y) the measures; S smoothing; e noise of the samples
-//   smoothing   b = F(S y) - F(y), what smoothing once more changes: the estimate of what it changed
-//               the first time. The value is corrected by b^2 / (b^2 + sd^2) of it, and |b| stays in
-//               the interval
+//   smoothing   F(S y) - F(y), what smoothing once more changes, is the estimate of what it changed
+//               the first time. As far as it exceeds noise it is subtracted, and the interval
+//               contains twice of it
 //   noise       mean of F(S(y + e)) and F(S(y - e)) minus F(S y): what noise adds on average, which
 //               is subtracted; half the difference: its standard deviation
 //   fixed       F with one landmark coordinate, or one component of the reference position, off by
@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "readings/jaw_geometry.h"
+#include "readings/reading_geometry.h"
 #include "readings/pose_noise.h"
 #include "readings/reading.h"
 #include "statistics/random.h"
@@ -24,12 +24,12 @@ namespace condyle::host {
 
 /// The geometry, and the same with each shared error in turn.
 struct SharedErrors {
-  JawGeometry geometry;
-  std::vector<JawGeometry> off_by_one_sd;
+  ReadingGeometry geometry;
+  std::vector<ReadingGeometry> off_by_one_sd;
 };
 
 /// Those of `landmarks` (null: none) and of a reference position with the covariance `reference`.
-SharedErrors shared_errors(const Landmarks* landmarks, const JawGeometry& geometry,
+SharedErrors shared_errors(const Landmarks* landmarks, const ReadingGeometry& geometry,
                            const Matrix6& reference);
 
 /// Fills `values` from a path; `why`, if not null, with the reasons for what is missing.

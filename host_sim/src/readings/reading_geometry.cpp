@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "readings/jaw_geometry.h"
+#include "readings/reading_geometry.h"
 
 #include <cmath>
 
@@ -28,8 +28,8 @@ Vector3d angular_velocity(const Vector3d& w, const Vector3d& rate) {
 
 }  // namespace
 
-JawGeometry geometry_of(const Landmarks& landmarks, const Vector3d& middle_m) {
-  JawGeometry geometry;
+ReadingGeometry geometry_of(const Landmarks& landmarks, const Vector3d& middle_m) {
+  ReadingGeometry geometry;
   geometry.has_landmarks = true;
   geometry.head = head_frame(landmarks);
   geometry.middle_m = middle_m;
@@ -39,7 +39,7 @@ JawGeometry geometry_of(const Landmarks& landmarks, const Vector3d& middle_m) {
   return geometry;
 }
 
-void paths_of(const SmoothMotion& motion, const JawGeometry& geometry, JawPath& path) {
+void paths_of(const SmoothMotion& motion, const ReadingGeometry& geometry, JawPath& path) {
   const Matrix3d into_head = geometry.head.linear().transpose();
   const std::size_t count = motion.time_s.size();
   path.time_s = motion.time_s;

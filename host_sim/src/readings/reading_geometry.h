@@ -17,7 +17,7 @@
 namespace condyle::host {
 
 /// The points whose paths are read, and the head frame's axes, in the instrument's frame.
-struct JawGeometry {
+struct ReadingGeometry {
   bool has_landmarks = false;
   Eigen::Isometry3d head = Eigen::Isometry3d::Identity();
   Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();   ///< f
@@ -28,7 +28,7 @@ struct JawGeometry {
 };
 
 /// The geometry of `landmarks`.
-JawGeometry geometry_of(const Landmarks& landmarks, const Eigen::Vector3d& middle_m);
+ReadingGeometry geometry_of(const Landmarks& landmarks, const Eigen::Vector3d& middle_m);
 
 /// Paths in the head frame: displacements from the reference (m), velocities (m/s), rotations.
 struct JawPath {
@@ -42,7 +42,7 @@ struct JawPath {
 };
 
 /// The paths of `motion`.
-void paths_of(const SmoothMotion& motion, const JawGeometry& geometry, JawPath& path);
+void paths_of(const SmoothMotion& motion, const ReadingGeometry& geometry, JawPath& path);
 
 /// Angle of the twist of the rotation `vector_rad` about `axis`, of swing and twist (rad).
 double twist_about(const Eigen::Vector3d& vector_rad, int axis);

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recordings of the kinematic jaw, analysed and held against its true readings.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "readings/analysis.h"
+#include "simulation/kinematic/kinematic_simulation.h"
+
+namespace condyle::host {
+
+/// Samples as a recording.
+class SampleRecording final : public Recording {
+ public:
+  explicit SampleRecording(const std::vector<Sample>& samples) : samples_(samples) {
+    info_.format = "simulation";
+    info_.kind = samples.empty() ? SampleKind::three_points : samples[0].kind;
+  }
+  bool next(Sample& sample) override {
+    if (next_ == samples_.size()) return false;
+    sample = samples_[next_++];
+    return true;
+  }
+  const RecordingInfo& info() const override { return info_; }
+  std::string place() const override { return "simulation"; }
+  double progress() const override { return 0; }
+
+ private:
+  const std::vector<Sample>& samples_;
+  RecordingInfo info_;
+  std::size_t next_ = 0;
+};
+
+/// The landmarks that an examiner states.
+inline Landmarks stated_landmarks(const KinematicSimulation& simulation,
+                                  const LandmarkErrors& errors) {
+  const JawLandmarks& stated = simulation.stated_landmarks();
+  Landmarks landmarks;
+  landmarks.point_m = {stated.condyle_left, stated.condyle_right, stated.incisor_lower,
+                       stated.plane_left,   stated.plane_right,   stated.plane_front};
+  for (int i = 0; i < 6; ++i) {
+    landmarks.sd_m[static_cast<std::size_t>(i)] =
+        1e-3 * (i < 2 ? errors.condyle_sd_mm : i == 2 ? errors.incisor_sd_mm : errors.plane_sd_mm);
+  }
+  return landmarks;
+}
+
+/// The tasks with their true times, stated.
+inline std::vector<Task> stated_tasks(const KinematicSimulation& simulation) {
+  std::vector<Task> tasks;
+  for (const JawTaskSpan& span : simulation.tasks()) {
+    tasks.push_back({task_kind(span.name(), "simulation"), span.begin_s, span.end_s, false});
+  }
+  return tasks;
+}
+
+/// Counts of one reading over many recordings.
+struct Coverage {
+  int wanted = 0, shown = 0, covered = 0;
+  double squares = 0, halves = 0;  ///< of the error; sum of half intervals
+};
+
+/// "task/side/reading" of the mean over strokes.
+using Coverages = std::map<std::string, Coverage>;
+
+inline std::string coverage_key(const std::string& task, const std::string& side,
+                                const std::string& reading) {
+  return task + "/" + side + "/" + reading;
+}
+
+/// Adds the means of `analysis` to `coverages`.
+inline void compare_means(const Analysis& analysis, const std::vector<TrueReading>& truth,
+                          Coverages& coverages) {
+  std::map<std::string, double> values;
+  for (const TrueReading& reading : truth) {
+    if (reading.stroke == 0) {
+      values[coverage_key(reading.task, reading.side, reading.reading)] = reading.value;
+    }
+  }
+  for (const JawReading& reading : analysis.readings) {
+    if (reading.stroke > 0) continue;
+    const std::string key = coverage_key(name_of(reading.task), name_of(reading.side),
+                                         std::string(reading.definition->name));
+    const auto truth_of = values.find(key);
+    if (truth_of == values.end()) continue;
+    Coverage& coverage = coverages[key];
+    ++coverage.wanted;
+    if (reading.provenance == ReadingProvenance::withheld) continue;
+    const double error = reading.value - truth_of->second;
+    ++coverage.shown;
+    coverage.covered += reading.low <= truth_of->second && truth_of->second <= reading.high;
+    coverage.squares += error * error;
+    coverage.halves += (reading.high - reading.low) / 2;
+  }
+}
+
+}  // namespace condyle::host
