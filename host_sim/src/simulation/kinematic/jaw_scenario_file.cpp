@@ -120,9 +120,6 @@ JawScenario load_jaw_scenario(const std::string& path) {
     if (kind == JawTaskKind::chewing) read_chewing(file, task.chewing);
     if (file.has("", jaw_task_name(kind))) scenario.tasks.push_back(task);
   }
-  if (scenario.tasks.empty()) {
-    throw InputError(path, "the jaw has no task", "add a section such as [opening]");
-  }
   read_facebow(file, scenario.facebow);
   read_mounting(file, scenario.mounting);
   constexpr Range sd_mm{0, 20};
@@ -130,6 +127,9 @@ JawScenario load_jaw_scenario(const std::string& path) {
   file.number("landmarks", "incisor_sd_mm", scenario.landmarks.incisor_sd_mm, "mm", sd_mm);
   file.number("landmarks", "plane_sd_mm", scenario.landmarks.plane_sd_mm, "mm", sd_mm);
   file.finish();
+  if (scenario.tasks.empty()) {
+    throw InputError(path, "the jaw has no task", "add a section such as [opening]");
+  }
   return scenario;
 }
 
