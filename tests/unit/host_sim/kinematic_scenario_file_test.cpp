@@ -83,7 +83,7 @@ TEST(KinematicScenarioFile, NamesPlaceProblemAndMend) {
   expect("[kinematic]\ninclination_deg = 65\ncurvature_per_mm = 0\n[opening]\nadvance_mm = 24\n",
          "moves further than it is from the midline");
   expect("[kinematic]\n[rest]\n[mounting]\nmoving = \"head\"\n", "give \"lower\" or \"upper\"");
-  expect("[kinematic]\n[rest]\nduration_s = 3600\n[facebow]\nrate_Hz = 5000\n",
+  expect("[kinematic]\n[rest]\nduration_s = 1800\n[facebow]\nrate_Hz = 5000\n",
          "more than memory may hold");
   expect("[kinematic]\n[rest]\n[facebow]\njitter_s = 0.05\n", "a fifth of the sampling period");
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr Range kShare{0, 1};
 constexpr Range kSpread{0, 0.3};
-constexpr Range kPause_s{0, 60};
+constexpr Range kPause_s{0, 10};
 constexpr std::int64_t kMostSeed = 9'000'000'000'000'000;
 constexpr Range kAnyAngle_deg{-180, 180};
 
@@ -27,7 +27,7 @@ void read_condyle(TomlReader& file, const std::string& section, CondylarPath& pa
 void read_subject(TomlReader& file, JawScenario& scenario) {
   const std::string section = "kinematic";
   JawAnatomy& jaw = scenario.anatomy;
-  file.number(section, "gap_s", scenario.gap_s, "s", {0.5, 60});
+  file.number(section, "gap_s", scenario.gap_s, "s", {0.5, 10});
   file.number(section, "translation_delay", scenario.translation_delay, "share", {0, 0.8});
   file.number(section, "working_share", scenario.working_share, "share", {0, 0.3});
   file.number(section, "half_width_mm", jaw.half_width_mm, "mm", {30, 80});
@@ -67,13 +67,13 @@ JawTask read_task(TomlReader& file, JawTaskKind kind) {
   JawTask task = default_task(kind);
   const std::string section = jaw_task_name(kind);
   if (kind == JawTaskKind::rest || kind == JawTaskKind::chewing) {
-    file.number(section, "duration_s", task.duration_s, "s", {1, 3600});
+    file.number(section, "duration_s", task.duration_s, "s", {1, 1800});
     if (kind == JawTaskKind::rest) return task;
   } else {
     std::int64_t strokes = task.strokes;
-    file.integer(section, "strokes", strokes, 1, 100);
+    file.integer(section, "strokes", strokes, 1, 50);
     task.strokes = static_cast<int>(strokes);
-    file.number(section, "stroke_s", task.stroke_s, "s", {0.2, 20});
+    file.number(section, "stroke_s", task.stroke_s, "s", {0.2, 10});
     file.number(section, "rest_s", task.rest_s, "s", kPause_s);
   }
   file.number(section, "advance_mm", task.advance_mm, "mm", {0, 25});

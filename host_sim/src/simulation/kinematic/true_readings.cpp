@@ -205,10 +205,12 @@ class TruthOfJaw {
       add(fmt::format("bennett_angle_{:g}mm_deg", at_mm),
           kDegrees * std::atan2(inwards * c.y(), c.x()), "deg", side);
     }
+    double from_s = out.begin_s;  // x is asked for in rising order
     const auto medial_mm = [&](double x_mm) -> std::optional<double> {
-      const auto time_s =
-          first_passage_s([&](double t) { return condyle_mm(side, t).x(); }, out, x_mm);
+      const auto time_s = first_passage_s([&](double t) { return condyle_mm(side, t).x(); },
+                                          {from_s, out.end_s}, x_mm);
       if (!time_s) return std::nullopt;
+      from_s = *time_s;
       return inwards * condyle_mm(side, *time_s).y();
     };
     if (const auto early_mm = medial_mm(kEarlyShift_mm)) {
