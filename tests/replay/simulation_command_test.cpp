@@ -59,6 +59,28 @@ TEST(Simulate, WritesTheHeadsAccelerationBesideTheRecording) {
   }
 }
 
+// The whole session of a kinematic jaw: tasks, landmarks, poses and readings beside the recording.
+TEST(Simulate, WritesAClinicalSession) {
+  const TemporaryFolder folder;
+  const CommandResult result = run_condyle({"simulate", scenario("clinical_session"), "--out",
+                                            folder / "jaw.csv", "--truth", folder / "truth.csv"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_EQ(folder.count(), 6);
+  const std::size_t rows = read_table(folder / "jaw.csv").rows;
+  EXPECT_GT(rows, 3600U);
+  EXPECT_EQ(read_table(folder / "truth.csv").rows, rows);
+  EXPECT_THAT(read_file(folder / "jaw.landmarks.toml"), HasSubstr("\ncondyle_left = ["));
+  EXPECT_THAT(read_file(folder / "jaw.tasks.csv"), HasSubstr("\nprotrusion,"));
+  EXPECT_THAT(read_file(folder / "jaw.readings.csv"),
+              HasSubstr("\nleft,right,0,bennett_angle_5mm_deg,"));
+  EXPECT_THAT(read_file(folder / "jaw.cycles.csv"), HasSubstr("\n1,1,left,0,"));
+  const CommandResult replayed =
+      run_condyle({"replay", "sim:" + scenario("clinical_session"), "--out", folder / "e.csv"});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.errors;
+  EXPECT_EQ(read_table(folder / "e.csv").rows, rows);
+  EXPECT_EQ(run_condyle({"simulate", scenario("clinical_session"), "--out", "-"}).exit_code, 2);
+}
+
 TEST(Simulate, SameSeedSameBytes) {
   const TemporaryFolder folder;
   const auto simulate = [&](const char* name, const char* seed) {

@@ -12,6 +12,8 @@
 #include "options/command_line.h"
 #include "output/output_file.h"
 #include "output/progress.h"
+#include "simulation/kinematic/jaw_scenario_file.h"
+#include "simulation/kinematic/jaw_text.h"
 #include "simulation/recording_writer.h"
 #include "simulation/scenario_file.h"
 
@@ -26,12 +28,55 @@ struct SimulateOptions {
 };
 
 // "a/b.csv" with "drive" becomes "a/b.drive.csv".
-std::string beside(const std::string& path, const std::string& part) {
+std::string beside(const std::string& path, const std::string& part,
+                   const std::string& ending = ".csv") {
   const std::filesystem::path base(path);
-  return (base.parent_path() / (base.stem().string() + "." + part + ".csv")).string();
+  return (base.parent_path() / (base.stem().string() + "." + part + ending)).string();
+}
+
+void report(std::size_t samples, const std::string& scenario, std::uint64_t seed,
+            const std::string& files) {
+  print_output(fmt::format("{} samples of {}, seed {}; simulated, no person was recorded\n{}",
+                           samples, clean_line(scenario), seed, files));
+}
+
+int simulate_jaw(const SimulateOptions& options) {
+  const JawScenario scenario = load_jaw_scenario(options.scenario);
+  const std::uint64_t seed = options.seed.value_or(scenario.seed);
+  if (options.out == "-") {
+    throw InputError("--out -", "landmarks and tasks are written into files beside the recording",
+                     "name a file");
+  }
+  const KinematicSimulation simulation(scenario, seed);
+  struct Output {
+    std::string path, text;
+  };
+  std::vector<Output> outputs = {{options.out, jaw_recording_csv(simulation.samples())},
+                                 {beside(options.out, "landmarks", ".toml"),
+                                  jaw_landmarks_toml(simulation, scenario.landmarks)},
+                                 {beside(options.out, "tasks"), jaw_tasks_csv(simulation.tasks())}};
+  if (!options.truth.empty()) {
+    outputs.push_back({options.truth, jaw_poses_csv(simulation)});
+    outputs.push_back(
+        {beside(options.out, "readings"), jaw_readings_csv(true_readings(simulation.jaw()))});
+    outputs.push_back(
+        {beside(options.out, "cycles"), jaw_cycles_csv(true_cycles(simulation.jaw()))});
+  }
+  std::vector<std::string> paths;
+  for (const Output& output : outputs) paths.push_back(output.path);
+  refuse_same_files({options.scenario}, paths);
+  std::vector<std::unique_ptr<OutputFile>> files;
+  for (const Output& output : outputs) {
+    files.push_back(std::make_unique<OutputFile>(output.path));
+    files.back()->write(output.text);
+  }
+  for (const auto& file : files) file->close();
+  report(simulation.samples().size(), scenario.name, seed, commit_all(files));
+  return kExitOk;
 }
 
 int simulate(const SimulateOptions& options) {
+  if (is_jaw_scenario(options.scenario)) return simulate_jaw(options);
   const Scenario scenario = load_scenario(options.scenario);
   const std::uint64_t seed = options.seed.value_or(scenario.seed);
   hal::SteadyClock clock;
@@ -96,10 +141,7 @@ int simulate(const SimulateOptions& options) {
   }
   for (const auto& file : files) file->close();
   const std::string names = commit_all(files);
-  std::string text = fmt::format("{} samples of {}, seed {}; simulated, no person was recorded\n",
-                                 samples, clean_line(scenario.name), seed);
-  text += names;
-  print_output(text);
+  report(samples, scenario.name, seed, names);
   return kExitOk;
 }
 

@@ -10,13 +10,13 @@
 #include "condyle/estimator/math/elementary.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/toml_reader.h"
+#include "simulation/facebow_section.h"
 
 namespace condyle::host {
 namespace {
 
 constexpr Range kNonNegative{0, 1e9};
 constexpr Range kShare{0, 1};
-constexpr double kMostJitter = 0.2;  // of the sampling period
 constexpr Range kPlace_m{-0.1, 0.1};
 
 // The jaw: one of the tabulated subjects, with the changes of the file.
@@ -172,32 +172,10 @@ void read_forces(TomlReader& file, SubjectParameters& subject) {
 }
 
 void read_instruments(TomlReader& file, Scenario& scenario) {
-  FacebowModel& facebow = scenario.facebow;
-  file.number("facebow", "rate_Hz", facebow.rate_Hz, "Hz", {1, 5000});
-  file.number("facebow", "jitter_s", facebow.jitter_s, "s", {0, 0.1});
-  if (facebow.jitter_s > kMostJitter / facebow.rate_Hz) {
-    throw InputError(file.place("facebow", "jitter_s"),
-                     "is more than a fifth of the sampling period",
-                     fmt::format("give at most {:.3g} s", kMostJitter / facebow.rate_Hz));
-  }
-  file.number("facebow", "clock_drift", facebow.clock_drift, "share", {-0.1, 0.1});
-  file.number("facebow", "latency_s", facebow.latency_s, "s", {0, 10});
-  file.number("facebow", "noise_m", facebow.noise_m, "m", {0, 0.01});
-  file.number("facebow", "noise_rad", facebow.noise_rad, "rad", {0, 0.1});
-  file.number("facebow", "smoothing", facebow.smoothing, "share", {0, 0.999});
-  file.number("facebow", "quantum_m", facebow.quantum_m, "m", {0, 0.01});
-  file.number("facebow", "lost_share", facebow.lost_share, "share", {0, 0.99});
-  file.number("facebow", "repeated_share", facebow.repeated_share, "share", {0, 0.99});
-  file.number("facebow", "glitch_share", facebow.glitch_share, "share", kShare);
-  const auto stretch = [&](const std::string& name, Stretch& value) {
-    file.number("facebow", name + "_start_s", value.start_s, "s", kNonNegative);
-    file.number("facebow", name + "_duration_s", value.duration_s, "s", kNonNegative);
-  };
-  stretch("dropout", facebow.dropout);
-  stretch("frozen", facebow.frozen);
+  read_facebow(file, scenario.facebow);
   std::size_t gives = 0;
   file.choice("facebow", "gives", gives, {"points", "axis"});
-  facebow.gives_points = gives == 0;
+  scenario.facebow.gives_points = gives == 0;
 
   file.number("drive", "rate_Hz", scenario.drive.rate_Hz, "Hz", {0, 5000});
   file.number("drive", "noise_N", scenario.drive.noise_N, "N", {0, 1e3});
@@ -228,6 +206,10 @@ void read_instruments(TomlReader& file, Scenario& scenario) {
 
 Scenario load_scenario(const std::string& path) {
   TomlReader file(path);
+  if (file.has("", "kinematic")) {
+    throw InputError(file.place("", "kinematic"), "a kinematic jaw has no forces and no estimates",
+                     "give it to condyle simulate, or as sim:SCENARIO to condyle replay");
+  }
   Scenario scenario;
   scenario.name = std::filesystem::path(path).stem().string();
   file.number("", "duration_s", scenario.duration_s, "s", {0.1, 86400});

@@ -99,6 +99,16 @@ TEST(TrueReadings, InclinationFollowsFromThePath) {
   EXPECT_NEAR(table.at({"right", "left", 0, "fischer_angle_5mm_deg"}), 0, 1e-9);
 }
 
+TEST(TrueReadings, FischerAngleIsTheSteeperPathOfTheOrbitingCondyle) {
+  JawScenario scenario = everything();
+  scenario.anatomy.left.fischer_deg = 5;
+  CondylarPath steeper = scenario.anatomy.left;
+  steeper.inclination_deg += 5;
+  const auto table = table_of(true_readings(KinematicJaw(scenario)));
+  EXPECT_NEAR(table.at({"right", "left", 0, "fischer_angle_5mm_deg"}),
+              chord_deg(steeper, 5, 0) - chord_deg(scenario.anatomy.left, 5, 0), 1e-6);
+}
+
 TEST(TrueReadings, MedialPathGivesShiftAndBennettAngle) {
   const JawScenario scenario = everything();
   const auto table = table_of(true_readings(KinematicJaw(scenario)));

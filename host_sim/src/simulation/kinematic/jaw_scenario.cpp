@@ -3,6 +3,10 @@
 
 namespace condyle::host {
 
+const char* jaw_side_name(JawSide side) {
+  return side == JawSide::left ? "left" : side == JawSide::right ? "right" : "";
+}
+
 std::string jaw_task_name(JawTaskKind kind) {
   constexpr const char* names[kJawTaskKinds] = {"rest",  "opening", "protrusion", "left",
                                                 "right", "border",  "chewing"};
@@ -19,13 +23,13 @@ JawTask default_task(JawTaskKind kind) {
       task.angle_deg = 26;
       break;
     case JawTaskKind::protrusion:
-      task.advance_mm = 8;
-      task.angle_deg = 2;
+      task.advance_mm = 7.5;
+      task.angle_deg = 1;
       task.stroke_s = 1.2;
       break;
     case JawTaskKind::left:
     case JawTaskKind::right:
-      task.advance_mm = 8;
+      task.advance_mm = 7.2;
       task.angle_deg = 3;
       break;
     case JawTaskKind::border:

@@ -17,6 +17,8 @@
 namespace condyle::host {
 
 enum class JawSide : std::uint8_t { none, left, right };
+/// "left", "right" or empty.
+const char* jaw_side_name(JawSide side);
 
 /// Path of a condyle along its fossa: z = -(tan(inclination) x - curvature x^2). When it orbits, it
 /// also moves inwards by shift (1 - exp(-x / 0.4 mm)) + x tan(progressive shift).
@@ -25,6 +27,7 @@ struct CondylarPath {
   double curvature_per_mm = 0.035;
   double immediate_shift_mm = 0.4;
   double progressive_shift_deg = 8;
+  double fischer_deg = 0;  ///< inclination when it orbits, beyond inclination_deg
 };
 
 /// The subject.

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -45,6 +46,7 @@ Matrix3d rotation_from_y(const Vector3d& to) {
 
 KinematicJaw::Path::Path(const CondylarPath& path)
     : slope(tangent(path.inclination_deg)),
+      orbiting_slope(tangent(path.inclination_deg + path.fischer_deg)),
       curvature_per_m(path.curvature_per_mm * 1e3),
       immediate_shift_m(path.immediate_shift_mm * 1e-3),
       progressive_slope(tangent(path.progressive_shift_deg)) {}
@@ -59,15 +61,7 @@ KinematicJaw::KinematicJaw(const JawScenario& scenario)
       motion_(scenario),
       left_(scenario.anatomy.left),
       right_(scenario.anatomy.right) {
-  const double advance_m = motion_.greatest_advance_m();
-  for (const Path& path : {left_, right_}) {
-    if (path.slope >= 2 * path.curvature_per_m * advance_m) continue;
-    throw InputError(
-        scenario.name,
-        fmt::format("a condyle advances {:.1f} mm, but its path is lowest after {:.1f} mm",
-                    advance_m * 1e3, path.slope / path.curvature_per_m / 2 * 1e3),
-        "reduce advance_mm or its spread, or make the path less curved");
-  }
+  check_advance();
   const JawAnatomy& jaw = scenario.anatomy;
   head_from_fossae_ =
       rotation_about(Vector3d::UnitY(), -jaw.plane_tilt_deg * (std::numbers::pi / 180));
@@ -80,10 +74,30 @@ KinematicJaw::KinematicJaw(const JawScenario& scenario)
   landmarks_.plane_front = 1e-3 * Vector3d(jaw.plane_front_x_mm, jaw.plane_front_y_mm, 0);
 }
 
+void KinematicJaw::check_advance() const {
+  const double advance_m = motion_.greatest_advance_m();
+  for (const Path& path : {left_, right_}) {
+    const double least_slope = std::min(path.slope, path.orbiting_slope);
+    if (least_slope < 2 * path.curvature_per_m * advance_m) {
+      throw InputError(
+          scenario_.name,
+          fmt::format("a condyle advances {:.1f} mm, but its path is lowest after {:.1f} mm",
+                      advance_m * 1e3, least_slope / path.curvature_per_m / 2 * 1e3),
+          "reduce advance_mm or its spread, or make the path less curved");
+    }
+    if (advance_m - path.z_m(advance_m, path.orbiting_slope > path.slope) >
+        scenario_.anatomy.half_width_mm * 1e-3) {
+      throw InputError(scenario_.name, "a condyle moves further than it is from the midline",
+                       "reduce advance_mm, its spread or inclination_deg");
+    }
+  }
+}
+
 JawPose KinematicJaw::pose_at(double time_s) const {
   const JawCoordinates q = motion_.at(time_s);
   const double half_width_m = scenario_.anatomy.half_width_mm * 1e-3;
-  Vector3d left(q.left_m, 0, left_.z_m(q.left_m)), right(q.right_m, 0, right_.z_m(q.right_m));
+  Vector3d left(q.left_m, 0, left_.z_m(q.left_m, q.orbiting == JawSide::left));
+  Vector3d right(q.right_m, 0, right_.z_m(q.right_m, q.orbiting == JawSide::right));
   const double width_m = std::sqrt(4 * half_width_m * half_width_m - (left - right).squaredNorm());
   switch (q.orbiting) {
     case JawSide::none:

@@ -29,7 +29,7 @@ struct JawLandmarks {
 
 class KinematicJaw {
  public:
-  /// Throws InputError if a condyle would pass the lowest point of its fossa.
+  /// Throws InputError if a condyle would pass the lowest point of its fossa, or move too far.
   explicit KinematicJaw(const JawScenario& scenario);
 
   /// In the head frame A, at any time.
@@ -44,11 +44,15 @@ class KinematicJaw {
  private:
   // A condylar path in metres.
   struct Path {
-    double slope, curvature_per_m, immediate_shift_m, progressive_slope;
+    double slope, orbiting_slope, curvature_per_m, immediate_shift_m, progressive_slope;
     explicit Path(const CondylarPath& path);
-    double z_m(double x_m) const { return -(slope - curvature_per_m * x_m) * x_m; }
+    double z_m(double x_m, bool orbits) const {
+      return -((orbits ? orbiting_slope : slope) - curvature_per_m * x_m) * x_m;
+    }
     double medial_m(double x_m) const;
   };
+
+  void check_advance() const;
 
   JawScenario scenario_;
   JawMotionPlan motion_;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/kinematic/kinematic_simulation.h"
 
+#include <fmt/format.h>
+
 #include <numbers>
 #include <utility>
 
 #include "condyle/estimator/math/elementary.h"
+#include "hosted/files/input_error.h"
 #include "simulation/kinematic/fork_facebow.h"
 
 namespace condyle::host {
@@ -14,6 +17,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr std::uint64_t kLandmarkStream = 13;
+constexpr double kMostSamples = 3e6;
 
 // About x, then y, then z.
 Matrix3d turned(const double (&angles_deg)[3]) {
@@ -86,6 +90,12 @@ KinematicSimulation::KinematicSimulation(std::shared_ptr<const KinematicJaw> jaw
   const JawPose instrument_from_head{turned(mounting.rotation_deg),
                                      1e-3 * Vector3d(shift_mm[0], shift_mm[1], shift_mm[2])};
   const JawPose fork = fork_pose(mounting);
+  const double count = jaw_->motion().duration_s() * scenario.facebow.rate_Hz;
+  if (count > kMostSamples) {
+    throw InputError(scenario.name,
+                     fmt::format("has {:.0f} samples, more than memory may hold", count),
+                     "make its tasks shorter or reduce rate_Hz");
+  }
   ForkFacebow facebow(scenario.facebow, seed);
   while (facebow.next_instant_s() < jaw_->motion().duration_s()) {
     const double instant_s = facebow.next_instant_s();

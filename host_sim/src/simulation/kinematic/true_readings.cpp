@@ -80,10 +80,6 @@ double rotation_angle_deg(const Matrix3d& rotation) {
   return kDegrees * std::atan2(twice_sine.norm(), rotation.trace() - 1);
 }
 
-const char* name_of(JawSide side) {
-  return side == JawSide::left ? "left" : side == JawSide::right ? "right" : "";
-}
-
 class TruthOfJaw {
  public:
   explicit TruthOfJaw(const KinematicJaw& jaw) : jaw_(jaw) {}
@@ -117,7 +113,7 @@ class TruthOfJaw {
 
   void add(const std::string& reading, double value, const char* unit,
            JawSide side = JawSide::none) {
-    readings_.push_back({task_, name_of(side), stroke_, reading, value, unit});
+    readings_.push_back({task_, jaw_side_name(side), stroke_, reading, value, unit});
   }
 
   void read_stroke(const JawStroke& stroke) {
@@ -209,10 +205,12 @@ class TruthOfJaw {
       add(fmt::format("bennett_angle_{:g}mm_deg", at_mm),
           kDegrees * std::atan2(inwards * c.y(), c.x()), "deg", side);
     }
+    double from_s = out.begin_s;  // x is asked for in rising order
     const auto medial_mm = [&](double x_mm) -> std::optional<double> {
-      const auto time_s =
-          first_passage_s([&](double t) { return condyle_mm(side, t).x(); }, out, x_mm);
+      const auto time_s = first_passage_s([&](double t) { return condyle_mm(side, t).x(); },
+                                          {from_s, out.end_s}, x_mm);
       if (!time_s) return std::nullopt;
+      from_s = *time_s;
       return inwards * condyle_mm(side, *time_s).y();
     };
     if (const auto early_mm = medial_mm(kEarlyShift_mm)) {
@@ -301,7 +299,7 @@ class TruthOfJaw {
 
   std::optional<double> inclination_5mm_deg(JawTaskKind task, JawSide side) const {
     for (const TrueReading& one : readings_) {
-      if (one.task == jaw_task_name(task) && one.side == name_of(side) && one.stroke == 0 &&
+      if (one.task == jaw_task_name(task) && one.side == jaw_side_name(side) && one.stroke == 0 &&
           one.reading == "condylar_inclination_5mm_deg") {
         return one.value;
       }
