@@ -111,6 +111,9 @@ class AdviceTest : public testing::Test {
                                  std::regex("column ([a-z_]+): another column .*"
                                             "leave one of them out with"))) {
       words.insert(words.end(), {"--ignore-column", found[1]});
+    } else if (std::regex_search(errors, found,
+                                 std::regex("for example with --ignore-column '([^']*)'"))) {
+      words.insert(words.end(), {"--ignore-column", found[1]});
     } else if (errors.find("--faults event") != std::string::npos) {
       words.insert(words.end(), {"--faults", "event"});
     } else if (errors.find("give the device's profile with --profile") != std::string::npos) {
@@ -207,6 +210,14 @@ TEST_F(AdviceTest, OfOtherFormats) {
   expect_of_all(good_, {"--profile", profile_}, "--profile applies only to");
   expect_of_all(zebris, {"--unit", "mm", "--ignore-column", "note"},
                 "--ignore-column applies only to");
+}
+
+TEST_F(AdviceTest, OfMorePointsThanThree) {
+  std::string header = "time_s";
+  for (const char* point : {"a", "b", "c", "d"}) {
+    for (const char* axis : {"_x_mm", "_y_mm", "_z_mm"}) header += std::string(",") + point + axis;
+  }
+  expect_of_all(csv("r.csv", header + "\n", ",1,2,3,4,5,6,7,8,9,10,11"), {}, "has 4 points");
 }
 
 // Of several recordings, one has a column that is left out.

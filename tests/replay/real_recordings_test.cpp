@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Real recordings. They are not part of the project: without CONDYLE_REFERENCE_DATA these tests
 // skip.
+//
+// JMA_position.txt serves as a waveform along one axis. The script that converted it from a Zebris
+// recording lost the rotation, and its rigid distances come from that script. marker1 to marker3
+// are the tracks of the instrument: the three-dimensional recording.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -61,8 +65,8 @@ TEST_F(RealRecordings, ZebrisGivesThePapersFrictionAndMassAndCallsThemAssumed) {
   EXPECT_THAT(summary_, HasSubstr("verdict     matched"));
 }
 
-// Point 1's vertical axis of the export is what the reference vector was made from.
-TEST_F(RealRecordings, ZebrisExportIsReadAsTheVectorSays) {
+// Point 1's z axis of the file is what the reference vector was made from.
+TEST_F(RealRecordings, ZebrisWaveformIsReadAsTheVectorSays) {
   const Table table =
       replay({reference_data("zebris_jma/JMA_position.txt"), "--estimator", "published",
               "--parameters", reference_data("zebris_opening_50hz.toml")});
@@ -78,7 +82,7 @@ TEST_F(RealRecordings, ZebrisExportIsReadAsTheVectorSays) {
   }
 }
 
-TEST_F(RealRecordings, ZebrisPointsAndAxesDiffer) {
+TEST_F(RealRecordings, ProbeTextsPointsAndAxesAreToldApart) {
   const std::string path = reference_data("zebris_jma/JMA_position.txt");
   EXPECT_NEAR(replay({path, "--estimator", "published", "--point", "1", "--axis", "x"})
                   .numbers("position_m")[0],
@@ -137,19 +141,35 @@ TEST_F(RealRecordings, GlitchesAndDropoutsMakeNoVelocity) {
 }
 
 TEST_F(RealRecordings, FollowsAnyPointOfTheJaw) {
-  const std::string path = reference_data("zebris_jma/JMA_position.txt");
+  const std::string path = reference_data("zebris_jma/marker1.txt") + "+" +
+                           reference_data("zebris_jma/marker2.txt") + "+" +
+                           reference_data("zebris_jma/marker3.txt");
   const Table point = replay({path}), same = replay({path, "--jaw-point-mm", "0", "0", "0"});
+  ASSERT_EQ(point.rows, 401U);
+  EXPECT_THAT(summary_, HasSubstr("3 x ArtiSynth probe text"));
   const auto a = point.numbers("z_position_m"), b = same.numbers("z_position_m");
-  constexpr std::size_t settled = 14;  // samples after which the points' distances are known
+  constexpr std::size_t settled = 24;  // samples after which the points' distances are known
   EXPECT_TRUE(std::isnan(b[settled - 1]));
-  for (std::size_t i = settled; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 5e-5) << i;
+  // At two glitches all tracks jump by 3 mm and more; what the estimator makes of them depends on
+  // the samples before, of which a jaw point has fewer.
+  const auto is_glitch = [](std::size_t i) {
+    return (i >= 107 && i <= 115) || (i >= 232 && i <= 241);
+  };
+  const auto expect_same = [&](const std::vector<double>& x, const std::vector<double>& y) {
+    for (std::size_t i = settled; i < x.size(); ++i) {
+      if (!is_glitch(i)) {
+        EXPECT_NEAR(x[i], y[i], 5e-5) << i;
+      }
+    }
+  };
+  expect_same(a, b);
   EXPECT_THAT(summary_, testing::Not(HasSubstr("points_not_rigid")));
-  EXPECT_THAT(summary_, HasSubstr("residual of its fit 0.0032 mm rms"));
-  // Point 2 of the bite fork is at (25, 0, 30) mm in the frame of the three.
+  EXPECT_THAT(summary_, HasSubstr("residual of its fit 0.003 mm rms"));
+  // Point 2 of the bite fork is at (25, 0, 30.5) mm in the frame of the three.
   const Table second = replay({path, "--point", "2"}),
-              fitted = replay({path, "--jaw-point-mm", "25", "0", "30"});
+              fitted = replay({path, "--jaw-point-mm", "25", "0", "30.5"});
   const auto c = second.numbers("y_position_m"), d = fitted.numbers("y_position_m");
-  for (std::size_t i = settled; i < c.size(); ++i) ASSERT_NEAR(c[i], d[i], 5e-5) << i;
+  expect_same(c, d);
 }
 
 }  // namespace

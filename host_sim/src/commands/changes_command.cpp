@@ -2,7 +2,6 @@
 // Detects changes of effective damping in a recording with a measured drive.
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -19,6 +18,7 @@
 #include "options/command_line.h"
 #include "output/progress.h"
 #include "output/report_text.h"
+#include "recordings/recording_files.h"
 #include "recordings/replay_facebow.h"
 
 namespace condyle::host {
@@ -185,7 +185,7 @@ int changes(const ChangesOptions& options) {
     files.back()->close();
   }
   if (folder) {
-    const auto name = std::filesystem::path(options.recording).filename().string();
+    const auto name = recording_name(options.recording);
     for (auto& figure : draw_changes(options.figures, name, found)) {
       files.push_back(std::move(figure));
     }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -24,6 +23,7 @@
 #include "output/progress.h"
 #include "output/replay_summary.h"
 #include "output/report_text.h"
+#include "recordings/recording_files.h"
 #include "recordings/replay_facebow.h"
 
 namespace condyle::host {
@@ -102,7 +102,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
 
   const std::vector<std::string> drive_notes = summary.drive_notes();
   // Write and close everything before renaming anything.
-  const std::string name = std::filesystem::path(options.recording).filename().string();
+  const std::string name = recording_name(options.recording);
   std::vector<std::unique_ptr<OutputFile>> figures;
   if (figure_folder) figures = draw_figures(options.figures, name, figure_data);
   std::unique_ptr<OutputFolder> value_folder;
@@ -250,8 +250,9 @@ Command add_replay(CommandLine app) {
                       "Measure friction and mass with a complete force sensor.");
   command
       .add_option("RECORDING", options->recording,
-                  "CSV, Zebris text or XML, JAWS3D text, SSFF, session log (MCAP) or capture of "
-                  "USB traffic (pcap, pcapng), recognised by its content; or sim:SCENARIO.toml")
+                  "CSV, ArtiSynth probe text, Zebris XML, SSFF, session log (MCAP) or capture of "
+                  "USB traffic (pcap, pcapng), recognised by its content; A+B+C, three of one "
+                  "point each; or sim:SCENARIO.toml")
       .required();
   add_estimator_options(command, options->estimator);
   add_recording_options(command, *options);

@@ -2,7 +2,6 @@
 // Tunes the estimators to recordings.
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -14,6 +13,7 @@
 #include "options/command_line.h"
 #include "output/progress.h"
 #include "output/report_text.h"
+#include "recordings/recording_files.h"
 #include "tuning/likelihood_tuning.h"
 #include "tuning/published_recording.h"
 #include "tuning/published_tuning_report.h"
@@ -192,7 +192,7 @@ int tune_published(const TuneOptions& options, std::vector<std::unique_ptr<Outpu
     files[1]->close();
   }
   if (!options.figures.empty()) {
-    const std::string name = std::filesystem::path(recordings.front().name).filename().string();
+    const std::string name = recording_name(recordings.front().name);
     for (auto& figure : draw_published_tunings(options.figures, name, result, recordings.front())) {
       files.push_back(std::move(figure));
     }

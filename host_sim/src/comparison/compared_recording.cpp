@@ -9,6 +9,7 @@
 
 #include "condyle/firmware/run_loop.h"
 #include "hosted/files/input_error.h"
+#include "recordings/recording_files.h"
 #include "statistics/monte_carlo.h"
 
 namespace condyle::host {
@@ -186,7 +187,12 @@ void check_recordings(const std::vector<std::string>& sources, const ComparisonP
     }
   }
   for (const std::string& source : sources) {
-    if (std::filesystem::is_fifo(source_of(source).file)) continue;  // a pipe can be read only once
+    const std::vector<std::string> files = recording_files(source);
+    // A pipe can be read only once.
+    if (std::any_of(files.begin(), files.end(),
+                    [](const std::string& file) { return std::filesystem::is_fifo(file); })) {
+      continue;
+    }
     check_recording(source, open_recording(source, plan.choice.reading)->info(), plan);
   }
 }

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "comparison/comparison_text.h"
 #include "comparison/figure_label.h"
 #include "output/gnuplot.h"
+#include "recordings/recording_files.h"
 
 namespace condyle::host {
 namespace {
@@ -160,7 +160,7 @@ std::vector<std::unique_ptr<OutputFile>> draw_comparison(
   const Drawing drawing{recordings, std::min(recordings.size(), kMostDrawn), estimators.size()};
   std::string names, no_names;
   for (std::size_t i = 0; i < drawing.drawn; ++i) {
-    const std::string file = std::filesystem::path(recordings[i].source).filename().string();
+    const std::string file = recording_name(recordings[i].source);
     const char* const comma = i > 0 ? ", " : "";
     names +=
         fmt::format("{}{} {}", comma, gnuplot_quoted(figure_label(file, kLongestRecording)), i);

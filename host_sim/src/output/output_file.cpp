@@ -6,14 +6,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <system_error>
 
-#include "hosted/devices/source_spec.h"
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
+#include "recordings/recording_files.h"
 
 namespace condyle::host {
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
@@ -107,8 +108,11 @@ void refuse_same_files(const std::vector<std::string>& inputs,
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (outputs[i].empty()) continue;
     for (const std::string& input : inputs) {
-      if (!input.empty() &&
-          (is_same(input, outputs[i]) || is_same(source_of(input).file, outputs[i]))) {
+      if (input.empty()) continue;
+      const std::vector<std::string> files = recording_files(input);
+      if (is_same(input, outputs[i]) ||
+          std::any_of(files.begin(), files.end(),
+                      [&](const std::string& file) { return is_same(file, outputs[i]); })) {
         throw InputError(outputs[i], "is also an input", "write to another file");
       }
     }

@@ -2,21 +2,22 @@
 // CSV recordings. Columns, in any order:
 //   time_s                              always
 //   position_m | position_mm            one axis, or
-//   p1_x_mm ... p3_z_mm (or _m)         one point (p1) or three
+//   NAME_x_mm, NAME_y_mm, NAME_z_mm     one point or three, such as p1, p2, p3 (or _m)
 //   drive_N                             measured total drive, optional
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "hosted/files/input_error.h"
+#include "recordings/csv_points.h"
 #include "recordings/recording_formats.h"
 
 namespace condyle::host {
 namespace {
 
 constexpr std::string_view kColumns =
-    "columns are time_s, position_m or position_mm, p1_x_mm ... p3_z_mm (or _m), drive_N";
+    "columns are time_s, position_m or position_mm, NAME_x_mm, NAME_y_mm, NAME_z_mm (or _m) of one "
+    "point or three, drive_N";
 
 constexpr std::size_t kLongestName = 100;
 
@@ -28,17 +29,6 @@ struct Column {
   double units_per_metre = 1;
   std::string name;
 };
-
-// "p2_y_mm" to point 1, axis 1, unit "mm"; false for other names.
-bool parse_point_column(std::string_view name, std::size_t& coordinate, std::string_view& unit) {
-  if (name.size() < 6 || name[0] != 'p' || name[1] < '1' || name[1] > '3' || name[2] != '_' ||
-      name[3] < 'x' || name[3] > 'z' || name[4] != '_') {
-    return false;
-  }
-  coordinate = static_cast<std::size_t>(3 * (name[1] - '1') + (name[3] - 'x'));
-  unit = name.substr(5);
-  return unit == "m" || unit == "mm";
-}
 
 class CsvRecording final : public Recording {
  public:
@@ -88,7 +78,8 @@ class CsvRecording final : public Recording {
     for (const std::string_view name : fields_) add_column(name, ignored);
     for (const std::string& name : ignored) {
       if (may_lack_ignored_) break;
-      if (std::find(fields_.begin(), fields_.end(), name) == fields_.end()) {
+      if (std::none_of(fields_.begin(), fields_.end(),
+                       [&](std::string_view field) { return ignores_column(name, field); })) {
         throw InputError(place(), fmt::format("no column {} to ignore", quote(name)),
                          "check the name given to --ignore-column");
       }
@@ -105,7 +96,9 @@ class CsvRecording final : public Recording {
     Column column;
     column.name = std::string(name);
     std::string_view unit;
-    const bool is_ignored = std::find(ignored.begin(), ignored.end(), name) != ignored.end();
+    const bool is_ignored =
+        std::any_of(ignored.begin(), ignored.end(),
+                    [&](const std::string& other) { return ignores_column(other, name); });
     if (is_ignored) {
       column.role = Column::Role::ignored;
     } else if (name == "time_s") {
@@ -117,9 +110,10 @@ class CsvRecording final : public Recording {
       column.role = Column::Role::coordinate;
       unit = name.substr(9);
       ++axis_columns_;
-    } else if (parse_point_column(name, column.coordinate, unit)) {
+    } else if (const auto of_point = point_column(name)) {
       column.role = Column::Role::coordinate;
-      seen_[column.coordinate] = true;
+      unit = of_point->unit;
+      points_.add(*of_point);
     } else {
       throw InputError(fmt::format("{}: column {}", place(), quote(name)),
                        "the column is not known",
@@ -155,20 +149,24 @@ class CsvRecording final : public Recording {
       throw InputError(place(), fmt::format("no column {}", drive_column_),
                        "give the column with the measured drive that name");
     }
-    const auto points = std::count(seen_.begin(), seen_.end(), true);
-    const bool first_point = seen_[0] && seen_[1] && seen_[2];
-    if (axis_columns_ == 1 && points == 0) {
+    if (axis_columns_ == 1 && points_.empty()) {
       info_.kind = SampleKind::one_axis;
-    } else if (axis_columns_ == 0 && points == 3 && first_point) {
-      info_.kind = SampleKind::one_point;
-    } else if (axis_columns_ == 0 && points == 9) {
-      info_.kind = SampleKind::three_points;
-    } else {
-      throw InputError(place(),
-                       axis_columns_ + points == 0 ? "no position column"
-                                                   : "the position columns are not a complete set",
-                       "give position_m, or x, y, z of p1, or x, y, z of p1, p2 and p3");
+      return;
     }
+    if (axis_columns_ > 0 || points_.empty()) {
+      throw InputError(place(),
+                       points_.empty() ? "no position column"
+                                       : "the position columns are not a complete set: position "
+                                         "is one axis, the others are points",
+                       "give position_m, or x, y, z of one point or of three");
+    }
+    info_.kind = points_.kind(place());
+    for (Column& column : columns_) {
+      const auto of_point = point_column(column.name);
+      if (column.role == Column::Role::coordinate)
+        column.coordinate = points_.coordinate(*of_point);
+    }
+    if (std::string note = points_.note(); !note.empty()) info_.notes.push_back(std::move(note));
   }
 
   void parse_row(std::string_view line, Sample& sample) {
@@ -227,7 +225,7 @@ class CsvRecording final : public Recording {
   RecordingInfo info_;
   std::vector<Column> columns_;
   std::vector<std::string_view> fields_;  // of the row being read
-  std::array<bool, 9> seen_{};            // coordinates with a column
+  CsvPoints points_;
   std::ptrdiff_t axis_columns_ = 0;
   std::uint64_t sequence_ = 0;
 };

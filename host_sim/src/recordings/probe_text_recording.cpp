@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// ArtiSynth probe text, the form of Zebris JMA text exports and of the JAWS3D recordings:
+// ArtiSynth probe text, the form of the JAWS3D recordings and of converted Zebris tracks:
 //   line 1   START STOP SCALE
 //   line 2   INTERPOLATION COLUMNS STEP_s    or    INTERPOLATION COLUMNS explicit
 //   then     rows of COLUMNS numbers, after the time (s) if it is explicit
@@ -77,7 +77,7 @@ class ProbeTextRecording final : public Recording {
       }
       parse_number(layout[2], step_s_);
     }
-    info_.format = explicit_time_ ? "probe text with times (JAWS3D)" : "probe text (Zebris export)";
+    info_.format = explicit_time_ ? "ArtiSynth probe text with times" : "ArtiSynth probe text";
     if (!options.units_per_metre) {
       info_.notes.push_back("the format states no unit: read as millimetres (--unit m for metres)");
     }

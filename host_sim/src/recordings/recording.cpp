@@ -12,6 +12,7 @@
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "recordings/device_recording.h"
+#include "recordings/recording_files.h"
 #include "recordings/recording_formats.h"
 #include "recordings/simulated_recording.h"
 
@@ -19,8 +20,8 @@ namespace condyle::host {
 namespace {
 
 constexpr std::string_view kFormats =
-    "condyle reads CSV with named columns (time_s,position_m), Zebris text and XML exports, JAWS3D "
-    "text, SSFF, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
+    "condyle reads CSV with named columns (time_s,position_m), ArtiSynth probe text, Zebris XML "
+    "exports, SSFF, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
 
 // Control characters that are not in the text formats; bytes from 0x80 on may be UTF-8.
 bool is_text(std::string_view start) {
@@ -138,23 +139,28 @@ SourceSpec recording_source(const std::string& text) {
 std::unique_ptr<Recording> open_recording(const std::string& source,
                                           const RecordingOptions& options) {
   const SourceSpec spec = recording_source(source);
-  const std::string& path = spec.file;
   switch (spec.kind) {
     case SourceKind::file:
       break;
     case SourceKind::sim:
-      return open_simulation(path);
+      return open_simulation(spec.file);
     case SourceKind::hid:
     case SourceKind::usb:
       throw InputError(
           source, "is a device, not a recording",
           fmt::format("record it first: condyle record --profile '{}' --backend {} --out "
                       "session.mcap",
-                      path, backend_of(spec.kind)));
+                      spec.file, backend_of(spec.kind)));
     case SourceKind::synth:
       throw InputError(source, "is a synthetic device, which never ends",
                        "give a recording, or a simulated subject with sim:SCENARIO.toml");
   }
+  if (recording_files(source).size() > 1) return open_joined(source, options);
+  return open_recording_file(spec.file, options);
+}
+
+std::unique_ptr<Recording> open_recording_file(const std::string& path,
+                                               const RecordingOptions& options) {
   auto reader = std::make_unique<ByteReader>(path);
   std::string_view start = reader->peek(4096);
   if (start.substr(0, 2) == "\xff\xfe" || start.substr(0, 2) == "\xfe\xff") {

@@ -66,7 +66,8 @@ class Recording {
 SourceSpec recording_source(const std::string& text);
 
 /// Opens `source`: "PATH" or "file:PATH", a recording, recognised by its content; or
-/// "sim:SCENARIO.toml", simulated while it is read. Throws InputError for a device.
+/// "sim:SCENARIO.toml", simulated while it is read. "A+B+C" joins three recordings of one point
+/// each into one of three points. Throws InputError for a device.
 std::unique_ptr<Recording> open_recording(const std::string& source,
                                           const RecordingOptions& options);
 

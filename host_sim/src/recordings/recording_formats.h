@@ -14,8 +14,8 @@ namespace condyle::host {
 /// CSV whose first line names the columns with their units.
 std::unique_ptr<Recording> open_csv(std::unique_ptr<ByteReader> reader,
                                     const RecordingOptions& options);
-/// ArtiSynth probe text: two header lines, then columns of numbers. Zebris JMA text exports and the
-/// JAWS3D recordings have this form.
+/// ArtiSynth probe text: two header lines, then columns of numbers. The JAWS3D recordings have this
+/// form, and tracks of Zebris instruments that were converted for ArtiSynth.
 std::unique_ptr<Recording> open_probe_text(std::unique_ptr<ByteReader> reader,
                                            const RecordingOptions& options);
 /// SSFF, the Emu Speech Database's binary track format, with columns *posx, *posy, *posz.
@@ -24,6 +24,12 @@ std::unique_ptr<Recording> open_ssff(std::unique_ptr<ByteReader> reader,
 /// Zebris XML export. Reads only the tracks.
 std::unique_ptr<Recording> open_zebris_xml(std::unique_ptr<ByteReader> reader,
                                            const RecordingOptions& options);
+
+/// The file at `path`, recognised by its content.
+std::unique_ptr<Recording> open_recording_file(const std::string& path,
+                                               const RecordingOptions& options);
+/// `source` names several files (recordings/recording_files.h): three of one point each.
+std::unique_ptr<Recording> open_joined(const std::string& source, RecordingOptions options);
 
 /// Rows of a text format. Blank lines at the end of the file are ignored; blank lines before a row
 /// are rows without values.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hosted/files/input_error.h"
+#include "recordings/recording_files.h"
 
 namespace condyle::host {
 
@@ -32,9 +33,14 @@ hal::Status ReplayFacebow::open() {
   } catch (const InputError& error) {
     close();
     problem_ = error.what();
-    const std::string file = source_of(path_).file;
-    if (access(file.c_str(), F_OK) != 0) return hal::Status::not_found;
-    return access(file.c_str(), R_OK) != 0 ? hal::Status::not_permitted : hal::Status::bad_report;
+    const std::vector<std::string> files = recording_files(path_);
+    const auto lacks = [&files](int access_mode) {
+      return std::any_of(files.begin(), files.end(), [access_mode](const std::string& file) {
+        return access(file.c_str(), access_mode) != 0;
+      });
+    };
+    if (lacks(F_OK)) return hal::Status::not_found;
+    return lacks(R_OK) ? hal::Status::not_permitted : hal::Status::bad_report;
   }
   find_median_step();
   return hal::Status::ok;

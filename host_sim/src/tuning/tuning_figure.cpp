@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "output/gnuplot.h"
+#include "recordings/recording_files.h"
 #include "tuning/tuning_report.h"
 
 namespace condyle::host {
@@ -141,7 +141,7 @@ std::string held_out_plots(const LikelihoodTuning& tuning) {
 std::vector<std::unique_ptr<OutputFile>> draw_tuning(const std::string& directory,
                                                      const std::vector<TuningRecording>& recordings,
                                                      const LikelihoodTuning& tuning) {
-  std::string name = std::filesystem::path(recordings.front().name).filename().string();
+  std::string name = recording_name(recordings.front().name);
   if (recordings.size() > 1) name += fmt::format(" and {} more", recordings.size() - 1);
   Gnuplot gnuplot(directory);
   gnuplot.send(surface_data(tuning) + profile_data(tuning) + stretch_data(tuning) +

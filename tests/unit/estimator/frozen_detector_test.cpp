@@ -297,7 +297,7 @@ TEST(FrozenDetector, TakesSamplesWithAllTheirCoordinates) {
   EXPECT_FALSE(detector.add(sample)) << "nothing to compare with";
 }
 
-// Smoothed by its maker, at rest in the end, with runs of up to 8 repeats.
+// Smoothed by its maker, at rest in the end, with runs of up to 10 repeats.
 TEST(FrozenDetector, LeavesARealRecordingAlone) {
   const auto samples = testing_support::zebris_samples();
   if (samples.empty()) GTEST_SKIP() << "set CONDYLE_REFERENCE_DATA to the folder of reference data";

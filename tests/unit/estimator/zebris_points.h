@@ -11,24 +11,29 @@
 
 namespace condyle::testing_support {
 
-/// Samples of the real bite fork among the reference data (three_points, 50 Hz); none where
-/// CONDYLE_REFERENCE_DATA is unset.
+/// Samples of a real bite fork among the reference data (three_points, 50 Hz): its three markers,
+/// tracked by a Zebris instrument and smoothed by its maker. None where CONDYLE_REFERENCE_DATA is
+/// unset.
 inline std::vector<Sample> zebris_samples() {
-  const std::string path = reference_data("zebris_jma/JMA_position.txt");
-  if (path.empty()) return {};
-  std::istringstream text(read_file(path));
-  std::string header;
-  std::getline(text, header);
-  std::getline(text, header);
   std::vector<Sample> samples;
-  for (Sample sample{.kind = SampleKind::three_points};; sample.time_ns += 20'000'000) {
-    for (double& coordinate_m : sample.coordinates) {
-      double value_mm = 0;
-      if (!(text >> value_mm)) return samples;
-      coordinate_m = value_mm * 1e-3;
+  for (int marker = 0; marker < 3; ++marker) {
+    const std::string path =
+        reference_data("zebris_jma/marker" + std::to_string(marker + 1) + ".txt");
+    if (path.empty()) return {};
+    std::istringstream text(read_file(path));
+    std::string header;
+    std::getline(text, header);
+    std::getline(text, header);
+    double value_mm = 0;
+    for (std::size_t i = 0; text >> value_mm; ++i) {
+      if (i / 3 == samples.size()) {
+        samples.push_back({.kind = SampleKind::three_points});
+        samples.back().time_ns = 20'000'000 * static_cast<TimeNs>(i / 3);
+      }
+      samples[i / 3].coordinates[3 * static_cast<std::size_t>(marker) + i % 3] = value_mm * 1e-3;
     }
-    samples.push_back(sample);
   }
+  return samples;
 }
 
 }  // namespace condyle::testing_support

@@ -66,6 +66,43 @@ TEST(CsvRecording, ReadsAllLayouts) {
   EXPECT_EQ(points.samples[0].coordinates[8], 0.009);
 }
 
+TEST(CsvRecording, ReadsNamedPoints) {
+  const Read one = read("time_s,lower-incisor_z_m,lower-incisor_x_mm,lower-incisor_y_m\n0,3,1,2\n");
+  EXPECT_EQ(one.info.kind, SampleKind::one_point);
+  EXPECT_THAT(std::vector(one.samples[0].coordinates, one.samples[0].coordinates + 3),
+              testing::ElementsAre(0.001, 2, 3));
+  EXPECT_THAT(one.info.notes, testing::ElementsAre("point 1 is lower-incisor"));
+
+  const Read three = read(
+      "time_s,Left_x_m,apex_2_x_m,left_x_m,Left_y_m,Left_z_m,apex_2_y_m,apex_2_z_m,left_y_m,"
+      "left_z_m\n0,1,4,7,2,3,5,6,8,9\n");
+  EXPECT_EQ(three.info.kind, SampleKind::three_points);
+  EXPECT_THAT(std::vector(three.samples[0].coordinates, three.samples[0].coordinates + 9),
+              testing::ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
+  EXPECT_THAT(three.info.notes,
+              testing::ElementsAre("point 1 is Left, point 2 is apex_2, point 3 is left"));
+
+  const Read mixed = read(
+      "time_s,a_x_m,a_y_m,a_z_m,p1_x_m,p1_y_m,p1_z_m,b_x_m,b_y_m,b_z_m\n0,4,5,6,1,2,3,7,8,9\n");
+  EXPECT_THAT(std::vector(mixed.samples[0].coordinates, mixed.samples[0].coordinates + 9),
+              testing::ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9))
+      << "p1 is point 1";
+}
+
+TEST(CsvRecording, LeavesOutAPointAsAWhole) {
+  const std::string four =
+      "time_s,a_x_m,a_y_m,a_z_m,b_x_m,b_y_m,b_z_m,c_x_m,c_y_m,c_z_m,a_b_x_m,a_b_y_m,a_b_z_m\n"
+      "0,1,2,3,4,5,6,7,8,9,10,11,12\n";
+  EXPECT_THAT(problem_of(four), HasSubstr("recording:1: has 4 points: a, b, c, a_b; leave out all "
+                                          "but three, for example with --ignore-column 'a_b_*'"));
+  EXPECT_EQ(read(four, {.ignored_columns = {"a_b_*"}}).samples[0].coordinates[8], 9);
+  const Read without_a = read(four, {.ignored_columns = {"a_*"}});
+  EXPECT_EQ(without_a.samples[0].coordinates[0], 4) << "a_b is another point";
+  EXPECT_EQ(without_a.samples[0].coordinates[8], 12);
+  EXPECT_THAT(problem_of(four, {.ignored_columns = {"d_*"}}),
+              HasSubstr("no column 'd_*' to ignore"));
+}
+
 TEST(CsvRecording, AcceptsWhatSpreadsheetsWrite) {
   EXPECT_EQ(read("\xef\xbb\xbftime_s,position_m\r\n0,1\r\n1,2\r\n\r\n").samples.size(), 2U);
   EXPECT_EQ(read("\"time_s\",\"position_m\"\n\"0\",\"1\"\n").samples.size(), 1U);
@@ -108,7 +145,11 @@ TEST(CsvRecording, NamesTheHeadersProblems) {
   expect("0,1\n1,2\n", "does not name the columns");
   expect("position_m\n1\n", "no column time_s");
   expect("time_s,drive_N\n0,1\n", "no position column");
-  expect("time_s,p1_x_mm,p1_y_mm\n0,1,2\n", "not a complete set");
+  expect("time_s,p1_x_mm,p1_y_mm\n0,1,2\n", "not a complete set: p1_z is missing");
+  expect("time_s,a_x_m,a_y_m,a_z_m,b_x_m\n0,1,2,3,4\n", "set: b_y, b_z are missing");
+  expect("time_s,a_x_m,a_y_m,a_z_m,b_x_m,b_y_m,b_z_m\n0,1,2,3,4,5,6\n", "a third point is missing");
+  expect("time_s,a_x_m,a_x_mm,a_y_m,a_z_m\n0,1,2,3,4\n", "another column contains the same");
+  expect("time_s,2_x_m,2_y_m,2_z_m\n0,1,2,3\n", "column '2_x_m': the column is not known");
   expect("time_s,p2_x_mm,p2_y_mm,p2_z_mm\n0,1,2,3\n", "not a complete set");
   expect("time_s,position_m,p1_x_mm,p1_y_mm,p1_z_mm\n0,1,2,3,4\n", "not a complete set");
   expect("time_s,position_m,position_mm\n0,1,2\n", "another column contains the same");

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "hosted/files/clean_text.h"
 #include "output/gnuplot.h"
+#include "recordings/recording_files.h"
 
 namespace condyle::host {
 namespace {
@@ -198,9 +198,8 @@ std::vector<std::unique_ptr<OutputFile>> draw_head_motion(const std::string& dir
   Gnuplot gnuplot(directory);
   gnuplot.send(block(motion));
   const bool is_measured = motion.estimate.damping_rate_per_s.limit == ImpedanceLimit::none;
-  const std::string title =
-      fmt::format("Head motion, {}{}", std::filesystem::path(motion.recording).filename().string(),
-                  is_measured ? "" : ": kv/m NOT KNOWN");
+  const std::string title = fmt::format("Head motion, {}{}", recording_name(motion.recording),
+                                        is_measured ? "" : ": kv/m NOT KNOWN");
   const char* const style =
       is_measured ? "lw 1.8 lc rgb '#0b559f'" : "lw 1.8 dt 2 lc rgb '#606060'";
   const auto curve = [&](int column, const char* name) {

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 
 #include "output/gnuplot.h"
 #include "protocols/release/release_report.h"
+#include "recordings/recording_files.h"
 
 namespace condyle::host {
 namespace {
@@ -64,9 +64,9 @@ std::vector<std::unique_ptr<OutputFile>> draw_releases(
     const std::vector<std::pair<std::string, const FittedRelease*>>& releases) {
   Gnuplot gnuplot(directory);
   for (const auto& [name, release] : releases) {
-    const std::string title = fmt::format(
-        "Passive release, {}{}", std::filesystem::path(release->recording).filename().string(),
-        has_trusted_residuals(release->fit) ? "" : ": NOT explained by the model");
+    const std::string title =
+        fmt::format("Passive release, {}{}", recording_name(release->recording),
+                    has_trusted_residuals(release->fit) ? "" : ": NOT explained by the model");
     gnuplot.send(data_blocks(*release));
     gnuplot.draw(name, plot_command(*release, title), 840, 560);
   }

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "recordings/csv_points.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "hosted/files/input_error.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr std::size_t kMostPoints = 3;
+
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+bool is_point_name(std::string_view name) {
+  return !name.empty() && is_letter(name[0]) && std::all_of(name.begin(), name.end(), [](char c) {
+    return is_letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  });
+}
+
+// Index of "p1", "p2" and "p3".
+std::optional<std::size_t> fixed_index(std::string_view name) {
+  if (name.size() != 2 || name[0] != 'p' || name[1] < '1' || name[1] > '3') return std::nullopt;
+  return static_cast<std::size_t>(name[1] - '1');
+}
+
+// The first names, so that a file with very many columns gives a short message.
+template <typename Points, typename Text>
+std::string list(const Points& points, std::string_view separator, Text text) {
+  constexpr std::size_t kMostListed = 12;
+  std::string words;
+  for (std::size_t i = 0; i < std::min(points.size(), kMostListed); ++i) {
+    if (i > 0) words += separator;
+    words += text(points[i]);
+  }
+  if (points.size() > kMostListed) {
+    words += fmt::format(" and {} more", points.size() - kMostListed);
+  }
+  return words;
+}
+
+}  // namespace
+
+std::optional<PointColumn> point_column(std::string_view name) {
+  const std::size_t unit = name.rfind('_');
+  if (unit == std::string_view::npos || unit < 3) return std::nullopt;
+  const PointColumn column{name.substr(0, unit - 2), static_cast<std::size_t>(name[unit - 1] - 'x'),
+                           name.substr(unit + 1)};
+  const bool is_coordinate =
+      name[unit - 2] == '_' && name[unit - 1] >= 'x' && name[unit - 1] <= 'z';
+  if (!is_coordinate || (column.unit != "m" && column.unit != "mm") ||
+      !is_point_name(column.point)) {
+    return std::nullopt;
+  }
+  return column;
+}
+
+bool ignores_column(std::string_view ignored, std::string_view name) {
+  if (ignored == name) return true;
+  if (!ignored.ends_with("_*")) return false;
+  const std::optional<PointColumn> column = point_column(name);
+  return column && column->point == ignored.substr(0, ignored.size() - 2);
+}
+
+void CsvPoints::add(const PointColumn& column) {
+  auto point = std::find_if(points_.begin(), points_.end(),
+                            [&](const Point& known) { return known.name == column.point; });
+  if (point == points_.end()) {
+    points_.push_back({std::string(column.point), {}});
+    point = points_.end() - 1;
+  }
+  point->has_axis[column.axis] = true;
+}
+
+std::vector<const CsvPoints::Point*> CsvPoints::by_number() const {
+  std::vector<const Point*> numbered(std::max(points_.size(), kMostPoints));
+  for (const Point& point : points_) {
+    if (const auto index = fixed_index(point.name)) numbered[*index] = &point;
+  }
+  for (const Point& point : points_) {
+    if (!fixed_index(point.name)) *std::find(numbered.begin(), numbered.end(), nullptr) = &point;
+  }
+  return numbered;
+}
+
+SampleKind CsvPoints::kind(const std::string& place) const {
+  if (points_.size() > kMostPoints) {
+    const std::vector<Point> surplus(points_.begin() + kMostPoints, points_.end());
+    throw InputError(
+        place,
+        fmt::format("has {} points: {}", points_.size(),
+                    list(points_, ", ", [](const Point& point) { return point.name; })),
+        fmt::format("leave out all but three, for example with {}",
+                    list(surplus, " ", [](const Point& point) {
+                      return fmt::format("--ignore-column '{}_*'", point.name);
+                    })));
+  }
+  std::vector<std::string> lacking;
+  for (const Point& point : points_) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (!point.has_axis[axis]) lacking.push_back(fmt::format("{}_{}", point.name, "xyz"[axis]));
+    }
+  }
+  const std::vector<const Point*> numbered = by_number();
+  if (lacking.empty() && points_.size() == kMostPoints) return SampleKind::three_points;
+  if (lacking.empty() && points_.size() == 1 && numbered[0] != nullptr) {
+    return SampleKind::one_point;
+  }
+  if (lacking.empty()) {
+    lacking.push_back(points_.size() == 1 ? "p1" : "a third point");
+  }
+  throw InputError(place,
+                   fmt::format("the position columns are not a complete set: {} {} missing",
+                               list(lacking, ", ", [](const std::string& name) { return name; }),
+                               lacking.size() == 1 ? "is" : "are"),
+                   "give x, y, z of one point or of three, such as p1_x_mm to p3_z_mm");
+}
+
+std::size_t CsvPoints::coordinate(const PointColumn& column) const {
+  const std::vector<const Point*> numbered = by_number();
+  const auto point = std::find_if(numbered.begin(), numbered.end(), [&](const Point* known) {
+    return known != nullptr && known->name == column.point;
+  });
+  return 3 * static_cast<std::size_t>(point - numbered.begin()) + column.axis;
+}
+
+std::string CsvPoints::note() const {
+  if (std::all_of(points_.begin(), points_.end(),
+                  [](const Point& point) { return fixed_index(point.name).has_value(); })) {
+    return {};
+  }
+  std::vector<std::string> words;
+  const std::vector<const Point*> numbered = by_number();
+  for (std::size_t i = 0; i < numbered.size(); ++i) {
+    if (numbered[i] != nullptr)
+      words.push_back(fmt::format("point {} is {}", i + 1, numbered[i]->name));
+  }
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+}  // namespace condyle::host
