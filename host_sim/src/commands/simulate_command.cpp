@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "commands/commands.h"
 #include "hosted/files/clean_text.h"

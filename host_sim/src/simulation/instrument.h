@@ -81,10 +81,40 @@ struct HeadModel {
   double delay_s = 0;
 };
 
+/// The points that the facebow reports, in the frame of the body (m).
+inline constexpr std::array<double, 3> kFacebowPoints_m[3] = {
+    {0, 0, 0}, {0.025, 0, 0.030}, {-0.025, 0, 0.030}};
+
 /// True pose of the body that the facebow sees, relative to its rest pose.
 struct Pose {
   std::array<double, 3> translation_m{};  ///< x right, y forward, z up
   std::array<double, 3> rotation_rad{};   ///< small rotations about x, y, z
+};
+
+/// When the facebow samples, and what goes wrong on the way from a pose to the samples, whatever
+/// the pose is.
+class FacebowFaults {
+ public:
+  FacebowFaults(const FacebowModel& model, std::uint64_t seed);
+
+  /// Instant of the next sample (s). It changes with `deliver`.
+  double next_instant_s() const { return next_instant_s_; }
+  bool is_frozen() const { return model_.frozen.contains(next_instant_s_); }
+  /// Draws whether this sample is thrown off, and where to.
+  std::optional<std::array<double, 3>> draw_glitch_m();
+  /// A coordinate as the facebow shows it: quantised, 0 in a dropout.
+  double shown_m(double value_m) const;
+  /// Completes `sample`, whose kind and coordinates are set, and appends it: never if it is lost,
+  /// twice if it is repeated.
+  void deliver(Sample& sample, std::vector<Sample>& samples);
+
+ private:
+  void schedule();
+
+  FacebowModel model_;
+  RandomGenerator faults_, times_;
+  std::uint64_t count_ = 0;
+  double next_instant_s_ = 0;
 };
 
 /// The facebow: called once for each true sampling instant, in order.
@@ -93,20 +123,18 @@ class SimulatedFacebow {
   SimulatedFacebow(const FacebowModel& model, Axis translation_axis, std::uint64_t seed);
 
   /// Instant of the next sample (s).
-  double next_instant_s() const { return next_instant_s_; }
+  double next_instant_s() const { return faults_.next_instant_s(); }
   /// Takes the subject's state at that instant; appends its samples (none when lost, two when
   /// repeated) to `samples`.
   void sample(const Jaw& jaw, double coordinate, std::vector<Sample>& samples);
 
  private:
   Pose true_pose(const Jaw& jaw, double coordinate) const;
-  void schedule();
 
   FacebowModel model_;
   Axis axis_;
-  RandomGenerator noise_, faults_, times_;
-  std::uint64_t count_ = 0;
-  double next_instant_s_ = 0;
+  RandomGenerator noise_;
+  FacebowFaults faults_;
   std::optional<Pose> smoothed_, shown_;
 };
 

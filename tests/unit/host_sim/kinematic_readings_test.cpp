@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <tuple>
 
 namespace condyle::host {
 namespace {
@@ -166,18 +167,18 @@ TEST(TrueReadings, LateralAndProtrusiveStrokesGoWhereTheySay) {
   EXPECT_EQ(table.at({"rest", "", 0, "displacement_mm"}), 0);
 }
 
+// Of the incisor, in A.
+Eigen::Vector3d displacement_mm(const KinematicJaw& jaw, double time_s) {
+  const JawPose pose = jaw.pose_at(time_s);
+  const Eigen::Vector3d& incisor_m = jaw.landmarks().incisor_lower;
+  return 1e3 * (pose.rotation * incisor_m + pose.translation_m - incisor_m);
+}
+
 TEST(TrueReadings, CyclesMeetAtTheMostClosedInstants) {
   const KinematicJaw jaw(everything());
   const std::vector<JawCycle> cycles = true_cycles(jaw);
   ASSERT_GE(cycles.size(), 12U);
-  const auto height_mm = [&](double t) {
-    const JawPose pose = jaw.pose_at(t);
-    return 1e3 * (pose.rotation * jaw.landmarks().incisor_lower + pose.translation_m).z();
-  };
-  const auto lateral_mm = [&](double t) {
-    const JawPose pose = jaw.pose_at(t);
-    return 1e3 * (pose.rotation * jaw.landmarks().incisor_lower + pose.translation_m).y();
-  };
+  const auto height_mm = [&](double t) { return displacement_mm(jaw, t).z(); };
   for (std::size_t i = 0; i < cycles.size(); ++i) {
     const JawCycle& cycle = cycles[i];
     if (i > 0 && cycles[i - 1].sequence == cycle.sequence) {
@@ -188,12 +189,51 @@ TEST(TrueReadings, CyclesMeetAtTheMostClosedInstants) {
     }
     EXPECT_LE(height_mm(cycle.opening_end_s), height_mm(cycle.opening_end_s + 1e-4));
     EXPECT_LE(height_mm(cycle.opening_end_s), height_mm(cycle.opening_end_s - 1e-4));
-    // The closing path lies on the working side of the opening path.
-    const double side = cycle.working == JawSide::left ? 1 : -1;
-    const double opening_mm = lateral_mm((cycle.begin_s + cycle.opening_end_s) / 2);
-    const double closing_mm = lateral_mm((cycle.end_s + cycle.opening_end_s) / 2);
-    EXPECT_GT(side * (closing_mm - opening_mm), 1);
   }
+}
+
+// The path further on the working side is that of closing; that of opening, if the loop is
+// reversed.
+TEST(TrueReadings, LoopsTurnAsAsked) {
+  for (const bool is_reversed : {false, true}) {
+    JawScenario scenario;
+    scenario.tasks = {default_task(JawTaskKind::chewing)};
+    scenario.tasks[0].chewing.alternates = true;
+    scenario.tasks[0].chewing.reversed_share = is_reversed ? 1 : 0;
+    const KinematicJaw jaw(scenario);
+    JawSide last = JawSide::none;
+    for (const JawCycle& cycle : true_cycles(jaw)) {
+      EXPECT_EQ(cycle.is_reversed, is_reversed);
+      EXPECT_NE(cycle.working, last);
+      last = cycle.working;
+      const double side = cycle.working == JawSide::left ? 1 : -1;
+      const auto lateral_mm = [&](double t) { return side * displacement_mm(jaw, t).y(); };
+      const double opening_mm = lateral_mm((cycle.begin_s + cycle.opening_end_s) / 2);
+      const double closing_mm = lateral_mm((cycle.end_s + cycle.opening_end_s) / 2);
+      EXPECT_GT(is_reversed ? opening_mm - closing_mm : closing_mm - opening_mm, 1);
+      EXPECT_GT(std::max(opening_mm, closing_mm), 2);
+    }
+  }
+}
+
+TEST(TrueReadings, SwallowsAndSpeechAreSmallAndNoCycles) {
+  JawScenario scenario;
+  scenario.tasks = {default_task(JawTaskKind::chewing)};
+  const KinematicJaw jaw(scenario);
+  const std::vector<JawCycle> cycles = true_cycles(jaw);
+  const auto next = std::find_if(cycles.begin(), cycles.end(),
+                                 [](const JawCycle& cycle) { return cycle.sequence == 2; });
+  ASSERT_NE(next, cycles.end());
+  double swallow_mm = 0, speech_mm = 0;
+  for (double t = std::prev(next)->end_s; t < next->begin_s; t += 0.001) {
+    // A swallow is over 2 s after the cycles: 1 s of pause, at most 0.7 s.
+    double& most_mm = t < std::prev(next)->end_s + 2 ? swallow_mm : speech_mm;
+    most_mm = std::max(most_mm, displacement_mm(jaw, t).norm());
+  }
+  EXPECT_GT(swallow_mm, 0.9);
+  EXPECT_LT(swallow_mm, 3.1);
+  EXPECT_GT(speech_mm, 3);
+  EXPECT_LT(speech_mm, 5.1);
 }
 
 }  // namespace

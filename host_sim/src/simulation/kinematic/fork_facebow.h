@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Geometry>
 #include <optional>
 #include <vector>
 
@@ -12,15 +13,15 @@ namespace condyle::host {
 /// The fork's points in its own frame (m), one a column.
 Eigen::Matrix3d fork_points_m();
 
-/// A facebow that sees a fork in any pose. Faults and their order are SimulatedFacebow's
-/// (simulation/instrument.h). Its noise moves the centroid of the three points along, and turns the
+/// A facebow that sees a fork in any pose. What happens to a sample is as in
+/// simulation/instrument.h. Its noise moves the centroid of the three points along, and turns the
 /// fork about, each axis of the instrument independently.
 class ForkFacebow {
  public:
   ForkFacebow(const FacebowModel& model, std::uint64_t seed);
 
   /// Instant of the next sample (s).
-  double next_instant_s() const { return next_instant_s_; }
+  double next_instant_s() const { return faults_.next_instant_s(); }
   /// Takes the fork's pose in the instrument's frame at that instant; appends its samples (none
   /// when lost, two when repeated).
   void sample(const JawPose& fork, std::vector<Sample>& samples);
@@ -31,13 +32,10 @@ class ForkFacebow {
     Eigen::Quaterniond turn;
     Eigen::Vector3d centroid_m;
   };
-  void schedule();
-  Eigen::Vector3d draw_glitch_m();
 
   FacebowModel model_;
-  RandomGenerator noise_, faults_, times_;
-  std::uint64_t count_ = 0;
-  double next_instant_s_ = 0;
+  RandomGenerator noise_;
+  FacebowFaults faults_;
   std::optional<Placement> smoothed_, shown_;
 };
 

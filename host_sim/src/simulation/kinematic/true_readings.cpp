@@ -243,6 +243,8 @@ class TruthOfJaw {
       const double duration_s = cycle.end_s - cycle.begin_s;
       total_s += duration_s;
       add("cycle_duration_s", duration_s, "s");
+      add("opening_time_s", cycle.opening_end_s - cycle.begin_s, "s");
+      add("closing_time_s", cycle.end_s - cycle.opening_end_s, "s");
       const Span opening{cycle.begin_s, cycle.opening_end_s};
       const Span closing{cycle.opening_end_s, cycle.end_s}, whole{cycle.begin_s, cycle.end_s};
       const auto range = [&](int axis) {
@@ -251,6 +253,7 @@ class TruthOfJaw {
       };
       add("cycle_height_mm", range(2), "mm");
       add("cycle_width_mm", range(1), "mm");
+      add("cycle_depth_mm", range(0), "mm");
       const auto speed = [this](double t) { return incisor_speed_mm_s(t); };
       const auto vertical = [this](double t) { return vertical_speed_mm_s(t); };
       add("opening_peak_speed_mm_s", greatest(speed, opening), "mm/s");
