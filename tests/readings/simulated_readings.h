@@ -60,7 +60,7 @@ inline std::vector<Task> stated_tasks(const KinematicSimulation& simulation) {
 /// Counts of one reading over many recordings.
 struct Coverage {
   int wanted = 0, shown = 0, covered = 0;
-  double squares = 0, halves = 0;  ///< of the error; sum of half intervals
+  double sum = 0, squares = 0, halves = 0;  ///< of the error; of half intervals
 };
 
 /// "task/side/reading" of the mean over strokes.
@@ -92,6 +92,7 @@ inline void compare_means(const Analysis& analysis, const std::vector<TrueReadin
     const double error = reading.value - truth_of->second;
     ++coverage.shown;
     coverage.covered += reading.low <= truth_of->second && truth_of->second <= reading.high;
+    coverage.sum += error;
     coverage.squares += error * error;
     coverage.halves += (reading.high - reading.low) / 2;
   }

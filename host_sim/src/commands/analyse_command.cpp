@@ -46,8 +46,7 @@ int analyse_all(AnalyseOptions& options) {
     }
     options.reference_s = {options.reference[0], options.reference[1]};
   }
-  options.moving =
-      options.moving_body == "upper" ? MovingBody::upper : MovingBody::lower;
+  options.moving = options.moving_body == "upper" ? MovingBody::upper : MovingBody::lower;
   if (!options.landmarks.empty()) static_cast<void>(load_landmarks(options.landmarks));
   std::unique_ptr<OutputFolder> folder;
   std::vector<std::unique_ptr<OutputFile>> files;
@@ -132,8 +131,7 @@ Command add_analyse(CommandLine app) {
                   "NAME BEGIN END (s): opening, protrusion, left, right, chewing, border or rest; "
                   "repeatable")
       .values_each(3);
-  command.add_option("--tasks=FILE", options->tasks_file,
-                     "The tasks as CSV: task, begin_s, end_s");
+  command.add_option("--tasks=FILE", options->tasks_file, "The tasks as CSV: task, begin_s, end_s");
   command
       .add_option("--reference-s", options->reference,
                   "BEGIN END of a rest in the reference position; found if not given")

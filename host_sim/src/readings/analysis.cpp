@@ -9,8 +9,8 @@
 #include <numbers>
 
 #include "hosted/files/input_error.h"
-#include "readings/strokes.h"
 #include "readings/stroke_readings.h"
+#include "readings/strokes.h"
 #include "readings/task_readings.h"
 #include "readings/uncertainty.h"
 
@@ -44,8 +44,8 @@ SampleRun reference_of(const PoseTrack& track, const AnalysisChoice& choice,
         std::upper_bound(time_s.begin(), time_s.end(), end_s + 1e-9) - time_s.begin());
     if (run.end < run.begin + 2) {
       throw InputError(recording,
-                       fmt::format("--reference-s {:g} {:g}: it has {} usable samples there", begin_s,
-                                   end_s, run.end > run.begin ? run.end - run.begin : 0),
+                       fmt::format("--reference-s {:g} {:g}: it has {} usable samples there",
+                                   begin_s, end_s, run.end > run.begin ? run.end - run.begin : 0),
                        fmt::format("give an interval of rest between {:g} and {:g} s",
                                    time_s.front(), time_s.back()));
     }
@@ -65,7 +65,7 @@ SampleRun reference_of(const PoseTrack& track, const AnalysisChoice& choice,
 }
 
 ReadingGeometry geometry_without_landmarks(const PoseTrack& track, const ReferredMotion& motion,
-                                       SampleRun reference) {
+                                           SampleRun reference) {
   ReadingGeometry geometry;
   geometry.middle_m = geometry.incisor_m = motion.middle_m;
   geometry.condyle_m = {motion.middle_m, motion.middle_m};
@@ -75,7 +75,8 @@ ReadingGeometry geometry_without_landmarks(const PoseTrack& track, const Referre
   return geometry;
 }
 
-void describe_path(const ReferredMotion& motion, const ReadingGeometry& geometry, Analysis& analysis) {
+void describe_path(const ReferredMotion& motion, const ReadingGeometry& geometry,
+                   Analysis& analysis) {
   const LocalFit fit(motion.time_s, 0, motion.time_s.size());
   SmoothMotion smooth{motion.time_s, {}, {}};
   fit.apply(motion.motion, smooth.value, smooth.slope);
@@ -92,7 +93,8 @@ void describe_path(const ReferredMotion& motion, const ReadingGeometry& geometry
   for (std::size_t k = 0; k < gains.size(); ++k) {
     const Vector3d r = rotation_by(smooth.value[k].tail<3>()) * lever;
     Eigen::Matrix<double, 3, 6> J;
-    J << Eigen::Matrix3d::Identity(), -Eigen::Matrix3d{{0, -r[2], r[1]}, {r[2], 0, -r[0]}, {-r[1], r[0], 0}};
+    J << Eigen::Matrix3d::Identity(),
+        -Eigen::Matrix3d{{0, -r[2], r[1]}, {r[2], 0, -r[0]}, {-r[1], r[0], 0}};
     const double variance = (J * analysis.noise.covariance * J.transpose()).trace() / 3;
     analysis.incisor_sd_m.push_back(std::sqrt(variance * gains[k]));
   }
@@ -137,7 +139,7 @@ Analysis analyse(Recording& recording, const std::string& name,
   if (landmarks) check_near(*landmarks, motion.middle_m, choice.landmarks);
   analysis.noise = noise_of(motion, rest.begin, rest.end);
   const ReadingGeometry geometry = landmarks ? geometry_of(*landmarks, motion.middle_m)
-                                         : geometry_without_landmarks(track, motion, rest);
+                                             : geometry_without_landmarks(track, motion, rest);
   describe_path(motion, geometry, analysis);
 
   TaskContext context;

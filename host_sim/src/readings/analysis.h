@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "readings/chewing_cycles.h"
-#include "readings/reading_geometry.h"
 #include "readings/pose_noise.h"
 #include "readings/pose_track.h"
 #include "readings/reading.h"
+#include "readings/reading_geometry.h"
 #include "readings/tasks.h"
 #include "recordings/recording_choice.h"
 
@@ -20,8 +20,8 @@ namespace condyle::host {
 /// What to analyse, and how.
 struct AnalysisChoice {
   RecordingOptions reading;
-  std::string landmarks;    ///< TOML file; empty: none
-  std::vector<Task> tasks;  ///< stated; none: marked or found
+  std::string landmarks;                             ///< TOML file; empty: none
+  std::vector<Task> tasks;                           ///< stated; none: marked or found
   std::optional<std::array<double, 2>> reference_s;  ///< begin and end of the reference position
   MovingBody moving = MovingBody::lower;
 };
@@ -30,9 +30,9 @@ struct AnalysisChoice {
 struct AnalysedCycle {
   ChewingCycle cycle;
   std::vector<UncertainValue> values;
-  int number = 0;     ///< of those taken, from 1; 0: rejected
-  int sequence = 1;   ///< a pause of more than 2 s begins a new one
-  std::string side;   ///< left, right or midline, by the closing path; empty: not known
+  int number = 0;    ///< of those taken, from 1; 0: rejected
+  int sequence = 1;  ///< a pause of more than 2 s begins a new one
+  std::string side;  ///< left, right or midline, by the closing path; empty: not known
 };
 
 /// Everything about one recording.
@@ -41,7 +41,7 @@ struct Analysis {
   RecordingInfo info;
   PoseCounts counts;
   std::vector<std::string> events, notes;
-  std::string unusable;        ///< why no reading can be trusted; empty: usable
+  std::string unusable;  ///< why no reading can be trusted; empty: usable
   bool has_landmarks = false;
   double duration_s = 0, rate_Hz = 0;
   double reference_begin_s = 0, reference_end_s = 0;
@@ -51,7 +51,7 @@ struct Analysis {
   std::vector<Task> tasks;
   std::vector<JawReading> readings;
   std::vector<AnalysedCycle> cycles;
-  JawPath path;                ///< of the whole recording, smoothed
+  JawPath path;                      ///< of the whole recording, smoothed
   std::vector<double> incisor_sd_m;  ///< of each smoothed position, root of the mean variance
 };
 

@@ -34,8 +34,7 @@ bool is_burst(const std::vector<double>& time_s, const std::vector<Vector6>& pat
   Eigen::Matrix<double, rows, 4> A;
   Eigen::Matrix<double, rows, 6> y;
   for (std::size_t i = 0; i < kSide; ++i) {
-    for (const auto& [row, k] :
-         {std::pair(i, begin - kSide + i), std::pair(kSide + i, end + i)}) {
+    for (const auto& [row, k] : {std::pair(i, begin - kSide + i), std::pair(kSide + i, end + i)}) {
       A.row(static_cast<int>(row)) = powers(k);
       y.row(static_cast<int>(row)) = path[k].transpose();
     }
@@ -84,8 +83,7 @@ std::vector<SampleRun> find_frozen(const std::vector<Vector6>& path) {
   for (std::size_t begin = 0; begin < path.size();) {
     std::size_t end = begin + 1;
     while (end < path.size() && path[end] == path[begin]) ++end;
-    const bool jumps =
-        end < path.size() && (path[end] - path[begin]).norm() > kLeastDeparture_m;
+    const bool jumps = end < path.size() && (path[end] - path[begin]).norm() > kLeastDeparture_m;
     if (end - begin >= kLeastFrozen && jumps) runs.push_back({begin + 1, end});
     begin = end;
   }

@@ -124,9 +124,8 @@ std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
     ChewingCycle cycle;
     cycle.turn = turns[i + 1];
     cycle.turn_s = time_s[cycle.turn];
-    const double depth_m =
-        closed_depth_m(std::max(height_m[turns[i]], height_m[turns[i + 2]]) - height_m[cycle.turn],
-                       noise_sd_m);
+    const double depth_m = closed_depth_m(
+        std::max(height_m[turns[i]], height_m[turns[i + 2]]) - height_m[cycle.turn], noise_sd_m);
     // The closed times before and after: all samples near the top.
     const auto closed = [&](std::size_t top, std::size_t floor, std::size_t roof) {
       std::size_t first = top, last = top;
@@ -161,9 +160,15 @@ std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
 }
 
 std::vector<std::string_view> readings_of_cycle(bool has_landmarks) {
-  std::vector<std::string_view> names = {"cycle_duration_s", "opening_time_s", "closing_time_s",
-                                         "opening_peak_speed_mm_s", "closing_peak_speed_mm_s",
-                                         "sparc", "ldlj", "closing_sparc", "closing_ldlj"};
+  std::vector<std::string_view> names = {"cycle_duration_s",
+                                         "opening_time_s",
+                                         "closing_time_s",
+                                         "opening_peak_speed_mm_s",
+                                         "closing_peak_speed_mm_s",
+                                         "sparc",
+                                         "ldlj",
+                                         "closing_sparc",
+                                         "closing_ldlj"};
   if (has_landmarks) {
     for (const char* name : {"cycle_height_mm", "cycle_width_mm", "cycle_depth_mm"}) {
       names.push_back(name);
@@ -205,15 +210,16 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
     depths.push_back(-z[k]);
     speeds.push_back(path.incisor_m_s[k].norm());
   }
-  const std::size_t turn = greatest_at(depths, begin, end + 1);
-  const double turn_s = top_s(time_s, depths, turn);
+  const Greatest deepest = greatest_of(time_s, depths, begin, end + 1);
+  const std::size_t turn = deepest.at;
+  const double turn_s = deepest.time_s;
   values = {end_s - begin_s, turn_s - begin_s, end_s - turn_s};
   double smoothness[2][2];
   for (int back = 0; back < 2; ++back) {
     const std::size_t from = back == 0 ? begin : turn, to = back == 0 ? turn : end;
-    const std::size_t at = greatest_at(speeds, from, to + 1);
-    values.push_back(greatest_value(time_s, speeds, at) * 1e3);
-    const double step_s = (time_s[to] - time_s[from]) / static_cast<double>(std::max<std::size_t>(to - from, 1));
+    values.push_back(greatest_of(time_s, speeds, from, to + 1).value * 1e3);
+    const double step_s =
+        (time_s[to] - time_s[from]) / static_cast<double>(std::max<std::size_t>(to - from, 1));
     const std::vector<double> part(speeds.begin() + static_cast<std::ptrdiff_t>(from),
                                    speeds.begin() + static_cast<std::ptrdiff_t>(to + 1));
     smoothness[back][0] = spectral_arc_length(part, step_s);
@@ -222,12 +228,15 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
   for (const auto& phase : smoothness) values.insert(values.end(), phase, phase + 2);
   if (has_landmarks) {
     for (const int axis : {2, 1, 0}) {
-      double low = path.incisor_m[begin][axis], high = low;
-      for (std::size_t k = begin; k <= end; ++k) {
-        low = std::min(low, path.incisor_m[k][axis]);
-        high = std::max(high, path.incisor_m[k][axis]);
+      double range = 0;
+      for (const double sign : {1.0, -1.0}) {
+        std::vector<double> coordinates;
+        for (std::size_t k = 0; k < z.size(); ++k) {
+          coordinates.push_back(sign * path.incisor_m[k][axis]);
+        }
+        range += greatest_of(time_s, coordinates, begin, end + 1).value;
       }
-      values.push_back((high - low) * 1e3);
+      values.push_back(range * 1e3);
     }
   }
   if (why != nullptr) why->assign(values.size(), "");

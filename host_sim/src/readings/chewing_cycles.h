@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "readings/reading_geometry.h"
 #include "readings/reading.h"
+#include "readings/reading_geometry.h"
 
 namespace condyle::host {
 
@@ -39,8 +39,8 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
                 bool has_landmarks, const JawPath& path, std::vector<double>& values,
                 std::vector<std::string>* why);
 
-/// The height of the incisor along the path: Z, or without landmarks the direction in which it moves
-/// most.
+/// The height of the incisor along the path: Z, or without landmarks the direction in which it
+/// moves most.
 std::vector<double> heights_of(const JawPath& path, bool has_landmarks);
 
 }  // namespace condyle::host

@@ -8,19 +8,20 @@ namespace condyle::host {
 namespace {
 
 // First and end of the samples that the fit at `k` uses.
-std::pair<std::size_t, std::size_t> window_at(const std::vector<double>& time_s, std::size_t k) {
+std::pair<std::size_t, std::size_t> window_at(const std::vector<double>& time_s, std::size_t k,
+                                              double half_width_s) {
   std::size_t first = k, end = k + 1;
   const auto grow = [&](double width_s) {
     while (first > 0 && time_s[k] - time_s[first - 1] <= width_s + 1e-9) --first;
     while (end < time_s.size() && time_s[end] - time_s[k] <= width_s + 1e-9) ++end;
   };
-  grow(kFitHalfWidth_s);
+  grow(half_width_s);
   while (end - first < kLeastFitSamples) {
     const bool has_before = first > 0, has_after = end < time_s.size();
     if (!has_before && !has_after) break;
     const double before_s = has_before ? time_s[k] - time_s[first - 1] : 1e300;
     const double after_s = has_after ? time_s[end] - time_s[k] : 1e300;
-    if (std::min(before_s, after_s) > kWidestFit_s) break;
+    if (std::min(before_s, after_s) > std::max(kWidestFit_s, half_width_s)) break;
     if (before_s <= after_s) {
       --first;
     } else {
@@ -32,12 +33,13 @@ std::pair<std::size_t, std::size_t> window_at(const std::vector<double>& time_s,
 
 }  // namespace
 
-LocalFit::LocalFit(const std::vector<double>& time_s, std::size_t begin, std::size_t end) {
+LocalFit::LocalFit(const std::vector<double>& time_s, std::size_t begin, std::size_t end,
+                   double half_width_s) {
   std::vector<std::pair<std::size_t, std::size_t>> ranges;
   first_used_ = begin;
   end_used_ = end;
   for (std::size_t k = begin; k < end; ++k) {
-    ranges.push_back(window_at(time_s, k));
+    ranges.push_back(window_at(time_s, k, half_width_s));
     first_used_ = std::min(first_used_, ranges.back().first);
     end_used_ = std::max(end_used_, ranges.back().second);
   }

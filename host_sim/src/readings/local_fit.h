@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Value and slope of a motion at each sample: least squares of a cubic over the samples within 50 ms
-// on both sides, at least seven of them. A quadratic would give slopes 3 % too small at the peak of a
-// chewing stroke. Linear in the samples, with known weights.
+// Value and slope of a motion at each sample: least squares of a cubic over the samples within 50
+// ms on both sides, at least seven of them. A quadratic would give slopes 3 % too small at the peak
+// of a chewing stroke. Linear in the samples, with known weights.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,8 @@ inline constexpr std::size_t kLeastFitSamples = 7;
 /// The weights of the fits at samples `begin` to `end` (without) of a recording.
 class LocalFit {
  public:
-  LocalFit(const std::vector<double>& time_s, std::size_t begin, std::size_t end);
+  LocalFit(const std::vector<double>& time_s, std::size_t begin, std::size_t end,
+           double half_width_s = kFitHalfWidth_s);
 
   /// Values and slopes (per s) at the samples, from `samples`, those of `first_used` to
   /// `end_used`.

@@ -16,17 +16,40 @@ std::size_t greatest_at(const std::vector<double>& values, std::size_t begin, st
   return begin + static_cast<std::size_t>(std::max_element(first, last) - first);
 }
 
-double greatest_value(const std::vector<double>& time_s, const std::vector<double>& values,
-                      std::size_t at) {
-  if (at == 0 || at + 1 >= values.size()) return values[at];
+Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double>& values,
+                     std::size_t begin, std::size_t end) {
+  constexpr double reach_s = 0.05;
+  std::vector<double> means(values.begin() + static_cast<std::ptrdiff_t>(begin),
+                            values.begin() + static_cast<std::ptrdiff_t>(end));
+  for (std::size_t k = begin; k < end; ++k) {
+    // As many samples on both sides, with triangular weights.
+    double sum = values[k], weights = 1;
+    for (std::size_t i = 1; k >= begin + i && k + i < end; ++i) {
+      const double weight = 1 - (time_s[k + i] - time_s[k - i]) / 2 / (reach_s * 1.2);
+      if (weight <= 0) break;
+      sum += weight * (values[k - i] + values[k + i]);
+      weights += 2 * weight;
+    }
+    means[k - begin] = sum / weights;
+  }
+  const std::size_t at = begin + greatest_at(means, 0, means.size());
+  Greatest greatest{at, time_s[at], values[at]};
+  if (at == begin || at + 1 >= end) return greatest;
+  // values[at] + slope x + curve x^2 through three samples; likewise the means.
   const double a = time_s[at - 1] - time_s[at], b = time_s[at + 1] - time_s[at];
-  const double p = values[at - 1] - values[at], q = values[at + 1] - values[at];
-  // values[at] + slope x + curve x^2
-  const double curve = (p * b - q * a) / (a * b * (a - b));
-  const double slope = (p - curve * a * a) / a;
-  if (!(curve < 0)) return values[at];
-  const double top = -slope / (2 * curve);
-  return top > a && top < b ? values[at] - slope * slope / (4 * curve) : values[at];
+  const auto parabola = [&](double before, double here, double after) {
+    const double p = before - here, q = after - here;
+    const double curve = (p * b - q * a) / (a * b * (a - b));
+    return std::pair((p - curve * a * a) / a, curve);
+  };
+  const std::size_t i = at - begin;
+  const auto [mean_slope, mean_curve] = parabola(means[i - 1], means[i], means[i + 1]);
+  if (!(mean_curve < 0)) return greatest;
+  const double x = std::clamp(-mean_slope / (2 * mean_curve), a / 2, b / 2);
+  const auto [slope, curve] = parabola(values[at - 1], values[at], values[at + 1]);
+  greatest.time_s += x;
+  greatest.value += (slope + curve * x) * x;
+  return greatest;
 }
 
 double path_length_m(const Points& points, std::size_t begin, std::size_t end, double chord_m) {
@@ -86,7 +109,8 @@ HelicalAxis helical_axis(const Vector3d& w_rad, const Vector3d& at_m, const Vect
   axis.translation_m = axis.direction.dot(d_m);
   const Vector3d across = d_m - axis.translation_m * axis.direction;
   // The point of the axis nearest to the middle between the two places of the point.
-  axis.point_m = at_m + 0.5 * (across + axis.direction.cross(across) / std::tan(axis.angle_rad / 2));
+  axis.point_m =
+      at_m + 0.5 * (across + axis.direction.cross(across) / std::tan(axis.angle_rad / 2));
   return axis;
 }
 

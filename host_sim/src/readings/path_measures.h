@@ -15,9 +15,15 @@ using Points = std::vector<Eigen::Vector3d>;
 /// Index of the greatest of `values` from `begin` to `end` (without), which must not be empty.
 std::size_t greatest_at(const std::vector<double>& values, std::size_t begin, std::size_t end);
 
-/// The greatest value near the sample `at`: top of the parabola through it and its neighbours.
-double greatest_value(const std::vector<double>& time_s, const std::vector<double>& values,
-                      std::size_t at);
+/// The greatest of `values` from `begin` to `end` (without), which must not be empty: the instant
+/// is the top of their means over 50 ms on both sides, so that it does not follow the noise, and
+/// the value is theirs at that instant.
+struct Greatest {
+  std::size_t at;  ///< sample nearest to it
+  double time_s, value;
+};
+Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double>& values,
+                     std::size_t begin, std::size_t end);
 
 /// A point on a path between two samples.
 struct Passage {
@@ -65,8 +71,8 @@ HelicalAxis helical_axis(const Eigen::Vector3d& w_rad, const Eigen::Vector3d& at
                          const Eigen::Vector3d& d_m);
 
 /// The axis about which the poses from sample `begin` to `end` (included) turn, by least squares of
-/// |R x + t - c| (Ehrig, Taylor, Duda, Heller 2007): where it crosses Y = 0. Absent if they turn too
-/// little.
+/// |R x + t - c| (Ehrig, Taylor, Duda, Heller 2007): where it crosses Y = 0. Absent if they turn
+/// too little.
 std::optional<Eigen::Vector3d> hinge_axis_crossing_m(const JawPath& path, std::size_t begin,
                                                      std::size_t end);
 

@@ -9,7 +9,7 @@
 namespace condyle::host {
 namespace {
 
-constexpr double kBinomial12Over6 = 924;     // variance of a sixth difference of white noise
+constexpr double kBinomial12Over6 = 924;      // variance of a sixth difference of white noise
 constexpr double kMedianOfSize = 0.67448975;  // of a standard normal number
 constexpr double kLongestStep_s = 0.06;       // as long as the windows of LocalFit
 constexpr std::size_t kMostDifferences = 200'000;
@@ -30,8 +30,8 @@ std::vector<Vector6> sixth_differences(const ReferredMotion& motion) {
   for (std::size_t k = 0; k + 6 < count; k += stride) {
     if (!is_even(motion.time_s, k)) continue;
     const auto& m = motion.motion;
-    differences.push_back(m[k] + m[k + 6] - 6 * (m[k + 1] + m[k + 5]) +
-                          15 * (m[k + 2] + m[k + 4]) - 20 * m[k + 3]);
+    differences.push_back(m[k] + m[k + 6] - 6 * (m[k + 1] + m[k + 5]) + 15 * (m[k + 2] + m[k + 4]) -
+                          20 * m[k + 3]);
   }
   return differences;
 }
@@ -47,16 +47,16 @@ double median_size(const std::vector<Vector6>& differences, int i) {
 
 // Ratio of the variance that second differences over `step` samples show to that over one, less
 // what chance explains; of the component where it is largest.
-double ratio_over(const ReferredMotion& motion, std::size_t begin, std::size_t end, std::size_t step,
-                  const Matrix6& covariance) {
+double ratio_over(const ReferredMotion& motion, std::size_t begin, std::size_t end,
+                  std::size_t step, const Matrix6& covariance) {
   double largest = 1;
   const double count = static_cast<double>(end - begin) - 2 * static_cast<double>(step);
   for (int i = 0; i < 6; ++i) {
     if (!(covariance(i, i) > 0)) continue;
     double sum = 0;
     for (std::size_t k = begin; k + 2 * step < end; ++k) {
-      const double difference = motion.motion[k][i] - 2 * motion.motion[k + step][i] +
-                                motion.motion[k + 2 * step][i];
+      const double difference =
+          motion.motion[k][i] - 2 * motion.motion[k + step][i] + motion.motion[k + 2 * step][i];
       sum += difference * difference;
     }
     const double ratio = sum / (6 * count) / covariance(i, i);
@@ -96,8 +96,8 @@ PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t 
   noise.is_checked_at_rest = end - begin >= 6 * longest;
   if (noise.is_checked_at_rest) {
     for (std::size_t step = 1; step <= longest; step *= 2) {
-      noise.coloured = std::max(noise.coloured,
-                                ratio_over(motion, begin, end, step, noise.covariance));
+      noise.coloured =
+          std::max(noise.coloured, ratio_over(motion, begin, end, step, noise.covariance));
     }
   }
   noise.covariance *= noise.coloured;

@@ -33,8 +33,7 @@ struct ThreePoints {
 };
 
 // Fits the body with the median distances; what does not fit is not used.
-void fit_body(const std::vector<ThreePoints>& samples, const std::string& name,
-              PoseTrack& track) {
+void fit_body(const std::vector<ThreePoints>& samples, const std::string& name, PoseTrack& track) {
   Vector3d distances_m;
   for (int k = 0; k < 3; ++k) {
     std::vector<double> all;
@@ -80,8 +79,8 @@ void keep_usable(PoseTrack& track) {
   const std::vector<SampleRun> bursts = find_bursts(track.time_s, path);
   const std::vector<SampleRun> frozen = find_frozen(path);
   std::vector<bool> bad(path.size(), false);
-  for (const auto& [runs, count] : {std::pair(&bursts, &track.counts.in_bursts),
-                                    std::pair(&frozen, &track.counts.frozen)}) {
+  for (const auto& [runs, count] :
+       {std::pair(&bursts, &track.counts.in_bursts), std::pair(&frozen, &track.counts.frozen)}) {
     for (const SampleRun& run : *runs) {
       track.events.push_back(fmt::format(
           "{} samples from {:.2f} to {:.2f} s {}", run.end - run.begin, track.time_s[run.begin],
@@ -182,7 +181,7 @@ PoseTrack read_poses(Recording& recording, const std::string& name) {
 }
 
 ReferredMotion motion_from(const PoseTrack& track, std::size_t begin, std::size_t end,
-                      MovingBody moving) {
+                           MovingBody moving) {
   // Mean pose: mean place, and the mean of the small rotations from the first sample.
   Vector3d place_m = Vector3d::Zero(), turn_rad = Vector3d::Zero();
   const Matrix3d first = track.pose[begin].linear();

@@ -34,9 +34,9 @@ struct PoseCounts {
 struct PoseTrack {
   RecordingInfo info;
   PoseCounts counts;
-  bool has_rotation = false;     ///< three points or poses, not one point
-  Eigen::Matrix3d body_m;        ///< the three points relative to their middle, one a column
-  std::vector<double> time_s;    ///< on the recording's clock
+  bool has_rotation = false;            ///< three points or poses, not one point
+  Eigen::Matrix3d body_m;               ///< the three points relative to their middle, one a column
+  std::vector<double> time_s;           ///< on the recording's clock
   std::vector<Eigen::Isometry3d> pose;  ///< orientation, and place of the points' middle (m)
   std::vector<std::string> events;      ///< bursts, as text
 };
@@ -57,6 +57,6 @@ struct ReferredMotion {
 
 /// The motion of `track` relative to the mean pose of the samples from `begin` to `end` (without).
 ReferredMotion motion_from(const PoseTrack& track, std::size_t begin, std::size_t end,
-                      MovingBody moving);
+                           MovingBody moving);
 
 }  // namespace condyle::host

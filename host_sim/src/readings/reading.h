@@ -68,10 +68,10 @@ struct JawReading {
 /// definition.
 struct UncertainValue {
   double value = JawReading::kNone;
-  double noise_sd = 0;     ///< of the instrument's noise during the stroke
-  double smoothing = 0;    ///< what smoothing changed and was corrected
+  double noise_sd = 0;        ///< of the instrument's noise during the stroke
+  double smoothing = 0;       ///< what smoothing changed and was corrected
   std::vector<double> fixed;  ///< change per standard deviation of each error that strokes share
-  std::string missing;     ///< why there is no value
+  std::string missing;        ///< why there is no value
 
   /// Half the 95 % interval.
   double half_interval() const;

@@ -43,9 +43,9 @@ void paths_of(const SmoothMotion& motion, const ReadingGeometry& geometry, JawPa
   const Matrix3d into_head = geometry.head.linear().transpose();
   const std::size_t count = motion.time_s.size();
   path.time_s = motion.time_s;
-  for (auto* points : {&path.incisor_m, &path.incisor_m_s, &path.condyle_m[0], &path.condyle_m[1],
-                       &path.condyle_m_s[0], &path.condyle_m_s[1], &path.rotation_rad,
-                       &path.middle_m}) {
+  for (auto* points :
+       {&path.incisor_m, &path.incisor_m_s, &path.condyle_m[0], &path.condyle_m[1],
+        &path.condyle_m_s[0], &path.condyle_m_s[1], &path.rotation_rad, &path.middle_m}) {
     points->resize(count);
   }
   const Vector3d f = geometry.middle_m;

@@ -2,9 +2,9 @@
 // Points of the jaw in the head frame: X anterior, Y left, Z superior, origin between the condylar
 // points in the reference position (landmarks.h).
 //
-//   u, w   displacement of the middle f of the measured points, and rotation vector: of ReferredMotion
-//   d(b)   displacement of the jaw's point b: u + (R(w) - I)(b - f)
-//   v(b)   its velocity: u' + omega x R(w)(b - f), omega = J(w) w', J the left Jacobian of SO(3)
+//   u, w   displacement of the middle f of the measured points, and rotation vector: of
+//   ReferredMotion d(b)   displacement of the jaw's point b: u + (R(w) - I)(b - f) v(b)   its
+//   velocity: u' + omega x R(w)(b - f), omega = J(w) w', J the left Jacobian of SO(3)
 // both turned into the head frame.
 #pragma once
 
@@ -20,9 +20,9 @@ namespace condyle::host {
 struct ReadingGeometry {
   bool has_landmarks = false;
   Eigen::Isometry3d head = Eigen::Isometry3d::Identity();
-  Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();   ///< f
-  Eigen::Vector3d incisor_m = Eigen::Vector3d::Zero();  ///< or another followed point
-  std::array<Eigen::Vector3d, 2> condyle_m{};           ///< left, right
+  Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();           ///< f
+  Eigen::Vector3d incisor_m = Eigen::Vector3d::Zero();          ///< or another followed point
+  std::array<Eigen::Vector3d, 2> condyle_m{};                   ///< left, right
   Eigen::Vector3d reference_shift_m = Eigen::Vector3d::Zero();  ///< error of the reference
   Eigen::Vector3d reference_turn_rad = Eigen::Vector3d::Zero();
 };
@@ -35,10 +35,10 @@ struct JawPath {
   std::vector<double> time_s;
   std::vector<Eigen::Vector3d> incisor_m, incisor_m_s;
   std::array<std::vector<Eigen::Vector3d>, 2> condyle_m, condyle_m_s;
-  std::vector<Eigen::Vector3d> rotation_rad;  ///< rotation vectors
+  std::vector<Eigen::Vector3d> rotation_rad;      ///< rotation vectors
   std::array<Eigen::Vector3d, 2> condyle_at_m{};  ///< the condyles in the reference position
   Eigen::Vector3d middle_at_m = Eigen::Vector3d::Zero();  ///< f
-  std::vector<Eigen::Vector3d> middle_m;  ///< displacement of f
+  std::vector<Eigen::Vector3d> middle_m;                  ///< displacement of f
 };
 
 /// The paths of `motion`.

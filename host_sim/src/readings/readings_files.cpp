@@ -39,13 +39,13 @@ std::string readings_csv(const std::vector<Analysis>& analyses) {
       "recording,task,side,stroke,reading,value,low,high,unit,definition,provenance,reason\n";
   for (const Analysis& analysis : analyses) {
     for (const JawReading& reading : analysis.readings) {
-      text += fmt::format(
-          "{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(analysis.recording),
-          name_of(reading.task), name_of(reading.side),
-          reading.stroke > 0 ? std::to_string(reading.stroke) : "", reading.definition->name,
-          number(reading.value), number(reading.low), number(reading.high),
-          reading.definition->unit, quoted(std::string(reading.definition->definition)),
-          name_of(reading.provenance), quoted(reading.reason));
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(analysis.recording),
+                          name_of(reading.task), name_of(reading.side),
+                          reading.stroke > 0 ? std::to_string(reading.stroke) : "",
+                          reading.definition->name, number(reading.value), number(reading.low),
+                          number(reading.high), reading.definition->unit,
+                          quoted(std::string(reading.definition->definition)),
+                          name_of(reading.provenance), quoted(reading.reason));
     }
   }
   return text;
@@ -137,7 +137,8 @@ void write_poses(const Analysis& analysis, OutputFile& file) {
   for (const char axis : {'x', 'y', 'z'}) header += fmt::format(",rotation_{}_deg", axis);
   if (analysis.has_landmarks) {
     for (const char* side : {"left", "right"}) {
-      for (const char axis : {'x', 'y', 'z'}) header += fmt::format(",condyle_{}_{}_mm", side, axis);
+      for (const char axis : {'x', 'y', 'z'})
+        header += fmt::format(",condyle_{}_{}_mm", side, axis);
     }
   }
   file.write(header + "\n");

@@ -52,9 +52,9 @@ std::string samples_text(const PoseCounts& counts) {
 
 std::string analysis_text(const Analysis& analysis) {
   std::string text;
-  text += line("recording", fmt::format("{}, {}, {:.1f} s, {:.1f} samples a second",
-                                        analysis.recording, analysis.info.format,
-                                        analysis.duration_s, analysis.rate_Hz));
+  text +=
+      line("recording", fmt::format("{}, {}, {:.1f} s, {:.1f} samples a second", analysis.recording,
+                                    analysis.info.format, analysis.duration_s, analysis.rate_Hz));
   text += line("usable", analysis.unusable.empty() ? "yes" : "no: " + analysis.unusable);
   text += line("samples", samples_text(analysis.counts));
   for (const auto* list : {&analysis.info.notes, &analysis.notes, &analysis.events}) {
@@ -64,8 +64,8 @@ std::string analysis_text(const Analysis& analysis) {
                                         analysis.reference_end_s,
                                         analysis.is_reference_found ? "found" : "stated"));
   const auto& covariance = analysis.noise.covariance;
-  text += line(
-      "noise", fmt::format("{:.3f} mm, {:.3f} deg (sd){}",
+  text += line("noise",
+               fmt::format("{:.3f} mm, {:.3f} deg (sd){}",
                            std::sqrt(covariance.topLeftCorner<3, 3>().trace() / 3) * 1e3,
                            std::sqrt(covariance.bottomRightCorner<3, 3>().trace() / 3) / kDegree,
                            analysis.noise.coloured > 1.5 ? "; smoothed by the instrument" : ""));
@@ -77,9 +77,9 @@ std::string analysis_text(const Analysis& analysis) {
   for (const JawReading& reading : analysis.readings) {
     if (reading.stroke > 0) continue;
     if (reading.provenance == ReadingProvenance::withheld) {
-      withheld[reading.reason].push_back(
-          fmt::format("{}{}{}", name_of(reading.task), *name_of(reading.task) != 0 ? " " : "",
-                      title_of(reading)));
+      withheld[reading.reason].push_back(fmt::format("{}{}{}", name_of(reading.task),
+                                                     *name_of(reading.task) != 0 ? " " : "",
+                                                     title_of(reading)));
       continue;
     }
     const std::string name =

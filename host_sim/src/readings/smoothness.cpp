@@ -38,7 +38,8 @@ double spectral_arc_length(const std::vector<double>& speed, double step_s) {
   if (last == 0) return kNone;
   const double df = 1 / static_cast<double>(last);
   double length = 0;
-  for (std::size_t i = 1; i <= last; ++i) length += std::hypot(df, amplitudes[i] - amplitudes[i - 1]);
+  for (std::size_t i = 1; i <= last; ++i)
+    length += std::hypot(df, amplitudes[i] - amplitudes[i - 1]);
   return -length;
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Smoothness of a movement from its speed.
 //
-//   SPARC   -sum sqrt((df / (f_last - f_first))^2 + dV^2), V the amplitude spectrum over its largest
+//   SPARC   -sum sqrt((df / (f_last - f_first))^2 + dV^2), V the amplitude spectrum over its
+//   largest
 //           value, from the first to the last frequency up to 10 Hz with V >= 0.05; zero padding
 //           to 16 times the next power of two
 //   LDLJ    -ln (T^3 / v_peak^2 sum (d^2 v / dt^2)^2 dt), T = N dt

@@ -17,9 +17,9 @@ using Eigen::Vector3d;
 
 constexpr double kNone = JawReading::kNone;
 constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
-constexpr double kOnset_m = 0.3e-3;         // travel of a condyle that has left the fossa
-constexpr double kChord_m = 0.5e-3;         // of a path's length
-constexpr double kLeastSpeedShare = 0.05;   // of the peak: begin and end of a movement
+constexpr double kOnset_m = 0.3e-3;        // travel of a condyle that has left the fossa
+constexpr double kChord_m = 0.5e-3;        // of a path's length
+constexpr double kLeastSpeedShare = 0.05;  // of the peak: begin and end of a movement
 constexpr double kLeastAxisAngle_rad = 5 * kDegree, kHingeArc_rad = 12 * kDegree;
 
 // The reading that is being made: values go in the order of readings_of_stroke.
@@ -58,8 +58,7 @@ std::vector<double> coordinate_of(const Points& points, int axis, double sign) {
 }
 
 double greatest_mm(const JawPath& path, const std::vector<double>& values_m) {
-  return greatest_value(path.time_s, values_m, greatest_at(values_m, 0, values_m.size())) /
-         kMillimetre;
+  return greatest_of(path.time_s, values_m, 0, values_m.size()).value / kMillimetre;
 }
 
 // Speed from `begin` to `end` (without): its peak, and the movement around the peak.
@@ -71,17 +70,18 @@ struct Movement {
 Movement movement_of(const JawPath& path, const std::vector<double>& speeds, std::size_t begin,
                      std::size_t end) {
   Movement movement;
-  const std::size_t at = greatest_at(speeds, begin, end);
-  movement.peak_m_s = greatest_value(path.time_s, speeds, at);
+  const Greatest peak = greatest_of(path.time_s, speeds, begin, end);
+  const std::size_t at = peak.at;
+  movement.peak_m_s = peak.value;
   std::size_t first = at, last = at;
   const double least = kLeastSpeedShare * movement.peak_m_s;
   while (first > begin && speeds[first - 1] >= least) --first;
   while (last + 1 < end && speeds[last + 1] >= least) ++last;
   movement.speed_m_s.assign(speeds.begin() + static_cast<std::ptrdiff_t>(first),
                             speeds.begin() + static_cast<std::ptrdiff_t>(last + 1));
-  movement.step_s = last > first ? (path.time_s[last] - path.time_s[first]) /
-                                       static_cast<double>(last - first)
-                                 : 0;
+  movement.step_s =
+      last > first ? (path.time_s[last] - path.time_s[first]) / static_cast<double>(last - first)
+                   : 0;
   return movement;
 }
 
@@ -98,16 +98,11 @@ double sagittal(const Vector3d& point) {
   return std::hypot(point.x(), point.z());
 }
 
-Outward outward_of(const Points& condyle_m) {
-  Outward outward;
-  for (std::size_t k = 0; k < condyle_m.size(); ++k) {
-    const double travel_m = sagittal(condyle_m[k]);
-    if (travel_m > outward.travel_m) {
-      outward.travel_m = travel_m;
-      outward.end = k;
-    }
-  }
-  outward.begin = outward.end;
+Outward outward_of(const std::vector<double>& time_s, const Points& condyle_m) {
+  std::vector<double> travels;
+  for (const Vector3d& point : condyle_m) travels.push_back(sagittal(point));
+  const Greatest greatest = greatest_of(time_s, travels, 0, travels.size());
+  Outward outward{greatest.at, greatest.at, greatest.value};
   while (outward.begin > 0 && sagittal(condyle_m[outward.begin]) > kOnset_m) --outward.begin;
   return outward;
 }
@@ -118,10 +113,7 @@ double outward_length_m(const JawPath& path, std::size_t side, const Outward& ou
   const auto onset = first_passage(path.time_s, points, path.condyle_m_s[side], outward.begin,
                                    outward.begin + 1, kOnset_m, sagittal);
   if (onset) points[outward.begin] = onset->point;
-  // The top lies between samples.
-  std::vector<double> travels;
-  for (const Vector3d& point : points) travels.push_back(sagittal(point));
-  const double beyond_m = greatest_value(path.time_s, travels, outward.end) - outward.travel_m;
+  const double beyond_m = outward.travel_m - sagittal(points[outward.end]);
   return path_length_m(points, outward.begin, outward.end, kChord_m) + beyond_m;
 }
 
@@ -179,11 +171,12 @@ void add_side_shift(const JawPath& path, std::size_t side, const Outward& outwar
 void add_condyles(TaskKind kind, const JawPath& path, Values& out) {
   double length_mm[2];
   for (std::size_t side = 0; side < 2; ++side) {
-    const Outward outward = outward_of(path.condyle_m[side]);
+    const Outward outward = outward_of(path.time_s, path.condyle_m[side]);
     length_mm[side] = outward_length_m(path, side, outward) / kMillimetre;
     out.add(length_mm[side], [] { return std::string("the condyle travels less than 0.3 mm"); });
     out.add(greatest_mm(path, sizes_of(path.condyle_m[side])));
-    const bool orbits = (kind == TaskKind::left && side == 1) || (kind == TaskKind::right && side == 0);
+    const bool orbits =
+        (kind == TaskKind::left && side == 1) || (kind == TaskKind::right && side == 0);
     if (kind == TaskKind::opening || kind == TaskKind::protrusion || orbits) {
       add_inclinations(path, side, outward, orbits, out);
     }
@@ -253,15 +246,16 @@ void add_opening(const JawPath& path, std::size_t turn, Values& out) {
   out.add(greatest_mm(path, coordinate_of(path.incisor_m, 2, -1)));
   std::vector<double> twists;
   for (const Vector3d& w : path.rotation_rad) twists.push_back(twist_about(w, 1));
-  const std::size_t widest = greatest_at(twists, 0, twists.size());
-  out.add(greatest_value(path.time_s, twists, widest) / kDegree);
+  const Greatest twist = greatest_of(path.time_s, twists, 0, twists.size());
+  const std::size_t widest = twist.at;
+  out.add(twist.value / kDegree);
   out.add(path.incisor_m[turn].y() / kMillimetre);
   double deviation_m = 0;
   const Vector3d chord = path.incisor_m[turn] - path.incisor_m[0];
   for (std::size_t k = 0; k <= turn; ++k) {
     // Sideways of the chord, at the same height.
-    const double share = chord.z() != 0 ? (path.incisor_m[k].z() - path.incisor_m[0].z()) / chord.z()
-                                        : 0;
+    const double share =
+        chord.z() != 0 ? (path.incisor_m[k].z() - path.incisor_m[0].z()) / chord.z() : 0;
     const double aside_m = path.incisor_m[k].y() - path.incisor_m[0].y() - share * chord.y();
     if (std::abs(aside_m) > std::abs(deviation_m)) deviation_m = aside_m;
   }
@@ -276,7 +270,10 @@ void add_speeds(const JawPath& path, std::size_t turn, Values& out) {
     const std::size_t end = back == 1 ? path.time_s.size() : turn + 1;
     if (end - begin < 5) {
       for (int i = 0; i < 3; ++i) {
-        out.add(kNone, [&] { return std::string(back == 1 ? "the way back is not recorded" : "the way out is not recorded"); });
+        out.add(kNone, [&] {
+          return std::string(back == 1 ? "the way back is not recorded"
+                                       : "the way out is not recorded");
+        });
       }
       continue;
     }
@@ -310,10 +307,9 @@ std::vector<StrokeReading> readings_of_stroke(TaskKind kind, bool has_landmarks)
     return names;
   }
   if (kind == TaskKind::opening) {
-    for (const char* name :
-         {"opening_mm", "opening_vertical_mm", "opening_angle_deg", "opening_deflection_mm",
-          "opening_deviation_mm", "hinge_axis_x_mm", "hinge_axis_z_mm", "helical_axis_x_mm",
-          "helical_axis_z_mm"}) {
+    for (const char* name : {"opening_mm", "opening_vertical_mm", "opening_angle_deg",
+                             "opening_deflection_mm", "opening_deviation_mm", "hinge_axis_x_mm",
+                             "hinge_axis_z_mm", "helical_axis_x_mm", "helical_axis_z_mm"}) {
       names.push_back({name});
     }
   }
@@ -331,10 +327,11 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
                  std::vector<double>& values, std::vector<std::string>* why) {
   Values out(values, why);
   const std::vector<double> distances = sizes_of(path.incisor_m);
-  const std::size_t turn = greatest_at(distances, 0, distances.size());
-  out.add(greatest_value(path.time_s, distances, turn) / kMillimetre);
+  const Greatest farthest = greatest_of(path.time_s, distances, 0, distances.size());
+  const std::size_t turn = farthest.at;
+  out.add(farthest.value / kMillimetre);
   const std::vector<double> angles = sizes_of(path.rotation_rad);
-  out.add(greatest_value(path.time_s, angles, greatest_at(angles, 0, angles.size())) / kDegree);
+  out.add(greatest_of(path.time_s, angles, 0, angles.size()).value / kDegree);
   if (kind == TaskKind::rest || kind == TaskKind::whole) return;
   if (kind == TaskKind::border) {
     if (!has_landmarks) return;
@@ -346,7 +343,8 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
   add_speeds(path, turn, out);
   if (!has_landmarks) {
     if (kind == TaskKind::opening) {
-      out.add(kNone, [] { return std::string("the lower incisor is not known; give --landmarks"); });
+      out.add(kNone,
+              [] { return std::string("the lower incisor is not known; give --landmarks"); });
     }
     return;
   }
@@ -357,9 +355,10 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
   if (kind == TaskKind::left || kind == TaskKind::right) {
     const bool is_left = kind == TaskKind::left;
     const std::vector<double> aside = coordinate_of(path.incisor_m, 1, is_left ? 1 : -1);
-    out.add(greatest_mm(path, aside));
+    const Greatest farthest_aside = greatest_of(path.time_s, aside, 0, aside.size());
+    out.add(farthest_aside.value / kMillimetre);
     const std::size_t side = is_left ? 0 : 1;
-    const std::size_t at = greatest_at(aside, 0, aside.size());
+    const std::size_t at = farthest_aside.at;
     out.add(-medial(path.condyle_m[side][at], side) / kMillimetre);
   }
   add_condyles(kind, path, out);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "readings/reading_geometry.h"
 #include "readings/reading.h"
+#include "readings/reading_geometry.h"
 
 namespace condyle::host {
 

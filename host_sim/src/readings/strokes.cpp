@@ -64,7 +64,9 @@ std::optional<SampleRun> find_rest(const PoseTrack& track, const Eigen::Vector3d
   std::optional<SampleRun> longest;
   for (const Rest& rest : rests) {
     if (rest.height_m < highest_m - kClosed_m) continue;
-    const auto length_s = [&](const SampleRun& run) { return time_s[run.end - 1] - time_s[run.begin]; };
+    const auto length_s = [&](const SampleRun& run) {
+      return time_s[run.end - 1] - time_s[run.begin];
+    };
     if (!longest || length_s(rest.run) > length_s(*longest)) longest = rest.run;
   }
   return longest;

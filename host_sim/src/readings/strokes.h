@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "readings/reading_geometry.h"
 #include "readings/burst_search.h"
 #include "readings/reading.h"
+#include "readings/reading_geometry.h"
 
 namespace condyle::host {
 
@@ -18,8 +18,9 @@ namespace condyle::host {
 /// Absent if there is none.
 std::optional<SampleRun> find_rest(const PoseTrack& track, const Eigen::Vector3d& up);
 
-/// Excursions of `distance_m`, which is that of the followed point from the reference position: from
-/// the last sample near it to the next sample near it. An excursion is at least `least_m` high.
+/// Excursions of `distance_m`, which is that of the followed point from the reference position:
+/// from the last sample near it to the next sample near it. An excursion is at least `least_m`
+/// high.
 std::vector<SampleRun> find_strokes(const std::vector<double>& distance_m, std::size_t begin,
                                     std::size_t end, double least_m);
 

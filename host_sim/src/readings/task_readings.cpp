@@ -52,7 +52,8 @@ class TaskReader {
     const auto& definition = definition_of("fischer_angle_5mm_deg");
     for (const Side side : {Side::left, Side::right}) {
       const TaskKind orbiting = side == Side::left ? TaskKind::right : TaskKind::left;
-      const auto mediotrusion = means_.find(mean_key(orbiting, "condylar_inclination_5mm_deg", side));
+      const auto mediotrusion =
+          means_.find(mean_key(orbiting, "condylar_inclination_5mm_deg", side));
       const auto protrusion =
           means_.find(mean_key(TaskKind::protrusion, "condylar_inclination_5mm_deg", side));
       if (mediotrusion == means_.end() || protrusion == means_.end()) continue;
@@ -105,11 +106,13 @@ class TaskReader {
         assumption = context_.condyle_assumption;
       }
       if (is_found) {
-        assumption += fmt::format("{}the task was found, not stated", assumption.empty() ? "" : "; ");
+        assumption +=
+            fmt::format("{}the task was found, not stated", assumption.empty() ? "" : "; ");
       }
       if (!assumption.empty()) {
         reading.reason = assumption;
-        if (!context_.condyle_assumption.empty() && assumption.find(context_.condyle_assumption) == 0) {
+        if (!context_.condyle_assumption.empty() &&
+            assumption.find(context_.condyle_assumption) == 0) {
           reading.provenance = ReadingProvenance::derived;
         }
       }
@@ -119,7 +122,8 @@ class TaskReader {
   static constexpr ReadingProvenance JawReadingMeasured = ReadingProvenance::measured;
 
   void read_strokes(TaskKind kind, const std::vector<SampleRun>& windows, bool is_found) {
-    const bool is_one = kind == TaskKind::rest || kind == TaskKind::border || kind == TaskKind::whole;
+    const bool is_one =
+        kind == TaskKind::rest || kind == TaskKind::border || kind == TaskKind::whole;
     std::vector<double> distance_m;
     for (const auto& point : analysis_.path.incisor_m) distance_m.push_back(point.norm());
     std::vector<SampleRun> strokes;
@@ -150,7 +154,8 @@ class TaskReader {
     }
     for (std::size_t k = 0; k < names.size(); ++k) {
       UncertainValue mean = mean_of(by_reading[k]);
-      if (strokes.empty()) mean.missing = "the jaw leaves the reference position by less than 1.5 mm";
+      if (strokes.empty())
+        mean.missing = "the jaw leaves the reference position by less than 1.5 mm";
       means_[mean_key(kind, names[k].name, names[k].side)] = mean;
       add(definition_of(names[k].name), kind, names[k].side, 0, mean, is_found);
     }
@@ -205,7 +210,8 @@ class TaskReader {
                                    all.begin() + static_cast<std::ptrdiff_t>(window.end));
       };
       std::vector<double> sds = part(analysis_.incisor_sd_m);
-      std::nth_element(sds.begin(), sds.begin() + static_cast<std::ptrdiff_t>(sds.size() / 2), sds.end());
+      std::nth_element(sds.begin(), sds.begin() + static_cast<std::ptrdiff_t>(sds.size() / 2),
+                       sds.end());
       const double sd_m = sds[sds.size() / 2];
       for (ChewingCycle cycle : find_cycles(part(path.time_s), part(heights), sd_m)) {
         cycle.begin += window.begin;
@@ -220,7 +226,8 @@ class TaskReader {
         if (cycle.rejected.empty()) {
           analysed.number = ++taken;
           analysed.values = values_of(cycle, sd_m);
-          for (std::size_t k = 0; k < names.size(); ++k) by_reading[k].push_back(analysed.values[k]);
+          for (std::size_t k = 0; k < names.size(); ++k)
+            by_reading[k].push_back(analysed.values[k]);
         }
         analysis_.cycles.push_back(std::move(analysed));
       }
@@ -344,7 +351,8 @@ std::vector<Task> found_tasks(const JawPath& path, const TaskContext& context) {
     for (const SampleRun& run : find_strokes_alone(distance_m, begin, end, kLeastFoundStroke_m)) {
       const auto top = std::max_element(distance_m.begin() + static_cast<std::ptrdiff_t>(run.begin),
                                         distance_m.begin() + static_cast<std::ptrdiff_t>(run.end));
-      const auto kind = kind_of_stroke(path.incisor_m[static_cast<std::size_t>(top - distance_m.begin())]);
+      const auto kind =
+          kind_of_stroke(path.incisor_m[static_cast<std::size_t>(top - distance_m.begin())]);
       if (kind) tasks.push_back({*kind, time_s[run.begin], time_s[run.end - 1], true});
     }
     begin = end + 1;

@@ -36,9 +36,9 @@ Task task_of(const std::string& place, const std::string& name, std::string_view
   Task task{task_kind(name, place), time_of(begin, place, "begin"), time_of(end, place, "end"),
             false};
   if (!(task.end_s > task.begin_s)) {
-    throw InputError(place, fmt::format("{} ends at {:g} s, not after {:g} s", name, task.end_s,
-                                        task.begin_s),
-                     "give the begin, then the end");
+    throw InputError(
+        place, fmt::format("{} ends at {:g} s, not after {:g} s", name, task.end_s, task.begin_s),
+        "give the begin, then the end");
   }
   return task;
 }

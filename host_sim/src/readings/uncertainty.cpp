@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "readings/uncertainty.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace condyle::host {
@@ -8,21 +9,57 @@ namespace {
 
 // Beyond this share of draws without a value, the value depends on chance.
 constexpr double kMostMissing = 0.1;
-// Smoothing a second time changes noise by less than this, in standard deviations.
-constexpr double kNoiseOfSmoothing = 0.7;
+constexpr double kCalmHalfWidth_s = 0.12;
 // What is left after the correction is far less than what was corrected; the interval contains this
 // many times that.
 constexpr double kTimesSmoothing = 2;
+
+std::vector<double> part_of(const std::vector<double>& values, std::size_t begin, std::size_t end) {
+  return {values.begin() + static_cast<std::ptrdiff_t>(begin),
+          values.begin() + static_cast<std::ptrdiff_t>(end)};
+}
 
 std::vector<Vector6> part(const std::vector<Vector6>& samples, std::size_t begin, std::size_t end) {
   return {samples.begin() + static_cast<std::ptrdiff_t>(begin),
           samples.begin() + static_cast<std::ptrdiff_t>(end)};
 }
 
-// Draws of a measure: their squares, their mean, and how many had no value.
+// Draws of a measure: sums, and how many had no value.
 struct Draws {
-  double count = 0, squares = 0, excess = 0, missing = 0;
+  double count = 0, sum = 0, squares = 0, missing = 0;
+  void add(double difference) {
+    ++count;
+    sum += difference;
+    squares += difference * difference;
+  }
 };
+
+// Slopes of `values`: those of the quartics through five neighbours (Lagrange).
+std::vector<Vector6> slopes_of(const std::vector<double>& time_s,
+                               const std::vector<Vector6>& values) {
+  const std::size_t count = values.size(), points = std::min<std::size_t>(5, count);
+  std::vector<Vector6> slopes(count, Vector6::Zero());
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t first =
+        std::clamp<std::size_t>(k, points / 2, count - points + points / 2) - points / 2;
+    for (std::size_t j = first; j < first + points; ++j) {
+      // Derivative at k of the polynomial that is 1 at j and 0 at the others.
+      double weight = 0;
+      if (j == k) {
+        for (std::size_t m = first; m < first + points; ++m) {
+          if (m != k) weight += 1 / (time_s[k] - time_s[m]);
+        }
+      } else {
+        weight = 1 / (time_s[j] - time_s[k]);
+        for (std::size_t m = first; m < first + points; ++m) {
+          if (m != j && m != k) weight *= (time_s[k] - time_s[m]) / (time_s[j] - time_s[m]);
+        }
+      }
+      slopes[k] += weight * values[j];
+    }
+  }
+  return slopes;
+}
 
 }  // namespace
 
@@ -52,11 +89,10 @@ SharedErrors shared_errors(const Landmarks* landmarks, const ReadingGeometry& ge
 
 SmoothMotion smooth_motion(const ReferredMotion& motion, std::size_t begin, std::size_t end) {
   const LocalFit fit(motion.time_s, begin, end);
-  SmoothMotion smooth{
-      {motion.time_s.begin() + static_cast<std::ptrdiff_t>(begin),
-       motion.time_s.begin() + static_cast<std::ptrdiff_t>(end)},
-      {},
-      {}};
+  SmoothMotion smooth{{motion.time_s.begin() + static_cast<std::ptrdiff_t>(begin),
+                       motion.time_s.begin() + static_cast<std::ptrdiff_t>(end)},
+                      {},
+                      {}};
   fit.apply(part(motion.motion, fit.first_used(), fit.end_used()), smooth.value, smooth.slope);
   return smooth;
 }
@@ -82,35 +118,46 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
   for (const ReadingGeometry& moved : errors.off_by_one_sd) {
     paths_of(smooth, moved, path);
     read(path, once, nullptr);
-    for (std::size_t i = 0; i < results.size(); ++i) results[i].fixed.push_back(once[i] - values[i]);
+    for (std::size_t i = 0; i < results.size(); ++i)
+      results[i].fixed.push_back(once[i] - values[i]);
   }
   const auto read_again = [&](const std::vector<Vector6>& samples, std::vector<double>& into) {
     fit.apply(samples, smooth.value, smooth.slope);
     paths_of(smooth, errors.geometry, path);
     read(path, into, nullptr);
   };
-  read_again(wide.value, once);
+  // What noise and smoothing add is seen on a path that has hardly any noise: a greatest value
+  // among noisy ones would hide half of it.
+  const LocalFit calm_fit(motion.time_s, first, last, kCalmHalfWidth_s);
+  std::vector<Vector6> calm, slopes;
+  calm_fit.apply(part(motion.motion, calm_fit.first_used(), calm_fit.end_used()), calm, slopes);
+  slopes = slopes_of(part_of(motion.time_s, first, last), calm);
+  smooth.value = part(calm, begin - first, end - first);
+  smooth.slope = part(slopes, begin - first, end - first);
+  paths_of(smooth, errors.geometry, path);
+  std::vector<double> calm_values;
+  read(path, calm_values, nullptr);
+  read_again(calm, once);
   std::vector<Draws> draws(values.size());
-  std::vector<Vector6> up(wide.value.size()), down(wide.value.size());
+  std::vector<Vector6> up(calm.size()), down(calm.size());
   for (int pair = 0; pair < pairs; ++pair) {
-    for (std::size_t k = 0; k < wide.value.size(); ++k) {
+    for (std::size_t k = 0; k < calm.size(); ++k) {
       Vector6 normal;
       for (double& number : normal) number = random.normal();
       const Vector6 error = noise.root * normal;
-      up[k] = wide.value[k] + error;
-      down[k] = wide.value[k] - error;
+      up[k] = calm[k] + error;
+      down[k] = calm[k] - error;
     }
     read_again(up, plus);
     read_again(down, minus);
     for (std::size_t i = 0; i < draws.size(); ++i) {
-      const double half = (plus[i] - minus[i]) / 2, middle = (plus[i] + minus[i]) / 2 - once[i];
-      if (!std::isfinite(half) || !std::isfinite(middle)) {
-        ++draws[i].missing;
-        continue;
+      for (const double drawn : {plus[i], minus[i]}) {
+        if (std::isfinite(drawn) && std::isfinite(once[i])) {
+          draws[i].add(drawn - once[i]);
+        } else {
+          ++draws[i].missing;
+        }
       }
-      ++draws[i].count;
-      draws[i].squares += half * half;
-      draws[i].excess += middle;
     }
   }
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -118,20 +165,19 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
     result.missing = why[i];
     if (!std::isfinite(values[i])) continue;
     const Draws& drawn = draws[i];
-    if (!std::isfinite(once[i]) || (pairs > 0 && drawn.missing > kMostMissing * pairs)) {
+    if (!std::isfinite(once[i]) || !std::isfinite(calm_values[i]) ||
+        drawn.missing > kMostMissing * 2 * pairs) {
       result.missing = "whether the movement reaches it depends on noise";
       continue;
     }
-    const double count = std::max(drawn.count, 1.0);
-    const double variance = drawn.squares / count;
-    const double smoothing = once[i] - values[i];
-    result.noise_sd = std::sqrt(variance);
-    // Beyond what noise alone changes.
-    const double excess = std::max(std::abs(smoothing) - kNoiseOfSmoothing * result.noise_sd, 0.0);
-    result.value = values[i] - std::copysign(excess, smoothing) - drawn.excess / count;
-    result.smoothing = kTimesSmoothing * excess;
+    const double count = std::max(drawn.count, 1.0), mean = drawn.sum / count;
+    const double smoothing = once[i] - calm_values[i];
+    result.value = values[i] - smoothing - mean;
+    result.noise_sd = std::sqrt(std::max(drawn.squares / count - mean * mean, 0.0));
+    result.smoothing = kTimesSmoothing * std::abs(smoothing);
     for (const double change : result.fixed) {
-      if (!std::isfinite(change)) result.missing = "whether the movement reaches it depends on the landmarks";
+      if (!std::isfinite(change))
+        result.missing = "whether the movement reaches it depends on the landmarks";
     }
     if (!result.missing.empty()) result.value = JawReading::kNone;
   }

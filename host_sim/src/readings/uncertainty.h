@@ -2,11 +2,12 @@
 // What measures of a path are worth: values with the parts of their uncertainty.
 //
 //   y    smoothed motion of the stroke; F(y) the measures; S smoothing; e noise of the samples
-//   smoothing   F(S y) - F(y), what smoothing once more changes, is the estimate of what it changed
-//               the first time. As far as it exceeds noise it is subtracted, and the interval
-//               contains twice of it
-//   noise       mean of F(S(y + e)) and F(S(y - e)) minus F(S y): what noise adds on average, which
-//               is subtracted; half the difference: its standard deviation
+//   z    the motion smoothed over 120 ms to both sides, with hardly any noise
+//   smoothing   F(S z) - F(z), what smoothing changes, is subtracted, and twice of it is in the
+//               interval
+//   noise       mean of F(S(z + e)) - F(S z), what noise adds, is subtracted; the standard
+//   deviation
+//               of these is that of the value
 //   fixed       F with one landmark coordinate, or one component of the reference position, off by
 //               its standard deviation: an error that all strokes of a recording share
 #pragma once
@@ -15,9 +16,9 @@
 #include <string>
 #include <vector>
 
-#include "readings/reading_geometry.h"
 #include "readings/pose_noise.h"
 #include "readings/reading.h"
+#include "readings/reading_geometry.h"
 #include "statistics/random.h"
 
 namespace condyle::host {

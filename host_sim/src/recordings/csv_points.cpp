@@ -133,6 +133,8 @@ std::string CsvPoints::note() const {
                   [](const Point& point) { return fixed_index(point.name).has_value(); })) {
     return {};
   }
+  // Without a number: in a joined recording it may be point 2 or 3.
+  if (points_.size() == 1) return "the point is " + points_[0].name;
   std::vector<std::string> words;
   const std::vector<const Point*> numbered = by_number();
   for (std::size_t i = 0; i < numbered.size(); ++i) {

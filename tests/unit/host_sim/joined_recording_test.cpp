@@ -76,6 +76,13 @@ TEST_F(JoinedRecording, KeepsTheNotesOfItsFiles) {
                           HasSubstr(c + ": according to its header it ends at 9 s")));
 }
 
+TEST_F(JoinedRecording, NumbersNoPointOfAFileByItself) {
+  const std::string named =
+      write("n.csv", "time_s,chin_x_m,chin_y_m,chin_z_m\n0,1,2,3\n0.02,1,2,3\n");
+  const auto recording = open_recording(first_ + "+" + named + "+" + second_, {});
+  EXPECT_THAT(recording->info().notes, ElementsAre(named + ": the point is chin"));
+}
+
 TEST_F(JoinedRecording, HasTheDriveOfOneFile) {
   const std::string driven =
       write("driven.csv", "time_s,p1_x_mm,p1_y_mm,p1_z_mm,drive_N\n0,1,2,3,8\n0.02,1,2,3,9\n");

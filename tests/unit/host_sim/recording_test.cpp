@@ -71,7 +71,7 @@ TEST(CsvRecording, ReadsNamedPoints) {
   EXPECT_EQ(one.info.kind, SampleKind::one_point);
   EXPECT_THAT(std::vector(one.samples[0].coordinates, one.samples[0].coordinates + 3),
               testing::ElementsAre(0.001, 2, 3));
-  EXPECT_THAT(one.info.notes, testing::ElementsAre("point 1 is lower-incisor"));
+  EXPECT_THAT(one.info.notes, testing::ElementsAre("the point is lower-incisor"));
 
   const Read three = read(
       "time_s,Left_x_m,apex_2_x_m,left_x_m,Left_y_m,Left_z_m,apex_2_y_m,apex_2_z_m,left_y_m,"
