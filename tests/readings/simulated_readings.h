@@ -42,8 +42,9 @@ inline Landmarks stated_landmarks(const KinematicSimulation& simulation,
   landmarks.point_m = {stated.condyle_left, stated.condyle_right, stated.incisor_lower,
                        stated.plane_left,   stated.plane_right,   stated.plane_front};
   for (int i = 0; i < 6; ++i) {
-    landmarks.sd_m[static_cast<std::size_t>(i)] =
-        1e-3 * (i < 2 ? errors.condyle_sd_mm : i == 2 ? errors.incisor_sd_mm : errors.plane_sd_mm);
+    landmarks.sd_m[static_cast<std::size_t>(i)] = 1e-3 * (i < 2    ? errors.condyle_sd_mm
+                                                          : i == 2 ? errors.incisor_sd_mm
+                                                                   : errors.plane_sd_mm);
   }
   return landmarks;
 }

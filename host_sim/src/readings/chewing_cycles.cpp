@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kLeastHeight_m = 2e-3, kHeightShare = 0.3;
 constexpr double kShortest_s = 0.25, kLongest_s = 3, kLongestGap_s = 0.1, kPause_s = 0.2;
+constexpr double kTopReach_s = 0.06;
 constexpr double kSearch_s = 0.08;  // around a closed instant
 
 // Turning points of z: reversals of at least `least_m`, tops and bottoms in turn.
@@ -44,13 +45,15 @@ std::vector<std::size_t> turning_points(const std::vector<double>& z, double lea
 
 // Depth below the top that counts as closed.
 double closed_depth_m(double height_m, double noise_sd_m) {
-  return std::max({0.05e-3, 5 * noise_sd_m, 0.004 * height_m});
+  return std::max({0.2e-3, 5 * noise_sd_m, 0.015 * height_m});
 }
 
 // When z, going from `from` in steps of `way`, first lies `depth_m` below `top_m`, interpolated.
 double passage_s(const std::vector<double>& time_s, const std::vector<double>& z, std::size_t from,
                  int way, double level_m) {
+  // Inside the closed time first: noise may have taken `from` below the level.
   std::size_t k = from;
+  while (z[k] <= level_m && k > 0 && k + 1 < z.size()) k = way > 0 ? k - 1 : k + 1;
   while (true) {
     const std::size_t next = way > 0 ? k + 1 : k - 1;
     if ((way > 0 && next >= z.size()) || (way < 0 && k == 0)) return time_s[k];
@@ -62,17 +65,14 @@ double passage_s(const std::vector<double>& time_s, const std::vector<double>& z
   }
 }
 
-// When the departure in direction `way` from a closed jaw began: the time at which the power law
-// through three depths is zero. `last`: the last closed sample.
+// When the departure in direction `way` from a closed jaw began, if it grows with the third power
+// of time, as movements of least jerk do: the zero of that law through two depths. `last`: the last
+// closed sample.
 double departure_s(const std::vector<double>& time_s, const std::vector<double>& z,
                    std::size_t last, int way, double top_m, double depth_m) {
   const double t1 = passage_s(time_s, z, last, way, top_m - depth_m);
-  const double t2 = passage_s(time_s, z, last, way, top_m - 2 * depth_m);
-  const double t3 = passage_s(time_s, z, last, way, top_m - 4 * depth_m);
-  const double first_s = t2 - t1, second_s = t3 - t2;
-  if (first_s == 0) return t1;
-  const double ratio = std::clamp(second_s / first_s, 1.2, 2.0);
-  return t1 - first_s / (ratio - 1);
+  const double t2 = passage_s(time_s, z, last, way, top_m - 4 * depth_m);
+  return t1 - (t2 - t1) / (std::cbrt(4.0) - 1);
 }
 
 double percentile_90(std::vector<double> values) {
@@ -210,14 +210,14 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
     depths.push_back(-z[k]);
     speeds.push_back(path.incisor_m_s[k].norm());
   }
-  const Greatest deepest = greatest_of(time_s, depths, begin, end + 1);
+  const Greatest deepest = greatest_of(time_s, depths, begin, end + 1, kTopReach_s);
   const std::size_t turn = deepest.at;
   const double turn_s = deepest.time_s;
   values = {end_s - begin_s, turn_s - begin_s, end_s - turn_s};
   double smoothness[2][2];
   for (int back = 0; back < 2; ++back) {
     const std::size_t from = back == 0 ? begin : turn, to = back == 0 ? turn : end;
-    values.push_back(greatest_of(time_s, speeds, from, to + 1).value * 1e3);
+    values.push_back(greatest_of(time_s, speeds, from, to + 1, kTopReach_s).value * 1e3);
     const double step_s =
         (time_s[to] - time_s[from]) / static_cast<double>(std::max<std::size_t>(to - from, 1));
     const std::vector<double> part(speeds.begin() + static_cast<std::ptrdiff_t>(from),
@@ -234,7 +234,7 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
         for (std::size_t k = 0; k < z.size(); ++k) {
           coordinates.push_back(sign * path.incisor_m[k][axis]);
         }
-        range += greatest_of(time_s, coordinates, begin, end + 1).value;
+        range += greatest_of(time_s, coordinates, begin, end + 1, kTopReach_s).value;
       }
       values.push_back(range * 1e3);
     }

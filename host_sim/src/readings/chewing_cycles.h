@@ -4,8 +4,8 @@
 //   z    height of the incisor (m), smoothed; the jaw closes upward
 //   d    rise and fall that make a cycle: 2 mm, and 0.3 of the 90th percentile of the heights
 //   closed instant   the top of z. Where the jaw stays closed for 0.2 s or more, a cycle ends with
-//                    the arrival and the next one begins with the departure: the zero of the power
-//                    law through the passages of three depths below the top
+//                    the arrival and the next one begins with the departure: the zero of a cubic
+//                    law through the passages of two depths below the top
 // A cycle is not taken, but listed, if it lasts less than 0.25 s or more than 3 s, or has a gap of
 // more than 0.1 s.
 #pragma once

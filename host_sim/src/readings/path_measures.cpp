@@ -17,15 +17,14 @@ std::size_t greatest_at(const std::vector<double>& values, std::size_t begin, st
 }
 
 Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double>& values,
-                     std::size_t begin, std::size_t end) {
-  constexpr double reach_s = 0.05;
+                     std::size_t begin, std::size_t end, double reach_s) {
   std::vector<double> means(values.begin() + static_cast<std::ptrdiff_t>(begin),
                             values.begin() + static_cast<std::ptrdiff_t>(end));
   for (std::size_t k = begin; k < end; ++k) {
     // As many samples on both sides, with triangular weights.
     double sum = values[k], weights = 1;
     for (std::size_t i = 1; k >= begin + i && k + i < end; ++i) {
-      const double weight = 1 - (time_s[k + i] - time_s[k - i]) / 2 / (reach_s * 1.2);
+      const double weight = 1 - (time_s[k + i] - time_s[k - i]) / 2 / reach_s;
       if (weight <= 0) break;
       sum += weight * (values[k - i] + values[k + i]);
       weights += 2 * weight;

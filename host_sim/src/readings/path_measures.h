@@ -23,7 +23,7 @@ struct Greatest {
   double time_s, value;
 };
 Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double>& values,
-                     std::size_t begin, std::size_t end);
+                     std::size_t begin, std::size_t end, double reach_s);
 
 /// A point on a path between two samples.
 struct Passage {

@@ -19,6 +19,7 @@ constexpr double kNone = JawReading::kNone;
 constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
 constexpr double kOnset_m = 0.3e-3;        // travel of a condyle that has left the fossa
 constexpr double kChord_m = 0.5e-3;        // of a path's length
+constexpr double kTopReach_s = 0.12;       // of a stroke's turning point
 constexpr double kLeastSpeedShare = 0.05;  // of the peak: begin and end of a movement
 constexpr double kLeastAxisAngle_rad = 5 * kDegree, kHingeArc_rad = 12 * kDegree;
 
@@ -58,7 +59,7 @@ std::vector<double> coordinate_of(const Points& points, int axis, double sign) {
 }
 
 double greatest_mm(const JawPath& path, const std::vector<double>& values_m) {
-  return greatest_of(path.time_s, values_m, 0, values_m.size()).value / kMillimetre;
+  return greatest_of(path.time_s, values_m, 0, values_m.size(), kTopReach_s).value / kMillimetre;
 }
 
 // Speed from `begin` to `end` (without): its peak, and the movement around the peak.
@@ -70,7 +71,7 @@ struct Movement {
 Movement movement_of(const JawPath& path, const std::vector<double>& speeds, std::size_t begin,
                      std::size_t end) {
   Movement movement;
-  const Greatest peak = greatest_of(path.time_s, speeds, begin, end);
+  const Greatest peak = greatest_of(path.time_s, speeds, begin, end, kTopReach_s);
   const std::size_t at = peak.at;
   movement.peak_m_s = peak.value;
   std::size_t first = at, last = at;
@@ -101,7 +102,7 @@ double sagittal(const Vector3d& point) {
 Outward outward_of(const std::vector<double>& time_s, const Points& condyle_m) {
   std::vector<double> travels;
   for (const Vector3d& point : condyle_m) travels.push_back(sagittal(point));
-  const Greatest greatest = greatest_of(time_s, travels, 0, travels.size());
+  const Greatest greatest = greatest_of(time_s, travels, 0, travels.size(), kTopReach_s);
   Outward outward{greatest.at, greatest.at, greatest.value};
   while (outward.begin > 0 && sagittal(condyle_m[outward.begin]) > kOnset_m) --outward.begin;
   return outward;
@@ -246,7 +247,7 @@ void add_opening(const JawPath& path, std::size_t turn, Values& out) {
   out.add(greatest_mm(path, coordinate_of(path.incisor_m, 2, -1)));
   std::vector<double> twists;
   for (const Vector3d& w : path.rotation_rad) twists.push_back(twist_about(w, 1));
-  const Greatest twist = greatest_of(path.time_s, twists, 0, twists.size());
+  const Greatest twist = greatest_of(path.time_s, twists, 0, twists.size(), kTopReach_s);
   const std::size_t widest = twist.at;
   out.add(twist.value / kDegree);
   out.add(path.incisor_m[turn].y() / kMillimetre);
@@ -327,11 +328,11 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
                  std::vector<double>& values, std::vector<std::string>* why) {
   Values out(values, why);
   const std::vector<double> distances = sizes_of(path.incisor_m);
-  const Greatest farthest = greatest_of(path.time_s, distances, 0, distances.size());
+  const Greatest farthest = greatest_of(path.time_s, distances, 0, distances.size(), kTopReach_s);
   const std::size_t turn = farthest.at;
   out.add(farthest.value / kMillimetre);
   const std::vector<double> angles = sizes_of(path.rotation_rad);
-  out.add(greatest_of(path.time_s, angles, 0, angles.size()).value / kDegree);
+  out.add(greatest_of(path.time_s, angles, 0, angles.size(), kTopReach_s).value / kDegree);
   if (kind == TaskKind::rest || kind == TaskKind::whole) return;
   if (kind == TaskKind::border) {
     if (!has_landmarks) return;
@@ -355,7 +356,7 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
   if (kind == TaskKind::left || kind == TaskKind::right) {
     const bool is_left = kind == TaskKind::left;
     const std::vector<double> aside = coordinate_of(path.incisor_m, 1, is_left ? 1 : -1);
-    const Greatest farthest_aside = greatest_of(path.time_s, aside, 0, aside.size());
+    const Greatest farthest_aside = greatest_of(path.time_s, aside, 0, aside.size(), kTopReach_s);
     out.add(farthest_aside.value / kMillimetre);
     const std::size_t side = is_left ? 0 : 1;
     const std::size_t at = farthest_aside.at;

@@ -14,6 +14,8 @@ namespace condyle::host {
 namespace {
 
 constexpr int kStrokePairs = 40, kCyclePairs = 12;
+constexpr double kCalmStroke_s = 0.16, kCalmCycle_s = 0.06;
+constexpr double kMildStroke_s = 0.2, kMildCycle_s = 0.1;
 constexpr double kLeastStroke_m = 1.5e-3, kLeastFoundStroke_m = 3e-3;
 constexpr double kMargin_s = 0.15, kLongestGap_s = 0.15, kNewSequence_s = 2;
 // Standard deviation of the instant at which the jaw leaves or reaches a pause: it begins and ends
@@ -176,7 +178,7 @@ class TaskReader {
     }
     auto values = uncertain_values(
         *context_.motion, stroke.begin, stroke.end, *context_.noise, context_.errors,
-        is_long ? 4 : kStrokePairs, random_,
+        {is_long ? 4 : kStrokePairs, kCalmStroke_s, kMildStroke_s}, random_,
         [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
           read_stroke(kind, context_.has_landmarks, path, into, why);
         });
@@ -297,7 +299,8 @@ class TaskReader {
     while (begin > 0 && time_s[cycle.begin] - time_s[begin - 1] <= before_s) --begin;
     while (end < time_s.size() && time_s[end] - time_s[cycle.end] <= after_s) ++end;
     auto values = uncertain_values(
-        *context_.motion, begin, end, *context_.noise, context_.errors, kCyclePairs, random_,
+        *context_.motion, begin, end, *context_.noise, context_.errors,
+        {kCyclePairs, kCalmCycle_s, kMildCycle_s}, random_,
         [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
           read_cycle(cycle, begin, sd_m, context_.has_landmarks, path, into, why);
         });

@@ -9,9 +9,8 @@ namespace {
 
 // Beyond this share of draws without a value, the value depends on chance.
 constexpr double kMostMissing = 0.1;
-constexpr double kCalmHalfWidth_s = 0.12;
 // What is left after the correction is far less than what was corrected; the interval contains this
-// many times that.
+// many times that, and all that was subtracted for noise.
 constexpr double kTimesSmoothing = 2;
 
 std::vector<double> part_of(const std::vector<double>& values, std::size_t begin, std::size_t end) {
@@ -61,6 +60,24 @@ std::vector<Vector6> slopes_of(const std::vector<double>& time_s,
   return slopes;
 }
 
+// Means of `values` over `reach_s` on both sides, with triangular weights.
+std::vector<Vector6> means_of(const std::vector<double>& time_s, const std::vector<Vector6>& values,
+                              double reach_s) {
+  std::vector<Vector6> means;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    Vector6 sum = values[k];
+    double weights = 1;
+    for (std::size_t i = 1; i <= k && k + i < values.size(); ++i) {
+      const double weight = 1 - (time_s[k + i] - time_s[k - i]) / 2 / reach_s;
+      if (weight <= 0) break;
+      sum += weight * (values[k - i] + values[k + i]);
+      weights += 2 * weight;
+    }
+    means.push_back(sum / weights);
+  }
+  return means;
+}
+
 }  // namespace
 
 SharedErrors shared_errors(const Landmarks* landmarks, const ReadingGeometry& geometry,
@@ -99,7 +116,7 @@ SmoothMotion smooth_motion(const ReferredMotion& motion, std::size_t begin, std:
 
 std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::size_t begin,
                                              std::size_t end, const PoseNoise& noise,
-                                             const SharedErrors& errors, int pairs,
+                                             const SharedErrors& errors, DrawSettings settings,
                                              RandomGenerator& random, const ReadPath& read) {
   const LocalFit fit(motion.time_s, begin, end);
   const std::size_t first = fit.first_used(), last = fit.end_used();
@@ -128,7 +145,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
   };
   // What noise and smoothing add is seen on a path that has hardly any noise: a greatest value
   // among noisy ones would hide half of it.
-  const LocalFit calm_fit(motion.time_s, first, last, kCalmHalfWidth_s);
+  const LocalFit calm_fit(motion.time_s, first, last, settings.calm_half_s);
   std::vector<Vector6> calm, slopes;
   calm_fit.apply(part(motion.motion, calm_fit.first_used(), calm_fit.end_used()), calm, slopes);
   slopes = slopes_of(part_of(motion.time_s, first, last), calm);
@@ -138,22 +155,29 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
   std::vector<double> calm_values;
   read(path, calm_values, nullptr);
   read_again(calm, once);
+  // Draws start from a path whose tops are as flat as the true ones, with less noise still.
+  const LocalFit mild_fit(motion.time_s, first, last, settings.mild_half_s);
+  std::vector<Vector6> mild;
+  mild_fit.apply(part(motion.motion, mild_fit.first_used(), mild_fit.end_used()), mild, slopes);
+  mild = means_of(part_of(motion.time_s, first, last), mild, settings.mild_half_s / 2);
+  std::vector<double> mild_values;
+  read_again(mild, mild_values);
   std::vector<Draws> draws(values.size());
   std::vector<Vector6> up(calm.size()), down(calm.size());
-  for (int pair = 0; pair < pairs; ++pair) {
+  for (int pair = 0; pair < settings.pairs; ++pair) {
     for (std::size_t k = 0; k < calm.size(); ++k) {
       Vector6 normal;
       for (double& number : normal) number = random.normal();
       const Vector6 error = noise.root * normal;
-      up[k] = calm[k] + error;
-      down[k] = calm[k] - error;
+      up[k] = mild[k] + error;
+      down[k] = mild[k] - error;
     }
     read_again(up, plus);
     read_again(down, minus);
     for (std::size_t i = 0; i < draws.size(); ++i) {
       for (const double drawn : {plus[i], minus[i]}) {
-        if (std::isfinite(drawn) && std::isfinite(once[i])) {
-          draws[i].add(drawn - once[i]);
+        if (std::isfinite(drawn) && std::isfinite(mild_values[i])) {
+          draws[i].add(drawn - mild_values[i]);
         } else {
           ++draws[i].missing;
         }
@@ -166,7 +190,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
     if (!std::isfinite(values[i])) continue;
     const Draws& drawn = draws[i];
     if (!std::isfinite(once[i]) || !std::isfinite(calm_values[i]) ||
-        drawn.missing > kMostMissing * 2 * pairs) {
+        drawn.missing > kMostMissing * 2 * settings.pairs) {
       result.missing = "whether the movement reaches it depends on noise";
       continue;
     }
@@ -174,7 +198,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
     const double smoothing = once[i] - calm_values[i];
     result.value = values[i] - smoothing - mean;
     result.noise_sd = std::sqrt(std::max(drawn.squares / count - mean * mean, 0.0));
-    result.smoothing = kTimesSmoothing * std::abs(smoothing);
+    result.smoothing = std::hypot(kTimesSmoothing * smoothing, mean);
     for (const double change : result.fixed) {
       if (!std::isfinite(change))
         result.missing = "whether the movement reaches it depends on the landmarks";

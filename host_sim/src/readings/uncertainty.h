@@ -2,10 +2,11 @@
 // What measures of a path are worth: values with the parts of their uncertainty.
 //
 //   y    smoothed motion of the stroke; F(y) the measures; S smoothing; e noise of the samples
-//   z    the motion smoothed over 120 ms to both sides, with hardly any noise
+//   z    the motion smoothed over a wider window, with hardly any noise
+//   m    the motion smoothed over a still wider window, then averaged over half of it
 //   smoothing   F(S z) - F(z), what smoothing changes, is subtracted, and twice of it is in the
 //               interval
-//   noise       mean of F(S(z + e)) - F(S z), what noise adds, is subtracted; the standard
+//   noise       mean of F(S(m + e)) - F(S m), what noise adds, is subtracted; the standard
 //   deviation
 //               of these is that of the value
 //   fixed       F with one landmark coordinate, or one component of the reference position, off by
@@ -37,11 +38,17 @@ SharedErrors shared_errors(const Landmarks* landmarks, const ReadingGeometry& ge
 using ReadPath = std::function<void(const JawPath& path, std::vector<double>& values,
                                     std::vector<std::string>* why)>;
 
-/// The values that `read` gives for the samples `begin` to `end` (without) of `motion`, with
-/// `pairs` pairs of draws of `noise`.
+/// How to find the uncertainty.
+struct DrawSettings {
+  int pairs;           ///< of draws of noise
+  double calm_half_s;  ///< half window of z
+  double mild_half_s;  ///< half window of m
+};
+
+/// The values that `read` gives for the samples `begin` to `end` (without) of `motion`.
 std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::size_t begin,
                                              std::size_t end, const PoseNoise& noise,
-                                             const SharedErrors& errors, int pairs,
+                                             const SharedErrors& errors, DrawSettings settings,
                                              RandomGenerator& random, const ReadPath& read);
 
 /// The smoothed motion of those samples.
