@@ -20,7 +20,7 @@ constexpr double arc_tangent_to_one(double z) {
   const double s = sin(guess), c = cos(guess);
   const double t = (z * c - s) / (c + z * s);
   const double square = t * t;
-  return guess + t * (1 - square * (1.0 / 3 - square / 5));
+  return guess + (t - t * square * (1.0 / 3 - square / 5));
 }
 
 }  // namespace detail

@@ -71,7 +71,11 @@ Scalar cotangent_share(Scalar x) {
 template <class Scalar>
 Matrix3<Scalar> with_powers(const Vector3<Scalar>& w, Scalar a, Scalar b) {
   const Matrix3<Scalar> cross = cross_matrix(w);
-  return Matrix3<Scalar>::Identity() + a * cross + b * (cross * cross);
+  Matrix3<Scalar> sum = a * cross + b * (cross * cross);
+  // 3 + x - 2 for 1 + x: libgcc's double arithmetic for processors that have none rounds 1 - x
+  // wrongly for x from 2^-33 to 2^-32.
+  for (int i = 0; i < 3; ++i) sum(i, i) = (Scalar(3) + sum(i, i)) - Scalar(2);
+  return sum;
 }
 
 }  // namespace internal
