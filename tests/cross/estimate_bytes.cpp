@@ -2,10 +2,11 @@
 // Writes every estimate of a recording, each number's bytes: the same on every machine.
 // usage: estimate_bytes INPUT OUTPUT_FOLDER
 //   INPUT as of write_estimate_input. Published cascade and recommended estimator, this also 10
-//   samples late, each in float and double: a file each.
+//   samples late, and of three points the pose, each in float and double: a file each.
 #include <cstring>
 #include <new>
 
+#include "condyle/estimator/sensors/pose_sensor.h"
 #include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/estimator/sensors/recommended_sensor.h"
 #include "estimate_input.h"
@@ -92,6 +93,20 @@ bool write_all_recommended(const char* input, const char* folder) {
          write_recommended<double, kAxes>(input, folder, "recommended_late_double", kLag);
 }
 
+template <class Scalar>
+bool write_pose(const char* input, const char* folder, const char* name) {
+  using Sensor = PoseSensor<Scalar, 0>;
+  return write_run<Sensor>(input, folder, name, [](void* memory, const EstimateHeader&) {
+    return new (memory) Sensor(MotionEstimatorParameters{});
+  });
+}
+
+bool write_all_of_points(const char* input, const char* folder) {
+  return write_all_recommended<3>(input, folder) &&
+         write_pose<float>(input, folder, "pose_float") &&
+         write_pose<double>(input, folder, "pose_double");
+}
+
 }  // namespace
 
 int test_program(int count, const char* const* arguments) {
@@ -108,7 +123,7 @@ int test_program(int count, const char* const* arguments) {
                        write_published<float>(input_path, folder, "published_float") &&
                        write_published<double>(input_path, folder, "published_double") &&
                        (has_one_axis ? write_all_recommended<1>(input_path, folder)
-                                     : write_all_recommended<3>(input_path, folder));
+                                     : write_all_of_points(input_path, folder));
   if (!written) print("estimate_bytes: cannot read or write a file\n");
   return written ? 0 : 1;
 }

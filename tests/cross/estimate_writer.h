@@ -4,6 +4,7 @@
 
 #include "byte_stream.h"
 #include "condyle/estimator/motion/recommended_estimator.h"
+#include "condyle/estimator/pose/pose_estimate.h"
 #include "condyle/estimator/published/published_cascade.h"
 
 namespace condyle::cross {
@@ -59,6 +60,30 @@ struct EstimateWriter {
                                  one.noise_sd_m, one.jerk_density_m2_s5}) {
         (*this)(value);
       }
+    }
+    (*this)(estimate.nis);
+    (*this)(estimate.events);
+  }
+  template <class Scalar>
+  void operator()(const VectorEstimate<Scalar>& estimate) {
+    for (const Scalar value : estimate.value.reshaped()) (*this)(value);
+    for (const Scalar value : estimate.covariance.reshaped()) (*this)(value);
+    (*this)(static_cast<std::uint8_t>(estimate.provenance));
+  }
+  template <class Scalar>
+  void operator()(const PoseEstimate<Scalar>& estimate) {
+    (*this)(static_cast<std::uint8_t>(estimate.is_ready));
+    (*this)(static_cast<std::uint64_t>(estimate.time_ns));
+    (*this)(static_cast<std::uint8_t>(estimate.time_valid));
+    const auto point = estimate.point({Scalar(0.05), Scalar(0.03), Scalar(0.09)});
+    for (const auto* vector :
+         {&estimate.centre_m, &estimate.centre_velocity_m_s, &estimate.rotation_vector_rad,
+          &estimate.angular_velocity_rad_s, &point.position_m, &point.velocity_m_s}) {
+      (*this)(*vector);
+    }
+    const auto turn = estimate.turn_about({Scalar(0.6), Scalar(0.8), 0});
+    for (const auto* quantity : {&turn.twist_rad, &turn.twist_rate_rad_s, &turn.swing_rad}) {
+      (*this)(*quantity);
     }
     (*this)(estimate.nis);
     (*this)(estimate.events);

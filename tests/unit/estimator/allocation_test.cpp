@@ -11,6 +11,7 @@
 #include "condyle/estimator/motion/recommended_estimator.h"
 #include "condyle/estimator/pose/point_follower.h"
 #include "condyle/estimator/sensors/cycle_sensor.h"
+#include "condyle/estimator/sensors/pose_sensor.h"
 #include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/hid/profile_check.h"
@@ -113,6 +114,71 @@ TEST_F(Allocation, RecommendedEstimatorHasNone) {
     expect_recommended_without_allocation<float, 1>(lag);
     expect_recommended_without_allocation<double, 3>(lag);
     expect_recommended_without_allocation<float, 3>(lag);
+  }
+}
+
+// Delivers a bite fork on a jaw that opens and closes, with glitches, dropouts, a gap and a rest.
+class ForkFacebow final : public hal::Facebow {
+ public:
+  hal::Status open() override { return hal::Status::ok; }
+  hal::Status read(TimeNs, Sample& sample) override {
+    if (count_ == 1000) return hal::Status::end;
+    time_ns_ += count_ == 500 ? 400'000'000 : 20'000'000;
+    sample.time_ns = time_ns_;
+    sample.kind = SampleKind::three_points;
+    const double angle_rad = count_ < 900 ? 0.1 * std::sin(0.1 * count_) : 0;
+    for (int i = 0; i < 3; ++i) {
+      const double x_m = 0.025 * (i % 2 - i / 2), z_m = i == 0 ? 0 : 0.03;
+      sample.coordinates[3 * i] = x_m + 1e-5 * (count_ % 7);
+      sample.coordinates[3 * i + 1] = z_m * std::sin(angle_rad);
+      sample.coordinates[3 * i + 2] = z_m * std::cos(angle_rad);
+      if (count_ % 50 == 9) sample.coordinates[3 * i + 1] += 0.05;  // far off, and rigid
+    }
+    sample.position_valid = count_ % 50 != 3;
+    ++count_;
+    return hal::Status::ok;
+  }
+  void close() override {}
+
+ private:
+  int count_ = 0;
+  TimeNs time_ns_ = 0;
+};
+
+template <class Scalar>
+void expect_pose_without_allocation(int lag) {
+  const long before = allocation_count();
+  PoseSensor<Scalar> sensor({}, lag);
+  ForkFacebow facebow;
+  hal::ManualClock clock;
+  firmware::RunCounts counts;
+  int estimates = 0;
+  firmware::RunSettings settings;
+  settings.nominal_step_ns = 20'000'000;
+  const hal::Status status = firmware::run(
+      facebow, clock, sensor, settings, counts,
+      [&estimates](const Sample&, const PoseEstimate<Scalar>& estimate) {
+        const auto point = estimate.point({0, 0, Scalar(-0.1)});
+        const auto turn = estimate.turn_about({1, 0, 0});
+        estimates += point.position_m.provenance == turn.twist_rad.provenance &&
+                             estimate.provenance() != Provenance::not_computed
+                         ? 1
+                         : 0;
+      },
+      [] { return false; });
+  EXPECT_EQ(allocation_count(), before);
+  EXPECT_EQ(status, hal::Status::end);
+  EXPECT_GT(estimates, 900);
+  for (const Event event : {Event::time_gap, Event::outlier_rejected, Event::position_missing,
+                            Event::state_restarted}) {
+    EXPECT_GT(counts.events[event], 0U) << event_name(event);
+  }
+}
+
+TEST_F(Allocation, EstimatingThePoseHasNone) {
+  for (const int lag : {0, 16}) {
+    expect_pose_without_allocation<double>(lag);
+    expect_pose_without_allocation<float>(lag);
   }
 }
 

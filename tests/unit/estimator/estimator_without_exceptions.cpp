@@ -11,6 +11,7 @@
 #include "condyle/estimator/pose/point_follower.h"
 #include "condyle/estimator/release/release_pair.h"
 #include "condyle/estimator/sensors/driven_sensor.h"
+#include "condyle/estimator/sensors/pose_sensor.h"
 #include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "observability/observability.h"
@@ -24,6 +25,8 @@ template class condyle::EmgIdentification<float>;
 template class condyle::EmgTimeline<float>;
 template class condyle::PointFollower<float>;
 template class condyle::PointIdentification<float>;
+template class condyle::PoseEstimator<float>;
+template class condyle::PoseSensor<float, 0>;  // where memory is short
 template class condyle::PublishedCascade<float>;
 template class condyle::RecommendedEstimator<float, 1>;
 template class condyle::RecommendedEstimator<float, 3>;
@@ -40,6 +43,11 @@ namespace condyle {
 Observability<float> judge(const OperatingPoint<float>& point);
 Observability<float> judge(const OperatingPoint<float>& point) {
   return judge_observability(observability_matrix<FullSystem>(point));
+}
+TurnEstimate<float> turn_and_point(const PoseEstimate<float>& pose, PointEstimate<float>& point);
+TurnEstimate<float> turn_and_point(const PoseEstimate<float>& pose, PointEstimate<float>& point) {
+  point = pose.point({0, 0, 0.1F});
+  return pose.turn_about({1, 0, 0});
 }
 FollowedPosition follow(PointFollower<float>& follower, FrozenDetector& detector,
                         const Sample& sample);
