@@ -14,6 +14,7 @@
 #include "output/progress.h"
 #include "output/report_text.h"
 #include "readings/readings_files.h"
+#include "recordings/recording_files.h"
 
 namespace condyle::host {
 namespace {
@@ -47,6 +48,7 @@ int analyse_all(AnalyseOptions& options) {
     options.reference_s = {options.reference[0], options.reference[1]};
   }
   options.moving = options.moving_body == "upper" ? MovingBody::upper : MovingBody::lower;
+  refuse_repeated_recordings(options.recordings);
   if (!options.landmarks.empty()) static_cast<void>(load_landmarks(options.landmarks));
   std::unique_ptr<OutputFolder> folder;
   std::vector<std::unique_ptr<OutputFile>> files;
@@ -58,6 +60,14 @@ int analyse_all(AnalyseOptions& options) {
     files.back()->write(text);
     files.back()->close();
   };
+  if (!options.out.empty()) {
+    std::vector<std::string> inputs = options.recordings;
+    inputs.insert(inputs.end(), {options.landmarks, options.tasks_file});
+    for (const char* name :
+         {"readings.csv", "readings.json", "cycles.csv", "poses.csv", "summary.txt"}) {
+      refuse_same_files(inputs, {path_in(name)});
+    }
+  }
   if (!options.out.empty()) folder = std::make_unique<OutputFolder>(options.out);
 
   hal::SteadyClock clock;

@@ -64,6 +64,19 @@ SampleRun reference_of(const PoseTrack& track, const AnalysisChoice& choice,
   return run;
 }
 
+// Turns `motion` and the landmarks into the head frame, where all that follows is the same whatever
+// the frame of the instrument.
+Landmarks in_head_frame(Landmarks landmarks, ReferredMotion& motion) {
+  const Eigen::Isometry3d into_head = head_frame(landmarks).inverse(Eigen::Isometry);
+  for (Vector3d& point : landmarks.point_m) point = into_head * point;
+  motion.middle_m = into_head * motion.middle_m;
+  for (Vector6& place : motion.motion) {
+    place.head<3>() = into_head.linear() * place.head<3>();
+    place.tail<3>() = into_head.linear() * place.tail<3>();
+  }
+  return landmarks;
+}
+
 ReadingGeometry geometry_without_landmarks(const PoseTrack& track, const ReferredMotion& motion,
                                            SampleRun reference) {
   ReadingGeometry geometry;
@@ -123,20 +136,24 @@ Analysis analyse(const std::string& source, const AnalysisChoice& choice) {
 }
 
 Analysis analyse(Recording& recording, const std::string& name,
-                 const std::optional<Landmarks>& landmarks, const AnalysisChoice& choice) {
+                 const std::optional<Landmarks>& stated, const AnalysisChoice& choice) {
   Analysis analysis;
   analysis.recording = name;
   const PoseTrack track = read_poses(recording, name);
   analysis.info = track.info;
   analysis.counts = track.counts;
   analysis.events = track.events;
-  analysis.has_landmarks = landmarks.has_value();
+  analysis.has_landmarks = stated.has_value();
   const double end_s = track.time_s.back();
   analysis.duration_s = end_s - track.time_s.front();
   analysis.rate_Hz = static_cast<double>(track.time_s.size() - 1) / analysis.duration_s;
-  const SampleRun rest = reference_of(track, choice, landmarks, name, analysis);
-  const ReferredMotion motion = motion_from(track, rest.begin, rest.end, choice.moving);
-  if (landmarks) check_near(*landmarks, motion.middle_m, choice.landmarks);
+  const SampleRun rest = reference_of(track, choice, stated, name, analysis);
+  ReferredMotion motion = motion_from(track, rest.begin, rest.end, choice.moving);
+  std::optional<Landmarks> landmarks;
+  if (stated) {
+    check_near(*stated, motion.middle_m, choice.landmarks);
+    landmarks = in_head_frame(*stated, motion);
+  }
   analysis.noise = noise_of(motion, rest.begin, rest.end);
   const ReadingGeometry geometry = landmarks ? geometry_of(*landmarks, motion.middle_m)
                                              : geometry_without_landmarks(track, motion, rest);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "readings/pose_noise.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -101,9 +101,16 @@ PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t 
     }
   }
   noise.covariance *= noise.coloured;
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(noise.covariance);
-  noise.root = solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
-  noise.covariance = noise.root * noise.root.transpose();
+  // A root that changes little if the covariance does, so that readings do not depend on rounding.
+  const Matrix6 raised =
+      noise.covariance + Matrix6(noise.covariance.diagonal().asDiagonal()) * 1e-9;
+  const Eigen::LLT<Matrix6> factor(raised);
+  if (factor.info() == Eigen::Success) {
+    noise.root = factor.matrixL();
+  } else {
+    noise.root = noise.covariance.diagonal().cwiseSqrt().asDiagonal();
+    noise.covariance = noise.covariance.diagonal().asDiagonal();
+  }
   return noise;
 }
 

@@ -6,6 +6,7 @@
 
 #include "output/gnuplot.h"
 #include "readings/readings_files.h"
+#include "recordings/recording_files.h"
 
 namespace condyle::host {
 namespace {
@@ -80,7 +81,7 @@ std::vector<std::unique_ptr<OutputFile>> draw_readings(const std::string& direct
   gnuplot.send(data);
   const bool named = analysis.has_landmarks;
   const std::string what = named ? "Lower incisor" : "Point 1, instrument's axes";
-  std::string plot = layout(fmt::format("{}: {}", what, analysis.recording), 3);
+  std::string plot = layout(fmt::format("{}: {}", what, recording_name(analysis.recording)), 3);
   const Plane planes[] = {{named ? "sagittal" : "x, z", named ? "anterior (mm)" : "x (mm)",
                            named ? "up (mm)" : "z (mm)", 1, 3, 1},
                           {named ? "frontal, seen from the front" : "y, z",
@@ -91,7 +92,7 @@ std::vector<std::unique_ptr<OutputFile>> draw_readings(const std::string& direct
   plot += "unset multiplot\n";
   gnuplot.draw(prefix + "incisor", plot, 1400, 560);
   if (named) {
-    plot = layout(fmt::format("Condyles, sagittal: {}", analysis.recording), 2);
+    plot = layout(fmt::format("Condyles, sagittal: {}", recording_name(analysis.recording)), 2);
     plot +=
         panel({"right, anterior to the right", "anterior (mm)", "up (mm)", 7, 9, 1}, kinds, false);
     plot +=

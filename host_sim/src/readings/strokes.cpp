@@ -8,12 +8,35 @@ namespace condyle::host {
 namespace {
 
 constexpr double kLeastRest_s = 0.3, kRestSpeed_m_s = 2e-3, kClosed_m = 0.5e-3;
-constexpr double kSpeedWindow_s = 0.1, kRestMargin_s = 0.25;
+constexpr double kSpeedWindow_s = 0.1, kLongestSpeedWindow_s = 0.5, kRestMargin_s = 0.25;
 
 struct Rest {
   SampleRun run;
   double height_m;
 };
+
+// A window over which means show a speed in spite of the noise of the places, which their second
+// differences show.
+double speed_window_s(const PoseTrack& track) {
+  constexpr double median_of_chi3 = 1.538;  // times sqrt(6): of a second difference
+  std::vector<double> sizes_m;
+  for (std::size_t k = 1; k + 1 < track.pose.size(); ++k) {
+    sizes_m.push_back((track.pose[k - 1].translation() - 2 * track.pose[k].translation() +
+                       track.pose[k + 1].translation())
+                          .norm());
+  }
+  const auto middle = sizes_m.begin() + static_cast<std::ptrdiff_t>(sizes_m.size() / 2);
+  std::nth_element(sizes_m.begin(), middle, sizes_m.end());
+  const double noise_m = *middle / (median_of_chi3 * std::sqrt(6.0));
+  const double rate_Hz =
+      static_cast<double>(track.time_s.size() - 1) / (track.time_s.back() - track.time_s.front());
+  double window_s = kSpeedWindow_s;
+  while (window_s < kLongestSpeedWindow_s &&
+         noise_m * std::sqrt(6 / (rate_Hz * window_s)) > 0.4 * kRestSpeed_m_s * window_s) {
+    window_s *= 1.1;
+  }
+  return window_s;
+}
 
 // Without the slow beginning and end of the neighbouring movements.
 SampleRun inner_part(const std::vector<double>& time_s, SampleRun run) {
@@ -29,17 +52,18 @@ SampleRun inner_part(const std::vector<double>& time_s, SampleRun run) {
 std::optional<SampleRun> find_rest(const PoseTrack& track, const Eigen::Vector3d& up) {
   const auto& time_s = track.time_s;
   const std::size_t count = time_s.size();
-  // Still: the mean place of the 0.1 s before and of the 0.1 s after differ little.
+  // Still: the mean place before and the mean place after differ little.
   std::vector<Eigen::Vector3d> sums(count + 1, Eigen::Vector3d::Zero());
   const Eigen::Vector3d origin = track.pose[0].translation();
   for (std::size_t k = 0; k < count; ++k) {
     sums[k + 1] = sums[k] + track.pose[k].translation() - origin;
   }
+  const double window_s = speed_window_s(track);
   std::vector<bool> still(count, false);
   std::size_t before = 0, after = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    while (time_s[k] - time_s[before] > kSpeedWindow_s) ++before;
-    while (after < count && time_s[after] - time_s[k] <= kSpeedWindow_s) ++after;
+    while (time_s[k] - time_s[before] > window_s) ++before;
+    while (after < count && time_s[after] - time_s[k] <= window_s) ++after;
     if (k == before || after == k + 1) continue;
     const Eigen::Vector3d earlier = (sums[k] - sums[before]) / static_cast<double>(k - before);
     const Eigen::Vector3d later = (sums[after] - sums[k + 1]) / static_cast<double>(after - k - 1);

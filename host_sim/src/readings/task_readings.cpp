@@ -22,11 +22,7 @@ constexpr double kMargin_s = 0.15, kLongestGap_s = 0.15, kNewSequence_s = 2;
 // so slowly that its form, which is not known, decides.
 constexpr double kPauseBoundary_s = 8e-3;
 constexpr std::size_t kLeastChewingCycles = 4;
-
-struct Key {
-  std::string_view name;
-  Side side;
-};
+constexpr double kLeastShare = 0.5;
 
 class TaskReader {
  public:
@@ -101,7 +97,7 @@ class TaskReader {
     reading.task = kind;
     reading.side = side;
     reading.stroke = stroke;
-    if (reading.provenance == JawReadingMeasured) {
+    if (reading.provenance == ReadingProvenance::measured) {
       std::string assumption;
       if (definition.name.find("condylar") == 0 || definition.name.find("bennett") == 0 ||
           definition.name.find("side_shift") == 0) {
@@ -121,7 +117,6 @@ class TaskReader {
     }
     analysis_.readings.push_back(std::move(reading));
   }
-  static constexpr ReadingProvenance JawReadingMeasured = ReadingProvenance::measured;
 
   void read_strokes(TaskKind kind, const std::vector<SampleRun>& windows, bool is_found) {
     const bool is_one =
@@ -347,6 +342,7 @@ std::vector<Task> found_tasks(const JawPath& path, const TaskContext& context) {
   }
   std::vector<double> distance_m;
   for (const auto& point : path.incisor_m) distance_m.push_back(point.norm());
+  std::vector<std::pair<Task, double>> strokes;
   for (std::size_t begin = 0; begin < time_s.size();) {
     std::size_t end = begin;
     while (end < time_s.size() && !chewed[end]) ++end;
@@ -356,9 +352,17 @@ std::vector<Task> found_tasks(const JawPath& path, const TaskContext& context) {
                                         distance_m.begin() + static_cast<std::ptrdiff_t>(run.end));
       const auto kind =
           kind_of_stroke(path.incisor_m[static_cast<std::size_t>(top - distance_m.begin())]);
-      if (kind) tasks.push_back({*kind, time_s[run.begin], time_s[run.end - 1], true});
+      if (kind) strokes.push_back({{*kind, time_s[run.begin], time_s[run.end - 1], true}, *top});
     }
     begin = end + 1;
+  }
+  // What is far smaller than the others of its kind is another movement: a swallow, a word.
+  std::map<TaskKind, double> greatest_m;
+  for (const auto& [task, height_m] : strokes) {
+    greatest_m[task.kind] = std::max(greatest_m[task.kind], height_m);
+  }
+  for (const auto& [task, height_m] : strokes) {
+    if (height_m >= kLeastShare * greatest_m[task.kind]) tasks.push_back(task);
   }
   std::sort(tasks.begin(), tasks.end(),
             [](const Task& a, const Task& b) { return a.begin_s < b.begin_s; });

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+// Readings of the kinematic jaw against its truth, which shares no code with them.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "readings/path_measures.h"
+#include "readings/simulated_readings.h"
+#include "readings/smoothness.h"
+#include "readings/stroke_readings.h"
+#include "readings/uncertainty.h"
+#include "support/acceptance.h"
+#include "support/tier.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr JawTaskKind kKinds[] = {JawTaskKind::rest, JawTaskKind::opening, JawTaskKind::protrusion,
+                                  JawTaskKind::left, JawTaskKind::right,   JawTaskKind::chewing};
+
+JawScenario session(double rate_Hz, double noise_m, double noise_rad, double landmark_sd_mm) {
+  JawScenario scenario;
+  for (const JawTaskKind kind : kKinds) scenario.tasks.push_back(default_task(kind));
+  scenario.facebow.rate_Hz = rate_Hz;
+  scenario.facebow.noise_m = noise_m;
+  scenario.facebow.noise_rad = noise_rad;
+  scenario.landmarks = {landmark_sd_mm, landmark_sd_mm, landmark_sd_mm};
+  return scenario;
+}
+
+Analysis analyse_simulation(const KinematicSimulation& simulation, const LandmarkErrors& errors,
+                            MovingBody moving = MovingBody::lower) {
+  SampleRecording recording(simulation.samples());
+  AnalysisChoice choice;
+  choice.tasks = stated_tasks(simulation);
+  choice.moving = moving;
+  return analyse(recording, "simulation", stated_landmarks(simulation, errors), choice);
+}
+
+// What the other two definitions of a task's mean do not share with the truth.
+bool is_defined_otherwise(const std::string& key) {
+  return key.ends_with("/displacement_mm") || key.ends_with("/rotation_deg") ||
+         key.starts_with("rest/");
+}
+
+// Values of the reference implementation of Balasubramanian et al. 2015.
+TEST(Smoothness, EqualsThePublishedValues) {
+  std::vector<double> speed;
+  for (int i = -100; i < 100; ++i) speed.push_back(std::exp(-5 * (i * 0.01) * (i * 0.01)));
+  EXPECT_NEAR(spectral_arc_length(speed, 0.01), -1.41403, 5e-6);
+  EXPECT_NEAR(log_dimensionless_jerk(speed, 0.01), -5.81636, 5e-6);
+}
+
+TEST(Smoothness, OfAMinimumJerkStroke) {
+  // 720 / 1.875^2 = 204.8 exactly.
+  std::vector<double> speed;
+  for (int i = 0; i <= 20000; ++i) {
+    const double t = i / 20000.0;
+    speed.push_back(30 * t * t * (1 - t) * (1 - t));
+  }
+  EXPECT_NEAR(std::exp(-log_dimensionless_jerk(speed, 1 / 20000.0)), 204.8, 0.1);
+}
+
+TEST(HelicalAxis, IsThatOfATurnAboutAKnownLine) {
+  const Eigen::Vector3d point(0.01, 0.02, -0.03), at(0.1, 0, -0.05);
+  const Eigen::Vector3d direction = Eigen::Vector3d(0.1, 1, 0.2).normalized();
+  const Eigen::Matrix3d R = rotation_by(0.3 * direction);
+  const Eigen::Vector3d moved = R * (at - point) + point + 0.002 * direction;
+  const HelicalAxis axis = helical_axis(0.3 * direction, at, moved - at);
+  EXPECT_NEAR(axis.angle_rad, 0.3, 1e-12);
+  EXPECT_NEAR(axis.translation_m, 0.002, 1e-12);
+  EXPECT_LT(direction.cross(axis.point_m - point).norm(), 1e-12);
+}
+
+// The formulas on exact poses.
+TEST(StrokeReadings, EqualTheTruthOnExactPoses) {
+  const auto jaw = std::make_shared<const KinematicJaw>(session(200, 0, 0, 0));
+  std::map<std::string, double> truth;
+  for (const TrueReading& reading : true_readings(*jaw)) {
+    truth[fmt::format("{}/{}/{}/{}", reading.task, reading.side, reading.reading, reading.stroke)] =
+        reading.value;
+  }
+  const JawLandmarks& points = jaw->landmarks();
+  ReadingGeometry geometry;
+  geometry.has_landmarks = true;
+  geometry.head.translation() = (points.condyle_left + points.condyle_right) / 2;
+  geometry.incisor_m = points.incisor_lower;
+  geometry.condyle_m = {points.condyle_left, points.condyle_right};
+  geometry.middle_m = Eigen::Vector3d(0.1, 0, -0.05);
+  int compared = 0;
+  for (const JawStroke& stroke : jaw->motion().strokes()) {
+    SmoothMotion motion;
+    const auto at = [&](double time_s) {
+      const JawPose pose = jaw->pose_at(time_s);
+      Vector6 value;
+      value << pose.rotation * geometry.middle_m + pose.translation_m - geometry.middle_m,
+          rotation_vector(pose.rotation);
+      return value;
+    };
+    for (double time_s = stroke.begin_s - 0.1; time_s < stroke.end_s + 0.1; time_s += 0.0005) {
+      motion.time_s.push_back(time_s);
+      motion.value.push_back(at(time_s));
+      motion.slope.push_back((at(time_s + 1e-5) - at(time_s - 1e-5)) / 2e-5);
+    }
+    JawPath path;
+    paths_of(motion, geometry, path);
+    const TaskKind kind = task_kind(jaw_task_name(stroke.kind), "simulation");
+    const auto names = readings_of_stroke(kind, true);
+    std::vector<double> values;
+    read_stroke(kind, true, path, values, nullptr);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const std::string key = fmt::format("{}/{}/{}/{}", name_of(kind), name_of(names[i].side),
+                                          names[i].name, stroke.stroke);
+      const auto expected = truth.find(key);
+      if (expected == truth.end() || is_defined_otherwise(key.substr(0, key.rfind('/')))) continue;
+      ++compared;
+      // Lengths by chords of 0.5 mm are shorter than the arc; the side shift is a fit to 31 points;
+      // the truth of a speed is that of the fastest sample.
+      const double tolerance = names[i].name == "condylar_path_mm" ? 2e-3
+                               : names[i].name == "side_shift_mm"  ? 2e-4
+                               : names[i].name.ends_with("mm_s")   ? 1e-3
+                                                                   : 1e-5;
+      EXPECT_NEAR(values[i], expected->second, tolerance) << key;
+    }
+  }
+  EXPECT_GT(compared, 80);
+}
+
+// Without noise what is left is the method's own error.
+TEST(Analysis, WithoutNoiseDeviatesByAQuarterOfItsHalfInterval) {
+  for (const double rate_Hz : {60.0, 200.0}) {
+    const JawScenario scenario = session(rate_Hz, 0, 0, 0);
+    const auto jaw = std::make_shared<const KinematicJaw>(scenario);
+    const KinematicSimulation simulation(jaw, scenario, 1);
+    Coverages coverages;
+    // True landmarks, whose stated uncertainty is that of careful work.
+    compare_means(analyse_simulation(simulation, {1, 1, 1}), true_readings(*jaw), coverages);
+    int compared = 0;
+    for (const auto& [key, coverage] : coverages) {
+      if (is_defined_otherwise(key) || coverage.shown == 0) continue;
+      ++compared;
+      if (key.ends_with("/cycle_count")) continue;
+      const bool is_time = key.starts_with("chewing/");  // landmarks hardly matter
+      EXPECT_LE(std::sqrt(coverage.squares), (is_time ? 1 : 0.25) * coverage.halves + 2e-3)
+          << key << " at " << rate_Hz << " Hz";
+    }
+    EXPECT_GT(compared, 40);
+  }
+}
+
+TEST(Analysis, DoesNotDependOnTheFrameOfTheInstrument) {
+  const JawScenario scenario = session(60, kFineNoise_m, kFineNoise_rad, 0);
+  const KinematicSimulation simulation(scenario, 5);
+  AnalysisChoice choice;
+  choice.tasks = stated_tasks(simulation);
+  Landmarks landmarks = stated_landmarks(simulation, {1, 1, 1});
+  SampleRecording recording(simulation.samples());
+  const Analysis straight = analyse(recording, "straight", landmarks, choice);
+  Eigen::Isometry3d change = Eigen::Isometry3d::Identity();
+  change.linear() = rotation_by({0.7, -0.4, 2.1});
+  change.translation() = Eigen::Vector3d(0.05, 0.35, -0.2);
+  std::vector<Sample> samples = simulation.samples();
+  for (Sample& sample : samples) {
+    for (int point = 0; point < 3; ++point) {
+      Eigen::Map<Eigen::Vector3d> place(sample.coordinates + 3 * point);
+      place = (change * place).eval();
+    }
+  }
+  for (Eigen::Vector3d& point : landmarks.point_m) point = change * point;
+  SampleRecording turned_recording(samples);
+  const Analysis turned = analyse(turned_recording, "turned", landmarks, choice);
+  ASSERT_EQ(straight.readings.size(), turned.readings.size());
+  for (std::size_t i = 0; i < straight.readings.size(); ++i) {
+    const JawReading& a = straight.readings[i];
+    const JawReading& b = turned.readings[i];
+    ASSERT_EQ(a.definition, b.definition);
+    ASSERT_EQ(a.provenance, b.provenance);
+    if (a.provenance == ReadingProvenance::withheld) continue;
+    EXPECT_NEAR(a.value, b.value, 1e-6 * (a.high - a.low) + 1e-6)
+        << name_of(a.task) << " " << a.definition->name << " " << a.stroke;
+  }
+}
+
+TEST(Analysis, ReadsTheSameWhicheverBodyMoves) {
+  JawScenario scenario = session(200, 0, 0, 0);
+  const auto jaw = std::make_shared<const KinematicJaw>(scenario);
+  const Analysis lower = analyse_simulation({jaw, scenario, 1}, {1, 1, 1});
+  scenario.mounting.is_upper = true;
+  const Analysis upper = analyse_simulation({jaw, scenario, 1}, {1, 1, 1}, MovingBody::upper);
+  ASSERT_EQ(lower.readings.size(), upper.readings.size());
+  for (std::size_t i = 0; i < lower.readings.size(); ++i) {
+    const JawReading& a = lower.readings[i];
+    if (a.provenance == ReadingProvenance::withheld) continue;
+    EXPECT_NEAR(a.value, upper.readings[i].value, 0.1 * (a.high - a.low) + 2e-3)
+        << name_of(a.task) << " " << a.definition->name;
+  }
+}
+
+// A quarter of an hour of openings that no jaw makes: the points move, and do not turn.
+TEST(Analysis, WithholdsEverythingIfTheRotationIsLost) {
+  std::vector<Sample> samples;
+  for (int i = 0; i < 900; ++i) {
+    Sample sample;
+    sample.kind = SampleKind::three_points;
+    sample.time_ns = i * 20'000'000LL;
+    const double down_m = i < 100 ? 0 : 0.02 * (1 - std::cos((i - 100) * 0.02));
+    const double shape[9] = {0, 0, 0, 0.025, 0, 0.03, -0.025, 0, 0.03};
+    for (int k = 0; k < 9; ++k) sample.coordinates[k] = shape[k] - (k % 3 == 1 ? down_m : 0);
+    samples.push_back(sample);
+  }
+  SampleRecording recording(samples);
+  const Analysis analysis = analyse(recording, "lost", std::nullopt, {});
+  EXPECT_FALSE(analysis.unusable.empty());
+  EXPECT_FALSE(analysis.readings.empty());
+  for (const JawReading& reading : analysis.readings) {
+    EXPECT_EQ(reading.provenance, ReadingProvenance::withheld);
+    EXPECT_FALSE(reading.reason.empty());
+  }
+}
+
+struct Cell {
+  const char* name;
+  double rate_Hz, noise_m, noise_rad;
+};
+
+class ReadingCoverage : public testing::TestWithParam<Cell> {};
+
+// 95 % intervals over noise, landmarks, plane and reference drawn anew. A reading fails if so few
+// are covered that a true 90 % (95 % in the release tier's long form) had a probability of 1e-4;
+// with some 50 readings in each of four cells the false-alarm probability is 2 %, and the seeds are
+// fixed.
+TEST_P(ReadingCoverage, IsThatOfTheInterval) {
+  const Cell& cell = GetParam();
+  const int runs = testing_support::runs(12, 60, 2000);
+  const JawScenario scenario = session(cell.rate_Hz, cell.noise_m, cell.noise_rad, 1);
+  const auto jaw = std::make_shared<const KinematicJaw>(scenario);
+  const auto truth = true_readings(*jaw);
+  Coverages coverages;
+  for (int run = 0; run < runs; ++run) {
+    const KinematicSimulation simulation(jaw, scenario, 100 + static_cast<std::uint64_t>(run));
+    compare_means(analyse_simulation(simulation, scenario.landmarks), truth, coverages);
+  }
+  std::printf("%s: reading, shown, covered, rms error, mean half interval\n", cell.name);
+  for (const auto& [key, coverage] : coverages) {
+    if (is_defined_otherwise(key) || coverage.shown == 0) continue;
+    std::printf("  %-52s %4d of %d  %5.1f %%  %8.4f  %8.4f\n", key.c_str(), coverage.shown,
+                coverage.wanted, 100.0 * coverage.covered / coverage.shown,
+                std::sqrt(coverage.squares / coverage.shown), coverage.halves / coverage.shown);
+    EXPECT_GE(static_cast<std::uint64_t>(coverage.covered),
+              testing_support::fewest_hits(static_cast<std::uint64_t>(coverage.shown), 0.90, 1e-4))
+        << key;
+  }
+  EXPECT_EQ(coverages.at("chewing//cycle_count").covered, runs);
+  EXPECT_EQ(coverages.at("opening//opening_mm").shown, runs);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cells, ReadingCoverage,
+                         testing::Values(Cell{"fine60", 60, kFineNoise_m, kFineNoise_rad},
+                                         Cell{"fine200", 200, kFineNoise_m, kFineNoise_rad},
+                                         Cell{"coarse60", 60, kCoarseNoise_m, kCoarseNoise_rad},
+                                         Cell{"coarse200", 200, kCoarseNoise_m, kCoarseNoise_rad}),
+                         [](const testing::TestParamInfo<Cell>& cell) {
+                           return std::string(cell.param.name);
+                         });
+
+}  // namespace
+}  // namespace condyle::host
