@@ -167,6 +167,7 @@ TEST(Help, ItsExamplesRun) {
   std::ofstream(home / "loaded.toml") << loaded;
   make(home / "loaded.toml", "second.csv");
   make(scenario("nodding_head.toml"), "nods.csv");
+  make(scenario("clinical_session.toml"), "session.csv");  // with its landmarks and tasks
   make(scenario("chewing_with_emg.toml"), "food.csv");
   std::filesystem::copy(testing_support::source_path("/host_sim/muscles/artisynth.toml"), home);
   for (const char* name : {"a", "b", "c", "d", "e", "f"}) {

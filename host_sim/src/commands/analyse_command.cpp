@@ -125,10 +125,11 @@ Command add_analyse(CommandLine app) {
       "analyse", "Read range of motion, condylar paths, chewing and smoothness from recordings",
       "Analyse recordings");
   command.also_called("analyze");
-  command.add_example("condyle analyse jaw.csv --landmarks jaw.landmarks.toml --out readings",
-                      "Find the tasks and read everything that the recording shows.");
   command.add_example(
-      "condyle analyse jaw.csv --landmarks jaw.landmarks.toml --tasks jaw.tasks.csv --out readings",
+      "condyle analyse session.csv --landmarks session.landmarks.toml --out readings",
+      "Find the tasks and read everything that the recording shows.");
+  command.add_example(
+      "condyle analyse session.csv --landmarks session.landmarks.toml --tasks session.tasks.csv",
       "Use the tasks that a file states.");
   command
       .add_option("RECORDING", options->recordings,

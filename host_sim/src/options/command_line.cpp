@@ -243,6 +243,7 @@ CommandText describe(const CLI::App& app, const std::string& name) {
   }
   for (const CLI::App* part : app.get_subcommands([](const CLI::App*) { return true; })) {
     text.commands.push_back(describe(*part, name + " " + part->get_name()));
+    text.commands.back().other_names = part->get_aliases();
   }
   return text;
 }
@@ -269,7 +270,11 @@ const CommandText& find(const CommandText& program, const std::vector<std::strin
   for (count = 0; count < words.size(); ++count) {
     const CommandText* part = nullptr;
     for (const CommandText& other : here->commands) {
-      if (other.last_name() == words[count]) part = &other;
+      const auto& others = other.other_names;
+      if (other.last_name() == words[count] ||
+          std::find(others.begin(), others.end(), words[count]) != others.end()) {
+        part = &other;
+      }
     }
     if (part == nullptr) break;
     here = part;

@@ -29,6 +29,7 @@ struct ExampleText {
 /// A command with its options; the program itself is a command with subcommands.
 struct CommandText {
   std::string name;  ///< "condyle replay"
+  std::vector<std::string> other_names;  ///< of the command alone, "analyze"
   std::string meaning;
   std::string group;  ///< heading in the list
   std::vector<ExampleText> examples;

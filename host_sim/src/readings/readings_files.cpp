@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -14,13 +15,22 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-std::string quoted(const std::string& text) {
+// Quoted if CSV needs it.
+std::string field(const std::string& text) {
+  const std::string clean = clean_line(text);
+  if (clean.find_first_of(",\"") == std::string::npos) return clean;
   std::string result = "\"";
-  for (const char c : clean_line(text)) {
+  for (const char c : clean) {
     if (c == '"') result += '"';
     result += c;
   }
   return result + "\"";
+}
+
+// Our own words without commas, so that a simple reader need not know of quotes.
+std::string without_commas(std::string text) {
+  std::replace(text.begin(), text.end(), ',', ';');
+  return field(text);
 }
 
 std::string number(double value) {
@@ -39,13 +49,13 @@ std::string readings_csv(const std::vector<Analysis>& analyses) {
       "recording,task,side,stroke,reading,value,low,high,unit,definition,provenance,reason\n";
   for (const Analysis& analysis : analyses) {
     for (const JawReading& reading : analysis.readings) {
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", quoted(analysis.recording),
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", field(analysis.recording),
                           name_of(reading.task), name_of(reading.side),
                           reading.stroke > 0 ? std::to_string(reading.stroke) : "",
                           reading.definition->name, number(reading.value), number(reading.low),
                           number(reading.high), reading.definition->unit,
-                          quoted(std::string(reading.definition->definition)),
-                          name_of(reading.provenance), quoted(reading.reason));
+                          without_commas(std::string(reading.definition->definition)),
+                          name_of(reading.provenance), without_commas(reading.reason));
     }
   }
   return text;
@@ -113,7 +123,7 @@ std::string cycles_csv(const std::vector<Analysis>& analyses) {
   text += ",rejected\n";
   for (const Analysis& analysis : analyses) {
     for (const AnalysedCycle& cycle : analysis.cycles) {
-      text += fmt::format("{},{},{},{:.6f},{:.6f},{:.6f}", quoted(analysis.recording),
+      text += fmt::format("{},{},{},{:.6f},{:.6f},{:.6f}", field(analysis.recording),
                           cycle.sequence, cycle.number > 0 ? std::to_string(cycle.number) : "",
                           cycle.cycle.begin_s, cycle.cycle.turn_s, cycle.cycle.end_s);
       for (std::size_t i = 0; i < names.size(); ++i) {
@@ -121,7 +131,7 @@ std::string cycles_csv(const std::vector<Analysis>& analyses) {
         text += fmt::format(",{},{}", has ? number(cycle.values[i].value) : "",
                             has ? number(cycle.values[i].half_interval()) : "");
       }
-      text += fmt::format(",{}\n", quoted(cycle.cycle.rejected));
+      text += fmt::format(",{}\n", without_commas(cycle.cycle.rejected));
     }
   }
   return text;
