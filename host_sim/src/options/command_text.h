@@ -29,12 +29,12 @@ struct ExampleText {
 /// A command with its options; the program itself is a command with subcommands.
 struct CommandText {
   std::string name;  ///< "condyle replay"
-  std::vector<std::string> other_names;  ///< of the command alone, "analyze"
   std::string meaning;
   std::string group;  ///< heading in the list
   std::vector<ExampleText> examples;
   std::vector<OptionText> options;
   std::vector<CommandText> commands;
+  std::vector<std::string> other_names;  ///< other spellings of its last word
 
   /// Last word of `name`.
   std::string last_name() const { return name.substr(name.rfind(' ') + 1); }
