@@ -23,6 +23,11 @@ constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
 // No jaw moves that far without turning more than that.
 constexpr double kFarWithoutTurn_m = 15e-3, kLeastTurn_rad = 2 * kDegree;
 constexpr double kLeastReference_s = 0.1;
+constexpr double kMostRotation_deg = 70, kMostResidual_m = 0.15e-3;
+constexpr double kMostBeyond_m = 1e-3;           // of closing, beyond the reference position
+constexpr double kMostReferenceMotion_m = 1e-3;  // during a stated reference
+constexpr double kSmoothed = 1.5;
+constexpr double kNearRest_m = 1.5e-3, kNearRest_rad = 1.5 * kDegree;
 
 // Direction of closing in the instrument's frame.
 Vector3d up_of(const std::optional<Landmarks>& landmarks, MovingBody moving) {
@@ -56,6 +61,20 @@ SampleRun reference_of(const PoseTrack& track, const AnalysisChoice& choice,
     throw InputError(recording, "no rest of 0.3 s was found for the reference position",
                      "state one with --reference-s BEGIN END");
   }
+  if (choice.reference_s) {
+    const Vector3d first = track.pose[run.begin].translation();
+    std::vector<double> distances_m;
+    for (std::size_t k = run.begin; k < run.end; ++k) {
+      distances_m.push_back((track.pose[k].translation() - first).norm());
+    }
+    const auto middle = distances_m.begin() + static_cast<std::ptrdiff_t>(distances_m.size() / 2);
+    std::nth_element(distances_m.begin(), middle, distances_m.end());
+    if (*middle > kMostReferenceMotion_m) {
+      throw InputError(
+          recording, fmt::format("the jaw moves by {:.1f} mm during --reference-s", *middle * 1e3),
+          "give an interval in which it rests");
+    }
+  }
   analysis.reference_begin_s = track.time_s[run.begin];
   analysis.reference_end_s = track.time_s[run.end - 1];
   if (analysis.reference_end_s - analysis.reference_begin_s < kLeastReference_s) {
@@ -75,6 +94,22 @@ Landmarks in_head_frame(Landmarks landmarks, ReferredMotion& motion) {
     place.tail<3>() = into_head.linear() * place.tail<3>();
   }
   return landmarks;
+}
+
+// How far other rests near the reference position lie from it: mean of their squares and products.
+// A fork that slips, or a drift, shows there.
+Matrix6 spread_of_rests(const PoseTrack& track, const ReferredMotion& motion) {
+  Matrix6 spread = Matrix6::Zero();
+  double count = 0;
+  for (const SampleRun& run : find_rests(track)) {
+    Vector6 mean = Vector6::Zero();
+    for (std::size_t k = run.begin; k < run.end; ++k) mean += motion.motion[k];
+    mean /= static_cast<double>(run.end - run.begin);
+    if (mean.head<3>().norm() > kNearRest_m || mean.tail<3>().norm() > kNearRest_rad) continue;
+    spread += mean * mean.transpose();
+    ++count;
+  }
+  return count > 1 ? Matrix6(spread / (count - 1)) : spread;
 }
 
 ReadingGeometry geometry_without_landmarks(const PoseTrack& track, const ReferredMotion& motion,
@@ -125,6 +160,40 @@ std::string rotation_problem(const PoseTrack& track, const Analysis& analysis) {
   return "";
 }
 
+// Why the three points are no jaw's; empty: they may be.
+std::string body_problem(const PoseTrack& track, const Analysis& analysis) {
+  if (analysis.largest_rotation_deg > kMostRotation_deg) {
+    return fmt::format("the points turn by {:.0f} deg, which no jaw does; were two exchanged?",
+                       analysis.largest_rotation_deg);
+  }
+  const double noise_m = std::sqrt(analysis.noise.covariance.topLeftCorner<3, 3>().trace() / 3);
+  if (track.residual_m > std::max(kMostResidual_m, 6 * noise_m)) {
+    return fmt::format("its three points do not keep their distances (they misfit by {:.2f} mm)",
+                       track.residual_m * 1e3);
+  }
+  return "";
+}
+
+// What a found reference position assumes; empty: nothing contradicts it. The jaw closes no further
+// than to it.
+std::string reference_assumption(Analysis& analysis) {
+  if (!analysis.is_reference_found || !analysis.has_landmarks) return "";
+  std::size_t beyond = 0;
+  double highest_m = 0;
+  for (const auto& point : analysis.path.incisor_m) {
+    if (point.z() < kMostBeyond_m) continue;
+    ++beyond;
+    highest_m = std::max(highest_m, point.z());
+  }
+  if (beyond < 5) return "";
+  const std::string text = fmt::format(
+      "the jaw closes {:.1f} mm beyond the reference position that was found; state it with "
+      "--reference-s",
+      highest_m * 1e3);
+  analysis.notes.push_back(text);
+  return text;
+}
+
 }  // namespace
 
 Analysis analyse(const std::string& source, const AnalysisChoice& choice) {
@@ -167,8 +236,9 @@ Analysis analyse(Recording& recording, const std::string& name,
     context.condyle_assumption = "the condylar points are arbitrary, not measured";
   }
   const double reference_count = static_cast<double>(rest.end - rest.begin);
-  context.errors = shared_errors(landmarks ? &*landmarks : nullptr, geometry,
-                                 analysis.noise.covariance / reference_count);
+  context.errors =
+      shared_errors(landmarks ? &*landmarks : nullptr, geometry,
+                    analysis.noise.covariance / reference_count + spread_of_rests(track, motion));
   context.rotation_problem = rotation_problem(track, analysis);
   if (track.has_rotation && analysis.largest_displacement_mm * kMillimetre > kFarWithoutTurn_m &&
       analysis.largest_rotation_deg * kDegree < kLeastTurn_rad) {
@@ -177,7 +247,13 @@ Analysis analyse(Recording& recording, const std::string& name,
         "lost its rotation",
         analysis.largest_displacement_mm, analysis.largest_rotation_deg);
   }
+  if (analysis.unusable.empty()) analysis.unusable = body_problem(track, analysis);
   context.unusable = analysis.unusable;
+  context.reference_assumption = reference_assumption(analysis);
+  if (analysis.noise.coloured > kSmoothed) {
+    context.smoothing_assumption =
+        "the instrument smooths its positions; fast movements may be larger";
+  }
 
   analysis.tasks = choice.tasks;
   if (analysis.tasks.empty() && track.info.is_of_device) {

@@ -21,9 +21,11 @@ double bend(const std::vector<double>& time_s, const std::vector<Vector6>& path,
   return (path[k + 1] - path[k] - (path[k] - path[k - 1]) * (after_s / before_s)).norm();
 }
 
-// Whether `begin` to `end` jumps away from the cubic through the samples on both sides.
-bool is_burst(const std::vector<double>& time_s, const std::vector<Vector6>& path,
-              std::size_t begin, std::size_t end) {
+// The samples of `begin` to `end` (without) that lie far from the cubic through the samples on both
+// sides; none unless the first and the last do.
+std::vector<std::size_t> far_samples(const std::vector<double>& time_s,
+                                     const std::vector<Vector6>& path, std::size_t begin,
+                                     std::size_t end) {
   constexpr int rows = 2 * kSide;
   const double middle_s = (time_s[begin] + time_s[end - 1]) / 2;
   const double scale_s = (time_s[end + kSide - 1] - time_s[begin - kSide]) / 2;
@@ -42,10 +44,12 @@ bool is_burst(const std::vector<double>& time_s, const std::vector<Vector6>& pat
   const Eigen::Matrix<double, 4, 6> cubic = A.householderQr().solve(y);
   const double misfit_m = std::sqrt((A * cubic - y).squaredNorm() / (rows - 4));
   const double limit_m = std::max(kMisfitRatio * misfit_m, kLeastDeparture_m);
+  std::vector<std::size_t> far;
   for (std::size_t k = begin; k < end; ++k) {
-    if ((powers(k) * cubic - path[k].transpose()).norm() < limit_m) return false;
+    if ((powers(k) * cubic - path[k].transpose()).norm() >= limit_m) far.push_back(k);
   }
-  return true;
+  if (far.empty() || far.front() != begin || far.back() + 1 != end) far.clear();
+  return far;
 }
 
 }  // namespace
@@ -69,8 +73,15 @@ std::vector<SampleRun> find_bursts(const std::vector<double>& time_s,
     if (jump_m < kJumpRatio * near[near.size() / 2]) continue;
     for (std::size_t end = begin + 1; end + kSide <= path.size(); ++end) {
       if (time_s[end - 1] - time_s[begin] > kLongestBurst_s) break;
-      if (!is_burst(time_s, path, begin, end)) continue;
-      runs.push_back({begin, end});
+      const std::vector<std::size_t> far = far_samples(time_s, path, begin, end);
+      if (far.empty()) continue;
+      for (const std::size_t k : far) {
+        if (!runs.empty() && runs.back().end == k) {
+          ++runs.back().end;
+        } else {
+          runs.push_back({k, k + 1});
+        }
+      }
       begin = end + kSide - 1;
       break;
     }

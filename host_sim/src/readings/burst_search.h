@@ -17,8 +17,9 @@ struct SampleRun {
 };
 
 /// Bursts in `path`: displacement (m), and rotation times kRotationLength_m. A burst lasts at most
-/// 0.2 s. A cubic through four samples before and four after it fits these, and every sample of the
-/// burst is far from it: five times the misfit, and 0.3 mm.
+/// 0.2 s. A cubic through four samples before and four after it fits these, and the samples of the
+/// burst are far from it: five times the misfit, and 0.3 mm. Good samples between them are none of
+/// it.
 std::vector<SampleRun> find_bursts(const std::vector<double>& time_s,
                                    const std::vector<Eigen::Matrix<double, 6, 1>>& path);
 

@@ -14,7 +14,8 @@ namespace condyle::host {
 namespace {
 
 constexpr double kLeastHeight_m = 2e-3, kHeightShare = 0.3;
-constexpr double kShortest_s = 0.25, kLongest_s = 3, kLongestGap_s = 0.1, kPause_s = 0.2;
+constexpr double kShortest_s = 0.25, kLongest_s = 3, kLongestGap_s = 0.1, kPause_s = 0.5,
+                 kInstant_s = 0.08;
 constexpr double kTopReach_s = 0.06;
 constexpr double kSearch_s = 0.08;  // around a closed instant
 
@@ -141,12 +142,31 @@ std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
     const std::size_t after = i + 3 < turns.size() ? turns[i + 3] : height_m.size() - 1;
     const auto [begin_first, begin_last] = closed(turns[i], before, cycle.turn);
     const auto [end_first, end_last] = closed(turns[i + 2], cycle.turn, after);
-    cycle.begins_after_pause = time_s[begin_last] - time_s[begin_first] >= kPause_s;
-    cycle.ends_with_pause = time_s[end_last] - time_s[end_first] >= kPause_s;
+    // Before the first cycle and after the last one, no other cycle shares the closed time.
+    const bool is_last = i + 3 >= turns.size();
+    cycle.begins_after_pause =
+        time_s[begin_last] - time_s[begin_first] >= (i == 0 ? kInstant_s : kPause_s);
+    cycle.ends_with_pause =
+        time_s[end_last] - time_s[end_first] >= (is_last ? kInstant_s : kPause_s);
     cycle.begin = cycle.begins_after_pause ? begin_last : turns[i];
     cycle.end = cycle.ends_with_pause ? end_first : turns[i + 2];
     cycle.begin_s = time_s[cycle.begin];
     cycle.end_s = time_s[cycle.end];
+    // A closed time between instant and pause: its middle is the boundary of both cycles.
+    const auto middle = [&](std::size_t first, std::size_t last, std::size_t& at, double& at_s,
+                            double& sd_s) {
+      const double closed_s = time_s[last] - time_s[first];
+      if (closed_s < kInstant_s || closed_s >= kPause_s) return;
+      at = (first + last) / 2;
+      at_s = (time_s[first] + time_s[last]) / 2;
+      sd_s = 0.1 * closed_s;
+    };
+    if (!cycle.begins_after_pause) {
+      middle(begin_first, begin_last, cycle.begin, cycle.begin_s, cycle.begin_sd_s);
+    }
+    if (!cycle.ends_with_pause) {
+      middle(end_first, end_last, cycle.end, cycle.end_s, cycle.end_sd_s);
+    }
     const double gap_s = longest_gap_s(time_s, cycle.begin, cycle.end + 1);
     const double duration_s = cycle.end_s - cycle.begin_s;
     if (gap_s > kLongestGap_s) {
@@ -183,11 +203,21 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
   const std::vector<double> z = heights_of(path, has_landmarks);
   const auto& time_s = path.time_s;
   // The top near `at`, and when the jaw was closed there.
-  const auto closed = [&](std::size_t at, bool is_pause, int way, std::size_t& top) {
+  const auto closed = [&](std::size_t at, bool is_pause, double sd_s, int way, std::size_t& top) {
     std::size_t first = at, last = at;
     while (first > 0 && time_s[at] - time_s[first - 1] <= kSearch_s) --first;
     while (last + 1 < z.size() && time_s[last + 1] - time_s[at] <= kSearch_s) ++last;
     top = greatest_at(z, first, last + 1);
+    if (!is_pause && sd_s > 0) {
+      // The middle between the passages on both sides.
+      top = at;
+      double top_m = z[at];
+      for (std::size_t k = at; k > 0 && time_s[at] - time_s[k] < kInstant_s / 2; --k) {
+        top_m = std::max(top_m, z[k]);
+      }
+      const double level_m = top_m - closed_depth_m(top_m - z[cycle.turn - offset], noise_sd_m);
+      return (passage_s(time_s, z, at, 1, level_m) + passage_s(time_s, z, at, -1, level_m)) / 2;
+    }
     if (!is_pause) return top_s(time_s, z, top);
     // The height while closed: mean of the half second on the closed side, as far as it is there.
     double sum = 0, count = 0;
@@ -201,8 +231,9 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
     return departure_s(time_s, z, at, way, top_m, closed_depth_m(height_m, noise_sd_m));
   };
   std::size_t begin = 0, end = 0;
-  const double begin_s = closed(cycle.begin - offset, cycle.begins_after_pause, 1, begin);
-  const double end_s = closed(cycle.end - offset, cycle.ends_with_pause, -1, end);
+  const double begin_s =
+      closed(cycle.begin - offset, cycle.begins_after_pause, cycle.begin_sd_s, 1, begin);
+  const double end_s = closed(cycle.end - offset, cycle.ends_with_pause, cycle.end_sd_s, -1, end);
   begin = std::min(begin, cycle.turn - offset - 1);
   end = std::max(end, cycle.turn - offset + 1);
   std::vector<double> depths, speeds;

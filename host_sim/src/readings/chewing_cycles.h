@@ -3,7 +3,9 @@
 //
 //   z    height of the incisor (m), smoothed; the jaw closes upward
 //   d    rise and fall that make a cycle: 2 mm, and 0.3 of the 90th percentile of the heights
-//   closed instant   the top of z. Where the jaw stays closed for 0.2 s or more, a cycle ends with
+//   closed instant   the top of z, or the middle of the time near the top if that is long. Where
+//   the
+//                    jaw stays closed for 0.5 s or more, a cycle ends with
 //                    the arrival and the next one begins with the departure: the zero of a cubic
 //                    law through the passages of two depths below the top
 // A cycle is not taken, but listed, if it lasts less than 0.25 s or more than 3 s, or has a gap of
@@ -23,6 +25,9 @@ struct ChewingCycle {
   std::size_t begin = 0, turn = 0, end = 0;  ///< closed, most open, closed
   bool begins_after_pause = false, ends_with_pause = false;
   double begin_s = 0, turn_s = 0, end_s = 0;
+  /// Of a closed time that is too long for an instant: uncertainty of its middle (s); 0: an
+  /// instant.
+  double begin_sd_s = 0, end_sd_s = 0;
   std::string rejected;  ///< why it is not taken; empty: taken
 };
 

@@ -27,6 +27,12 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
+double high_quantile_of(std::vector<double> values) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 9 / 10);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
 struct ThreePoints {
   double time_s;
   Matrix3d points_m;
@@ -55,6 +61,7 @@ void fit_body(const std::vector<ThreePoints>& samples, const std::string& name, 
     residuals_m.push_back(fits.back().residual_rms_m);
   }
   const double tolerance_m = std::max(8 * median_of(residuals_m), kSmallestTolerance_m);
+  track.residual_m = high_quantile_of(residuals_m);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (fits[i].status != PoseStatus::ok || fits[i].residual_rms_m > tolerance_m) {
       ++track.counts.not_rigid;

@@ -34,9 +34,10 @@ struct PoseCounts {
 struct PoseTrack {
   RecordingInfo info;
   PoseCounts counts;
-  bool has_rotation = false;            ///< three points or poses, not one point
-  Eigen::Matrix3d body_m;               ///< the three points relative to their middle, one a column
-  std::vector<double> time_s;           ///< on the recording's clock
+  bool has_rotation = false;   ///< three points or poses, not one point
+  Eigen::Matrix3d body_m;      ///< the three points relative to their middle, one a column
+  double residual_m = 0;       ///< of the fit of the body, not exceeded in 90 % of the samples
+  std::vector<double> time_s;  ///< on the recording's clock
   std::vector<Eigen::Isometry3d> pose;  ///< orientation, and place of the points' middle (m)
   std::vector<std::string> events;      ///< bursts, as text
 };

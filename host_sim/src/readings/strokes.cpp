@@ -49,7 +49,7 @@ SampleRun inner_part(const std::vector<double>& time_s, SampleRun run) {
 
 }  // namespace
 
-std::optional<SampleRun> find_rest(const PoseTrack& track, const Eigen::Vector3d& up) {
+std::vector<SampleRun> find_rests(const PoseTrack& track) {
   const auto& time_s = track.time_s;
   const std::size_t count = time_s.size();
   // Still: the mean place before and the mean place after differ little.
@@ -70,17 +70,26 @@ std::optional<SampleRun> find_rest(const PoseTrack& track, const Eigen::Vector3d
     const double apart_s = (time_s[after - 1] - time_s[before]) / 2;
     still[k] = (later - earlier).norm() < kRestSpeed_m_s * apart_s + 1e-5;
   }
-  std::vector<Rest> rests;
+  std::vector<SampleRun> rests;
   for (std::size_t begin = 0; begin < count;) {
     std::size_t end = begin;
     while (end < count && still[end]) ++end;
     if (end > begin && time_s[end - 1] - time_s[begin] >= kLeastRest_s) {
-      const Eigen::Vector3d mean = (sums[end] - sums[begin]) / static_cast<double>(end - begin);
-      rests.push_back({{begin, end}, mean.dot(up)});
+      rests.push_back(inner_part(time_s, {begin, end}));
     }
     begin = end + 1;
   }
-  for (Rest& rest : rests) rest.run = inner_part(time_s, rest.run);
+  return rests;
+}
+
+std::optional<SampleRun> find_rest(const PoseTrack& track, const Eigen::Vector3d& up) {
+  const auto& time_s = track.time_s;
+  std::vector<Rest> rests;
+  for (const SampleRun& run : find_rests(track)) {
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (std::size_t k = run.begin; k < run.end; ++k) mean += track.pose[k].translation();
+    rests.push_back({run, mean.dot(up) / static_cast<double>(run.end - run.begin)});
+  }
   if (rests.empty()) return std::nullopt;
   if (up.isZero(0)) return rests[0].run;
   double highest_m = rests[0].height_m;

@@ -12,6 +12,10 @@
 
 namespace condyle::host {
 
+/// The intervals of at least 0.3 s in which the middle of the points moves slower than 2 mm/s,
+/// without their beginnings and ends.
+std::vector<SampleRun> find_rests(const PoseTrack& track);
+
 /// The longest interval of at least 0.3 s in which the middle of the points moves slower than
 /// 2 mm/s, as samples; of those within 0.5 mm of the most closed such interval. `up`: direction of
 /// closing in the instrument's frame; if it is not known, zero, and the first such interval counts.

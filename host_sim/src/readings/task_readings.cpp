@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "readings/stroke_checks.h"
 #include "readings/stroke_readings.h"
 #include "readings/strokes.h"
 
@@ -23,6 +24,21 @@ constexpr double kMargin_s = 0.15, kLongestGap_s = 0.15, kNewSequence_s = 2;
 constexpr double kPauseBoundary_s = 8e-3;
 constexpr std::size_t kLeastChewingCycles = 4;
 constexpr double kLeastShare = 0.5;
+
+bool is_condylar(std::string_view name) {
+  for (const std::string_view word : {"condylar", "bennett", "side_shift", "working", "fischer"}) {
+    if (name.find(word) != std::string_view::npos) return true;
+  }
+  return false;
+}
+
+// What a smoothing instrument makes smaller.
+bool is_fast(std::string_view name) {
+  for (const std::string_view word : {"speed", "sparc", "ldlj", "cycle_height", "cycle_width"}) {
+    if (name.find(word) != std::string_view::npos) return true;
+  }
+  return false;
+}
 
 class TaskReader {
  public:
@@ -98,21 +114,17 @@ class TaskReader {
     reading.side = side;
     reading.stroke = stroke;
     if (reading.provenance == ReadingProvenance::measured) {
-      std::string assumption;
-      if (definition.name.find("condylar") == 0 || definition.name.find("bennett") == 0 ||
-          definition.name.find("side_shift") == 0) {
-        assumption = context_.condyle_assumption;
-      }
+      const auto assume = [&reading](const std::string& assumption) {
+        if (assumption.empty()) return;
+        reading.reason += (reading.reason.empty() ? "" : "; ") + assumption;
+        reading.provenance = ReadingProvenance::derived;
+      };
+      if (is_condylar(definition.name)) assume(context_.condyle_assumption);
+      assume(context_.reference_assumption);
+      if (is_fast(definition.name)) assume(context_.smoothing_assumption);
       if (is_found) {
-        assumption +=
-            fmt::format("{}the task was found, not stated", assumption.empty() ? "" : "; ");
-      }
-      if (!assumption.empty()) {
-        reading.reason = assumption;
-        if (!context_.condyle_assumption.empty() &&
-            assumption.find(context_.condyle_assumption) == 0) {
-          reading.provenance = ReadingProvenance::derived;
-        }
+        reading.reason +=
+            fmt::format("{}the task was found, not stated", reading.reason.empty() ? "" : "; ");
       }
     }
     analysis_.readings.push_back(std::move(reading));
@@ -166,6 +178,11 @@ class TaskReader {
     std::string problem;
     if (stroke.end < stroke.begin + 5) problem = "it has fewer than five usable samples";
     if (gap_s > kLongestGap_s) problem = fmt::format("a gap of {:.2f} s", gap_s);
+    const bool is_stroke = kind == TaskKind::opening || kind == TaskKind::protrusion ||
+                           kind == TaskKind::left || kind == TaskKind::right;
+    if (is_stroke && problem.empty()) {
+      problem = problem_of_stroke(kind, context_.has_landmarks, analysis_.path, stroke);
+    }
     if (!context_.unusable.empty()) problem = context_.unusable;
     if (!problem.empty() && kind != TaskKind::whole) {
       for (UncertainValue& value : none) value.missing = problem;
@@ -177,6 +194,14 @@ class TaskReader {
         [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
           read_stroke(kind, context_.has_landmarks, path, into, why);
         });
+    const std::string onset =
+        is_stroke && context_.has_landmarks ? problem_of_onset(analysis_.path, stroke) : "";
+    const auto names = readings_of_stroke(kind, context_.has_landmarks);
+    for (std::size_t i = 0; i < names.size() && !onset.empty(); ++i) {
+      if (!is_condylar(names[i].name)) continue;
+      values[i].value = JawReading::kNone;
+      values[i].missing = onset;
+    }
     return values;
   }
 
@@ -300,8 +325,8 @@ class TaskReader {
           read_cycle(cycle, begin, sd_m, context_.has_landmarks, path, into, why);
         });
     // Duration, opening time, closing time.
-    const double at_begin_s = cycle.begins_after_pause ? kPauseBoundary_s : 0;
-    const double at_end_s = cycle.ends_with_pause ? kPauseBoundary_s : 0;
+    const double at_begin_s = cycle.begins_after_pause ? kPauseBoundary_s : cycle.begin_sd_s;
+    const double at_end_s = cycle.ends_with_pause ? kPauseBoundary_s : cycle.end_sd_s;
     const double added_s[] = {std::hypot(at_begin_s, at_end_s), at_begin_s, at_end_s};
     for (std::size_t i = 0; i < 3; ++i) {
       values[i].noise_sd = std::hypot(values[i].noise_sd, added_s[i]);

@@ -16,9 +16,11 @@ struct TaskContext {
   const PoseNoise* noise = nullptr;
   SharedErrors errors;
   bool has_landmarks = false;
-  std::string condyle_assumption;  ///< of condylar readings; empty: the points are measured
-  std::string rotation_problem;    ///< why readings that need rotation are withheld; empty: none
-  std::string unusable;            ///< why all readings are withheld; empty: none
+  std::string condyle_assumption;    ///< of condylar readings; empty: the points are measured
+  std::string reference_assumption;  ///< on the reference position; empty: it is known
+  std::string smoothing_assumption;  ///< on fast movements; empty: the instrument does not smooth
+  std::string rotation_problem;      ///< why readings that need rotation are withheld; empty: none
+  std::string unusable;              ///< why all readings are withheld; empty: none
 };
 
 /// The tasks that the path shows: chewing where cycles follow one another, single strokes by their
