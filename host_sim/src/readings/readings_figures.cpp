@@ -12,7 +12,7 @@ namespace condyle::host {
 namespace {
 
 constexpr const char* kColours[kTaskKinds + 1] = {"#1f5fa8", "#c8641e", "#2e8b57", "#8a4fa3",
-                                                  "#707070", "#b03060", "#a0a0a0", "#1f5fa8"};
+                                                  "#505050", "#b03060", "#c0a000", "#1f5fa8"};
 constexpr std::size_t kMostPoints = 20'000;
 
 // Blocks of data, one for each task: incisor x y z, left condyle x y z, right condyle x y z (mm).
@@ -43,16 +43,15 @@ std::string data_of(const Analysis& analysis, std::vector<TaskKind>& kinds) {
 
 struct Plane {
   const char *title, *x_label, *y_label;
-  int x, y;  // columns
-  bool is_mirrored;
+  int x, y;          // columns
+  bool is_mirrored;  // the x axis grows to the left
 };
 
 std::string panel(const Plane& plane, const std::vector<TaskKind>& kinds, bool has_key) {
   std::string text = fmt::format(
-      "set title '{}' font ',11'\nset xlabel '{}'\nset ylabel '{}'\n{}\nset xrange [*:*] {}\nplot ",
-      plane.title, plane.x_label, plane.y_label,
-      has_key ? "set key outside right top" : "unset key",
-      plane.is_mirrored ? "reverse" : "noreverse");
+      "set title '{}' font ',11'\nset xlabel '{}'\nset ylabel '{}'\nset xrange [*:*] {}\n{}\nplot ",
+      plane.title, plane.x_label, plane.y_label, plane.is_mirrored ? "reverse" : "noreverse",
+      has_key ? "set key outside right top" : "unset key");
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     const char* const name = name_of(kinds[i]);
     text +=
@@ -85,11 +84,11 @@ std::vector<std::unique_ptr<OutputFile>> draw_readings(const std::string& direct
   const std::string what = named ? "Lower incisor" : "Point 1, instrument's axes";
   std::string plot = layout(fmt::format("{}: {}", what, recording_name(analysis.recording)), 3);
   const Plane planes[] = {
-      {named ? "sagittal" : "x, z", named ? "anterior (mm)" : "x (mm)",
+      {named ? "sagittal, seen from the right" : "x, z", named ? "anterior (mm)" : "x (mm)",
        named ? "up (mm)" : "z (mm)", 1, 3, false},
       {named ? "frontal, seen from the front" : "y, z", named ? "left (mm)" : "y (mm)",
        named ? "up (mm)" : "z (mm)", 2, 3, false},
-      {named ? "horizontal" : "x, y", named ? "left (mm)" : "y (mm)",
+      {named ? "horizontal, seen from below" : "x, y", named ? "left (mm)" : "y (mm)",
        named ? "anterior (mm)" : "x (mm)", 2, 1, false}};
   for (const Plane& plane : planes) plot += panel(plane, kinds, &plane == &planes[2]);
   plot += "unset multiplot\n";
@@ -98,8 +97,8 @@ std::vector<std::unique_ptr<OutputFile>> draw_readings(const std::string& direct
     plot = layout(fmt::format("Condyles, sagittal: {}", recording_name(analysis.recording)), 2);
     plot += panel({"right, anterior to the right", "anterior (mm)", "up (mm)", 7, 9, false}, kinds,
                   false);
-    plot += panel({"left, mirrored: anterior to the left", "anterior (mm)", "up (mm)", 4, 6, true},
-                  kinds, true);
+    plot +=
+        panel({"left, anterior to the left", "anterior (mm)", "up (mm)", 4, 6, true}, kinds, true);
     plot += "unset multiplot\n";
     gnuplot.draw(prefix + "condyles", plot, 1200, 560);
   }
