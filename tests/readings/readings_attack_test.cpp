@@ -72,7 +72,8 @@ TEST_F(AttackedReadings, SpikesAloneAndInPairs) {
         }
       }
       const auto wrong = clearly_wrong(analyse_samples());
-      EXPECT_TRUE(wrong.empty()) << "gap " << gap << ", length " << length << ": " << wrong[0];
+      EXPECT_TRUE(wrong.empty()) << "gap " << gap << ", length " << length << ": "
+                                 << testing::PrintToString(wrong);
     }
   }
 }

@@ -3,6 +3,7 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace condyle::host {
@@ -22,13 +23,19 @@ double bend(const std::vector<double>& time_s, const std::vector<Vector6>& path,
 }
 
 // The samples of `begin` to `end` (without) that lie far from the cubic through the samples on both
-// sides; none unless the first and the last do.
-std::vector<std::size_t> far_samples(const std::vector<double>& time_s,
-                                     const std::vector<Vector6>& path, std::size_t begin,
-                                     std::size_t end) {
+// sides, and its misfit there; none unless the first and the last do. `before`: the last good
+// samples before `begin`, the latest last.
+struct Departure {
+  std::vector<std::size_t> far;
+  double misfit_m = 0;
+};
+
+Departure departure_of(const std::vector<double>& time_s, const std::vector<Vector6>& path,
+                       const std::array<std::size_t, kSide>& before, std::size_t begin,
+                       std::size_t end) {
   constexpr int rows = 2 * kSide;
   const double middle_s = (time_s[begin] + time_s[end - 1]) / 2;
-  const double scale_s = (time_s[end + kSide - 1] - time_s[begin - kSide]) / 2;
+  const double scale_s = (time_s[end + kSide - 1] - time_s[before[0]]) / 2;
   const auto powers = [&](std::size_t k) {
     const double x = (time_s[k] - middle_s) / scale_s;
     return Eigen::RowVector4d(1, x, x * x, x * x * x);
@@ -36,20 +43,21 @@ std::vector<std::size_t> far_samples(const std::vector<double>& time_s,
   Eigen::Matrix<double, rows, 4> A;
   Eigen::Matrix<double, rows, 6> y;
   for (std::size_t i = 0; i < kSide; ++i) {
-    for (const auto& [row, k] : {std::pair(i, begin - kSide + i), std::pair(kSide + i, end + i)}) {
+    for (const auto& [row, k] : {std::pair(i, before[i]), std::pair(kSide + i, end + i)}) {
       A.row(static_cast<int>(row)) = powers(k);
       y.row(static_cast<int>(row)) = path[k].transpose();
     }
   }
   const Eigen::Matrix<double, 4, 6> cubic = A.householderQr().solve(y);
-  const double misfit_m = std::sqrt((A * cubic - y).squaredNorm() / (rows - 4));
-  const double limit_m = std::max(kMisfitRatio * misfit_m, kLeastDeparture_m);
-  std::vector<std::size_t> far;
+  Departure departure;
+  departure.misfit_m = std::sqrt((A * cubic - y).squaredNorm() / (rows - 4));
+  const double limit_m = std::max(kMisfitRatio * departure.misfit_m, kLeastDeparture_m);
+  std::vector<std::size_t>& far = departure.far;
   for (std::size_t k = begin; k < end; ++k) {
     if ((powers(k) * cubic - path[k].transpose()).norm() >= limit_m) far.push_back(k);
   }
   if (far.empty() || far.front() != begin || far.back() + 1 != end) far.clear();
-  return far;
+  return departure;
 }
 
 }  // namespace
@@ -60,6 +68,7 @@ std::vector<SampleRun> find_bursts(const std::vector<double>& time_s,
   if (path.size() < 2 * kSide + 1) return runs;
   std::vector<double> bends(path.size(), 0);
   for (std::size_t k = 1; k + 1 < path.size(); ++k) bends[k] = bend(time_s, path, k);
+  std::vector<bool> is_bad(path.size(), false);
   std::vector<double> near;
   for (std::size_t begin = kSide; begin + kSide < path.size(); ++begin) {
     const double jump_m = bends[begin - 1];
@@ -71,20 +80,33 @@ std::vector<SampleRun> find_bursts(const std::vector<double>& time_s,
     std::nth_element(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2),
                      near.end());
     if (jump_m < kJumpRatio * near[near.size() / 2]) continue;
+    std::array<std::size_t, kSide> before{};
+    std::size_t found = 0;
+    for (std::size_t k = begin; k > 0 && found < kSide; --k) {
+      if (!is_bad[k - 1]) before[kSide - ++found] = k - 1;
+    }
+    if (found < kSide) continue;
+    // Of all possible ends the first, unless the sides of another fit far better: a second spike
+    // may stand among them.
+    Departure best;
     for (std::size_t end = begin + 1; end + kSide <= path.size(); ++end) {
       if (time_s[end - 1] - time_s[begin] > kLongestBurst_s) break;
-      const std::vector<std::size_t> far = far_samples(time_s, path, begin, end);
-      if (far.empty()) continue;
-      for (const std::size_t k : far) {
-        if (!runs.empty() && runs.back().end == k) {
-          ++runs.back().end;
-        } else {
-          runs.push_back({k, k + 1});
-        }
+      const Departure departure = departure_of(time_s, path, before, begin, end);
+      if (departure.far.empty()) continue;
+      if (best.far.empty() || departure.misfit_m < 0.2 * best.misfit_m) {
+        best = departure;
       }
-      begin = end + kSide - 1;
-      break;
     }
+    if (best.far.empty()) continue;
+    for (const std::size_t k : best.far) {
+      is_bad[k] = true;
+      if (!runs.empty() && runs.back().end == k) {
+        ++runs.back().end;
+      } else {
+        runs.push_back({k, k + 1});
+      }
+    }
+    begin = best.far.back() + 1;  // the way back is a jump too
   }
   return runs;
 }
