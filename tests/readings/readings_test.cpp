@@ -224,6 +224,9 @@ struct Cell {
   const char* name;
   double rate_Hz, noise_m, noise_rad;
 };
+void PrintTo(const Cell& cell, std::ostream* out) {
+  *out << cell.name;
+}
 
 class ReadingCoverage : public testing::TestWithParam<Cell> {};
 

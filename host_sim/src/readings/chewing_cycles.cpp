@@ -94,6 +94,34 @@ double top_s(const std::vector<double>& time_s, const std::vector<double>& z, st
   return time_s[at] + std::clamp(-slope / (2 * curve), a, b);
 }
 
+// Rates of the heights (m/s).
+std::vector<double> height_rates_of(const JawPath& path, bool has_landmarks) {
+  std::vector<double> rates;
+  for (std::size_t k = 0; k < path.time_s.size(); ++k) {
+    const Eigen::Vector3d& point = path.incisor_m[k];
+    rates.push_back(has_landmarks || point.isZero(0)
+                        ? path.incisor_m_s[k].z()
+                        : -path.incisor_m_s[k].dot(point) / point.norm());
+  }
+  return rates;
+}
+
+// When the rate passes from negative to positive nearest to sample `at`.
+double standstill_s(const std::vector<double>& time_s, const std::vector<double>& rates,
+                    std::size_t at) {
+  double nearest_s = time_s[at];
+  double least_s = kSearch_s;
+  for (std::size_t k = 1; k < rates.size(); ++k) {
+    if (!(rates[k - 1] <= 0 && rates[k] > 0)) continue;
+    const double share = rates[k - 1] / (rates[k - 1] - rates[k]);
+    const double zero_s = time_s[k - 1] + share * (time_s[k] - time_s[k - 1]);
+    if (std::abs(zero_s - time_s[at]) >= least_s) continue;
+    least_s = std::abs(zero_s - time_s[at]);
+    nearest_s = zero_s;
+  }
+  return nearest_s;
+}
+
 }  // namespace
 
 std::vector<double> heights_of(const JawPath& path, bool has_landmarks) {
@@ -243,7 +271,7 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
   }
   const Greatest deepest = greatest_of(time_s, depths, begin, end + 1, kTopReach_s);
   const std::size_t turn = deepest.at;
-  const double turn_s = deepest.time_s;
+  const double turn_s = standstill_s(time_s, height_rates_of(path, has_landmarks), turn);
   values = {end_s - begin_s, turn_s - begin_s, end_s - turn_s};
   double smoothness[2][2];
   for (int back = 0; back < 2; ++back) {

@@ -84,9 +84,10 @@ JawReading judged(const ReadingDefinition& definition, const UncertainValue& val
   if (!std::isfinite(value.value) || !std::isfinite(half)) {
     reading.reason = value.missing.empty() ? "it could not be computed" : value.missing;
   } else if (half > definition.largest_half_interval) {
-    reading.reason =
-        fmt::format("the interval would be +-{:.2g} {}, the limit is +-{:g} {}", half,
-                    definition.unit, definition.largest_half_interval, definition.unit);
+    const std::string unit =
+        definition.unit == "1" ? std::string() : fmt::format(" {}", definition.unit);
+    reading.reason = fmt::format("the interval would be +-{:.2g}{}, the limit is +-{:g}{}", half,
+                                 unit, definition.largest_half_interval, unit);
   } else {
     reading.value = value.value;
     reading.low = value.value - half;
