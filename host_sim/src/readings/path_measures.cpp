@@ -34,7 +34,7 @@ Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double
   const std::size_t at = begin + greatest_at(means, 0, means.size());
   Greatest greatest{at, time_s[at], values[at]};
   if (at == begin || at + 1 >= end) return greatest;
-  // values[at] + slope x + curve x^2 through three samples; likewise the means.
+  // A parabola through three samples, values[at] + slope x + curve x^2; another through the means.
   const double a = time_s[at - 1] - time_s[at], b = time_s[at + 1] - time_s[at];
   const auto parabola = [&](double before, double here, double after) {
     const double p = before - here, q = after - here;

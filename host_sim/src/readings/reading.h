@@ -71,7 +71,7 @@ struct UncertainValue {
   double noise_sd = 0;        ///< of the instrument's noise during the stroke
   double smoothing = 0;       ///< what smoothing changed and was corrected
   std::vector<double> fixed;  ///< change per standard deviation of each error that strokes share
-  std::string missing;        ///< why there is no value
+  std::string missing;        ///< the reason if the value is NaN
 
   /// Half the 95 % interval.
   double half_interval() const;

@@ -17,13 +17,11 @@ namespace {
 constexpr int kStrokePairs = 40, kCyclePairs = 12;
 constexpr double kCalmStroke_s = 0.16, kCalmCycle_s = 0.06;
 constexpr double kMildStroke_s = 0.2, kMildCycle_s = 0.1;
-constexpr double kLeastStroke_m = 1.5e-3, kLeastFoundStroke_m = 3e-3;
+constexpr double kLeastStroke_m = 1.5e-3;
 constexpr double kMargin_s = 0.15, kLongestGap_s = 0.15, kNewSequence_s = 2;
 // Standard deviation of the instant at which the jaw leaves or reaches a pause: it begins and ends
 // so slowly that its form, which is not known, decides.
 constexpr double kPauseBoundary_s = 8e-3;
-constexpr std::size_t kLeastChewingCycles = 4;
-constexpr double kLeastShare = 0.5;
 
 bool is_condylar(std::string_view name) {
   for (const std::string_view word : {"condylar", "bennett", "side_shift", "working", "fischer"}) {
@@ -341,58 +339,6 @@ class TaskReader {
 };
 
 }  // namespace
-
-std::vector<Task> found_tasks(const JawPath& path, const TaskContext& context) {
-  std::vector<Task> tasks;
-  if (!context.has_landmarks) return tasks;
-  const auto& time_s = path.time_s;
-  // Chewing: at least four cycles of at most 1.6 s in a row.
-  const auto cycles = find_cycles(time_s, heights_of(path, true), 0);
-  const auto is_chewing = [](const ChewingCycle& cycle) {
-    return cycle.rejected.empty() && cycle.end_s - cycle.begin_s <= 1.6;
-  };
-  std::vector<bool> chewed(time_s.size(), false);
-  for (std::size_t i = 0; i < cycles.size();) {
-    std::size_t j = i;
-    while (j < cycles.size() && is_chewing(cycles[j]) &&
-           (j == i || cycles[j].begin_s - cycles[j - 1].end_s <= kNewSequence_s)) {
-      ++j;
-    }
-    if (j - i >= kLeastChewingCycles) {
-      tasks.push_back({TaskKind::chewing, cycles[i].begin_s, cycles[j - 1].end_s, true});
-      std::fill(chewed.begin() + static_cast<std::ptrdiff_t>(cycles[i].begin),
-                chewed.begin() + static_cast<std::ptrdiff_t>(cycles[j - 1].end + 1), true);
-    }
-    i = std::max(j, i + 1);
-  }
-  std::vector<double> distance_m;
-  for (const auto& point : path.incisor_m) distance_m.push_back(point.norm());
-  std::vector<std::pair<Task, double>> strokes;
-  for (std::size_t begin = 0; begin < time_s.size();) {
-    std::size_t end = begin;
-    while (end < time_s.size() && !chewed[end]) ++end;
-    // Strokes of different kinds differ in size: one after the other, each by the least height.
-    for (const SampleRun& run : find_strokes_alone(distance_m, begin, end, kLeastFoundStroke_m)) {
-      const auto top = std::max_element(distance_m.begin() + static_cast<std::ptrdiff_t>(run.begin),
-                                        distance_m.begin() + static_cast<std::ptrdiff_t>(run.end));
-      const auto kind =
-          kind_of_stroke(path.incisor_m[static_cast<std::size_t>(top - distance_m.begin())]);
-      if (kind) strokes.push_back({{*kind, time_s[run.begin], time_s[run.end - 1], true}, *top});
-    }
-    begin = end + 1;
-  }
-  // What is far smaller than the others of its kind is another movement: a swallow, a word.
-  std::map<TaskKind, double> greatest_m;
-  for (const auto& [task, height_m] : strokes) {
-    greatest_m[task.kind] = std::max(greatest_m[task.kind], height_m);
-  }
-  for (const auto& [task, height_m] : strokes) {
-    if (height_m >= kLeastShare * greatest_m[task.kind]) tasks.push_back(task);
-  }
-  std::sort(tasks.begin(), tasks.end(),
-            [](const Task& a, const Task& b) { return a.begin_s < b.begin_s; });
-  return tasks;
-}
 
 void read_tasks_of(Analysis& analysis, const TaskContext& context) {
   TaskReader reader(analysis, context);
