@@ -5,20 +5,14 @@
 //   kind           point of the instrument      point fixed to the jaw
 //   one_axis       unavailable                  unavailable
 //   one_point      point 1                      unavailable
-//   three_points   points 1 to 3, as they are   fit of the body, b in the jaw frame
+//   three_points   points 1 to 3, as they are   b in the jaw frame (pose_follower.h)
 //   pose           point 1: its position        b in the pose's own frame
-//
-// The body's shape is given, or learned from the first samples that agree on it (body_shape.h),
-// which are withheld until then as `unsettled`. After that the shape is fixed: samples that do not
-// fit it are `not_rigid`, for the rest of the run if necessary.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 
-#include "condyle/estimator/pose/body_shape.h"
-#include "condyle/estimator/pose/rigid_body.h"
-#include "condyle/estimator/sample.h"
+#include "condyle/estimator/pose/pose_follower.h"
 
 namespace condyle {
 
@@ -48,12 +42,6 @@ constexpr bool is_available(SampleKind kind, const FollowedPoint& followed) {
   return is_available(kind, FollowedCoordinate{followed.point, Axis::x});
 }
 
-/// Points 1, 2, 3 of a sample of kind three_points, one a column (m).
-template <class Scalar>
-Matrix3<Scalar> points_of(const Sample& sample) {
-  return Eigen::Map<const Eigen::Matrix3d>(sample.coordinates).template cast<Scalar>();
-}
-
 /// Place of the followed point.
 struct FollowedPosition {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< instrument's frame; valid if ok
@@ -72,20 +60,23 @@ class PointFollower {
   /// however noisy the points are.
   explicit PointFollower(const FollowedPoint& followed,
                          Scalar largest_tolerance_m = Scalar(kRigidTolerance_m))
-      : followed_(followed), shape_(largest_tolerance_m) {}
+      : followed_(followed), pose_(largest_tolerance_m) {}
 
   /// Follows a point of the known `body`. `tolerance_m`: residual beyond which a sample is
   /// not_rigid.
   PointFollower(const FollowedPoint& followed, const RigidBody<Scalar>& body,
                 Scalar tolerance_m = Scalar(kRigidTolerance_m))
-      : followed_(followed), shape_(tolerance_m), tolerance_m_(tolerance_m), body_(body) {}
+      : followed_(followed), pose_(body, tolerance_m) {}
 
   /// The followed point in `sample`, or why there is none; see PoseStatus.
   FollowedPosition follow(const Sample& sample) {
     if (!is_available(sample.kind, followed_)) return {.status = PoseStatus::unavailable};
     if (!sample.position_valid) return {.status = PoseStatus::missing};
     if (!followed_.body_point_m) return instrument_point(sample);
-    const PoseFit<Scalar> fit = pose_of(sample);
+    const PoseFit<Scalar> fit = pose_.follow(sample);
+    if (followed_.fits != nullptr && sample.kind == SampleKind::three_points) {
+      count(fit, *followed_.fits);
+    }
     if (fit.status != PoseStatus::ok) {
       return {.residual_rms_m = fit.residual_rms_m, .status = fit.status};
     }
@@ -100,7 +91,7 @@ class PointFollower {
   }
 
   /// The body of the three points; none until its shape is settled.
-  const std::optional<RigidBody<Scalar>>& body() const { return body_; }
+  const std::optional<RigidBody<Scalar>>& body() const { return pose_.body(); }
 
  private:
   FollowedPosition instrument_point(const Sample& sample) const {
@@ -112,29 +103,6 @@ class PointFollower {
     return result;
   }
 
-  PoseFit<Scalar> pose_of(const Sample& sample) {
-    if (sample.kind == SampleKind::pose) {
-      const Eigen::Map<const Eigen::Matrix<double, 7, 1>> values(sample.coordinates);
-      return pose_from_quaternion<Scalar>(values.template head<3>().template cast<Scalar>(),
-                                          values.template tail<4>().template cast<Scalar>());
-    }
-    const PoseFit<Scalar> fit = pose_of_points(points_of<Scalar>(sample));
-    if (followed_.fits != nullptr) count(fit, *followed_.fits);
-    return fit;
-  }
-
-  PoseFit<Scalar> pose_of_points(const Matrix3<Scalar>& points_m) {
-    if (body_) return body_->fit(points_m, tolerance_m_);
-    const PoseStatus status = RigidBody<Scalar>(points_m).status();
-    if (status != PoseStatus::ok) return {.status = status};
-    shape_.add(points_m);
-    if (!shape_.has_seen_enough()) return {.status = PoseStatus::unsettled};
-    if (!shape_.is_settled()) return {.status = PoseStatus::not_rigid};
-    body_ = shape_.body();
-    tolerance_m_ = shape_.tolerance_m();
-    return body_->fit(points_m, tolerance_m_);
-  }
-
   void count(const PoseFit<Scalar>& fit, BodyFits& fits) const {
     fits.fitted += fit.status == PoseStatus::ok ? 1U : 0U;
     fits.unsettled += fit.status == PoseStatus::unsettled ? 1U : 0U;
@@ -143,13 +111,11 @@ class PointFollower {
     if (fit.status != PoseStatus::ok) return;
     const double residual_rms_m = fit.residual_rms_m;
     fits.residual_square_sum_m2 += residual_rms_m * residual_rms_m;
-    fits.tolerance_m = tolerance_m_;
+    fits.tolerance_m = pose_.tolerance_m();
   }
 
   FollowedPoint followed_;
-  BodyShape<Scalar> shape_;
-  Scalar tolerance_m_ = 0;
-  std::optional<RigidBody<Scalar>> body_;
+  PoseFollower<Scalar> pose_;
 };
 
 }  // namespace condyle

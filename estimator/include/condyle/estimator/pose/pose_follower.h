@@ -18,6 +18,12 @@
 
 namespace condyle {
 
+/// Points 1, 2, 3 of a sample of kind three_points, one a column (m).
+template <class Scalar>
+Matrix3<Scalar> points_of(const Sample& sample) {
+  return Eigen::Map<const Eigen::Matrix3d>(sample.coordinates).template cast<Scalar>();
+}
+
 /// Computes the pose from samples. Its only state is the body's shape.
 template <class Scalar>
 class PoseFollower {
@@ -44,11 +50,11 @@ class PoseFollower {
       return none;
     }
     if (sample.kind == SampleKind::three_points) {
-      return of_points(Eigen::Map<const Eigen::Matrix3d>(sample.coordinates).cast<Scalar>());
+      return of_points(points_of<Scalar>(sample));
     }
     const Eigen::Map<const Eigen::Matrix<double, 7, 1>> values(sample.coordinates);
-    return pose_from_quaternion<Scalar>(values.head<3>().cast<Scalar>(),
-                                        values.tail<4>().cast<Scalar>());
+    return pose_from_quaternion<Scalar>(values.template head<3>().template cast<Scalar>(),
+                                        values.template tail<4>().template cast<Scalar>());
   }
 
   /// The body of the three points; none until its shape is settled.

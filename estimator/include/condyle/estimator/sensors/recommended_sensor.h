@@ -2,7 +2,7 @@
 // The recommended estimator as a virtual sensor: fed with a facebow's samples.
 #pragma once
 
-#include "condyle/estimator/motion/frozen_detector.h"
+#include "condyle/estimator/motion/freeze_guard.h"
 #include "condyle/estimator/motion/recommended_estimator.h"
 #include "condyle/estimator/pose/point_follower.h"
 #include "condyle/estimator/sample.h"
@@ -33,27 +33,6 @@ class RecommendedSensor {
 
  private:
   using Measurement = typename Estimator::Measurement;
-
-  // A position repeated too often is not a measurement. Neither were the repeats used before this
-  // was noticed: their effect is undone.
-  void look_for_freeze(const Sample& sample, Measurement& measurement) {
-    const bool is_frozen = frozen_.add(sample);
-    measurement.is_repeat = frozen_.repeats() > 0;
-    if (frozen_.repeats() == 0) {
-      run_samples_ = 0;
-      return;
-    }
-    if (is_frozen && run_samples_ > 0) {
-      estimator_.forget_frozen(run_samples_ - 1);
-      run_samples_ = 0;
-    }
-    if (is_frozen || frozen_.is_doubtful()) {
-      measurement.events.add(is_frozen ? Event::position_frozen : Event::position_repeated);
-      measurement.is_measured = false;
-    } else if (run_samples_ == 0) {
-      run_samples_ = 1;
-    }
-  }
 
   // Finds the followed position in `sample`, or adds the event that explains why there is none.
   void locate(const Sample& sample, Measurement& measurement) {
@@ -98,10 +77,9 @@ class RecommendedSensor {
 
   NoiseParameters noise_;
   PointFollower<double> follower_;
-  FrozenDetector frozen_;
+  FreezeGuard guard_;
   bool has_noise_ = false;
-  Measurement last_;     // before the check for a freeze
-  int run_samples_ = 0;  // since the first used repeat of the present run, that included
+  Measurement last_;  // before the check for a freeze
   Estimator estimator_;
 };
 
@@ -116,7 +94,7 @@ RecommendedSensor<Scalar, kAxes, kMostLag>::RecommendedSensor(
 template <class Scalar, int kAxes, int kMostLag>
 auto RecommendedSensor<Scalar, kAxes, kMostLag>::process(const Sample& sample,
                                                          EventSet sample_events) -> Estimate {
-  if (run_samples_ > 0) ++run_samples_;
+  guard_.count();
   Measurement measurement;
   measurement.time_ns = sample.time_ns;
   measurement.events = sample_events;
@@ -130,7 +108,7 @@ auto RecommendedSensor<Scalar, kAxes, kMostLag>::process(const Sample& sample,
     if (is_last(measurement)) return estimator_.skip(measurement, true);
   }
   last_ = measurement;
-  if (!sample_events.has(Event::time_repeated)) look_for_freeze(sample, measurement);
+  if (!sample_events.has(Event::time_repeated)) guard_.judge(sample, measurement, estimator_);
   return estimator_.step(measurement);
 }
 
