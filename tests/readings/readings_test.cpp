@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "condyle/estimator/pose/rotation_vector.h"
 #include "readings/path_measures.h"
 #include "readings/simulated_readings.h"
 #include "readings/smoothness.h"
@@ -66,7 +67,7 @@ TEST(Smoothness, OfAMinimumJerkStroke) {
 TEST(HelicalAxis, IsThatOfATurnAboutAKnownLine) {
   const Eigen::Vector3d point(0.01, 0.02, -0.03), at(0.1, 0, -0.05);
   const Eigen::Vector3d direction = Eigen::Vector3d(0.1, 1, 0.2).normalized();
-  const Eigen::Matrix3d R = rotation_by(0.3 * direction);
+  const Eigen::Matrix3d R = rotation_of<double>(0.3 * direction);
   const Eigen::Vector3d moved = R * (at - point) + point + 0.002 * direction;
   const HelicalAxis axis = helical_axis(0.3 * direction, at, moved - at);
   EXPECT_NEAR(axis.angle_rad, 0.3, 1e-12);
@@ -96,7 +97,7 @@ TEST(StrokeReadings, EqualTheTruthOnExactPoses) {
       const JawPose pose = jaw->pose_at(time_s);
       Vector6 value;
       value << pose.rotation * geometry.middle_m + pose.translation_m - geometry.middle_m,
-          rotation_vector(pose.rotation);
+          rotation_vector_of<double>(pose.rotation);
       return value;
     };
     for (double time_s = stroke.begin_s - 0.1; time_s < stroke.end_s + 0.1; time_s += 0.0005) {
@@ -159,7 +160,7 @@ TEST(Analysis, DoesNotDependOnTheFrameOfTheInstrument) {
   SampleRecording recording(simulation.samples());
   const Analysis straight = analyse(recording, "straight", landmarks, choice);
   Eigen::Isometry3d change = Eigen::Isometry3d::Identity();
-  change.linear() = rotation_by({0.7, -0.4, 2.1});
+  change.linear() = rotation_of<double>({0.7, -0.4, 2.1});
   change.translation() = Eigen::Vector3d(0.05, 0.35, -0.2);
   std::vector<Sample> samples = simulation.samples();
   for (Sample& sample : samples) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 
+#include "condyle/estimator/pose/rotation_vector.h"
 #include "hosted/files/input_error.h"
 #include "readings/stroke_readings.h"
 #include "readings/strokes.h"
@@ -139,7 +140,7 @@ void describe_path(const ReferredMotion& motion, const ReadingGeometry& geometry
   const std::vector<double> gains = fit.gains();
   const Vector3d lever = geometry.incisor_m - geometry.middle_m;
   for (std::size_t k = 0; k < gains.size(); ++k) {
-    const Vector3d r = rotation_by(smooth.value[k].tail<3>()) * lever;
+    const Vector3d r = rotation_of<double>(smooth.value[k].tail<3>()) * lever;
     Eigen::Matrix<double, 3, 6> J;
     J << Eigen::Matrix3d::Identity(),
         -Eigen::Matrix3d{{0, -r[2], r[1]}, {r[2], 0, -r[0]}, {-r[1], r[0], 0}};

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "condyle/estimator/pose/rotation_vector.h"
+
 namespace condyle::host {
 
 using Eigen::Matrix3d;
@@ -120,7 +122,7 @@ std::optional<Vector3d> hinge_axis_crossing_m(const JawPath& path, std::size_t b
   Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
   for (std::size_t k = begin; k <= end; ++k) {
     Eigen::Matrix<double, 3, 6> row;
-    row << rotation_by(path.rotation_rad[k]), -Matrix3d::Identity();
+    row << rotation_of<double>(path.rotation_rad[k]), -Matrix3d::Identity();
     normal += row.transpose() * row;
     right -= row.transpose() * path.middle_m[k];
   }

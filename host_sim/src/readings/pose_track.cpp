@@ -7,6 +7,7 @@
 
 #include "condyle/estimator/pose/point_follower.h"
 #include "condyle/estimator/pose/rigid_body.h"
+#include "condyle/estimator/pose/rotation_vector.h"
 #include "hosted/files/input_error.h"
 #include "readings/burst_search.h"
 
@@ -80,7 +81,8 @@ void keep_usable(PoseTrack& track) {
   for (const Isometry3d& pose : track.pose) {
     Vector6 place;
     place << pose.translation(),
-        kRotationLength_m * rotation_vector(pose.linear() * track.pose[0].linear().transpose());
+        kRotationLength_m *
+            rotation_vector_of<double>(pose.linear() * track.pose[0].linear().transpose());
     path.push_back(place);
   }
   const std::vector<SampleRun> bursts = find_bursts(track.time_s, path);
@@ -110,20 +112,6 @@ void keep_usable(PoseTrack& track) {
 }
 
 }  // namespace
-
-Vector3d rotation_vector(const Matrix3d& rotation) {
-  const Eigen::Quaterniond q(rotation);
-  const double s = q.vec().norm();
-  if (s < 1e-12) return 2 * (q.w() < 0 ? -1 : 1) * q.vec();
-  const double angle = 2 * std::atan2(s, std::abs(q.w()));
-  return (q.w() < 0 ? -angle : angle) / s * q.vec();
-}
-
-Matrix3d rotation_by(const Vector3d& vector_rad) {
-  const double angle = vector_rad.norm();
-  if (angle == 0) return Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, vector_rad / angle).toRotationMatrix();
-}
 
 PoseTrack read_poses(Recording& recording, const std::string& name) {
   PoseTrack track;
@@ -194,11 +182,11 @@ ReferredMotion motion_from(const PoseTrack& track, std::size_t begin, std::size_
   const Matrix3d first = track.pose[begin].linear();
   for (std::size_t i = begin; i < end; ++i) {
     place_m += track.pose[i].translation();
-    turn_rad += rotation_vector(track.pose[i].linear() * first.transpose());
+    turn_rad += rotation_vector_of<double>(track.pose[i].linear() * first.transpose());
   }
   const double count = static_cast<double>(end - begin);
   Isometry3d reference;
-  reference.linear() = rotation_by(turn_rad / count) * first;
+  reference.linear() = rotation_of<double>(turn_rad / count) * first;
   reference.translation() = place_m / count;
   const Isometry3d back = reference.inverse(Eigen::Isometry);
   ReferredMotion result;
@@ -209,7 +197,7 @@ ReferredMotion motion_from(const PoseTrack& track, std::size_t begin, std::size_
     Isometry3d moved = pose * back;
     if (moving == MovingBody::upper) moved = moved.inverse(Eigen::Isometry);
     Vector6 motion;
-    motion << moved * result.middle_m - result.middle_m, rotation_vector(moved.linear());
+    motion << moved * result.middle_m - result.middle_m, rotation_vector_of<double>(moved.linear());
     result.motion.push_back(motion);
   }
   return result;

@@ -19,11 +19,6 @@ namespace condyle::host {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// The rotation vector of `rotation` (rad).
-Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation);
-/// The rotation by `vector_rad`.
-Eigen::Matrix3d rotation_by(const Eigen::Vector3d& vector_rad);
-
 /// Samples of a recording and what became of them.
 struct PoseCounts {
   std::uint64_t samples = 0, missing = 0, not_rigid = 0, time_reversed = 0, in_bursts = 0,

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "condyle/estimator/pose/rotation_vector.h"
+
 namespace condyle::host {
 namespace {
 
@@ -50,7 +52,7 @@ void paths_of(const SmoothMotion& motion, const ReadingGeometry& geometry, JawPa
   }
   const Vector3d f = geometry.middle_m;
   // The reference was mistaken by a small motion: undone from the right.
-  const Matrix3d undo = rotation_by(-geometry.reference_turn_rad);
+  const Matrix3d undo = rotation_of<double>(-geometry.reference_turn_rad);
   const bool is_mistaken = !geometry.reference_turn_rad.isZero(0);
   for (int side = 0; side < 2; ++side) {
     path.condyle_at_m[static_cast<std::size_t>(side)] =
@@ -59,7 +61,7 @@ void paths_of(const SmoothMotion& motion, const ReadingGeometry& geometry, JawPa
   path.middle_at_m = geometry.head.inverse(Eigen::Isometry) * f;
   for (std::size_t k = 0; k < count; ++k) {
     const Vector3d w = motion.value[k].tail<3>();
-    Matrix3d R = rotation_by(w);
+    Matrix3d R = rotation_of<double>(w);
     const Vector3d omega = angular_velocity(w, motion.slope[k].tail<3>());
     Vector3d u = motion.value[k].head<3>() - R * geometry.reference_shift_m;
     if (is_mistaken) R = R * undo;
@@ -72,7 +74,7 @@ void paths_of(const SmoothMotion& motion, const ReadingGeometry& geometry, JawPa
     for (std::size_t side = 0; side < 2; ++side) {
       place(geometry.condyle_m[side], path.condyle_m[side][k], path.condyle_m_s[side][k]);
     }
-    path.rotation_rad[k] = into_head * (is_mistaken ? rotation_vector(R) : w);
+    path.rotation_rad[k] = into_head * (is_mistaken ? rotation_vector_of<double>(R) : w);
     path.middle_m[k] = into_head * u;
   }
 }

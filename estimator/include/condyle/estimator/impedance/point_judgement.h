@@ -134,7 +134,7 @@ class PointJudgement {
     }
   }
 
-  double scale2() const {
+  double believed_scale2() const {
     const double stated = stated_.scale2();
     const Candidate& mass = value_.mass;
     if (!columns_.is_mass_known() || !mass.fit.is_known()) return stated;
@@ -172,7 +172,8 @@ class PointJudgement {
         {candidate.discrepancy2,
          is_friction ? ImpedanceLimit::viscous_or_coulomb : ImpedanceLimit::mass_or_stiffness},
         {is_delay ? 0
-                  : scale2() * square(fit.value - parameters_.mass_kg.mean * fit.per_known_mass),
+                  : believed_scale2() *
+                        square(fit.value - parameters_.mass_kg.mean * fit.per_known_mass),
          ImpedanceLimit::gain},
         {stated_.mass_variance() * square(fit.per_known_mass), ImpedanceLimit::gain},
         {candidate.delay2(columns_.delay_sd_s()), ImpedanceLimit::delay},

@@ -29,7 +29,7 @@ template <class Scalar>
 struct RecommendedEstimate {
   static constexpr Scalar kNone = std::numeric_limits<Scalar>::quiet_NaN();
 
-  bool is_ready = false;    ///< false while the lag fills: there is no estimate yet
+  bool is_ready = false;    ///< false while the lag fills
   TimeNs time_ns = 0;       ///< instant of the estimate
   bool time_valid = false;  ///< its time is known
   int axis_count = 0;

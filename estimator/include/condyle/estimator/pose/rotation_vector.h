@@ -14,7 +14,7 @@
 // small angles lose no digits.
 //
 // Swing and twist: exp(w) is a turn about a given axis, the twist, followed by a turn about an axis
-// perpendicular to it, the swing. At a swing of pi there is no twist.
+// perpendicular to it, the swing. At a swing of pi the twist is undefined.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -121,7 +121,7 @@ struct SwingTwist {
   Scalar twist_rad = 0;  ///< about the axis, -pi to pi
   Scalar swing_rad = 0;  ///< about an axis perpendicular to it, 0 to pi
   Vector3<Scalar> twist_gradient = Vector3<Scalar>::Zero();
-  Vector3<Scalar> swing_gradient = Vector3<Scalar>::Zero();  ///< 0 if there is no swing
+  Vector3<Scalar> swing_gradient = Vector3<Scalar>::Zero();  ///< 0 without swing
 };
 
 /// Swing and twist of the rotation by `rotation_rad` about `axis`, a unit vector. With c, v the

@@ -105,4 +105,9 @@ auto PoseSensor<Scalar, kMostLag>::process(const Sample& sample, EventSet sample
   return estimator_.step(measurement);
 }
 
+#ifdef CONDYLE_SENSORS_COMPILED  // once, in a library
+extern template class PoseSensor<double>;
+extern template class PoseSensor<float>;
+#endif
+
 }  // namespace condyle
