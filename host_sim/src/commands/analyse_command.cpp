@@ -8,8 +8,8 @@
 #include "condyle/hal/clock.h"
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
-#include "options/analysis_options.h"
 #include "options/command_line.h"
+#include "options/reading_options.h"
 #include "output/deferred_problem.h"
 #include "output/progress.h"
 #include "output/report_text.h"
@@ -19,12 +19,8 @@
 namespace condyle::host {
 namespace {
 
-struct AnalyseOptions : AnalysisChoice {
+struct AnalyseOptions : ReadingOptions {
   std::vector<std::string> recordings;
-  std::vector<std::string> task_words;
-  std::string tasks_file;
-  std::vector<double> reference;
-  std::string moving_body = "lower";
   std::string out;
   bool as_json = false;
   bool without_figures = false;
@@ -35,21 +31,9 @@ std::string prefix_of(std::size_t n, std::size_t count) {
   return count > 1 ? fmt::format("{}_", n + 1) : std::string();
 }
 
-int analyse_all(AnalyseOptions& options) {
-  if (!options.tasks_file.empty()) options.tasks = read_tasks(options.tasks_file);
-  for (const Task& task : tasks_of_words(options.task_words)) options.tasks.push_back(task);
-  if (!options.reference.empty()) {
-    if (!(options.reference[1] > options.reference[0])) {
-      throw InputError("--reference-s",
-                       fmt::format("it ends at {:g} s, not after {:g} s", options.reference[1],
-                                   options.reference[0]),
-                       "give the begin, then the end");
-    }
-    options.reference_s = {options.reference[0], options.reference[1]};
-  }
-  options.moving = options.moving_body == "upper" ? MovingBody::upper : MovingBody::lower;
+int analyse_all(const AnalyseOptions& options) {
+  const AnalysisChoice choice = options.choice();
   refuse_repeated_recordings(options.recordings);
-  if (!options.landmarks.empty()) static_cast<void>(load_landmarks(options.landmarks));
   std::unique_ptr<OutputFolder> folder;
   std::vector<std::unique_ptr<OutputFile>> files;
   const auto path_in = [&options](const std::string& name) {
@@ -80,7 +64,7 @@ int analyse_all(AnalyseOptions& options) {
       if (stop_requested()) return report_stop();
       progress.show(static_cast<double>(i) / static_cast<double>(options.recordings.size()));
       try {
-        Analysis analysis = analyse(options.recordings[i], options);
+        Analysis analysis = analyse(options.recordings[i], choice);
         const std::string prefix = prefix_of(i, options.recordings.size());
         if (folder) {
           files.push_back(std::make_unique<OutputFile>(path_in(prefix + "poses.csv")));
@@ -135,24 +119,7 @@ Command add_analyse(CommandLine app) {
       .add_option("RECORDING", options->recordings,
                   "Three points, poses or one point, in any format that replay reads; one or more")
       .required();
-  command.add_option("--landmarks=FILE", options->landmarks,
-                     "TOML file with condyles, lower incisor and reference plane");
-  command
-      .add_option("--task", options->task_words,
-                  "NAME BEGIN END (s): opening, protrusion, left, right, chewing, border or rest; "
-                  "repeatable")
-      .values_each(3);
-  command.add_option("--tasks=FILE", options->tasks_file, "The tasks as CSV: task, begin_s, end_s");
-  command
-      .add_option("--reference-s", options->reference,
-                  "BEGIN END of a rest in the reference position; found if not given")
-      .values(2);
-  command
-      .add_option("--moving", options->moving_body,
-                  "Body that the recording tracks: lower jaw, or head seen from the lower jaw")
-      .one_of({"lower", "upper"})
-      .show_default();
-  add_reading_options(command, options->reading);
+  add_readings_options(command, *options);
   command.group("Output").add_option("-o,--out=FOLDER", options->out,
                                      "Folder for readings, cycles, poses and figures");
   command.group("Output").add_flag("--no-figures", options->without_figures, "Draw no figures");

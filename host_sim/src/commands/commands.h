@@ -25,6 +25,8 @@ using Command = std::function<int()>;
 
 /// `condyle analyse`
 Command add_analyse(CommandLine app);
+/// `condyle report`, if it was built
+Command add_report(CommandLine app);
 /// `condyle replay`
 Command add_replay(CommandLine app);
 /// `condyle simulate`

@@ -35,6 +35,9 @@ using Commands = std::vector<std::pair<const char*, Command>>;
 Commands add_commands(CommandLine line) {
   Commands commands;
   commands.emplace_back("analyse", add_analyse(line));
+#ifdef CONDYLE_HAS_REPORT
+  commands.emplace_back("report", add_report(line));
+#endif
   commands.emplace_back("replay", add_replay(line));
   commands.emplace_back("compare", add_compare(line));
   commands.emplace_back("tune", add_tune(line));

@@ -58,6 +58,7 @@ void paths_of(const SmoothMotion& motion, const ReadingGeometry& geometry, JawPa
     path.condyle_at_m[static_cast<std::size_t>(side)] =
         geometry.head.inverse(Eigen::Isometry) * geometry.condyle_m[static_cast<std::size_t>(side)];
   }
+  path.incisor_at_m = geometry.head.inverse(Eigen::Isometry) * geometry.incisor_m;
   path.middle_at_m = geometry.head.inverse(Eigen::Isometry) * f;
   for (std::size_t k = 0; k < count; ++k) {
     const Vector3d w = motion.value[k].tail<3>();

@@ -23,6 +23,11 @@ void write_poses(const Analysis& analysis, OutputFile& file);
 /// What a person reads first: usable or not, what was measured, what was withheld.
 std::string analysis_text(const Analysis& analysis);
 
+/// Of a summary: how many samples, and why some were not used.
+std::string samples_text(const PoseCounts& counts);
+/// Of a summary: noise of the instrument's positions and turns.
+std::string noise_text(const Analysis& analysis);
+
 /// Draws the figures of `analysis` into `directory`, names beginning with `prefix`.
 std::vector<std::unique_ptr<OutputFile>> draw_readings(const std::string& directory,
                                                        const std::string& prefix,

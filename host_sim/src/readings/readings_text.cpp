@@ -35,6 +35,8 @@ std::string value_of(const JawReading& reading) {
   return text;
 }
 
+}  // namespace
+
 std::string samples_text(const PoseCounts& counts) {
   std::string text = fmt::format("{}", counts.samples);
   const auto add = [&text](std::uint64_t count, const char* what) {
@@ -48,7 +50,13 @@ std::string samples_text(const PoseCounts& counts) {
   return text;
 }
 
-}  // namespace
+std::string noise_text(const Analysis& analysis) {
+  const auto& covariance = analysis.noise.covariance;
+  return fmt::format("{:.3f} mm, {:.3f} deg (sd){}",
+                     std::sqrt(covariance.topLeftCorner<3, 3>().trace() / 3) * 1e3,
+                     std::sqrt(covariance.bottomRightCorner<3, 3>().trace() / 3) / kDegree,
+                     analysis.noise.coloured > 1.5 ? "; smoothed by the instrument" : "");
+}
 
 std::string analysis_text(const Analysis& analysis) {
   std::string text;
@@ -63,12 +71,7 @@ std::string analysis_text(const Analysis& analysis) {
   text += line("reference", fmt::format("{:.2f} to {:.2f} s, {}", analysis.reference_begin_s,
                                         analysis.reference_end_s,
                                         analysis.is_reference_found ? "found" : "stated"));
-  const auto& covariance = analysis.noise.covariance;
-  text += line("noise",
-               fmt::format("{:.3f} mm, {:.3f} deg (sd){}",
-                           std::sqrt(covariance.topLeftCorner<3, 3>().trace() / 3) * 1e3,
-                           std::sqrt(covariance.bottomRightCorner<3, 3>().trace() / 3) / kDegree,
-                           analysis.noise.coloured > 1.5 ? "; smoothed by the instrument" : ""));
+  text += line("noise", noise_text(analysis));
   text += line("range", fmt::format("{:.1f} mm, {:.1f} deg", analysis.largest_displacement_mm,
                                     analysis.largest_rotation_deg));
   // Means, task by task; the same reason once.

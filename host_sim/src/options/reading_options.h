@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The options of the commands that give readings: analyse and report.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "options/command_line.h"
+#include "readings/analysis.h"
+
+namespace condyle::host {
+
+/// The options as typed.
+struct ReadingOptions : AnalysisChoice {
+  std::vector<std::string> task_words;
+  std::string tasks_file;
+  std::vector<double> reference;
+  std::string moving_body = "lower";
+
+  /// The choice that they make. Reads the tasks' file and checks the landmarks' file. Throws
+  /// InputError.
+  AnalysisChoice choice() const;
+};
+
+/// --landmarks, --task, --tasks, --reference-s, --moving and those of add_reading_options.
+void add_readings_options(CommandLine command, ReadingOptions& options);
+
+}  // namespace condyle::host

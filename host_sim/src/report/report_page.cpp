@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/report_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "readings/readings_files.h"
+#include "report/html_text.h"
+#include "report/page_text.h"
+#include "report/plane_drawing.h"
+#include "report/report_tables.h"
+
+namespace condyle::host {
+namespace {
+
+std::string paragraph(const std::string& text) {
+  return fmt::format("<p>{}</p>\n", html_text(text));
+}
+
+std::string list(const std::vector<std::string>& items) {
+  std::string text = "<ul>\n";
+  for (const std::string& item : items) text += fmt::format("<li>{}</li>\n", html_text(item));
+  return text + "</ul>\n";
+}
+
+std::string figure(const std::string& content, const std::string& caption) {
+  return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", content,
+                     html_text(caption));
+}
+
+std::string banner(const char* kind, const std::string& title,
+                   const std::vector<std::string>& items) {
+  return fmt::format("<div class=\"banner {}\"><strong>{}</strong>{}</div>\n", kind,
+                     html_text(title), items.empty() ? "" : list(items));
+}
+
+// What a reader must know before any number.
+std::string banners(const ReportSection& section) {
+  std::string text;
+  if (!section.no_readings.empty()) {
+    text += banner("bad", "No readings: " + section.no_readings, {});
+  } else if (!section.analysis->unusable.empty()) {
+    text += banner("bad", "Readings are withheld: " + section.analysis->unusable, {});
+  }
+  if (!section.warnings.empty()) {
+    text += banner("", "Warnings about the estimates", section.warnings);
+  }
+  std::vector<std::string> problems = section.notes;
+  if (section.analysis) {
+    for (const auto* some : {&section.analysis->notes, &section.analysis->events}) {
+      problems.insert(problems.end(), some->begin(), some->end());
+    }
+  }
+  if (!problems.empty()) text += banner("", "Notes on the recording", problems);
+  return text;
+}
+
+std::string chart(const char* key, const std::string& title) {
+  return fmt::format("<div data-chart=\"{}\" role=\"img\" aria-label=\"{} over time\"></div>\n",
+                     key, title);
+}
+
+std::string charts(const ReportSection& section) {
+  if (section.series.runs().empty()) return {};
+  std::string text = "<h3>Over time</h3>\n";
+  text += paragraph(
+      "Bands are 95 % intervals. Shaded times are tasks, red ticks unusual samples. The cursor is "
+      "the same in all views; drag to enlarge a time, double-click to see all.");
+  if (section.origin_s != 0) {
+    text +=
+        paragraph(fmt::format("Time 0 is {:.3f} s on the recording's clock.", section.origin_s));
+  }
+  constexpr const char* kKeys[ReportSeries::kCharts] = {"position", "velocity", "acceleration",
+                                                        "friction", "mass"};
+  for (std::size_t i = 0; i < ReportSeries::kCharts; ++i) {
+    if (section.series.provenance(static_cast<ReportSeries::Chart>(i)) ==
+        Provenance::not_computed) {
+      continue;
+    }
+    text += chart(kKeys[i], kKeys[i]);
+  }
+  text += paragraph(
+      "Force is left out: it is the acceleration times a mass that position does not determine.");
+  if (section.series.provenance(ReportSeries::friction) == Provenance::not_computed &&
+      section.series.provenance(ReportSeries::mass) == Provenance::not_computed) {
+    text += paragraph(
+        "Friction and mass are left out: to know them, record the total drive with the motion.");
+  }
+  return text;
+}
+
+std::string paths(const ReportSection& section) {
+  const Analysis& analysis = *section.analysis;
+  if (!analysis.unusable.empty() || analysis.path.time_s.empty()) return {};
+  std::string text = analysis.has_landmarks
+                         ? "<h3>Path of the lower incisor</h3>\n<div class=\"row\">"
+                         : "<h3>Path of point 1</h3>\n<div class=\"row\">";
+  for (const PlaneDrawing& drawing : incisor_drawings(analysis)) {
+    text += figure(plane_svg(analysis, drawing), drawing.title);
+  }
+  text += "</div>\n" + task_key(analysis);
+  if (!analysis.has_landmarks) {
+    return text +
+           paragraph(
+               "Condyles are left out: state their places with --landmarks FILE to see their "
+               "paths.");
+  }
+  text += "<h3>Paths of the condyles</h3>\n<div class=\"row\">";
+  for (const PlaneDrawing& drawing : condyle_drawings(analysis)) {
+    text += figure(plane_svg(analysis, drawing), drawing.title);
+  }
+  text += "</div>\n";
+  text += paragraph("Dashed: chord of each angle at its travel. Grey: its 95 % interval.");
+  text +=
+      "<h3>The jaw</h3>\n<div class=\"screen\"><canvas class=\"jaw\" tabindex=\"0\" "
+      "aria-label=\"The jaw in three dimensions; arrow keys turn it\"></canvas>\n"
+      "<div class=\"controls\"><button type=\"button\" class=\"jaw-play\">Play</button>"
+      "<input type=\"range\" class=\"jaw-slider\" min=\"0\" value=\"0\" aria-label=\"Moment\">"
+      "<span class=\"jaw-time\"></span></div></div>\n";
+  text += paragraph("The lines between the condyles and the incisor are a sketch.");
+  return text;
+}
+
+std::string identity(const ReportSection& section, const std::string& landmarks) {
+  std::string text = "<dl>\n";
+  const auto add = [&text](const char* term, const std::string& words) {
+    text += fmt::format("<dt>{}</dt><dd>{}</dd>\n", term, html_text(words));
+  };
+  add("recording", section.recording);
+  add("format", section.format);
+  if (section.analysis) {
+    const Analysis& analysis = *section.analysis;
+    add("length",
+        fmt::format("{:.1f} s, {:.1f} samples a second", analysis.duration_s, analysis.rate_Hz));
+    add("reference",
+        fmt::format("{:.2f} to {:.2f} s, {}", analysis.reference_begin_s, analysis.reference_end_s,
+                    analysis.is_reference_found ? "found" : "stated"));
+    add("noise", noise_text(analysis));
+    add("samples", samples_text(analysis.counts));
+    add("range", fmt::format("{:.1f} mm, {:.1f} deg", analysis.largest_displacement_mm,
+                             analysis.largest_rotation_deg));
+  }
+  if (section.landmarks) {
+    add("landmarks", fmt::format("{}; condyles {}, plane {}", landmarks,
+                                 section.landmarks->condyle_kind, section.landmarks->plane));
+  } else {
+    add("landmarks", "none: readings of the condyles are withheld");
+  }
+  return text + "</dl>\n";
+}
+
+std::string section_html(const ReportSection& section, const std::string& landmarks,
+                         std::size_t number) {
+  std::string text = fmt::format("<section id=\"recording-{}\">\n<h2>{}</h2>\n", number,
+                                 html_text(section.recording));
+  text += banners(section) + identity(section, landmarks);
+  const std::string prefix = fmt::format("recording_{}", number);
+  if (section.analysis) {
+    text += tasks_table(*section.analysis, prefix);
+    text += readings_table(*section.analysis, prefix);
+  }
+  if (section.analysis) text += paths(section);
+  text += charts(section);
+  if (section.analysis) {
+    text += cycles_table(*section.analysis, prefix) + strokes_table(*section.analysis, prefix) +
+            withheld_table(*section.analysis, prefix);
+  }
+  if (!section.summary.empty()) {
+    text +=
+        fmt::format("<details><summary>The estimates in words</summary><pre>{}</pre></details>\n",
+                    html_lines(section.summary));
+  }
+  return text + "</section>\n";
+}
+
+std::string head() {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
+      "script-src '{}'; style-src '{}'; img-src data:; base-uri 'none'; form-action 'none'\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>condyle report</title>\n<style>{}</style>\n</head>\n",
+      kPageScriptHash, kPageStyleHash, kPageStyle);
+}
+
+}  // namespace
+
+std::string report_page(const std::vector<ReportSection>& sections, const std::string& landmarks) {
+  std::string text = head() + "<body>\n<h1>Jaw motion report</h1>\n";
+  text += fmt::format(
+      "<div class=\"banner\"><strong>Research use only; not a diagnosis.</strong> condyle {}. "
+      "Every "
+      "number has a 95 % interval, or is withheld with the reason.</div>\n",
+      CONDYLE_VERSION);
+  text += provenance_key();
+  text +=
+      "<p class=\"screen\"><label><input type=\"checkbox\" id=\"decimal-comma\"> Decimal comma in "
+      "saved tables</label></p>\n";
+  if (sections.size() > 1) {
+    text += "<nav aria-label=\"Recordings\"><ul>\n";
+    for (std::size_t i = 0; i < sections.size(); ++i) {
+      text += fmt::format("<li><a href=\"#recording-{}\">{}</a></li>\n", i + 1,
+                          html_text(sections[i].recording));
+    }
+    text += "</ul></nav>\n";
+  }
+  text += "<main>\n";
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    text += section_html(sections[i], landmarks, i + 1);
+  }
+  text += definitions_table(sections) + "</main>\n";
+  text += fmt::format(
+      "<details><summary>Licence of uPlot, which draws the charts</summary><pre>{}"
+      "</pre></details>\n",
+      html_lines(kPageLicence));
+  text += fmt::format("<script type=\"application/json\" id=\"condyle-report-1\">{}</script>\n",
+                      report_data(sections));
+  text += fmt::format("<script>{}</script>\n</body>\n</html>\n", kPageScript);
+  return text;
+}
+
+}  // namespace condyle::host

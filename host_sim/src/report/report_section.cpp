@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/report_section.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "comparison/compared_estimator.h"
+#include "condyle/firmware/run_loop.h"
+#include "condyle/hal/clock.h"
+#include "hosted/files/input_error.h"
+#include "output/replay_summary.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr double kDistantOrigin_s = 1e5;
+constexpr int kMostLag = 16;
+
+// One estimator in the run loop.
+class ReportedSensor {
+ public:
+  struct Estimate {
+    EventSet events;
+    std::optional<EstimateRow> row;
+  };
+  explicit ReportedSensor(ComparedEstimator& estimator) : estimator_(estimator) {}
+  Estimate process(const Sample& sample, EventSet events) {
+    return {events, estimator_.process(sample, events)};
+  }
+  bool drain(Estimate& estimate) {
+    estimate = {{}, estimator_.drain()};
+    return estimate.row.has_value();
+  }
+
+ private:
+  ComparedEstimator& estimator_;
+};
+
+void add_estimates(const std::string& source, const AnalysisChoice& choice,
+                   const std::function<void(double)>& progress,
+                   const std::function<bool()>& should_stop, ReportSection& section) {
+  RecordingChoice followed;
+  followed.reading = choice.reading;
+  followed.reading.faults = FaultPolicy::event;
+  hal::SteadyClock clock;
+  ReplayFacebow facebow(source, followed.reading, 0, clock);
+  if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
+  const RecordingInfo& info = facebow.info();
+  section.format = info.format;
+  section.notes = info.notes;
+  const firmware::RunSettings settings = facebow.run_settings(followed.followed);
+  EstimatorChoice estimator;
+  const double step_s = seconds(settings.nominal_step_ns);
+  estimator.lag =
+      step_s > 0 ? std::clamp(static_cast<int>(std::lround(kReportLag_s / step_s)), 0, kMostLag)
+                 : 0;
+  const auto compared = make_compared_estimator(estimator, followed, {}, source, facebow);
+  const BodyFits fits;
+  RecommendedSummary summary(load_recommended_for(estimator, info, source), estimator.lag,
+                             followed.followed.axis, fits);
+  ReportedSensor sensor(*compared);
+  firmware::RunCounts counts;
+  const hal::Status status = firmware::run(
+      facebow, clock, sensor, settings, counts,
+      [&](const Sample&, const ReportedSensor::Estimate& estimate) {
+        if (!estimate.row) return;
+        section.series.add(*estimate.row);
+        summary.add(*estimate.row);
+        if (counts.samples % 1024 == 0) progress(facebow.progress());
+      },
+      [&] { return should_stop() || !facebow.problem().empty(); });
+  if (!facebow.problem().empty()) throw InputError(facebow.problem());
+  if (status == hal::Status::ok) return;  // stopped
+  section.summary = summary.text();
+  section.warnings = summary.warnings();
+}
+
+}  // namespace
+
+ReportSection report_section(const std::string& source, const AnalysisChoice& choice,
+                             const std::function<void(double)>& progress,
+                             const std::function<bool()>& should_stop) {
+  ReportSection section;
+  section.recording = source;
+  add_estimates(
+      source, choice, [&](double share) { progress(share / 2); }, should_stop, section);
+  if (should_stop()) return section;
+  if (!section.series.runs().empty() &&
+      std::abs(section.series.runs().front().time_s) > kDistantOrigin_s) {
+    section.origin_s = section.series.runs().front().time_s;
+  }
+  if (!choice.landmarks.empty()) section.landmarks = load_landmarks(choice.landmarks);
+  try {
+    section.analysis = analyse(source, choice);
+  } catch (const InputError& error) {
+    // Tasks and landmarks that do not fit are the user's to mend.
+    if (!choice.landmarks.empty() || !choice.tasks.empty() || choice.reference_s) throw;
+    section.no_readings = error.what();
+  }
+  return section;
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/report_tables.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "readings/readings_files.h"
+#include "report/html_text.h"
+
+namespace condyle::host {
+namespace {
+
+// As many digits as the interval supports.
+int digits_for(double half) {
+  return half > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(half))), 0, 4) : 2;
+}
+
+std::string number(double value, int digits) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string();
+}
+
+std::string mark(const char* provenance) {
+  return fmt::format("<span class=\"mark {0}\" title=\"{0}\">{1}</span>", provenance,
+                     static_cast<char>(std::toupper(provenance[0])));
+}
+
+class Table {
+ public:
+  Table(const std::string& prefix, const char* name, std::initializer_list<const char*> columns)
+      : text_(fmt::format("<div class=\"scroll\"><table data-csv=\"{}_{}\">\n<thead><tr>", prefix,
+                          name)) {
+    for (const char* const column : columns) {
+      text_ += fmt::format("<th scope=\"col\">{}</th>", html_text(column));
+    }
+    text_ += "</tr></thead>\n<tbody>\n";
+  }
+  void begin_row(const char* kind = "") { text_ += fmt::format("<tr class=\"{}\">", kind); }
+  void cell(const std::string& words) { text_ += fmt::format("<td>{}</td>", html_text(words)); }
+  void number_cell(const std::string& digits) {
+    text_ += fmt::format("<td class=\"n v\">{}</td>", digits);
+  }
+  void html_cell(const std::string& html) { text_ += fmt::format("<td>{}</td>", html); }
+  void end_row() {
+    text_ += "</tr>\n";
+    has_rows_ = true;
+  }
+  // The table under its heading; nothing without rows.
+  std::string html(const char* heading) const {
+    if (!has_rows_) return {};
+    return fmt::format("<h3>{}</h3>\n{}</tbody></table></div>\n", heading, text_);
+  }
+
+ private:
+  std::string text_;
+  bool has_rows_ = false;
+};
+
+std::string task_name(TaskKind kind) {
+  return kind == TaskKind::whole ? "whole recording" : name_of(kind);
+}
+
+void add_reading(Table& table, const JawReading& reading, bool has_stroke) {
+  const int digits = digits_for((reading.high - reading.low) / 2);
+  table.begin_row(name_of(reading.provenance));
+  table.cell(task_name(reading.task));
+  if (has_stroke) table.number_cell(std::to_string(reading.stroke));
+  table.cell(std::string(reading.definition->name));
+  table.cell(name_of(reading.side));
+  table.number_cell(number(reading.value, digits));
+  table.number_cell(number(reading.low, digits));
+  table.number_cell(number(reading.high, digits));
+  table.cell(reading.definition->unit == "1" ? "" : std::string(reading.definition->unit));
+  table.html_cell(mark(name_of(reading.provenance)));
+  table.cell(reading.reason);
+  table.end_row();
+}
+
+}  // namespace
+
+std::string html_lines(const std::string& text) {
+  std::istringstream lines(text);
+  std::string result, line;
+  while (std::getline(lines, line)) result += html_text(line) + "\n";
+  return result;
+}
+
+std::string provenance_key() {
+  return fmt::format(
+      "<p>{} measured: follows from the recording. {} derived: also rests on a named assumption. "
+      "{} "
+      "withheld: not known.</p>\n",
+      mark("measured"), mark("derived"), mark("withheld"));
+}
+
+std::string task_key(const Analysis& analysis) {
+  std::set<std::string> names;
+  for (const Task& task : analysis.tasks) {
+    names.insert(task.kind == TaskKind::whole ? "whole" : name_of(task.kind));
+  }
+  std::string text = "<p>";
+  for (const std::string& name : names) {
+    text += fmt::format(
+        "<svg width=\"28\" height=\"8\" aria-hidden=\"true\"><line class=\"{0}\" "
+        "stroke-width=\"3\" x1=\"0\" x2=\"28\" y1=\"4\" y2=\"4\"/></svg> {0} ",
+        name);
+  }
+  return text + "</p>\n";
+}
+
+std::string tasks_table(const Analysis& analysis, const std::string& prefix) {
+  Table table(prefix, "tasks", {"task", "begin (s)", "end (s)", "source"});
+  for (const Task& task : analysis.tasks) {
+    table.begin_row();
+    table.cell(task_name(task.kind));
+    table.number_cell(number(task.begin_s, 2));
+    table.number_cell(number(task.end_s, 2));
+    table.cell(task.kind == TaskKind::whole ? "" : task.is_found ? "found" : "stated");
+    table.end_row();
+  }
+  return table.html("Tasks");
+}
+
+std::string readings_table(const Analysis& analysis, const std::string& prefix) {
+  Table table(
+      prefix, "readings",
+      {"task", "reading", "side", "value", "low", "high", "unit", "provenance", "assumption"});
+  for (const JawReading& reading : analysis.readings) {
+    if (reading.stroke > 0 || reading.provenance == ReadingProvenance::withheld) continue;
+    add_reading(table, reading, false);
+  }
+  return table.html("Readings: means of each task");
+}
+
+std::string strokes_table(const Analysis& analysis, const std::string& prefix) {
+  Table table(prefix, "strokes",
+              {"task", "stroke", "reading", "side", "value", "low", "high", "unit", "provenance",
+               "assumption"});
+  for (const JawReading& reading : analysis.readings) {
+    if (reading.stroke == 0 || reading.provenance == ReadingProvenance::withheld) continue;
+    add_reading(table, reading, true);
+  }
+  const std::string html = table.html("Readings of single strokes");
+  if (html.empty()) return {};
+  return "<details><summary>Single strokes</summary>\n" + html + "</details>\n";
+}
+
+std::string cycles_table(const Analysis& analysis, const std::string& prefix) {
+  if (analysis.cycles.empty()) return {};
+  const auto names = readings_of_cycle(analysis.has_landmarks);
+  std::string text = fmt::format(
+      "<div class=\"scroll\"><table data-csv=\"{}_cycles\"><thead><tr><th scope=\"col\">cycle</th>"
+      "<th scope=\"col\">begin (s)</th>",
+      prefix);
+  for (const auto name : names) text += fmt::format("<th scope=\"col\">{}</th>", name);
+  text += "<th scope=\"col\">not taken</th></tr></thead>\n<tbody>\n";
+  for (const AnalysedCycle& cycle : analysis.cycles) {
+    text += fmt::format("<tr><td class=\"n\">{}</td><td class=\"n\">{:.2f}</td>",
+                        cycle.number > 0 ? std::to_string(cycle.number) : "", cycle.cycle.begin_s);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      std::string value;
+      if (i < cycle.values.size() && std::isfinite(cycle.values[i].value)) {
+        const double half = cycle.values[i].half_interval();
+        const int digits = digits_for(half);
+        value = fmt::format("{} \u00b1 {}", number(cycle.values[i].value, digits),
+                            number(half, digits));
+      }
+      text += fmt::format("<td class=\"n\">{}</td>", value);
+    }
+    text += fmt::format("<td>{}</td></tr>\n", html_text(cycle.cycle.rejected));
+  }
+  return "<details><summary>Chewing cycles</summary>\n<h3>Chewing cycles</h3>\n" + text +
+         "</tbody></table></div></details>\n";
+}
+
+std::string withheld_table(const Analysis& analysis, const std::string& prefix) {
+  std::map<std::string, std::set<std::string>> names;  // by reason
+  for (const JawReading& reading : analysis.readings) {
+    if (reading.provenance != ReadingProvenance::withheld || reading.stroke > 0) continue;
+    const std::string side = name_of(reading.side);
+    names[reading.reason].insert(fmt::format("{} {}{}", task_name(reading.task),
+                                             reading.definition->name,
+                                             side.empty() ? "" : " (" + side + ")"));
+  }
+  Table table(prefix, "withheld", {"reason, and what to record", "readings"});
+  for (const auto& [reason, readings] : names) {
+    std::string joined;
+    for (const std::string& name : readings) joined += (joined.empty() ? "" : "; ") + name;
+    table.begin_row("withheld");
+    table.cell(reason);
+    table.cell(joined);
+    table.end_row();
+  }
+  return table.html("Withheld");
+}
+
+std::string definitions_table(const std::vector<ReportSection>& sections) {
+  std::set<std::string> shown;
+  for (const ReportSection& section : sections) {
+    if (!section.analysis) continue;
+    for (const JawReading& reading : section.analysis->readings) {
+      if (reading.provenance == ReadingProvenance::withheld) continue;
+      shown.insert(std::string(reading.definition->name));
+    }
+  }
+  Table table("report", "definitions", {"reading", "unit", "definition"});
+  for (const std::string& name : shown) {
+    const ReadingDefinition& definition = definition_of(name);
+    table.begin_row();
+    table.cell(name);
+    table.cell(std::string(definition.unit));
+    table.cell(std::string(definition.definition));
+    table.end_row();
+  }
+  return table.html("Definitions of the readings shown");
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+# The page of reports: bundled by esbuild with uPlot, and compiled into condyle as text. Where these
+# cannot be had, condyle is built without reports.
+
+find_program(CONDYLE_ESBUILD esbuild)
+set(CONDYLE_WEB_PARTS ${PROJECT_BINARY_DIR}/web_parts)
+set(CONDYLE_HAS_REPORT OFF)
+if(NOT CONDYLE_ESBUILD)
+  set(problem "esbuild is missing; toolchain/install_dependencies build installs it")
+elseif(EXISTS ${CONDYLE_WEB_PARTS}/dist/uPlot.esm.js)
+  set(CONDYLE_HAS_REPORT ON)
+else()
+  execute_process(COMMAND ${PROJECT_SOURCE_DIR}/toolchain/fetch_web_parts ${CONDYLE_WEB_PARTS}
+    RESULT_VARIABLE failed ERROR_VARIABLE problem ERROR_STRIP_TRAILING_WHITESPACE)
+  if(failed EQUAL 0)
+    set(CONDYLE_HAS_REPORT ON)
+  endif()
+endif()
+if(NOT CONDYLE_HAS_REPORT)
+  message(STATUS "condyle report is left out: ${problem}")
+endif()
+
+# condyle_add_page(TARGET ENTRY.js STYLE.css): adds to TARGET the bundles of ENTRY and STYLE, as the
+# object files that report/page_text.h declares.
+function(condyle_add_page target entry style)
+  cmake_path(GET entry STEM name)
+  cmake_path(GET entry PARENT_PATH folder)
+  file(GLOB sources CONFIGURE_DEPENDS ${folder}/*.js ${folder}/*.css)
+  set(out ${CMAKE_CURRENT_BINARY_DIR}/${name}_page)
+  add_custom_command(OUTPUT ${out}/page_text.cpp
+    COMMAND ${CONDYLE_ESBUILD} ${entry} --bundle --minify --charset=ascii --format=iife
+      --target=es2019 --log-level=warning --alias:uplot=${CONDYLE_WEB_PARTS}/dist/uPlot.esm.js
+      --legal-comments=none --outfile=${out}/page.js
+    COMMAND ${CONDYLE_ESBUILD} ${style} --bundle --minify --charset=ascii --log-level=warning
+      --alias:uplot.css=${CONDYLE_WEB_PARTS}/dist/uPlot.min.css --outfile=${out}/page.css
+    COMMAND ${PROJECT_SOURCE_DIR}/toolchain/page_text ${out}/page.js ${out}/page.css
+      ${CONDYLE_WEB_PARTS}/LICENSE ${out}/page_text.cpp
+    DEPENDS ${sources} ${PROJECT_SOURCE_DIR}/toolchain/page_text
+      ${CONDYLE_WEB_PARTS}/dist/uPlot.esm.js
+    COMMENT "Bundling the page of ${name}"
+    VERBATIM)
+  target_sources(${target} PRIVATE ${out}/page_text.cpp)
+endfunction()
