@@ -52,6 +52,7 @@ class Reader {
     result_.followed.axis = static_cast<Axis>(axis);
     read_companions();
     read_estimator();
+    read_pose();
     read_recording();
     read_udp();
     read_http();
@@ -127,6 +128,36 @@ class Reader {
     result_.lag = static_cast<int>(lag);
     result_.priority = static_cast<int>(priority);
     read_node();
+  }
+
+  void read_pose() {
+    bool is_wanted = false;
+    toml_.boolean("pose", "estimate", is_wanted);
+    host::PoseChoice choice;
+    auto axis = static_cast<std::size_t>(choice.twist_axis);
+    toml_.choice("pose", "twist_axis", axis, {"x", "y", "z"});
+    choice.twist_axis = static_cast<Axis>(axis);
+    for (const std::string& name : toml_.sections_in("jaw_point")) {
+      const std::string section = "jaw_point." + name;
+      double position_mm[3] = {};
+      if (!toml_.numbers(section, "position_mm", position_mm, 3, "mm", {-1000, 1000})) {
+        throw InputError(toml_.place("jaw_point", name), section + " has no position",
+                         "give one, such as position_mm = [0, 80, -30]");
+      }
+      choice.add_point(toml_.place("jaw_point", name),
+                       {name, 1e-3 * Eigen::Map<const Eigen::Vector3d>(position_mm)});
+    }
+    if (!is_wanted) {
+      if (choice.points.empty()) return;
+      throw InputError(toml_.place("jaw_point", choice.points.front().name),
+                       "a point of the jaw needs the pose", "write estimate = true in [pose]");
+    }
+    if (!result_.node.empty()) {
+      throw InputError(toml_.place("pose", "estimate"),
+                       "a microcontroller does not estimate the pose",
+                       "leave out estimate, or node in [estimator]");
+    }
+    result_.pose = choice;
   }
 
   void read_node() {

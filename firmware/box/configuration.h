@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "condyle/estimator/sensors/recommended_parameters.h"
 #include "condyle/hal/log/session_log.h"
 #include "hosted/devices/source_spec.h"
+#include "hosted/estimates/pose_choice.h"
 
 namespace condyle::box {
 
@@ -36,6 +38,8 @@ struct Configuration {
   std::string node;             ///< line to the microcontroller that estimates; empty: the box does
   unsigned node_baud = 1'000'000;
   TimeNs node_late_ns = 100'000'000;  ///< a later estimate counts as late
+
+  std::optional<host::PoseChoice> pose;  ///< empty: the whole pose is not estimated
 
   int priority = 50;  ///< SCHED_FIFO; 0: an ordinary thread
 

@@ -6,6 +6,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <map>
@@ -98,6 +99,51 @@ TEST(Box, AReplayIsTheLiveSessionAgain) {
         ASSERT_EQ(live.at(++number)[axis][name].get<double>(), value) << axis << name << number;
       }
     }
+  }
+}
+
+// The pose too, and a point of the jaw.
+TEST(Box, AReplayHasTheLivePoseAgain) {
+  RunningBox running;
+  running.configuration.pose.emplace();
+  running.configuration.pose->add_point("test", {"incisor", {0, 0.08, -0.03}});
+  running.start();
+  ASSERT_TRUE(running.is_estimating());
+  Listener stream(running);
+  std::vector<Json> live;  // of the second run
+  StreamReader reader(stream, [&live](const EventStream::Event& event) {
+    const Json estimate = Json::parse(event.data);
+    if (estimate["run"] == 2) live.push_back(estimate["pose"]);
+    return estimate["run"] != 3;
+  });
+  ASSERT_EQ(post(running.port, "/v1/session/start", "{}").status, 200);
+  ASSERT_TRUE(has_recorded(running, 300));
+  const testing_support::HttpAnswer stopped = post(running.port, "/v1/session/stop", "{}");
+  ASSERT_EQ(stopped.status, 200);
+  ASSERT_TRUE(reader.wait());
+  const std::string csv = running.folder / "pose.csv";
+  const auto replayed =
+      testing_support::run_condyle({"replay", std::string(Json::parse(stopped.body)["done"]),
+                                    "--pose", csv, "--pose-point", "incisor", "0", "80", "-30"});
+  ASSERT_EQ(replayed.exit_code, 0) << replayed.errors;
+  const testing_support::Table table = testing_support::read_table(csv);
+  ASSERT_EQ(table.rows, live.size());
+  for (const std::string name : {"centre", "rotation_vector", "angular_velocity", "incisor"}) {
+    const std::string unit = name == "angular_velocity"  ? "rad_s"
+                             : name == "rotation_vector" ? "rad"
+                                                         : "m";
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (const std::string middle : {"_", "_sd_"}) {
+        const auto again = table.numbers(name + "_" + "xyz"[axis] + middle + unit);
+        for (std::size_t i = 0; i < again.size(); ++i) {
+          const Json& value = live[i][name + middle + unit][axis];
+          ASSERT_EQ(value.is_null(), std::isnan(again[i])) << name << i;
+          if (value.is_null()) continue;
+          ASSERT_EQ(value.get<double>(), again[i]) << name << i;
+        }
+      }
+    }
+    EXPECT_EQ(live.back()[name + "_provenance"], "measured");
   }
 }
 

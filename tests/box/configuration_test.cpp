@@ -51,6 +51,7 @@ TEST_F(ConfigurationFile, TheOneShippedIsTheDefaults) {
   EXPECT_EQ(same.followed.point, shipped.followed.point);
   EXPECT_EQ(same.followed.axis, shipped.followed.axis);
   EXPECT_EQ(same.lag, shipped.lag);
+  EXPECT_EQ(same.pose.has_value(), shipped.pose.has_value());
   EXPECT_EQ(same.priority, shipped.priority);
   EXPECT_EQ(same.node_baud, shipped.node_baud);
   EXPECT_EQ(same.node_late_ns, shipped.node_late_ns);
@@ -60,6 +61,25 @@ TEST_F(ConfigurationFile, TheOneShippedIsTheDefaults) {
   EXPECT_EQ(same.http_address, shipped.http_address);
   EXPECT_EQ(same.http_port, shipped.http_port);
   EXPECT_EQ(same.most_listeners, shipped.most_listeners);
+}
+
+TEST_F(ConfigurationFile, TakesThePoseAndPointsOfTheJaw) {
+  EXPECT_FALSE(load(source_).pose.has_value());
+  const std::string pose = source_ + "[pose]\nestimate = true\n";
+  EXPECT_TRUE(load(pose).pose->points.empty());
+  const std::string point = "[jaw_point.incisor]\nposition_mm = [0, 80, -30]\n";
+  const Configuration read = load(pose + "twist_axis = \"y\"\n" + point);
+  EXPECT_EQ(read.pose->twist_axis, Axis::y);
+  ASSERT_EQ(read.pose->points.size(), 1U);
+  EXPECT_EQ(read.pose->points[0].name, "incisor");
+  EXPECT_EQ(read.pose->points[0].jaw_m, 1e-3 * Eigen::Vector3d(0, 80, -30));
+  EXPECT_THAT(problem(source_ + point), HasSubstr("a point of the jaw needs the pose; write "
+                                                  "estimate = true in [pose]"));
+  EXPECT_THAT(problem(pose + "[jaw_point.a]\n"), HasSubstr("jaw_point.a has no position"));
+  EXPECT_THAT(problem(pose + "[jaw_point.centre]\nposition_mm = [0, 0, 0]\n"),
+              HasSubstr("centre is already the name of a value"));
+  EXPECT_THAT(problem(pose + "[estimator]\nnode = \"unix:s\"\n"),
+              HasSubstr("a microcontroller does not estimate the pose"));
 }
 
 TEST_F(ConfigurationFile, TakesFilesFromItsOwnFolder) {

@@ -87,6 +87,33 @@ TEST(EstimateLine, KeepsEveryBitAndSaysWhatIsNotKnown) {
   EXPECT_TRUE(without["time_s"].is_null());
 }
 
+TEST(EstimateLine, HasThePoseAndItsPoints) {
+  BoxEstimate box;
+  EXPECT_FALSE(nlohmann::json::parse(estimate_line(box)).contains("pose"));
+  box.has_pose = true;
+  const nlohmann::json none = nlohmann::json::parse(estimate_line(box))["pose"];
+  EXPECT_TRUE(none["centre_m"][0].is_null());
+  EXPECT_EQ(none["centre_provenance"], "");
+  EXPECT_TRUE(none["time_ns"].is_null());
+
+  box.pose.centre_m = {{1, 2, 3}, 0.04 * Eigen::Matrix3d::Identity(), Provenance::measured};
+  box.pose.rotation_vector_rad = {{0.1 + 0.2, 0, 0}, Eigen::Matrix3d::Zero(), Provenance::measured};
+  box.pose.rotation.setIdentity();
+  box.pose.rotation_covariance_rad2 = 0.01 * Eigen::Matrix3d::Identity();
+  host::PoseChoice choice;
+  choice.add_point("here", {"incisor", {0, 1, 0}});
+  const nlohmann::json json = nlohmann::json::parse(estimate_line(box, choice))["pose"];
+  EXPECT_EQ(json["centre_m"], nlohmann::json::array({1.0, 2.0, 3.0}));
+  EXPECT_EQ(json["centre_sd_m"][2].get<double>(), 0.2);
+  EXPECT_EQ(json["rotation_vector_rad"][0].get<double>(), 0.1 + 0.2);
+  EXPECT_EQ(json["twist_rad"].get<double>(), 0.1 + 0.2);
+  EXPECT_EQ(json["incisor_m"], nlohmann::json::array({1.0, 3.0, 3.0}));
+  EXPECT_DOUBLE_EQ(json["incisor_sd_m"][0].get<double>(), std::sqrt(0.05));
+  EXPECT_EQ(json["incisor_covariances_m2"], nlohmann::json::array({0.0, 0.0, 0.0}));
+  EXPECT_TRUE(json["incisor_velocity_m_s"][0].is_null());
+  EXPECT_EQ(json["angular_velocity_provenance"], "");
+}
+
 TEST(BoxLog, SaysTheSameThingSeldom) {
   hal::ManualClock clock;
   char text[4096] = {};

@@ -122,6 +122,7 @@ TEST(RealTimePath, TakesNoMemoryNoLockAndNoBlockingCall) {
     ReconnectingSource watched(source, clock);
     Configuration configuration;
     configuration.lag = lag;
+    configuration.pose.emplace();
     const auto engine = std::make_unique<Engine>(watched, profile, configuration, clock);
     source.engine = engine.get();
     engine->start();

@@ -6,6 +6,7 @@
 
 #include "condyle/estimator/events.h"
 #include "hosted/estimates/estimate_fields.h"
+#include "hosted/estimates/pose_fields.h"
 
 namespace condyle::box {
 namespace {
@@ -30,9 +31,51 @@ Json axis_json(const AxisEstimate<double>& axis) {
   return json;
 }
 
+template <class Vector>
+Json array_of(const Vector& vector) {
+  Json json = Json::array();
+  for (const double value : vector) json.push_back(value);
+  return json;
+}
+
+Json events_json(EventSet events) {
+  Json json = Json::array();
+  for (std::size_t i = 0; i < kEventCount; ++i) {
+    if (events.has(static_cast<Event>(i))) json.push_back(event_name(static_cast<Event>(i)));
+  }
+  return json;
+}
+
+// Vectors as arrays x, y, z; covariances as arrays xy, xz, yz.
+Json pose_json(const PoseEstimate<double>& pose, const host::PoseChoice& choice) {
+  Json json;
+  json["time_ns"] = pose.time_valid ? Json(pose.time_ns) : Json();
+  host::visit_pose(
+      pose, choice,
+      [&](const host::PoseName& name, const VectorEstimate<double>& vector) {
+        json[name.value()] = array_of(vector.value);
+        json[name.standard_deviation()] = array_of(vector.standard_deviation());
+        if (!name.squared_unit.empty()) {
+          Json& covariances = json[name.covariances()] = Json::array();
+          for (const auto& pair : host::kAxisPairs) {
+            covariances.push_back(vector.covariance(pair[0], pair[1]));
+          }
+        }
+        json[name.provenance()] = provenance_name(vector.provenance);
+      },
+      [&](const host::PoseName& name, const Quantity<double>& quantity) {
+        json[name.value()] = quantity.value;
+        json[name.standard_deviation()] = quantity.standard_deviation;
+        json[name.provenance()] = provenance_name(quantity.provenance);
+      });
+  json["nis"] = pose.nis;
+  json["events"] = events_json(pose.events);
+  return json;
+}
+
 }  // namespace
 
-std::string estimate_line(const BoxEstimate& box) {
+std::string estimate_line(const BoxEstimate& box, const host::PoseChoice& pose) {
   const RecommendedEstimate<double>& estimate = box.estimate;
   Json json;
   json["run"] = box.run;
@@ -69,12 +112,8 @@ std::string estimate_line(const BoxEstimate& box) {
         });
     json["impedance"] = impedance;
   }
-  Json events = Json::array();
-  for (std::size_t i = 0; i < kEventCount; ++i) {
-    if (estimate.events.has(static_cast<Event>(i)))
-      events.push_back(event_name(static_cast<Event>(i)));
-  }
-  json["events"] = events;
+  if (box.has_pose) json["pose"] = pose_json(box.pose, pose);
+  json["events"] = events_json(estimate.events);
   return json.dump();
 }
 

@@ -4,13 +4,14 @@
 #include <string>
 
 #include "box/realtime/box_estimate.h"
+#include "hosted/estimates/pose_choice.h"
 
 namespace condyle::box {
 
 /// An estimate as one line of JSON, without the line's end. Numbers read back to the same bits;
 /// unknown values are null. Every value has its standard deviation and its provenance. A
 /// microcontroller's estimate includes its delay; if the microcontroller is away, a line states
-/// that.
-std::string estimate_line(const BoxEstimate& estimate);
+/// that. `pose`: what is shown of a whole pose, if the estimate has one.
+std::string estimate_line(const BoxEstimate& estimate, const host::PoseChoice& pose = {});
 
 }  // namespace condyle::box

@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "box/outlets/estimate_text.h"
 #include "hosted/files/input_error.h"
@@ -44,8 +45,8 @@ int connected_socket(const std::string& address, std::uint16_t port) {
 }  // namespace
 
 Publisher::Publisher(EstimateHistory& history, const std::string& address, std::uint16_t port,
-                     hal::Clock& clock)
-    : history_(history), clock_(clock) {
+                     hal::Clock& clock, host::PoseChoice pose)
+    : history_(history), clock_(clock), pose_(std::move(pose)) {
   if (port != 0) socket_ = connected_socket(address, port);
 }
 
@@ -80,7 +81,7 @@ bool Publisher::take_some() {
   BoxEstimate estimate;
   for (int i = 0; i < kMostBetweenTicks; ++i) {
     if (!ring_->pop(estimate)) return true;
-    std::string line = estimate_line(estimate);
+    std::string line = estimate_line(estimate, pose_);
     if (socket_ >= 0) {
       const bool is_sent = ::send(socket_, line.data(), line.size(), MSG_DONTWAIT | MSG_NOSIGNAL) ==
                            static_cast<ssize_t>(line.size());

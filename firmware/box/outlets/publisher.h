@@ -10,6 +10,7 @@
 #include "box/outlets/estimate_history.h"
 #include "box/realtime/box_estimate.h"
 #include "condyle/hal/clock.h"
+#include "hosted/estimates/pose_choice.h"
 
 namespace condyle::box {
 
@@ -23,9 +24,10 @@ struct PublisherCounts {
 /// JSON, and keeps the latest. It never delays the real-time thread.
 class Publisher {
  public:
-  /// `port` 0 sends nothing. Throws an InputError if `address` cannot be sent to.
+  /// `port` 0 sends nothing. Throws an InputError if `address` cannot be sent to. `pose`: what is
+  /// shown of the whole pose.
   Publisher(EstimateHistory& history, const std::string& address, std::uint16_t port,
-            hal::Clock& clock);
+            hal::Clock& clock, host::PoseChoice pose = {});
   ~Publisher();
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
@@ -43,6 +45,7 @@ class Publisher {
 
   EstimateHistory& history_;
   hal::Clock& clock_;
+  const host::PoseChoice pose_;
   int socket_ = -1;
   EstimateRing* ring_ = nullptr;
   std::function<void()> tick_;

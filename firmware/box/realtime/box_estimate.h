@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "condyle/estimator/pose/pose_estimate.h"
 #include "condyle/estimator/sensors/driven_sensor.h"
 #include "condyle/firmware/ring.h"
 
@@ -29,6 +30,8 @@ struct BoxEstimate {
   NodeMark node;
   bool has_impedance = false;  ///< the facebow measures a drive: `estimate.impedance` holds
   DrivenEstimate<double> estimate;
+  bool has_pose = false;  ///< `pose` holds; it may be without values
+  PoseEstimate<double> pose;
 };
 
 /// 8 s at 500 Hz.

@@ -7,6 +7,7 @@
 
 #include "box/realtime/real_time.h"
 #include "condyle/firmware/sensor_choice.h"
+#include "condyle/firmware/sensor_with_pose.h"
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/log/recorded_source.h"
 #include "hosted/devices/run_settings.h"
@@ -63,6 +64,7 @@ Engine::Engine(ReconnectingSource& source, const hal::DeviceProfile& profile,
       profile_(profile),
       parameters_(configuration.parameters),
       followed_(configuration.followed),
+      has_pose_(configuration.pose.has_value()),
       lag_(configuration.lag),
       priority_(configuration.priority),
       clock_(clock),
@@ -128,8 +130,14 @@ void Engine::do_run(hal::SessionLogWriter* log) {
       {profile_.kind, profile_.drive_N.has_value(), parameters_, lag_,
        FollowedPoint{.point = followed_.point, .body_point_m = {}}, followed_.axis},
       [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
-        Sensor sensor(arguments...);
-        estimate_run(facebow, sensor);
+        if (has_pose_) {
+          firmware::SensorWithPose<Sensor> sensor(PoseSensor<double>(parameters_, lag_),
+                                                  arguments...);
+          estimate_run(facebow, sensor);
+        } else {
+          Sensor sensor(arguments...);
+          estimate_run(facebow, sensor);
+        }
       });
 }
 

@@ -89,6 +89,7 @@ class Engine {
   hal::DeviceProfile profile_;
   RecommendedParameters parameters_;
   FollowedCoordinate followed_;
+  bool has_pose_;
   int lag_, priority_;
   hal::Clock& clock_;
 

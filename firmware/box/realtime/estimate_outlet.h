@@ -4,11 +4,11 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <type_traits>
 
 #include "box/realtime/box_estimate.h"
 #include "condyle/firmware/latency_histogram.h"
 #include "condyle/firmware/nonblocking.h"
+#include "condyle/firmware/sensor_with_pose.h"
 
 namespace condyle::box {
 
@@ -67,6 +67,14 @@ class EstimateOutlet {
   const firmware::LatencyHistogram& latency() const { return latency_; }
 
  private:
+  void take(const RecommendedEstimate<double>& estimate) {
+    static_cast<RecommendedEstimate<double>&>(out_.estimate) = estimate;
+    out_.has_impedance = false;
+  }
+  void take(const DrivenEstimate<double>& estimate) {
+    out_.estimate = estimate;
+    out_.has_impedance = true;
+  }
   static void raise(std::atomic<std::uint64_t>& counter) {
     counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   }
@@ -83,8 +91,11 @@ class EstimateOutlet {
 template <class Estimate>
 void EstimateOutlet::publish(const Estimate& estimate, TimeNs arrival_ns,
                              const NodeMark& node) CONDYLE_NONBLOCKING {
-  static_cast<Estimate&>(out_.estimate) = estimate;
-  out_.has_impedance = std::is_same_v<Estimate, DrivenEstimate<double>>;
+  take(estimate);
+  if constexpr (firmware::kHasPose<Estimate>) {
+    out_.has_pose = true;
+    out_.pose = estimate.pose;
+  }
   out_.arrival_ns = arrival_ns;
   out_.node = node;
   ++out_.number;

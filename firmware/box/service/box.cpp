@@ -34,10 +34,15 @@ Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
       nominal_rate_Hz_(facebow_.profile().rate_Hz),
       keeper_(configuration_, facebow_, clock, log, wall_ns_),
       history_(kHistoryLines),
-      publisher_(history_, configuration_.udp_address, configuration_.udp_port, clock),
+      publisher_(history_, configuration_.udp_address, configuration_.udp_port, clock,
+                 configuration_.pose.value_or(host::PoseChoice())),
       http_(configuration_, history_, service(), log) {
   if (!is_available(facebow_.profile().kind, configuration_.followed)) {
     throw host::InputError("[facebow] point", "the facebow has one point", "leave it out");
+  }
+  if (configuration_.pose) {
+    host::refuse_without_pose("[pose] estimate: the facebow", facebow_.profile().kind,
+                              "leave it out");
   }
   wall_offset_ns_ = wall_ns_() - clock_.now_ns();
 }

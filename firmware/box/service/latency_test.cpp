@@ -54,7 +54,8 @@ std::string test_latency(const Configuration& configuration, double duration_s, 
   ReconnectingSource source(facebow.source(), clock);
   const auto engine = std::make_unique<Engine>(source, facebow.profile(), configuration, clock);
   EstimateHistory history(1);
-  Publisher publisher(history, configuration.udp_address, configuration.udp_port, clock);
+  Publisher publisher(history, configuration.udp_address, configuration.udp_port, clock,
+                      configuration.pose.value_or(host::PoseChoice()));
   publisher.start(engine->outlet().ring(), [] {});
   engine->start();
   while (engine->scheduling().empty()) clock.sleep_until(clock.now_ns() + 1'000'000);

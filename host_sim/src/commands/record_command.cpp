@@ -11,6 +11,7 @@
 #include "condyle/firmware/latency_histogram.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/firmware/sensor_choice.h"
+#include "condyle/firmware/sensor_with_pose.h"
 #include "condyle/hal/hid/profile_check.h"
 #include "condyle/hal/report/device_facebow.h"
 #include "hosted/config/parameter_file.h"
@@ -34,6 +35,7 @@ struct RecordOptions {
   std::string backend = "hidapi";
   std::string serial;
   FollowedChoice choice;
+  PoseOptions pose;
   double duration_s = 0, idle_s = 0;
   std::uint64_t samples = 0;
 };
@@ -104,6 +106,22 @@ class Monitor {
   bool is_terminal_ = isatty(STDERR_FILENO) != 0, has_line_ = false;
 };
 
+// What is written live; either may be absent.
+struct LiveFiles {
+  std::unique_ptr<LiveEstimates> estimates;
+  std::unique_ptr<LivePoses> poses;
+
+  void finish() {
+    if (estimates) estimates->finish();
+    if (poses) poses->finish();
+  }
+  // Why a file is not complete; empty if all are.
+  std::string problem() const {
+    const std::string problem = estimates ? estimates->problem() : "";
+    return problem.empty() && poses ? poses->problem() : problem;
+  }
+};
+
 std::string latency_text(const firmware::LatencyHistogram& latency) {
   if (latency.count() == 0) return "no samples";
   const auto us = [](TimeNs time_ns) { return static_cast<double>(time_ns) * 1e-3; };
@@ -115,7 +133,7 @@ std::string latency_text(const firmware::LatencyHistogram& latency) {
 std::string summary(const RecordOptions& options, const hal::DeviceProfile& profile,
                     const hal::DeviceFacebow& facebow, const hal::SessionLogStatus& log,
                     const std::vector<std::unique_ptr<RecordedCompanion>>& companions,
-                    const LiveEstimates* estimates, const firmware::LatencyHistogram& latency,
+                    const LiveFiles& files, const firmware::LatencyHistogram& latency,
                     TimeNs elapsed_ns) {
   ReportText report(12);
   const auto line = [&report](const char* label, const std::string& words) {
@@ -136,18 +154,19 @@ std::string summary(const RecordOptions& options, const hal::DeviceProfile& prof
        fmt::format("{}: {} reports, {} events, {} bytes; {} reports and {} events were dropped",
                    options.out, log.reports_written, log.events_written, log.bytes_written,
                    log.reports_lost, log.events_lost));
-  if (estimates != nullptr) {
-    line("estimates",
-         options.estimates + (estimates->dropped() > 0
-                                  ? fmt::format("; {} rows were dropped", estimates->dropped())
-                                  : ""));
-  }
+  const auto live_line = [&](const char* label, const std::string& path, const auto& file) {
+    if (!file) return;
+    const std::uint64_t dropped = file->dropped();
+    line(label, path + (dropped > 0 ? fmt::format("; {} rows were dropped", dropped) : ""));
+  };
+  live_line("estimates", options.estimates, files.estimates);
+  live_line("poses", options.pose.file, files.poses);
   return report.text();
 }
 
 int record_devices(const RecordOptions& options, const std::vector<SessionDevice>& devices,
                    const RecommendedParameters& parameters, hal::SessionLogWriter& log,
-                   LiveEstimates* estimates, hal::Clock& clock) {
+                   LiveFiles& files, hal::Clock& clock) {
   const hal::DeviceProfile& profile = devices.front().profile;
   hal::RecordedSource source(devices.front().device->source(), log, 0, clock);
   hal::DeviceFacebow facebow(source, hal::layout_of(profile));
@@ -172,8 +191,11 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
         facebow, clock, sensor, settings, counts,
         [&](const Sample&, const auto& estimate) {
           latency.add(clock.now_ns() - facebow.last_arrival_ns());
-          if (estimates != nullptr && estimate.is_ready) {
-            estimates->add(row_of(estimate, options.choice.followed.axis));
+          if (files.estimates && estimate.is_ready) {
+            files.estimates->add(row_of(estimate, options.choice.followed.axis));
+          }
+          if constexpr (firmware::kHasPose<std::remove_cvref_t<decltype(estimate)>>) {
+            if (estimate.pose.is_ready) files.poses->add(estimate.pose);
           }
         },
         [&] {
@@ -188,23 +210,27 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
       {profile.kind, profile.drive_N.has_value(), parameters, 0, options.choice.point(),
        options.choice.followed.axis},
       [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
-        run(Sensor(arguments...));
+        if (files.poses) {
+          run(firmware::SensorWithPose<Sensor>(PoseSensor<double>(parameters), arguments...));
+        } else {
+          run(Sensor(arguments...));
+        }
       });
   monitor.end_line();
   const TimeNs elapsed_ns = monitor.elapsed_ns();
   facebow.close();
   for (const auto& companion : companions) companion->companion.stop();
   const hal::SessionLogFailure failure = log.close();
-  if (estimates != nullptr) estimates->finish();
+  files.finish();
   print_output(
-      summary(options, profile, facebow, log.status(), companions, estimates, latency, elapsed_ns));
+      summary(options, profile, facebow, log.status(), companions, files, latency, elapsed_ns));
   if (failure != hal::SessionLogFailure::none) {
     print_error(fmt::format("{}: recording stopped: {}; the part already on the disk is intact",
                             options.out, hal::session_log_failure_name(failure)));
     return kExitBadInput;
   }
-  if (estimates == nullptr || estimates->problem().empty()) return kExitOk;
-  print_error(estimates->problem() + "; the recording is complete; replay it to get the estimates");
+  if (files.problem().empty()) return kExitOk;
+  print_error(files.problem() + "; the recording is complete; replay it to get the estimates");
   return kExitBadInput;
 }
 
@@ -230,7 +256,7 @@ int record(const RecordOptions& options) {
     companions.push_back(split_serial(text));
     inputs.push_back(companions.back().first);
   }
-  refuse_same_files(inputs, {options.out, options.estimates});
+  refuse_same_files(inputs, {options.out, options.estimates, options.pose.file});
   if (options.companions.size() >= hal::kMaxSessionSources) {
     throw InputError("--companion", "too many devices for one log",
                      fmt::format("give at most {}", hal::kMaxSessionSources - 1));
@@ -245,6 +271,8 @@ int record(const RecordOptions& options) {
   reject_duplicate_devices(devices);
   const SampleKind kind = devices.front().profile.kind;
   options.choice.check(options.profile, kind);
+  const PoseChoice pose = options.pose.choice();
+  if (!options.pose.file.empty()) refuse_without_pose(options.profile, kind, "leave out --pose");
   for (SessionDevice& device : devices) probe_device(device, stop_requested);
 
   hal::SessionHeader header;
@@ -261,11 +289,14 @@ int record(const RecordOptions& options) {
   }
   RecommendedParameters parameters;
   if (!options.parameters.empty()) parameters = load_recommended_parameters(options.parameters);
-  std::unique_ptr<LiveEstimates> estimates;
+  LiveFiles files;
   if (!options.estimates.empty()) {
-    estimates =
+    files.estimates =
         std::make_unique<LiveEstimates>(options.estimates, kind == SampleKind::one_axis ? 1 : 3,
                                         devices.front().profile.drive_N.has_value());
+  }
+  if (!options.pose.file.empty()) {
+    files.poses = std::make_unique<LivePoses>(options.pose.file, pose);
   }
   hal::SessionLogWriter log;
   const hal::SessionLogFailure failure = log.open(options.out, header);
@@ -276,7 +307,7 @@ int record(const RecordOptions& options) {
     throw InputError(options.out, hal::session_log_failure_name(failure),
                      "name a new file in a writable folder");
   }
-  return record_devices(options, devices, parameters, log, estimates.get(), clock);
+  return record_devices(options, devices, parameters, log, files, clock);
 }
 
 }  // namespace
@@ -310,6 +341,7 @@ Command add_record(CommandLine app) {
   command.add_option("--parameters=FILE", options->parameters,
                      "TOML file with parameters of the recommended estimator");
   add_followed_options(command, options->choice);
+  add_pose_options(command, options->pose);
   command.add_option("--duration-s", options->duration_s, "Stop after this time; 0: never")
       .number_in({0, 1e7})
       .show_default();

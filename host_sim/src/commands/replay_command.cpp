@@ -9,6 +9,7 @@
 #include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/firmware/sensor_choice.h"
+#include "condyle/firmware/sensor_with_pose.h"
 #include "condyle/hal/clock.h"
 #include "estimation/replayed_drive.h"
 #include "hosted/config/parameter_file.h"
@@ -20,6 +21,7 @@
 #include "output/device_values.h"
 #include "output/estimates_file.h"
 #include "output/figures.h"
+#include "output/pose_file.h"
 #include "output/progress.h"
 #include "output/replay_summary.h"
 #include "output/report_text.h"
@@ -39,6 +41,7 @@ struct ReplayOptions : RecordingChoice {
   double speed = 0;
   std::string drive;  // a recording of its own
   DriveStatement drive_stated;
+  PoseOptions pose;
 };
 
 // The recording, and what is followed in it.
@@ -46,9 +49,13 @@ std::string recording_text(const ReplayOptions& options, const RecordingInfo& in
   return fmt::format("{}, {}, {}", options.recording, info.format, options.text(info.kind));
 }
 
+std::vector<std::string> pose_warnings(const ReplayOptions& options, const PoseSummary& pose) {
+  return options.pose.file.empty() ? std::vector<std::string>() : pose.warnings();
+}
+
 std::string summary_json(const ReplayOptions& options, const RecordingInfo& info,
-                         const std::vector<std::string>& drive_notes,
-                         const ReplaySummary& summary) {
+                         const std::vector<std::string>& drive_notes, const ReplaySummary& summary,
+                         const PoseSummary& pose) {
   nlohmann::ordered_json json = {
       {"format", "condyle-replay-1"},
       {"condyle", CONDYLE_VERSION},
@@ -63,6 +70,9 @@ std::string summary_json(const ReplayOptions& options, const RecordingInfo& info
   for (const std::string& note : info.notes) notes.push_back(clean_line(note));
   for (const std::string& note : drive_notes) notes.push_back(clean_line(note));
   json["warnings"] = summary.warnings();
+  for (const std::string& warning : pose_warnings(options, pose)) {
+    json["warnings"].push_back(warning);
+  }
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
@@ -79,6 +89,11 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   if (!options.out.empty()) {
     estimates = std::make_unique<EstimatesFile>(options.out, axis_count, has_impedance);
   }
+  std::unique_ptr<PoseFile> poses;
+  if (!options.pose.file.empty()) {
+    poses = std::make_unique<PoseFile>(options.pose.file, options.pose.choice());
+  }
+  PoseSummary pose_summary;
   FigureData figure_data;
   firmware::RunCounts counts;
   {
@@ -90,6 +105,12 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
           if (row && estimates) estimates->write_row(*row);
           if (row && figure_folder) figure_data.add(*row);
           if (row) summary.add(*row);
+          if constexpr (firmware::kHasPose<typename Sensor::Estimate>) {
+            if (estimate.pose.is_ready) {
+              poses->write_row(estimate.pose);
+              pose_summary.add(estimate.pose);
+            }
+          }
           progress.show(facebow.progress());
         },
         [&] { return stop_requested() || !facebow.problem().empty(); });
@@ -113,21 +134,23 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
     value_notes =
         write_device_values(options.recording, options.reading.profile, options.values, values);
     for (const auto& file : values) {
-      refuse_same_files(
-          {options.recording, options.estimator.parameters, options.reading.profile, options.out},
-          {file->path()});
+      refuse_same_files({options.recording, options.estimator.parameters, options.reading.profile,
+                         options.out, options.pose.file},
+                        {file->path()});
     }
   }
   if (estimates) estimates->close();
+  if (poses) poses->close();
   if (stop_requested()) {
     return report_stop();
   }
   if (estimates) estimates->commit();
+  if (poses) poses->commit();
   for (const auto& figure : figures) figure->commit();
   for (const auto& file : values) file->commit();
 
   if (options.as_json) {
-    print_output(summary_json(options, facebow.info(), drive_notes, summary));
+    print_output(summary_json(options, facebow.info(), drive_notes, summary, pose_summary));
     return kExitOk;
   }
   ReportText report(12);
@@ -138,7 +161,9 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   for (const std::string& note : facebow.info().notes) line("note", note);
   for (const std::string& note : drive_notes) line("note", note);
   report.add(summary.text());
+  if (poses) line("pose", pose_summary.text());
   if (estimates) line("estimates", options.out);
+  if (poses) line("poses", options.pose.file);
   for (const auto& figure : figures) {
     if (figure->path().ends_with(".png")) line("figure", figure->path() + " (and .svg)");
   }
@@ -150,6 +175,9 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   print_output(report.text());
   if (!summary.unusable().empty()) return kExitOk;
   for (const std::string& warning : summary.warnings()) print_error("warning: " + warning);
+  for (const std::string& warning : pose_warnings(options, pose_summary)) {
+    print_error("warning: " + warning);
+  }
   return kExitOk;
 }
 
@@ -194,14 +222,29 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
       {info.kind, channel || info.has_drive, parameters, options.estimator.lag,
        options.point(&fits), options.followed.axis},
       [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
-        if constexpr (firmware::kIdentifying<Sensor>) {
-          ReplayedDriveSensor<Sensor> sensor(channel ? &*channel : nullptr,
-                                             parameters.impedance.drive.delay_s, arguments...);
+        const auto conclude = [&](auto& sensor) {
           summary.set_conclusion([&] { return sensor.conclude(); });
           summary.set_drive([&] { return sensor.notes(); });
           return run(sensor, true);
+        };
+        DriveChannel* const drive = channel ? &*channel : nullptr;
+        const double delay_s = parameters.impedance.drive.delay_s;
+        if (options.pose.file.empty()) {
+          if constexpr (firmware::kIdentifying<Sensor>) {
+            ReplayedDriveSensor<Sensor> sensor(drive, delay_s, arguments...);
+            return conclude(sensor);
+          } else {
+            Sensor sensor(arguments...);
+            return run(sensor, false);
+          }
+        }
+        const PoseSensor<double> pose(parameters, options.estimator.lag);
+        if constexpr (firmware::kIdentifying<Sensor>) {
+          firmware::SensorWithPose<ReplayedDriveSensor<Sensor>> sensor(pose, drive, delay_s,
+                                                                       arguments...);
+          return conclude(sensor);
         } else {
-          Sensor sensor(arguments...);
+          firmware::SensorWithPose<Sensor> sensor(pose, arguments...);
           return run(sensor, false);
         }
       });
@@ -210,7 +253,8 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
 int replay(const ReplayOptions& options) {
   refuse_same_files(
       {options.recording, options.estimator.parameters, options.reading.profile, options.drive},
-      {options.out});
+      {options.out, options.pose.file});
+  static_cast<void>(options.pose.choice());  // to report bad points before the work
   hal::SteadyClock clock;
   ReplayFacebow facebow(options.recording, options.reading, options.speed, clock);
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
@@ -219,6 +263,10 @@ int replay(const ReplayOptions& options) {
   const firmware::RunSettings settings = facebow.run_settings(options.followed);
   options.estimator.refuse_if_published("--lag", options.estimator.lag > 0);
   options.estimator.refuse_if_published("--jaw-point-mm", !options.jaw_point_mm.empty());
+  options.estimator.refuse_if_published("--pose", !options.pose.file.empty());
+  if (!options.pose.file.empty()) {
+    refuse_without_pose(options.recording, info.kind, "leave out --pose");
+  }
   options.estimator.refuse_if_published("--drive",
                                         !options.drive.empty() || options.drive_stated.is_given());
   if (!options.drive.empty() && info.has_drive) {
@@ -248,6 +296,8 @@ Command add_replay(CommandLine app) {
                       "Write one row of estimates for each sample, and draw them.");
   command.add_example("condyle replay jaw.csv --drive jaw.drive.csv --drive-missing 0",
                       "Measure friction and mass with a complete force sensor.");
+  command.add_example("condyle replay jaw.csv --pose pose.csv --pose-point incisor 0 80 -30",
+                      "Write the whole pose of each sample, and the motion of the incisor.");
   command
       .add_option("RECORDING", options->recording,
                   "CSV, ArtiSynth probe text, Zebris XML, SSFF, session log (MCAP) or capture of "
@@ -256,6 +306,7 @@ Command add_replay(CommandLine app) {
       .required();
   add_estimator_options(command, options->estimator);
   add_recording_options(command, *options);
+  add_pose_options(command, options->pose);
   command.add_option("--speed", options->speed, "0 as fast as possible, 1 real time")
       .number_in({0, 1e6})
       .show_default();

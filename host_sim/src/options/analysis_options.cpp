@@ -3,8 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
+#include "hosted/files/input_error.h"
+#include "hosted/files/number_text.h"
+
 namespace condyle::host {
 namespace {
+
+constexpr double kFarthestPoint_mm = 1000;
 
 CommandLine group_of(CommandLine command) {
   return command.group("What is read and followed");
@@ -30,7 +37,7 @@ void add_followed_options(CommandLine line, FollowedChoice& choice, JawPoints ja
                   "X Y Z of a point fixed to the jaw, in the frame of the three points (origin "
                   "point 1, x from point 3 to 2, z in their plane towards the middle of 2 and 3)")
       .values(3)
-      .number_in({-1000, 1000})
+      .number_in({-kFarthestPoint_mm, kFarthestPoint_mm})
       .excludes(point);
 }
 
@@ -77,6 +84,47 @@ void add_estimator_options(CommandLine line, EstimatorChoice& choice) {
       .show_default();
   command.add_option("--parameters=FILE", choice.parameters,
                      "TOML file with the parameters of the estimator");
+}
+
+PoseChoice PoseOptions::choice() const {
+  PoseChoice choice;
+  choice.twist_axis = static_cast<Axis>(twist_axis[0] - 'x');
+  for (std::size_t i = 0; i + 3 < point_words.size(); i += 4) {
+    JawPoint point{.name = point_words[i]};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::string& word = point_words[i + 1 + axis];
+      double coordinate_mm = 0;
+      if (parse_number(word, coordinate_mm) != NumberStatus::ok ||
+          std::abs(coordinate_mm) > kFarthestPoint_mm) {
+        throw InputError("--pose-point " + point.name,
+                         quote(word) + " is not a coordinate from -1000 to 1000 mm",
+                         "give NAME X Y Z, such as incisor 0 80 -30");
+      }
+      point.jaw_m[static_cast<Eigen::Index>(axis)] = coordinate_mm * 1e-3;
+    }
+    choice.add_point("--pose-point", point);
+  }
+  return choice;
+}
+
+void add_pose_options(CommandLine line, PoseOptions& options) {
+  const CommandLine command = line.group("Whole pose");
+  const Option pose = command.add_option(
+      "--pose=FILE", options.file,
+      "CSV file for the estimates of position and orientation of the jaw, from three points or a "
+      "pose");
+  command
+      .add_option("--pose-point", options.point_words,
+                  "NAME X Y Z (mm) of a point fixed to the jaw, in the frame of --jaw-point-mm, "
+                  "whose motion is written too; may be given several times")
+      .values_each(4)
+      .needs(pose);
+  command
+      .add_option("--twist-axis", options.twist_axis,
+                  "Axis of the instrument about which the jaw's turn counts as twist")
+      .one_of({"x", "y", "z"})
+      .show_default()
+      .needs(pose);
 }
 
 void add_drive_options(CommandLine line, DriveStatement& drive) {

@@ -5,6 +5,7 @@
 
 #include "estimation/drive_statement.h"
 #include "estimation/estimator_choice.h"
+#include "hosted/estimates/pose_choice.h"
 #include "options/command_line.h"
 #include "recordings/recording_choice.h"
 
@@ -30,6 +31,19 @@ void add_recording_options(CommandLine command, RecordingChoice& choice,
 
 /// --estimator, --lag and --parameters.
 void add_estimator_options(CommandLine command, EstimatorChoice& choice);
+
+/// What `add_pose_options` fills.
+struct PoseOptions {
+  std::string file;  ///< empty: the pose is not estimated
+  std::vector<std::string> point_words;
+  std::string twist_axis = "x";
+
+  /// The choice. Throws InputError for points that cannot be.
+  PoseChoice choice() const;
+};
+
+/// --pose, --pose-point and --twist-axis.
+void add_pose_options(CommandLine command, PoseOptions& options);
 
 /// --drive-missing and the other properties of a measured drive.
 void add_drive_options(CommandLine command, DriveStatement& drive);

@@ -5,6 +5,7 @@
 
 #include "hosted/estimates/estimate_fields.h"
 #include "hosted/files/number_text.h"
+#include "output/event_text.h"
 
 namespace condyle::host {
 namespace {
@@ -132,7 +133,7 @@ struct Header {
 };
 
 // Appends the values of the columns.
-struct Row {
+struct RowText {
   std::string& line;
 
   template <class Name>
@@ -145,15 +146,7 @@ struct Row {
   }
   template <class Name>
   void events(const Name&, EventSet events) {
-    line += ',';
-    bool first = true;
-    for (std::size_t i = 0; i < kEventCount; ++i) {
-      const auto event = static_cast<Event>(i);
-      if (!events.has(event)) continue;
-      if (!first) line += '|';
-      line += event_name(event);
-      first = false;
-    }
+    append_events(line += ',', events);
   }
 };
 
@@ -169,8 +162,8 @@ EstimatesFile::EstimatesFile(const std::string& path, int axis_count, bool has_i
 void EstimatesFile::write_row(const EstimateRow& row) {
   row_.clear();
   if (row.time_ns) append_time_s(row_, *row.time_ns);
-  Row fields{row_};
-  Columns<Row>(fields).visit(row, axis_count_, has_impedance_);
+  RowText fields{row_};
+  Columns<RowText>(fields).visit(row, axis_count_, has_impedance_);
   row_ += '\n';
   file_.write(row_);
 }

@@ -12,6 +12,8 @@ namespace condyle::host {
 /// not computed.
 class EstimatesFile {
  public:
+  using Row = EstimateRow;
+
   /// `axis_count`: 0 for the published cascade; otherwise the recommended estimator's 1 or 3, whose
   /// columns follow the common ones. `has_impedance`: the rows have a joint estimate, whose columns
   /// come last.

@@ -15,4 +15,15 @@ std::string event_text(const EventCounts& counts) {
   return text.empty() ? "none" : text;
 }
 
+void append_events(std::string& text, EventSet events) {
+  bool first = true;
+  for (std::size_t i = 0; i < kEventCount; ++i) {
+    const auto event = static_cast<Event>(i);
+    if (!events.has(event)) continue;
+    if (!first) text += '|';
+    text += event_name(event);
+    first = false;
+  }
+}
+
 }  // namespace condyle::host

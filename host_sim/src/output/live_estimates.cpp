@@ -9,16 +9,13 @@
 
 namespace condyle::host {
 
-LiveEstimates::LiveEstimates(const std::string& path, int axis_count, bool has_impedance)
-    : file_(path, axis_count, has_impedance) {
-  thread_ = std::thread([this] { run(); });
-}
-
-LiveEstimates::~LiveEstimates() {
+template <class File>
+LiveFile<File>::~LiveFile() {
   interrupt_writer();
 }
 
-void LiveEstimates::add(const EstimateRow& row) {
+template <class File>
+void LiveFile<File>::add(const Row& row) {
   {
     const std::lock_guard lock(mutex_);
     if (has_ended_ || rows_.size() >= kRoom) {
@@ -30,13 +27,14 @@ void LiveEstimates::add(const EstimateRow& row) {
   changed_.notify_one();
 }
 
-void LiveEstimates::run() {
+template <class File>
+void LiveFile<File>::run() {
   std::unique_lock lock(mutex_);
   try {
     for (;;) {
       changed_.wait(lock, [this] { return ends_ || !rows_.empty(); });
       if (rows_.empty()) break;
-      const EstimateRow row = rows_.front();
+      const Row row = rows_.front();
       rows_.pop_front();
       lock.unlock();
       file_.write_row(row);
@@ -57,7 +55,8 @@ void LiveEstimates::run() {
   changed_.notify_all();
 }
 
-void LiveEstimates::finish() {
+template <class File>
+void LiveFile<File>::finish() {
   constexpr std::chrono::seconds kPatience(2);
   {
     std::unique_lock lock(mutex_);
@@ -75,7 +74,8 @@ void LiveEstimates::finish() {
 
 // A stalled reader blocks the thread in a write, which only a signal ends; the command's handler of
 // SIGTERM has no other effect at this point.
-void LiveEstimates::interrupt_writer() {
+template <class File>
+void LiveFile<File>::interrupt_writer() {
   if (!thread_.joinable()) return;
   std::unique_lock lock(mutex_);
   ends_ = true;
@@ -91,9 +91,13 @@ void LiveEstimates::interrupt_writer() {
   thread_.join();
 }
 
-std::string LiveEstimates::problem() const {
+template <class File>
+std::string LiveFile<File>::problem() const {
   const std::lock_guard lock(mutex_);
   return problem_;
 }
+
+template class LiveFile<EstimatesFile>;
+template class LiveFile<PoseFile>;
 
 }  // namespace condyle::host

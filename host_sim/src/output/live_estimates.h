@@ -8,23 +8,30 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "output/estimates_file.h"
+#include "output/pose_file.h"
 
 namespace condyle::host {
 
 /// A thread writes. Rows are dropped and counted if a slow reader leaves no room. An error of the
-/// file ends the writing, not the recording.
-class LiveEstimates {
+/// file ends the writing, not the recording. `File`: EstimatesFile or PoseFile.
+template <class File>
+class LiveFile {
  public:
-  /// Throws InputError if the file cannot be made.
-  LiveEstimates(const std::string& path, int axis_count, bool has_impedance);
-  ~LiveEstimates();
-  LiveEstimates(const LiveEstimates&) = delete;
-  LiveEstimates& operator=(const LiveEstimates&) = delete;
+  using Row = typename File::Row;
+
+  /// The arguments make the file. Throws InputError if it cannot be made.
+  template <class... Arguments>
+  explicit LiveFile(Arguments&&... arguments)
+      : file_(std::forward<Arguments>(arguments)...), thread_([this] { run(); }) {}
+  ~LiveFile();
+  LiveFile(const LiveFile&) = delete;
+  LiveFile& operator=(const LiveFile&) = delete;
 
   /// Never waits for the file.
-  void add(const EstimateRow& row);
+  void add(const Row& row);
   /// Writes the remaining rows and renames the file; abandons a reader that stalls for two seconds.
   void finish();
 
@@ -39,14 +46,20 @@ class LiveEstimates {
   void run();
   void interrupt_writer();
 
-  EstimatesFile file_;
+  File file_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<EstimateRow> rows_;
+  std::deque<Row> rows_;
   bool ends_ = false, has_ended_ = false, is_finished_ = false;
   std::uint64_t dropped_ = 0, written_ = 0;
   std::string problem_;
   std::thread thread_;
 };
+
+extern template class LiveFile<EstimatesFile>;
+extern template class LiveFile<PoseFile>;
+
+using LiveEstimates = LiveFile<EstimatesFile>;
+using LivePoses = LiveFile<PoseFile>;
 
 }  // namespace condyle::host

@@ -47,6 +47,10 @@ class ReplaySummary {
   /// "value +- half of the interval of `level`, unit, provenance".
   static std::string with_interval(const Quantity<double>& quantity, double shown_per_si,
                                    const char* unit, const char* level);
+  // The standard deviation of the mean NIS of this many innovations is 14 %, of fewer larger.
+  static constexpr std::uint64_t kFewestInnovations = 100;
+  /// Whether a mean NIS, per axis, is consistent with the stated noise.
+  static bool is_trusted(double mean_nis);
   /// Adds a line of a summary.
   static void add_line(std::string& text, const char* label, const std::string& words);
 
@@ -63,9 +67,7 @@ class ReplaySummary {
   /// there are not.
   bool has_enough() const { return judged_ >= kFewestInnovations; }
   std::string too_few_text() const;
-  /// Whether a mean NIS is consistent with the stated noise; and the line for the case that it is
-  /// not.
-  static bool is_trusted(double mean_nis);
+  /// The line for the case that a mean NIS is not consistent with the stated noise.
   static std::string distrust_text(double mean_nis);
   /// The line with the text of `unusable`.
   std::string unusable_text() const;
@@ -96,9 +98,6 @@ class ReplaySummary {
   StepWatch step_watch_;
   std::function<std::vector<std::string>()> drive_;
   std::function<ImpedanceEstimate<double>()> conclusion_;
-  // The standard deviation of the mean NIS of this many innovations is 14 %, of fewer larger.
-  static constexpr std::uint64_t kFewestInnovations = 100;
-
   std::uint64_t samples_ = 0, innovations_ = 0, judged_ = 0;  // judged: not of rejected samples
   std::uint64_t positions_ = 0;
   std::array<double, 3> first_m_{};

@@ -14,7 +14,8 @@ namespace condyle::firmware {
 template <class Value, std::size_t kCapacity>
 class Ring {
   static_assert(kCapacity > 0 && (kCapacity & (kCapacity - 1)) == 0);
-  static_assert(std::is_trivially_copyable_v<Value>);
+  // A value that owned memory would have to free it.
+  static_assert(std::is_trivially_destructible_v<Value>);
 
  public:
   /// For the writer: false if there is no room for `value`.
