@@ -159,15 +159,12 @@ std::string section_html(const ReportSection& section, const std::string& landma
                                  html_text(section.recording));
   text += banners(section) + identity(section, landmarks);
   const std::string prefix = fmt::format("recording_{}", number);
-  if (section.analysis) {
-    text += tasks_table(*section.analysis, prefix);
-    text += readings_table(*section.analysis, prefix);
-  }
-  if (section.analysis) text += paths(section);
   text += charts(section);
   if (section.analysis) {
-    text += cycles_table(*section.analysis, prefix) + strokes_table(*section.analysis, prefix) +
-            withheld_table(*section.analysis, prefix);
+    const Analysis& analysis = *section.analysis;
+    text += paths(section) + tasks_table(analysis, prefix) + readings_table(analysis, prefix) +
+            strokes_table(analysis, prefix) + cycles_table(analysis, prefix) +
+            withheld_table(analysis, prefix);
   }
   if (!section.summary.empty()) {
     text +=
