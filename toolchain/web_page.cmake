@@ -16,6 +16,7 @@ else()
     set(CONDYLE_HAS_REPORT ON)
   endif()
 endif()
+set(CONDYLE_HAS_REPORT ${CONDYLE_HAS_REPORT} CACHE INTERNAL "condyle report is built")
 if(NOT CONDYLE_HAS_REPORT)
   message(STATUS "condyle report is left out: ${problem}")
 endif()
@@ -32,9 +33,10 @@ function(condyle_add_page target entry style)
       --target=es2019 --log-level=warning --alias:uplot=${CONDYLE_WEB_PARTS}/dist/uPlot.esm.js
       --legal-comments=none --outfile=${out}/page.js
     COMMAND ${CONDYLE_ESBUILD} ${style} --bundle --minify --charset=ascii --log-level=warning
-      --alias:uplot.css=${CONDYLE_WEB_PARTS}/dist/uPlot.min.css --outfile=${out}/page.css
-    COMMAND ${PROJECT_SOURCE_DIR}/toolchain/page_text ${out}/page.js ${out}/page.css
+      --outfile=${out}/page.css
+    COMMAND ${PROJECT_SOURCE_DIR}/toolchain/page_text ${out}/page.js
       ${CONDYLE_WEB_PARTS}/LICENSE ${out}/page_text.cpp
+      ${CONDYLE_WEB_PARTS}/dist/uPlot.min.css ${out}/page.css
     DEPENDS ${sources} ${PROJECT_SOURCE_DIR}/toolchain/page_text
       ${CONDYLE_WEB_PARTS}/dist/uPlot.esm.js
     COMMENT "Bundling the page of ${name}"

@@ -22,10 +22,7 @@ void ReportSeries::Curve::add(const Curve& other) {
 void ReportSeries::add_to(Run& run, const EstimateRow& row) {
   const auto add = [&](Chart chart, std::size_t axis, const Quantity<double>& quantity) {
     run.curves[chart][axis].add(quantity);
-    if (quantity.provenance == Provenance::not_computed) return;
-    Provenance& weakest = provenance_[chart];
-    weakest = weakest == Provenance::not_computed ? quantity.provenance
-                                                  : std::min(weakest, quantity.provenance);
+    ++provenances_[chart][static_cast<std::size_t>(quantity.provenance)];
   };
   for (std::size_t axis = 0; axis < static_cast<std::size_t>(row.axis_count); ++axis) {
     add(position, axis, row.axes[axis].position_m);
@@ -36,6 +33,12 @@ void ReportSeries::add_to(Run& run, const EstimateRow& row) {
   if (!row.has_impedance) return;
   if (row.friction_Ns_m.provenance == Provenance::measured) add(friction, 0, row.friction_Ns_m);
   if (row.mass_kg.provenance == Provenance::measured) add(mass, 0, row.mass_kg);
+}
+
+Provenance ReportSeries::provenance(Chart chart) const {
+  const auto& counts = provenances_[chart];
+  const auto most = std::max_element(counts.begin() + 1, counts.end());
+  return *most > 0 ? static_cast<Provenance>(most - counts.begin()) : Provenance::not_computed;
 }
 
 void ReportSeries::add(const EstimateRow& row) {

@@ -37,8 +37,8 @@ class ReportSeries {
   const std::vector<Run>& runs() const { return runs_; }
   /// 1 or 3; 0 without a row.
   int axis_count() const { return axis_count_; }
-  /// The weakest provenance of the chart's values; not_computed if it has none.
-  Provenance provenance(Chart chart) const { return provenance_[chart]; }
+  /// The most frequent provenance of the chart's values; not_computed if it has none.
+  Provenance provenance(Chart chart) const;
   /// Times of unusual samples (s), at most kMostRuns.
   const std::vector<double>& event_times_s() const { return event_times_s_; }
   const EventCounts& events() const { return events_; }
@@ -52,7 +52,7 @@ class ReportSeries {
   std::vector<Run> runs_;
   std::uint64_t samples_per_run_ = 1, samples_in_last_run_ = 0;
   int axis_count_ = 0;
-  std::array<Provenance, kCharts> provenance_{};
+  std::array<std::array<std::uint64_t, 4>, kCharts> provenances_{};  // counts
   std::vector<double> event_times_s_;
   EventCounts events_;
 };

@@ -65,6 +65,7 @@ function chartData(chart, time) {
       stroke: style.stroke,
       width: 1,
       dash: assumed ? [1, 4] : style.dash,
+      points: {show: false},
       value: (u, v, s, k) => {
         if (v == null || k == null) return 'none';
         const band = half[k] == null ? '' : ` \u00b1 ${digits(half[k] + (high[k] - low[k]) / 2)}`;
