@@ -200,6 +200,11 @@ TEST(Service, ChecksItsConfigurationAndMeasuresItsLatency) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   };
   EXPECT_EQ(run("--check --config " + good), 0);
+  EXPECT_THAT(testing_support::read_file(out), testing::Not(HasSubstr("note: ")));
+  const std::string early = folder.write(
+      "early.toml", testing_support::read_file(good) + "[recording]\nfolder = \"later\"\n");
+  EXPECT_EQ(run("--check --config " + early), 0);
+  EXPECT_THAT(testing_support::read_file(out), HasSubstr("later is not a folder yet; create it"));
   EXPECT_EQ(run("--check --config " + bad), 2);
   EXPECT_THAT(testing_support::read_file(out), HasSubstr("bad.toml:2:10"));
   for (const char* wrong : {"", "--config", "--nothing", "--config a b", "--latency-test 1"}) {

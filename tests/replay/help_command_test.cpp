@@ -138,6 +138,28 @@ TEST(Help, NamesWhatItDoesNotKnowAndTheNearest) {
   EXPECT_THAT(run_condyle({"replay", "--a\nmass"}).errors, Not(HasSubstr("\nmass")));
 }
 
+TEST(Help, SaysWhatAnOptionTakes) {
+  const struct {
+    std::vector<std::string> arguments;
+    const char* errors;
+  } cases[] = {
+      {{"replay", "x.csv", "--lag", "99"}, "--lag: must be a whole number from 0 to 16, not '99'"},
+      {{"replay", "x.csv", "--lag", "2.5"}, "--lag: must be a whole number from 0 to 16"},
+      {{"replay", "x.csv", "--axis", "w"}, "--axis: must be one of x, y, z, not 'w'"},
+      {{"replay", "x.csv", "--speed", "fast"}, "--speed: 'fast' is not a number from 0 to 1000000"},
+      {{"analyse", "x.csv", "--reference-s", "a", "b"}, "--reference-s: takes numbers, not 'a,b'"},
+      {{"simulate", "x.toml", "--out", "x.csv", "--seed", "-1"},
+       "--seed: must be a whole number of 0 or more, not '-1'"},
+      {{"evaluate", "x.toml", "--seed", "-1"}, "--seed: must be a whole number of 0 or more"},
+      {{"replay", "x.csv", "y.csv"}, "condyle replay: one argument too many: y.csv"},
+  };
+  for (const auto& wrong : cases) {
+    const CommandResult result = run_condyle(wrong.arguments);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.errors, HasSubstr(wrong.errors));
+  }
+}
+
 // Each example of a command that needs no device, on the files that it names.
 TEST(Help, ItsExamplesRun) {
   const testing_support::TemporaryFolder folder;
@@ -227,7 +249,7 @@ TEST(Help, WritesManualPagesAndCompletion) {
     pclose(pipe);
     return output;
   };
-  EXPECT_EQ(complete("condyle rep"), "replay ");
+  EXPECT_EQ(complete("condyle repl"), "replay ");
   EXPECT_EQ(complete("condyle protocol rel"), "release ");
   EXPECT_EQ(complete("condyle replay --fig"), "--figures ");
   EXPECT_EQ(complete("condyle replay --axis ''"), "x y z ");

@@ -8,7 +8,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <string>
+#include <system_error>
 
 #include "box/service/box.h"
 #include "box/service/latency_test.h"
@@ -100,6 +102,12 @@ int run(const Arguments& arguments) {
   hal::SteadyClock clock;
   if (arguments.only_checks) {
     std::printf("%s: ok\n", arguments.configuration.c_str());
+    std::error_code ignored;
+    if (!configuration.folder.empty() &&
+        !std::filesystem::is_directory(configuration.folder, ignored)) {
+      std::printf("note: %s is not a folder yet; create it before the box starts\n",
+                  configuration.folder.c_str());
+    }
     return kExitOk;
   }
   if (arguments.latency_test_s > 0) {

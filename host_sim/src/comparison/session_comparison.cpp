@@ -35,6 +35,10 @@ struct ComparedQuantity {
   double (*stated_sd)(const RunReport&) = nullptr;  // not visible in repeats
 };
 
+const char* axes_text(SampleKind kind) {
+  return kind == SampleKind::one_axis ? "positions along one axis" : "positions along three axes";
+}
+
 double measured_value(const Quantity<double>& quantity) {
   return quantity.provenance == Provenance::measured ? quantity.value : EstimateRow::kNone;
 }
@@ -89,11 +93,10 @@ void refuse_incomparable(const std::vector<Session>& sessions) {
                        "compare recordings of one rate");
     }
     if ((recording.kind == SampleKind::one_axis) != (first.kind == SampleKind::one_axis)) {
-      throw InputError(
-          recording.source,
-          "and " + first.source +
-              " may not contain the same coordinate: one has a single axis, the other has three",
-          "compare recordings of one kind");
+      throw InputError(recording.source,
+                       fmt::format("holds {}, {} holds {}", axes_text(recording.kind), first.source,
+                                   axes_text(first.kind)),
+                       "compare recordings of one kind");
     }
     for (std::size_t k = 0; k < i; ++k) {
       if (!is_copy(recording.runs[0], all[k]->runs[0])) continue;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "options/command_line.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <regex>
 
@@ -22,6 +24,17 @@ template <class Value>
 inline constexpr bool kIsNumber = !std::is_constructible_v<Value, const char*>;
 template <>
 inline constexpr bool kIsNumber<std::vector<std::string>> = false;
+
+template <class Value>
+inline constexpr bool kIsUnsigned = std::is_unsigned_v<Value>;
+template <>
+inline constexpr bool kIsUnsigned<std::optional<std::uint64_t>> = true;
+
+// CLI11 reads -1 as the largest unsigned number.
+std::string judge_unsigned(const std::string& text) {
+  const bool good = text.find_first_not_of("0123456789") == std::string::npos;
+  return good ? "" : "must be a whole number of 0 or more, not " + quote(text);
+}
 
 }  // namespace
 
@@ -56,10 +69,9 @@ Option Option::number_in(Range range) {
   const auto judge = [range](const std::string& text) {
     double value = 0;
     const bool good = parse_number(text, value) == NumberStatus::ok && range.contains(value);
-    std::string from, to;
-    append_number(from, range.lowest);
-    append_number(to, range.highest);
-    return good ? "" : quote(text) + " is not a number from " + from + " to " + to;
+    return good ? ""
+                : fmt::format("{} is not a number from {:.15g} to {:.15g}", quote(text),
+                              range.lowest, range.highest);
   };
   option_->check(CLI::Validator(judge, ""));
   return *this;
@@ -131,8 +143,11 @@ CommandLine CommandLine::group(const std::string& heading) const {
 template <class Value>
 Option CommandLine::add_option(const std::string& name, Value& value,
                                const std::string& meaning) const {
-  return add(name, kIsNumber<Value> ? "NUMBER" : "TEXT",
-             [&](const std::string& names) { return app_->add_option(names, value, meaning); });
+  return add(name, kIsNumber<Value> ? "NUMBER" : "TEXT", [&](const std::string& names) {
+    CLI::Option* const option = app_->add_option(names, value, meaning);
+    if (kIsUnsigned<Value>) option->check(CLI::Validator(judge_unsigned, ""));
+    return option;
+  });
 }
 
 // `make` adds an option of some names to the command.
@@ -248,10 +263,13 @@ CommandText describe(const CLI::App& app, const std::string& name) {
   return text;
 }
 
-// The parser's words for a wrong or missing value, in ours.
+// The parser's words for a wrong, missing or surplus value, in ours.
 std::string plain_error(const std::string& error) {
   static const std::regex choice(R"((\S+): (.*) not in \{(.*)\})"),
-      missing(R"((\S+): (\d+) required \S+ missing)");
+      missing(R"((\S+): (\d+) required \S+ missing)"),
+      outside(R"((\S+): Value (.*) not in range (\S+) to (\S+))"),
+      unreadable(R"(Could not convert: (\S+) = (.*))"),
+      surplus(R"(The following arguments? (was|were) not expected: (.*))");
   std::smatch found;
   if (std::regex_match(error, found, choice)) {
     const std::string choices = std::regex_replace(found[3].str(), std::regex(","), ", ");
@@ -259,6 +277,17 @@ std::string plain_error(const std::string& error) {
   }
   if (std::regex_match(error, found, missing)) {
     return found[1].str() + ": needs " + (found[2] == "1" ? "a value" : found[2].str() + " values");
+  }
+  if (std::regex_match(error, found, outside)) {
+    return found[1].str() + ": must be a whole number from " + found[3].str() + " to " +
+           found[4].str() + ", not '" + found[2].str() + "'";
+  }
+  if (std::regex_match(error, found, unreadable)) {
+    return found[1].str() + ": takes numbers, not '" + found[2].str() + "'";
+  }
+  if (std::regex_match(error, found, surplus)) {
+    return (found[1] == "was" ? "one argument too many: " : "too many arguments: ") +
+           found[2].str();
   }
   return error;
 }

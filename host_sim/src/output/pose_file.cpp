@@ -83,7 +83,7 @@ std::string PoseSummary::text() const {
   if (known_ == 0) return text;
   text += fmt::format("; largest turn {:.3g} deg", largest_turn_rad_ * kDegrees);
   if (judged_ >= ReplaySummary::kFewestInnovations) {
-    text += fmt::format("; mean NIS {:.3g} (6 if the noise is as stated)", mean_nis());
+    text += fmt::format("; mean NIS {:.3g} (6 if noise and model are right)", mean_nis());
   }
   return text;
 }

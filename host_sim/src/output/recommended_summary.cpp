@@ -64,7 +64,7 @@ std::string RecommendedSummary::consistency_text() const {
   add_line(text, "innovation", fmt::format("{:.4g} mm rms", innovation_rms_m() * 1e3));
   add_line(text, "mean NIS", per_axis("{:.3g}", [](const RecommendedSummary& s, int axis) {
                                return s.watches_[axis].monitor().mean_nis();
-                             }) + " of the samples not rejected (1 if the noise is as stated)");
+                             }) + " of the samples not rejected (1 if noise and model are right)");
   // A monitor without pairs returns 0.
   const InnovationMonitor<double>& followed = watches_[followed_index()].monitor();
   add_line(text, "whiteness",

@@ -246,7 +246,7 @@ std::string ReplaySummary::distrust_text(double mean_nis) {
   if (mean_nis > 0 && !is_trusted(mean_nis)) {
     const double factor = std::sqrt(mean_nis);
     add_line(text, "intervals",
-             fmt::format("too {} by a factor of about {:.2g}: the stated noise does not fit this "
+             fmt::format("too {} by a factor of about {:.2g}: noise or model do not fit this "
                          "recording",
                          factor > 1 ? "narrow" : "wide", factor > 1 ? factor : 1 / factor));
   }
@@ -275,7 +275,7 @@ std::string PublishedSummary::text() const {
   if (has_enough()) {
     add_line(text, "innovation", fmt::format("{:.4g} mm rms", innovation_rms_m() * 1e3));
     add_line(text, "mean NIS",
-             fmt::format("motion {:.3g} (1 if the noise is as stated); friction {:.3g}, mass "
+             fmt::format("motion {:.3g} (1 if noise and model are right); friction {:.3g}, mass "
                          "{:.3g} (not 2: stage 1's velocity is not an independent measurement)",
                          motion_nis_.value(), friction_nis_.value(), mass_nis_.value()));
     text += distrust_text(motion_nis_.value());

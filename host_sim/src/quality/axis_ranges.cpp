@@ -7,7 +7,8 @@
 namespace condyle::host {
 namespace {
 
-constexpr double kLeftOut = 0.025;  // share of the positions at each end
+constexpr double kLeftOut = 0.025;   // share of the positions at each end
+constexpr std::size_t kFewest = 41;  // positions of which none is more than this share
 
 }  // namespace
 
@@ -23,8 +24,9 @@ void AxisRanges::add(const std::array<double, 3>& position_m) {
 std::array<double, 3> AxisRanges::ranges_m() const {
   std::array<double, 3> ranges_m{};
   if (kept_m_.empty()) return ranges_m;
-  const auto below =
-      static_cast<std::ptrdiff_t>(std::ceil(kLeftOut * static_cast<double>(kept_m_.size() - 1)));
+  const std::size_t count = kept_m_.size();
+  const auto below = static_cast<std::ptrdiff_t>(
+      count < kFewest ? 0 : std::ceil(kLeftOut * static_cast<double>(count - 1)));
   std::vector<double> along(kept_m_.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::transform(kept_m_.begin(), kept_m_.end(), along.begin(),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The range of a point's motion along each axis: the middle 95 % of its positions, so that glitches
-// have no effect. In long recordings only every second, fourth, ... position is used.
+// have no effect; of fewer than 41, all of them. In long recordings only every second, fourth, ...
+// position is used.
 #pragma once
 
 #include <array>

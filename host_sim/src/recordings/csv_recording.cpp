@@ -115,12 +115,12 @@ class CsvRecording final : public Recording {
       unit = of_point->unit;
       points_.add(*of_point);
     } else {
-      throw InputError(fmt::format("{}: column {}", place(), quote(name)),
-                       "the column is not known",
-                       reads_drive_alone_
-                           ? fmt::format("take it out of the file; {} is read", drive_column_)
-                           : fmt::format("rename it or leave it out with --ignore-column '{}'; {}",
-                                         name, kColumns));
+      throw InputError(
+          fmt::format("{}: column {}", place(), quote(name)), "the column is not known",
+          reads_drive_alone_ ? fmt::format("take it out of the file; {} is read", drive_column_)
+                             : fmt::format("rename it, after converting its unit, or leave it out "
+                                           "with --ignore-column '{}'; {}",
+                                           name, kColumns));
     }
     if (unit == "mm") column.units_per_metre = 1000;
     const auto quantity = [](std::string_view full) { return full.substr(0, full.rfind('_')); };

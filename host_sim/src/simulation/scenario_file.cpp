@@ -207,7 +207,8 @@ void read_instruments(TomlReader& file, Scenario& scenario) {
 Scenario load_scenario(const std::string& path) {
   TomlReader file(path);
   if (file.has("", "kinematic")) {
-    throw InputError(file.place("", "kinematic"), "a kinematic jaw has no forces and no estimates",
+    throw InputError(file.place("", "kinematic"),
+                     "a kinematic jaw moves without forces, which this command needs",
                      "give it to condyle simulate, or as sim:SCENARIO to condyle replay");
   }
   Scenario scenario;

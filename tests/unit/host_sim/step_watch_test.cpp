@@ -162,6 +162,15 @@ TEST(AxisRanges, AreNotDecidedByGlitches) {
   EXPECT_EQ(AxisRanges().ranges_m()[0], 0);
 }
 
+// A single position of a short recording is more than the share left out.
+TEST(AxisRanges, OfAFewPositionsHoldAllOfThem) {
+  AxisRanges ranges;
+  for (int i = 1; i <= 40; ++i) {
+    ranges.add({0.001 * i, 0, 0});
+    EXPECT_NEAR(ranges.ranges_m()[0], 0.001 * (i - 1), 1e-12) << i;
+  }
+}
+
 TEST(AxisRanges, NameTheAxisThatMoves) {
   EXPECT_EQ(livelier_axis({0.002, 0.03, 0.014}, 2, 2, 1e-3), 1U);
   EXPECT_EQ(livelier_axis({0.002, 0.027, 0.014}, 2, 2, 1e-3), 2U) << "both move";
