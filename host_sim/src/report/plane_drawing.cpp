@@ -12,7 +12,7 @@
 namespace condyle::host {
 namespace {
 
-constexpr double kMillimetre = 1e-3, kDegree = std::numbers::pi / 180;
+constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::size_t kMostPoints = 4'000;  // of a drawing
 
 class Drawing {
