@@ -175,6 +175,19 @@ TEST_F(AdviceTest, OfRowsThatCannotBeUsed) {
   expect_of_all(csv("r.csv", header, "", "0.7,nan\n"), {}, "is not a finite number");
 }
 
+// They count missing values without being asked to, and have no --faults.
+TEST_F(AdviceTest, NamesNoOptionThatReadingsLack) {
+  const std::string recording =
+      folder_.write("r.csv", "time_s,a_x_m,a_y_m,a_z_m\n0,0,0,0\n0.01,0,0,seven\n0.02,0,0,0\n");
+  for (const char* command : {"analyse", "report"}) {
+    const CommandResult ran = run_condyle({command, recording, "--out", folder_ / "out"});
+    EXPECT_EQ(ran.exit_code, 2);
+    for (const std::string& option : options_named_in(ran.errors)) {
+      EXPECT_THAT(run_condyle({command, "--help"}).output, HasSubstr(option)) << ran.errors;
+    }
+  }
+}
+
 TEST_F(AdviceTest, OfColumns) {
   expect_of_all(csv("r.csv", "time_s,position_m,note\n", ",3"), {}, "the column is not known");
   expect_of_all(csv("r.csv", "time_s,position_m,position_mm\n", ",3"), {},

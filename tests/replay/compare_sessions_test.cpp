@@ -126,7 +126,7 @@ TEST_F(CompareSessions, SaysWhatItCannotUse) {
          "compared with one estimator");
   refuse({a, a}, "is given twice");
   refuse({a, folder_ / "missing.csv"}, "missing.csv");
-  refuse({a, "--with", "kalman"}, "kalman: is no estimator");
+  refuse({a, "--with", "kalman"}, "kalman: is not an estimator");
   refuse({a, "--with", "recommended:" + folder_ / "none.toml"}, "none.toml");
   refuse({a, "--with", "published", "--with", "published"}, "is given twice");
   refuse({a, "--with", "published", "--lag", "3"}, "--lag");

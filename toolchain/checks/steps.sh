@@ -13,9 +13,9 @@ build() {  # PRESET [TARGET...]
   local options=()
   if [ "$1" = release ]; then
     case $CONDYLE_TIER in
-      check) options=(-D CONDYLE_VM_TESTS=OFF) ;;
-      full) options=(-D CONDYLE_VM_TESTS=ON -D CONDYLE_BOX_REPORTS=4000) ;;
-      release) options=(-D CONDYLE_VM_TESTS=ON -D CONDYLE_BOX_REPORTS=100000) ;;
+      check) options=(-D CONDYLE_VM_TESTS=OFF -D CONDYLE_BENCHMARKS=OFF) ;;
+      full) options=(-D CONDYLE_VM_TESTS=ON -D CONDYLE_BENCHMARKS=ON -D CONDYLE_BOX_REPORTS=4000) ;;
+      release) options=(-D CONDYLE_VM_TESTS=ON -D CONDYLE_BENCHMARKS=ON -D CONDYLE_BOX_REPORTS=100000) ;;
     esac
   fi
   cmake --preset "$1" "${options[@]}" >/dev/null

@@ -85,4 +85,12 @@ inline std::string csv_cell(std::string_view text) {
   return result + '"';
 }
 
+/// A CSV cell, in quotation marks only if it needs them.
+inline std::string csv_field(std::string_view text) {
+  std::string cell = csv_cell(text);
+  const bool is_plain = cell.size() == text.size() + 2 && cell.substr(1, text.size()) == text &&
+                        text.find_first_of(",\"") == std::string_view::npos;
+  return is_plain ? std::string(text) : cell;
+}
+
 }  // namespace condyle::host

@@ -118,7 +118,7 @@ void NodeClient::refuse_what_it_cannot(const hal::ReportLayout& layout,
   }
   if (!is_available(layout.kind, start.followed)) {
     fail(fmt::format("cannot follow point {}: the reports have one point", start.followed.point),
-         "leave out --point");
+         "follow point 1");
   }
   const bool is_recommended = start.estimator == hal::EstimatorChoice::recommended;
   if (is_recommended && start.lag > greeting_.longest_lag) {

@@ -34,10 +34,7 @@ class SampleReports final : public hal::ReportSource {
   hal::Status open() override { return facebow_.open(); }
   hal::Status read(TimeNs deadline_ns, hal::RawReport& report) override {
     Sample sample;
-    hal::Status status = facebow_.read(deadline_ns, sample);
-    while (status == hal::Status::bad_report && facebow_.problem().empty()) {
-      status = facebow_.read(deadline_ns, sample);  // a device's, not a sample without a time
-    }
+    const hal::Status status = facebow_.read_past_bad_reports(deadline_ns, sample);
     if (status != hal::Status::ok) return status;
     if (!sample.time_valid) return hal::Status::bad_report;
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

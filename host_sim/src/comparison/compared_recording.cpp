@@ -170,7 +170,7 @@ NamedEstimator parse_estimator(const std::string& text, int lag) {
   if (colon != std::string::npos) named.option.parameters = text.substr(colon + 1);
   if ((named.option.name != "recommended" && named.option.name != "published") ||
       (colon != std::string::npos && named.option.parameters.empty())) {
-    throw InputError("--with " + text, "is no estimator",
+    throw InputError("--with " + text, "is not an estimator",
                      "give recommended or published, or either with its parameters: "
                      "recommended:FILE.toml");
   }

@@ -140,12 +140,6 @@ std::string warning_text(const RunReport& run) {
   return {};
 }
 
-std::string csv_field(const std::string& text) {
-  std::string cell = csv_cell(text);
-  const bool is_plain = cell == '"' + text + '"' && text.find(',') == std::string::npos;
-  return is_plain ? text : cell;
-}
-
 std::string comparison_text(const std::vector<NamedEstimator>& estimators,
                             const std::vector<RecordingReport>& recordings) {
   const std::size_t width = name_width(estimators);

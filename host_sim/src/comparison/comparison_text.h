@@ -13,9 +13,6 @@ namespace condyle::host {
 /// Evidence in `run` against its own intervals, in words; empty if there is none.
 std::string warning_text(const RunReport& run);
 
-/// `text` as a field of a CSV file, in quotation marks if it needs them.
-std::string csv_field(const std::string& text);
-
 /// The estimators on each recording in words.
 std::string comparison_text(const std::vector<NamedEstimator>& estimators,
                             const std::vector<RecordingReport>& recordings);

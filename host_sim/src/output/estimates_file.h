@@ -15,8 +15,8 @@ class EstimatesFile {
   using Row = EstimateRow;
 
   /// `axis_count`: 0 for the published cascade; otherwise the recommended estimator's 1 or 3, whose
-  /// columns follow the common ones. `has_impedance`: the rows have a joint estimate, whose columns
-  /// come last.
+  /// columns follow the common ones. `has_impedance`: the columns of an impedance estimate come
+  /// last.
   EstimatesFile(const std::string& path, int axis_count, bool has_impedance);
   void write_row(const EstimateRow& row);
   /// Writes the buffer.

@@ -15,22 +15,10 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// Quoted if CSV needs it.
-std::string field(const std::string& text) {
-  const std::string clean = clean_line(text);
-  if (clean.find_first_of(",\"") == std::string::npos) return clean;
-  std::string result = "\"";
-  for (const char c : clean) {
-    if (c == '"') result += '"';
-    result += c;
-  }
-  return result + "\"";
-}
-
 // Our own words without commas, so that a simple reader need not know of quotes.
 std::string without_commas(std::string text) {
   std::replace(text.begin(), text.end(), ',', ';');
-  return field(text);
+  return csv_field(text);
 }
 
 std::string number(double value) {
@@ -49,7 +37,7 @@ std::string readings_csv(const std::vector<Analysis>& analyses) {
       "recording,task,side,stroke,reading,value,low,high,unit,definition,provenance,reason\n";
   for (const Analysis& analysis : analyses) {
     for (const JawReading& reading : analysis.readings) {
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", field(analysis.recording),
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_field(analysis.recording),
                           name_of(reading.task), name_of(reading.side),
                           reading.stroke > 0 ? std::to_string(reading.stroke) : "",
                           reading.definition->name, number(reading.value), number(reading.low),
@@ -123,7 +111,7 @@ std::string cycles_csv(const std::vector<Analysis>& analyses) {
   text += ",rejected\n";
   for (const Analysis& analysis : analyses) {
     for (const AnalysedCycle& cycle : analysis.cycles) {
-      text += fmt::format("{},{},{},{:.6f},{:.6f},{:.6f}", field(analysis.recording),
+      text += fmt::format("{},{},{},{:.6f},{:.6f},{:.6f}", csv_field(analysis.recording),
                           cycle.sequence, cycle.number > 0 ? std::to_string(cycle.number) : "",
                           cycle.cycle.begin_s, cycle.cycle.turn_s, cycle.cycle.end_s);
       for (std::size_t i = 0; i < names.size(); ++i) {

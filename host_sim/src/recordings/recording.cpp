@@ -65,8 +65,10 @@ bool FaultRule::accept(NumberStatus status, const std::string& place, std::strin
     case NumberStatus::not_a_number:
       fail(
           fmt::format("{} is not a number", quote(text)),
-          "write numbers with a decimal point, like 0.0123; leave a missing value empty, and count "
-          "it with --faults event");
+          policy_ == FaultPolicy::refuse
+              ? "write numbers with a decimal point, like 0.0123; leave a missing value empty, and "
+                "count it with --faults event"
+              : "write numbers with a decimal point, like 0.0123; leave a missing value empty");
       break;
   }
   return false;

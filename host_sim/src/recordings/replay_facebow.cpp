@@ -135,6 +135,14 @@ firmware::RunSettings ReplayFacebow::run_settings(FollowedCoordinate followed) c
   return settings;
 }
 
+hal::Status ReplayFacebow::read_past_bad_reports(TimeNs deadline_ns, Sample& sample) {
+  hal::Status status = read(deadline_ns, sample);
+  while (status == hal::Status::bad_report && problem_.empty()) {
+    status = read(deadline_ns, sample);
+  }
+  return status;
+}
+
 void ReplayFacebow::close() {
   recording_.reset();
   is_away_ = false;

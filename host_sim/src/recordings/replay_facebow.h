@@ -27,6 +27,8 @@ class ReplayFacebow final : public hal::Facebow {
   hal::Status open() override;
   hal::Status read(TimeNs deadline_ns, Sample& sample) override;
   void close() override;
+  /// read(), but skips the bad reports of a recorded device.
+  hal::Status read_past_bad_reports(TimeNs deadline_ns, Sample& sample);
 
   /// The problem of the recording; empty if there is none.
   const std::string& problem() const { return problem_; }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/clock.h"
 #include "hosted/files/input_error.h"
@@ -25,10 +26,8 @@ class PositionKeeper {
 
   Estimate process(const Sample& sample, EventSet events) {
     if (events.has(Event::time_reversed)) return {events};
-    const bool usable = sample.position_valid && !events.has(Event::zero_filled) &&
-                        is_available(sample.kind, followed_);
-    position_m_.push_back(usable ? followed_position_m(sample, followed_)
-                                 : std::numeric_limits<double>::quiet_NaN());
+    position_m_.push_back(published_measurement_m(sample, events, followed_)
+                              .value_or(std::numeric_limits<double>::quiet_NaN()));
     return {events};
   }
   bool drain(Estimate&) { return false; }
@@ -73,10 +72,7 @@ PublishedRecording read_for_published(const std::string& path, const RecordingCh
   if (!facebow.problem().empty()) throw InputError(facebow.problem());
   if (recording.position_m.size() >= most_samples) {
     Sample more;
-    hal::Status status = facebow.read(clock.now_ns(), more);
-    while (status == hal::Status::bad_report && facebow.problem().empty()) {
-      status = facebow.read(clock.now_ns(), more);
-    }
+    const hal::Status status = facebow.read_past_bad_reports(clock.now_ns(), more);
     recording.is_cut = status == hal::Status::ok || status == hal::Status::disconnected;
   }
   return recording;

@@ -222,7 +222,7 @@ TEST_F(NodeClientTest, SaysBeforehandWhatTheTargetCannot) {
   hal::StartMessage start;
   start.followed.point = 2;
   expect_refused(layout(), start,
-                 "cannot follow point 2: the reports have one point; leave out --point");
+                 "cannot follow point 2: the reports have one point; follow point 1");
   start = {};
   start.lag = static_cast<std::uint8_t>(client_.greeting().longest_lag + 1);
   expect_refused(layout(), start, "no memory for a lag of ");

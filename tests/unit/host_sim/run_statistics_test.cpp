@@ -10,6 +10,7 @@
 #include "comparison/compared_recording.h"
 #include "comparison/comparison_text.h"
 #include "comparison/figure_label.h"
+#include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "support/random.h"
 

@@ -82,7 +82,7 @@ DampingBaseline baseline_of(const ImpedanceEstimate<Scalar>& estimate) {
 template <class Scalar>
 class CycleDamping {
  public:
-  /// All must be valid. Only the noises and the gate of `joint` are used.
+  /// All must be valid. Only the noises and the gate of `impedance` are used.
   CycleDamping(const DampingBaseline& baseline, const ImpedanceParameters& impedance,
                const CycleParameters& parameters)
       : parameters_(parameters),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parameters of the joint identification: assumptions before the first sample and about the drive.
+// Parameters of the identification: assumptions before the first sample and about the drive.
 // `visit_impedance_fields` is the one list of their names and ranges.
 #pragma once
 
@@ -9,10 +9,7 @@
 
 namespace condyle {
 
-/// A value before any measurement, and how it may change (its unit is the name's). If the means of
-/// mass and friction may be wrong by a factor of four, choose standard deviations of one to two
-/// times these means. With half of that the filter settles up to nine of its standard deviations
-/// off; with twice that, leaving a start at a light point with much friction takes up to 20 s.
+/// A value before any measurement, and how it may change (its unit is the name's).
 struct ImpedancePrior {
   double mean = 0;
   double sd = 1;
@@ -59,9 +56,10 @@ struct ImpedanceParameters {
   ImpedancePrior coulomb_N{0, 0, 0};
   double coulomb_velocity_m_s = 0.005;  ///< range in which it changes its sign, smoothly (m/s)
   DelayModel delay = DelayModel::known;
+  /// Of the detection of changes only: velocity, unmeasured force and gate.
   double velocity_sd_m_s = 0.1;     ///< of the velocity before the first sample (m/s)
   double force_noise_N_root_s = 0;  ///< white unmeasured force (N s^0.5)
-  double gate_sd = 6;               ///< deviation from which on a position is rejected (sd)
+  double gate_sd = 6;               ///< largest deviation of a position (sd)
   /// Positions above and below these are not used: teeth or food may touch there, with an
   /// unmeasured force (m, of the followed axis).
   double contact_above_m = 1e3, contact_below_m = -1e3;

@@ -2,7 +2,7 @@
 // The recommended estimator: position, velocity and acceleration along up to three axes from
 // measured positions and their times, and the net force for an assumed mass.
 //
-//   filter_bank.h        motion: exact white-jerk filters; noise and liveliness learned
+//   filter_bank.h        motion: exact white-jerk filters; noise and jerk density learned
 //   outlier_gate.h       outliers: full weight, less, none
 //   motion_hypotheses.h  outlier or change of the motion: both, until later samples decide
 //   rounding_step.h      rounded positions, whose noise is no less than that of rounding

@@ -21,8 +21,8 @@
 // rotation vector jumps. The event is `position_missing`.
 //
 // Turning the instrument's frame turns the estimates with it exactly if adaptation is off and no
-// sample is unexpected. With adaptation on, noise and liveliness are learned axis by axis, so that
-// only exchanging or reversing axes does.
+// sample is unexpected. With adaptation on, noise and jerk density are learned axis by axis, so
+// that only exchanging or reversing axes does.
 #pragma once
 
 #include "condyle/estimator/motion/recommended_estimator.h"
