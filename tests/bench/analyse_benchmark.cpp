@@ -2,6 +2,8 @@
 // Time and memory of `condyle analyse` for an hour at 200 Hz: chewing without a pause, and
 // sequences with pauses, swallows and speech. usage: analyse_benchmark [HOURS]     (needs 200 MB an
 // hour in the folder for temporary files)
+#include <sys/resource.h>
+
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -40,6 +42,16 @@ JawScenario session(double hours, bool has_pauses) {
   return scenario;
 }
 
+// Of all ended commands.
+double processor_s() {
+  rusage usage{};
+  getrusage(RUSAGE_CHILDREN, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
 void write(const std::string& path, const std::string& text) {
   std::ofstream(path) << text;
 }
@@ -49,7 +61,8 @@ void write(const std::string& path, const std::string& text) {
 int main(int argc, char** argv) {
   const double hours = argc > 1 ? std::atof(argv[1]) : 1;
   const TemporaryFolder folder;
-  std::printf("%-34s%10s%10s%10s%12s\n", "", "samples", "cycles", "seconds", "peak MiB");
+  std::printf("%-34s%10s%10s%10s%14s%12s\n", "", "samples", "cycles", "seconds", "processor s",
+              "peak MiB");
   for (const bool has_pauses : {true, false}) {
     const std::string recording = folder / "recording.csv", landmarks = folder / "landmarks.toml";
     std::size_t samples = 0, cycles = 0;
@@ -66,6 +79,7 @@ int main(int argc, char** argv) {
       std::vector<std::string> arguments = {"analyse", recording, "--landmarks",
                                             landmarks, "--tasks", folder / "tasks.csv"};
       arguments.insert(arguments.end(), more.begin(), more.end());
+      const double before_s = processor_s();
       const auto start = std::chrono::steady_clock::now();
       const auto result = run_condyle(arguments);
       const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
@@ -73,8 +87,8 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "%s", result.errors.c_str());
         std::exit(1);
       }
-      std::printf("%-34s%10zu%10zu%10.1f%12.1f\n", what, samples, cycles, wall.count(),
-                  static_cast<double>(result.peak_memory_kB) / 1024);
+      std::printf("%-34s%10zu%10zu%10.1f%14.1f%12.1f\n", what, samples, cycles, wall.count(),
+                  processor_s() - before_s, static_cast<double>(result.peak_memory_kB) / 1024);
       std::fflush(stdout);
     };
     report(has_pauses ? "with pauses, summary only" : "without pauses, summary only", {});

@@ -15,9 +15,10 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kHighest_Hz = 10, kLeastAmplitude = 0.05;
 constexpr int kPadding = 4;  // powers of two
 
-// Bins whose amplitudes are computed together, so that the processor works on several at once.
-constexpr std::size_t kBlock = 8;
-using Block = std::array<double, kBlock>;
+// Bins whose amplitudes are computed together, in pairs that fit the processor's registers.
+using Pair = double __attribute__((vector_size(16)));
+constexpr std::size_t kPairs = 4, kBlock = 2 * kPairs;
+using Block = std::array<Pair, kPairs>;
 
 // cos 2 pi k/bins of the bins k = 0, 1, ... up to `last` at least. `bins` is a power of two.
 const std::vector<Block>& cosines_of(double bins, std::size_t last) {
@@ -27,7 +28,7 @@ const std::vector<Block>& cosines_of(double bins, std::size_t last) {
     Block block;
     for (std::size_t i = 0; i < kBlock; ++i) {
       const auto bin = static_cast<double>(cosines.size() * kBlock + i);
-      block[i] = std::cos(2 * std::numbers::pi * bin / bins);
+      block[i / 2][i % 2] = std::cos(2 * std::numbers::pi * bin / bins);
     }
     cosines.push_back(block);
   }
@@ -53,18 +54,21 @@ double spectral_arc_length(const std::vector<double>& speed, double step_s) {
   for (std::size_t block = 0; amplitudes.size() <= highest; ++block) {
     // Goertzel's recurrence, one multiplication for each sample and bin.
     Block twice = cosines[block], last{}, before{};
-    for (double& cosine : twice) cosine *= 2;
+    for (Pair& cosine : twice) cosine += cosine;
     for (const double v : speed) {
-      for (std::size_t i = 0; i < kBlock; ++i) {
-        const double next = twice[i] * last[i] - before[i] + v;
+#pragma GCC unroll 4
+      for (std::size_t i = 0; i < kPairs; ++i) {
+        const Pair next = twice[i] * last[i] - before[i] + v;
         before[i] = last[i];
         last[i] = next;
       }
     }
-    for (std::size_t i = 0; i < kBlock; ++i) {
-      const double square =
+    for (std::size_t i = 0; i < kPairs; ++i) {
+      const Pair square =
           last[i] * last[i] + before[i] * before[i] - twice[i] * last[i] * before[i];
-      amplitudes.push_back(std::sqrt(std::max(square, 0.0)) / largest);
+      for (const int lane : {0, 1}) {
+        amplitudes.push_back(std::sqrt(std::max(square[lane], 0.0)) / largest);
+      }
     }
   }
   std::size_t last = highest;
