@@ -69,7 +69,7 @@ class MotionCycles {
   bool finish(Cycle& ended) {
     if (phase_ != Phase::closing || !has_begin_ || is_given_) return false;
     const bool is_closed =
-        left_.has_passed || between_s<Scalar>(arrival_ns(1), last_.time_ns) >= Scalar(kInstant_s);
+        left_.has_passed || between_s<Scalar>(near_since_ns(), last_.time_ns) >= Scalar(kInstant_s);
     if (!is_closed) return false;
     give(kInstant_s, ended);
     return true;
@@ -86,6 +86,7 @@ class MotionCycles {
   static constexpr double kLeastHeight_m = 2e-3, kHeightShare = 0.3;
   static constexpr double kLeastDepth_m = 0.2e-3, kDepthShare = 0.015, kDepthSds = 5;
   static constexpr double kInstant_s = 0.08, kPause_s = 0.5, kPauseSd_s = 8e-3, kMiddleSd = 0.1;
+  static constexpr double kMean_s = 0.15, kLawSd = 0.15;
   static constexpr double kShortest_s = 0.25, kLongest_s = 3;
   static constexpr TimeNs kLongestGap_ns = 100'000'000;
   // How far above the true one the largest of many noisy values may lie, in standard deviations.
@@ -104,30 +105,36 @@ class MotionCycles {
     return std::max({Scalar(kLeastDepth_m), Scalar(kDepthSds) * top_.height_sd_m,
                      Scalar(kDepthShare) * height_m});
   }
-  /// When the height came within `times` the depth of the top.
-  TimeNs arrival_ns(int times) const {
-    return flank_.passage_ns(top_.height_m - Scalar(times) * depth_m());
-  }
+  /// When the height came within the depth of the top.
+  TimeNs near_since_ns() const { return flank_.passage_ns(top_.height_m - depth_m()); }
   /// The zero of the cubic law through the passages of the depth and of four times it.
-  static TimeNs still_ns(TimeNs near_ns, TimeNs far_ns) {
-    return near_ns +
-           static_cast<TimeNs>(static_cast<Scalar>(near_ns - far_ns) / Scalar(kCubeRoot4 - 1));
+  static Instant still_at(TimeNs near_ns, TimeNs far_ns) {
+    const Scalar beyond_s = between_s<Scalar>(far_ns, near_ns) / Scalar(kCubeRoot4 - 1);
+    const Scalar of_law_s = Scalar(kLawSd) * beyond_s;
+    return {near_ns + static_cast<TimeNs>(beyond_s * Scalar(1e9)),
+            std::sqrt(Scalar(kPauseSd_s * kPauseSd_s) + of_law_s * of_law_s)};
+  }
+  Instant arrival() const {
+    const Scalar depth = depth_m();
+    return still_at(flank_.passage_ns(closed_m_ - depth),
+                    flank_.passage_ns(closed_m_ - Scalar(4) * depth));
   }
   TimeNs closed_until_ns() const { return left_.has_passed ? left_.time_ns : last_.time_ns; }
 
   /// The closed instant, unless the jaw pauses.
   Instant closed_instant() const {
-    const TimeNs first_ns = arrival_ns(1), last_ns = closed_until_ns();
+    const TimeNs first_ns = near_since_ns(), last_ns = closed_until_ns();
     const Scalar closed_s = between_s<Scalar>(first_ns, last_ns);
     if (closed_s < Scalar(kInstant_s)) return at_top_.instant();
     return {first_ns + (last_ns - first_ns) / 2, Scalar(kMiddleSd) * closed_s};
   }
-  Scalar closed_s() const { return between_s<Scalar>(arrival_ns(1), closed_until_ns()); }
+  Scalar closed_s() const { return between_s<Scalar>(near_since_ns(), closed_until_ns()); }
 
   void raise_top(const Sample& sample) {
     top_ = sample;
     at_top_.move_to(sample);
-    left_ = left_far_ = {};
+    left_ = departed_ = departed_far_ = {};
+    if (!(closed_m_ > sample.height_m - depth_m())) closed_m_ = sample.height_m;
     going_.add(pending_);
     pending_ = {};
   }
@@ -145,9 +152,8 @@ class MotionCycles {
   void open(const Sample& sample) {
     const bool is_first = !has_top_before_;
     begins_after_pause_ = closed_s() >= Scalar(is_first ? kInstant_s : kPause_s);
-    begin_ = begins_after_pause_
-                 ? Instant{still_ns(left_.time_ns, left_far_.time_ns), Scalar(kPauseSd_s)}
-                 : closed_instant();
+    begin_ =
+        begins_after_pause_ ? still_at(departed_.time_ns, departed_far_.time_ns) : closed_instant();
     if (begin_.time_ns < last_end_ns_ && has_top_before_) begin_.time_ns = last_end_ns_;
     has_begin_ = has_top_before_ = true;
     begin_top_ = top_;
@@ -172,7 +178,10 @@ class MotionCycles {
   internal::RateSlope<Scalar> slope_;
   internal::RisingFlank<Scalar> flank_;
   internal::Standstill<Scalar> at_top_{Scalar(-1)}, at_bottom_{Scalar(1)};
-  internal::FallingPassage<Scalar> left_, left_far_;  ///< of the depth, of four times it
+  internal::FallingPassage<Scalar> left_;  ///< of the depth below the top
+  Scalar closed_m_ = 0;                    ///< mean height while closed, over about kMean_s
+  /// Of the depth and of four times it below that mean.
+  internal::FallingPassage<Scalar> departed_, departed_far_;
   Phase phase_ = Phase::unknown;
   bool has_last_ = false, has_bottom_ = false;
   bool has_top_before_ = false;  ///< a top before the present one
@@ -191,9 +200,7 @@ void MotionCycles<Scalar>::give(double pause_s, Cycle& ended) {
   ended = {};
   ended.begins_after_pause = begins_after_pause_;
   ended.ends_with_pause = closed_s() >= Scalar(pause_s);
-  const Instant end = ended.ends_with_pause
-                          ? Instant{still_ns(arrival_ns(1), arrival_ns(4)), Scalar(kPauseSd_s)}
-                          : closed_instant();
+  const Instant end = ended.ends_with_pause ? arrival() : closed_instant();
   ended.begin_ns = begin_.time_ns;
   ended.turn_ns = turn_.time_ns;
   ended.end_ns = last_end_ns_ = end.time_ns;
@@ -262,11 +269,16 @@ bool MotionCycles<Scalar>::add(const Sample& sample, Cycle& ended) {
     return false;
   }
   left_.add(before, sample, top_.height_m - depth);
-  left_far_.add(before, sample, top_.height_m - Scalar(4) * depth);
+  if (!left_.has_passed) {
+    const Scalar step_s = between_s<Scalar>(before.time_ns, sample.time_ns);
+    closed_m_ += (sample.height_m - closed_m_) * std::min(step_s / Scalar(kMean_s), Scalar(1));
+  }
+  departed_.add(before, sample, closed_m_ - depth);
+  departed_far_.add(before, sample, closed_m_ - Scalar(4) * depth);
   const bool is_pause = !left_.has_passed && closed_s() >= Scalar(kPause_s);
   if (is_pause) pending_.gap_ns = 0;
   const Scalar fall_m = top_.height_m - sample.height_m;
-  const bool opens = fall_m >= std::max(least_m(), Scalar(4) * depth);
+  const bool opens = fall_m >= std::max(least_m(), Scalar(4) * depth) && departed_far_.has_passed;
   const bool is_quiet =
       is_pause ||
       (left_.has_passed && between_s<Scalar>(left_.time_ns, sample.time_ns) >= Scalar(kPause_s));
