@@ -152,6 +152,10 @@ TYPED_TEST(MotionCyclesOfAJaw, AreTheTrueOnes) {
           score.largest_delay_s);
       EXPECT_GE(score.right, 0.99 * score.truth);
       EXPECT_GE(score.right, 0.99 * score.found);
+      // Root mean squares of 80 cycles or more: 1.3 is beyond 1 by four of their standard errors.
+      for (int i = 0; i < 4; ++i) EXPECT_LT(score.rms_sds(i), 1.3) << i;
+      for (int i = 0; i < 3; ++i) EXPECT_LT(score.rms_ms(i), is_coarse ? 20 : 10) << i;
+      EXPECT_LT(score.largest_delay_s, 0.7);
     }
   }
 }

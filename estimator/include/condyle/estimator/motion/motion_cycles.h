@@ -13,7 +13,7 @@
 //            the passages of depth and 4 depth
 //   turn     where v passes zero at the bottom of z
 //   sd of an instant   sd(v)/|a|, a the slope of v before it; of a middle 0.1 of the closed time;
-//            of a departure or an arrival 8 ms
+//            of a departure or an arrival 8 ms, and a quarter of the way beyond the passage
 // A cycle is not taken, but given with the reason, if it has a gap of more than 0.1 s between
 // samples, lasts less than 0.25 s or more than 3 s, or is lower than d.
 //
@@ -86,7 +86,7 @@ class MotionCycles {
   static constexpr double kLeastHeight_m = 2e-3, kHeightShare = 0.3;
   static constexpr double kLeastDepth_m = 0.2e-3, kDepthShare = 0.015, kDepthSds = 5;
   static constexpr double kInstant_s = 0.08, kPause_s = 0.5, kPauseSd_s = 8e-3, kMiddleSd = 0.1;
-  static constexpr double kMean_s = 0.15, kLawSd = 0.15;
+  static constexpr double kMean_s = 0.15, kLawSd = 0.25;
   static constexpr double kShortest_s = 0.25, kLongest_s = 3;
   static constexpr TimeNs kLongestGap_ns = 100'000'000;
   // How far above the true one the largest of many noisy values may lie, in standard deviations.
@@ -170,6 +170,7 @@ class MotionCycles {
     turn_ = at_bottom_.instant();
     phase_ = Phase::closing;
     is_given_ = false;
+    closed_m_ = sample.height_m;
     raise_top(sample);
   }
   void give(double pause_s, Cycle& ended);
@@ -248,6 +249,7 @@ bool MotionCycles<Scalar>::add(const Sample& sample, Cycle& ended) {
   if (!has_last_) {
     has_last_ = true;
     last_ = sample;
+    closed_m_ = sample.height_m;
     raise_top(sample);
     lower_bottom(sample);
   }
