@@ -25,6 +25,23 @@ struct Greatest {
 Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double>& values,
                      std::size_t begin, std::size_t end, double reach_s);
 
+/// The same for many values at the same times, whose weights are computed once.
+class GreatestAt {
+ public:
+  /// Copies nothing: `time_s` must outlive it.
+  GreatestAt(const std::vector<double>& time_s, double reach_s);
+  Greatest of(const std::vector<double>& values, std::size_t begin, std::size_t end) const;
+
+ private:
+  struct Weight {
+    double weight;
+    double sum;  // of the weights so far, the middle's with them
+  };
+  const std::vector<double>& time_s_;
+  std::vector<std::size_t> first_;  // of each sample's weights
+  std::vector<Weight> weights_;
+};
+
 /// A point on a path between two samples.
 struct Passage {
   std::size_t after;  ///< sample before it

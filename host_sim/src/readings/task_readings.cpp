@@ -19,6 +19,7 @@ constexpr double kCalmStroke_s = 0.16, kCalmCycle_s = 0.06;
 constexpr double kMildStroke_s = 0.2, kMildCycle_s = 0.1;
 constexpr double kLeastStroke_m = 1.5e-3;
 constexpr double kMargin_s = 0.15, kLongestGap_s = 0.15, kNewSequence_s = 2;
+constexpr std::size_t kLongStroke = 20'000;  // samples
 // Standard deviation of the instant at which the jaw leaves or reaches a pause: it begins and ends
 // so slowly that its form, which is not known, decides.
 constexpr double kPauseBoundary_s = 8e-3;
@@ -172,7 +173,7 @@ class TaskReader {
   std::vector<UncertainValue> values_of(TaskKind kind, SampleRun stroke, std::size_t count) {
     std::vector<UncertainValue> none(count);
     const double gap_s = longest_gap_s(analysis_.path.time_s, stroke.begin, stroke.end);
-    const bool is_long = stroke.end - stroke.begin > 20'000;
+    const bool is_long = stroke.end - stroke.begin > kLongStroke;
     std::string problem;
     if (stroke.end < stroke.begin + 5) problem = "it has fewer than five usable samples";
     if (gap_s > kLongestGap_s) problem = fmt::format("a gap of {:.2f} s", gap_s);
@@ -186,9 +187,18 @@ class TaskReader {
       for (UncertainValue& value : none) value.missing = problem;
       return none;
     }
+    ReferredMotion near_greatest;
+    const bool is_greatest_only = kind == TaskKind::rest || kind == TaskKind::whole;
+    const ReferredMotion* motion = context_.motion;
+    if (is_long && is_greatest_only) {
+      near_greatest = near_greatest_of(analysis_.path, *motion, *context_.noise, stroke);
+      motion = &near_greatest;
+      stroke = {0, motion->time_s.size()};
+    }
+    const bool is_still_long = stroke.end - stroke.begin > kLongStroke;
     auto values = uncertain_values(
-        *context_.motion, stroke.begin, stroke.end, *context_.noise, context_.errors,
-        {is_long ? 4 : kStrokePairs, kCalmStroke_s, kMildStroke_s}, random_,
+        *motion, stroke.begin, stroke.end, *context_.noise, context_.errors,
+        {is_still_long ? 4 : kStrokePairs, kCalmStroke_s, kMildStroke_s}, random_,
         [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
           read_stroke(kind, context_.has_landmarks, path, into, why);
         });
@@ -316,11 +326,14 @@ class TaskReader {
     const double after_s = cycle.ends_with_pause ? 0.3 : kMargin_s;
     while (begin > 0 && time_s[cycle.begin] - time_s[begin - 1] <= before_s) --begin;
     while (end < time_s.size() && time_s[end] - time_s[cycle.end] <= after_s) ++end;
+    const std::vector<double> times_s(time_s.begin() + static_cast<std::ptrdiff_t>(begin),
+                                      time_s.begin() + static_cast<std::ptrdiff_t>(end));
+    const GreatestAt greatest(times_s, kCycleTopReach_s);
     auto values = uncertain_values(
         *context_.motion, begin, end, *context_.noise, context_.errors,
-        {kCyclePairs, kCalmCycle_s, kMildCycle_s}, random_,
+        {kCyclePairs, kCalmCycle_s, kMildCycle_s, PathPart::incisor}, random_,
         [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
-          read_cycle(cycle, begin, sd_m, context_.has_landmarks, path, into, why);
+          read_cycle(cycle, begin, sd_m, context_.has_landmarks, path, greatest, into, why);
         });
     // Duration, opening time, closing time.
     const double at_begin_s = cycle.begins_after_pause ? kPauseBoundary_s : cycle.begin_sd_s;
