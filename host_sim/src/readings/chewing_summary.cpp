@@ -90,8 +90,16 @@ CycleSummary scatter(std::string_view name, const Values& values, bool is_relati
   for (const UncertainValue& value : values) numbers.push_back(value.value);
   measure(numbers);
   const double scale = is_relative ? 100 / std::abs(mean) : 1;
-  // Of the variance: of the products of scatter and noise, and of the noise's own square.
-  const double of_variance = std::sqrt((4 * variance * noise + 2 * noise * noise) / count);
+  // Of the variance: of the products of scatter and error, and of the error's own square. What
+  // smoothing changed differs from cycle to cycle as well.
+  double squares = 0;
+  for (const UncertainValue& value : values) {
+    const double error =
+        value.noise_sd * value.noise_sd + value.smoothing * value.smoothing / (kHalf95 * kHalf95);
+    const double from_mean = value.value - mean;
+    squares += 4 * from_mean * from_mean * error + 2 * error * error;
+  }
+  const double of_variance = std::sqrt(squares) / (count - 1);
   const double highest = std::sqrt(variance + kHalf95 * of_variance) * scale;
   const double lowest = std::sqrt(std::max(variance - kHalf95 * of_variance, 0.0)) * scale;
   const double shared = summary.value.half_interval();

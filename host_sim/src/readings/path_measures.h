@@ -29,6 +29,7 @@ Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double
 struct Passage {
   std::size_t after;  ///< sample before it
   Eigen::Vector3d point;
+  double share;  ///< of the time between the samples
 };
 
 /// The first passage, from sample `begin` to `end` (included), of a curve through `points` with
@@ -50,7 +51,7 @@ std::optional<Passage> first_passage(const std::vector<double>& time_s, const Po
       const double middle = (low + high) / 2;
       (measure(at(middle)) < level ? low : high) = middle;
     }
-    return Passage{k, at(high)};
+    return Passage{k, at(high), high};
   }
   return std::nullopt;
 }

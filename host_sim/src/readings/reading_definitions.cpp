@@ -79,6 +79,24 @@ const std::vector<ReadingDefinition>& reading_definitions() {
        "outward displacement of the working condyle at the greatest "
        "laterotrusion",
        1.5, true, true},
+      {"working_shift_angle_deg", "deg",
+       "atan2(x, y outward) of the working condyle there; backward negative", 10, true, true},
+      {"condylar_translation_difference_mm", "mm", "condylar translation, left minus right", 3,
+       true, false},
+      {"condylar_peak_speed_mm_s", "mm/s", "greatest 3-D speed of the condyle on the way out", 15,
+       true, false},
+      {"condylar_separation_mm", "mm",
+       "mean distance of the condyle's ways out and back in the sagittal plane, at equal travel "
+       "from 0.2 to 0.9 of the greatest",
+       0.5, true, true},
+      {"condylar_crossing_count", "1",
+       "how often those ways change sides, where their distance exceeds its interval; smaller "
+       "crossings are not seen",
+       0, true, true},
+      {"rotation_per_translation_deg_mm", "deg/mm",
+       "rotation about the left-right axis over the travel of the condyle, from 0.2 to 0.8 of its "
+       "greatest on the way out",
+       0.5, true, true},
       {"fischer_angle_5mm_deg", "deg",
        "condylar inclination at 5 mm, mediotrusion minus "
        "protrusion",

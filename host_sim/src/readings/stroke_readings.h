@@ -7,14 +7,9 @@
 
 #include "readings/reading.h"
 #include "readings/reading_geometry.h"
+#include "readings/reading_values.h"
 
 namespace condyle::host {
-
-/// A reading of a stroke of some kind, and its side.
-struct StrokeReading {
-  std::string_view name;
-  Side side = Side::none;
-};
 
 /// What a stroke of `kind` has.
 std::vector<StrokeReading> readings_of_stroke(TaskKind kind, bool has_landmarks);

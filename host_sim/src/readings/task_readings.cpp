@@ -8,6 +8,7 @@
 #include <map>
 
 #include "readings/chewing_summary.h"
+#include "readings/condyle_readings.h"
 #include "readings/stroke_checks.h"
 #include "readings/stroke_readings.h"
 #include "readings/strokes.h"
@@ -25,7 +26,8 @@ constexpr double kMargin_s = 0.15, kLongestGap_s = 0.15, kNewSequence_s = 2;
 constexpr double kPauseBoundary_s = 8e-3;
 
 bool is_condylar(std::string_view name) {
-  for (const std::string_view word : {"condylar", "bennett", "side_shift", "working", "fischer"}) {
+  for (const std::string_view word :
+       {"condylar", "bennett", "side_shift", "working", "fischer", "per_translation"}) {
     if (name.find(word) != std::string_view::npos) return true;
   }
   return false;
@@ -198,9 +200,10 @@ class TaskReader {
         [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
           read_stroke(kind, context_.has_landmarks, path, into, why);
         });
+    const auto names = readings_of_stroke(kind, context_.has_landmarks);
+    if (values.size() > names.size()) count_crossings(names, values);
     const std::string onset =
         is_stroke && context_.has_landmarks ? problem_of_onset(analysis_.path, stroke) : "";
-    const auto names = readings_of_stroke(kind, context_.has_landmarks);
     for (std::size_t i = 0; i < names.size() && !onset.empty(); ++i) {
       if (!is_condylar(names[i].name)) continue;
       values[i].value = JawReading::kNone;

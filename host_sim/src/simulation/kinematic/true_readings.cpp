@@ -92,16 +92,51 @@ class TruthOfJaw {
         add("laterotrusion_mm", greatest([&](double t) { return sign * incisor_mm(t).y(); }, whole),
             "mm", is_left ? JawSide::left : JawSide::right);
         const JawSide orbiting = is_left ? JawSide::right : JawSide::left;
-        read_condyle(orbiting, out);
+        read_condyle(orbiting, out, back);
         read_medial_path(orbiting, out);
+        read_working(is_left ? JawSide::left : JawSide::right, whole);
         return;
       }
     }
-    for (const JawSide side : {JawSide::left, JawSide::right}) read_condyle(side, out);
+    for (const JawSide side : {JawSide::left, JawSide::right}) read_condyle(side, out, back);
+    const auto translation_mm = [&](JawSide side) {
+      return greatest([&](double t) { return condyle_mm(side, t).norm(); }, out);
+    };
+    add("condylar_translation_difference_mm",
+        translation_mm(JawSide::left) - translation_mm(JawSide::right), "mm");
+    if (stroke.kind != JawTaskKind::opening) return;
+    for (const JawSide side : {JawSide::left, JawSide::right}) read_rotation(side, out);
+  }
+
+  // Degrees of opening a millimetre, between two shares of the greatest travel.
+  void read_rotation(JawSide side, const Span& out) {
+    const auto travel_mm = [this, side](double time_s) {
+      const Vector3d c = condyle_mm(side, time_s);
+      return std::sqrt(c.x() * c.x() + c.z() * c.z());
+    };
+    const double most_mm = greatest(travel_mm, out);
+    const auto from_s = first_passage_s(travel_mm, out, 0.2 * most_mm);
+    const auto to_s = first_passage_s(travel_mm, out, 0.8 * most_mm);
+    if (!from_s || !to_s) return;
+    add("rotation_per_translation_deg_mm",
+        (opening_angle_deg(jaw_.pose_at(*to_s).rotation) -
+         opening_angle_deg(jaw_.pose_at(*from_s).rotation)) /
+            (0.6 * most_mm),
+        "deg/mm", side);
+  }
+
+  // Of the working condyle, where the incisor is furthest to its side.
+  void read_working(JawSide side, const Span& whole) {
+    const double outwards = side == JawSide::left ? 1 : -1;
+    const double at_s =
+        greatest_at_s([&](double t) { return outwards * incisor_mm(t).y(); }, whole);
+    const Vector3d c = condyle_mm(side, at_s);
+    add("working_shift_mm", outwards * c.y(), "mm", side);
+    add("working_shift_angle_deg", kDegrees * std::atan2(c.x(), outwards * c.y()), "deg", side);
   }
 
   // Path, translation and inclinations of the outward stroke.
-  void read_condyle(JawSide side, const Span& out) {
+  void read_condyle(JawSide side, const Span& out, const Span& back) {
     const auto travel_mm = [this, side](double time_s) {
       const Vector3d c = condyle_mm(side, time_s);
       return std::sqrt(c.x() * c.x() + c.z() * c.z());
@@ -125,6 +160,28 @@ class TruthOfJaw {
       add(fmt::format("condylar_inclination_{:g}mm_deg", at_mm),
           kDegrees * std::atan2(-c.z(), c.x()), "deg", side);
     }
+    constexpr double h_s = 1e-4;
+    add("condylar_peak_speed_mm_s",
+        greatest(
+            [&](double t) {
+              return (condyle_mm(side, t + h_s) - condyle_mm(side, t - h_s)).norm() / (2 * h_s);
+            },
+            out),
+        "mm/s", side);
+    const auto inclination_rad = [&](double time_s) {
+      const Vector3d c = condyle_mm(side, time_s);
+      return std::atan2(-c.z(), c.x());
+    };
+    const double most_mm = greatest(travel_mm, out);
+    double apart_mm = 0;
+    for (int i = 0; i < 8; ++i) {
+      const double at_mm = (0.2 + 0.1 * i) * most_mm;
+      const auto out_s = first_passage_s(travel_mm, out, at_mm);
+      const auto back_s = first_passage_s([&](double t) { return -travel_mm(t); }, back, -at_mm);
+      if (!out_s || !back_s) return;
+      apart_mm += std::abs(inclination_rad(*back_s) - inclination_rad(*out_s)) * at_mm / 8;
+    }
+    add("condylar_separation_mm", apart_mm, "mm", side);
   }
 
   // Bennett angles and side shift of the orbiting condyle.

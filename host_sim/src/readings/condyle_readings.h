@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The condyles in a stroke. Travel: sqrt(x^2 + z^2) of a condyle, from the reference position.
+//
+// Separation at a travel s: s (b - a), a and b the inclinations atan2(-z, x) where the travel first
+// reaches s on the way out, and falls below it on the way back. Positive: the way back is lower.
+#pragma once
+
+#include <vector>
+
+#include "readings/reading_geometry.h"
+#include "readings/reading_values.h"
+
+namespace condyle::host {
+
+/// The names of their readings, and the readings in this order.
+void add_condyle_names(TaskKind kind, std::vector<StrokeReading>& names);
+void add_condyles(TaskKind kind, const JawPath& path, ReadingValues& out);
+
+/// Appends what only decides on crossings: the separations at several travels (mm), for each
+/// condylar_crossing_count in turn.
+void add_separations(TaskKind kind, const JawPath& path, ReadingValues& out);
+/// Counts the crossings from the separations that follow the values of `names`, and removes these.
+void count_crossings(const std::vector<StrokeReading>& names, std::vector<UncertainValue>& values);
+
+/// Medial of a condyle on `side` (0: left).
+double medial(const Eigen::Vector3d& point, std::size_t side);
+
+}  // namespace condyle::host
