@@ -132,6 +132,7 @@ TEST(CondyleReadings, SeparationIsThatOfTwoKnownLines) {
         rates->push_back(rate_m_s * along);
       }
       path.rotation_rad.emplace_back(0, 0, 0);
+      path.turning_rad_s.emplace_back(0, 0, 0);
       path.middle_m.push_back(travel_m * along);
     }
     const auto names = readings_of_stroke(TaskKind::protrusion, true);
@@ -150,18 +151,21 @@ TEST(CondyleReadings, SeparationIsThatOfTwoKnownLines) {
 
 // Crossings: sign changes of what noise does not explain.
 TEST(CondyleReadings, CountCrossingsThatNoiseDoesNotExplain) {
-  const std::vector<StrokeReading> names = {{"condylar_crossing_count", Side::left}};
+  const std::vector<StrokeReading> names = {{"condylar_separation_mm", Side::left},
+                                            {"condylar_crossing_count", Side::left}};
   const auto count = [&](const std::vector<double>& separations) {
-    std::vector<UncertainValue> values(1);
+    std::vector<UncertainValue> values(2);
     for (const double separation : separations) {
       UncertainValue value;
       value.value = separation;
       value.noise_sd = 0.1;
       values.push_back(value);
     }
-    count_crossings(names, values);
-    EXPECT_EQ(values.size(), 1U);
-    return values[0].value;
+    values.emplace_back().value = 0.7;  // how far the condyle ends from its beginning
+    finish_separations(names, values);
+    EXPECT_EQ(values.size(), 2U);
+    EXPECT_GE(values[0].half_interval(), 0.7);
+    return values[1].value;
   };
   EXPECT_EQ(count({0.3, 0.4, 0.5, 0.4, 0.4, 0.3, 0.3, 0.3}), 0);
   EXPECT_EQ(count({0.3, 0.1, -0.1, 0.1, -0.19, 0.1, 0.3, 0.3}), 0);

@@ -16,7 +16,7 @@ constexpr double kNone = JawReading::kNone;
 constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
 constexpr double kOnset_m = 0.3e-3;  // travel of a condyle that has left the fossa
 constexpr double kChord_m = 0.5e-3;  // of a path's length
-constexpr std::size_t kSeparations = 8;
+constexpr std::size_t kSeparations = 8, kEnds = 20;
 constexpr double kLeastTravelShare = 0.2, kMostTravelShare = 0.9;  // of separations
 constexpr double kSlopeFrom = 0.2, kSlopeTo = 0.8;                 // the middle 60 % of the travel
 constexpr double kLeastSlopeTravel_m = 3e-3;
@@ -219,10 +219,17 @@ void add_separations(TaskKind kind, const JawPath& path, ReadingValues& out) {
       out.add(separation_mm,
               [] { return std::string("the condyle does not come back over its whole path"); });
     }
+    // Means over a share of the stroke at both ends.
+    const Points& points = path.condyle_m[side];
+    const std::size_t count = std::max<std::size_t>(points.size() / kEnds, 1);
+    Vector3d closure = Vector3d::Zero();
+    for (std::size_t k = 0; k < count; ++k) closure += points[points.size() - 1 - k] - points[k];
+    out.add(sagittal(closure) / static_cast<double>(count) / kMillimetre);
   }
 }
 
-void count_crossings(const std::vector<StrokeReading>& names, std::vector<UncertainValue>& values) {
+void finish_separations(const std::vector<StrokeReading>& names,
+                        std::vector<UncertainValue>& values) {
   std::size_t next = names.size();
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i].name != "condylar_crossing_count") continue;
@@ -242,6 +249,10 @@ void count_crossings(const std::vector<StrokeReading>& names, std::vector<Uncert
       last = sign;
     }
     values[i] = count;
+    // What a slip of the instrument leaves at the end, it may leave on the whole way back.
+    UncertainValue& mean = values[i - 1];
+    const double closure_mm = next < values.size() ? values[next++].value : kNone;
+    mean.smoothing = std::hypot(mean.smoothing, closure_mm);
   }
   values.resize(names.size());
 }

@@ -16,11 +16,13 @@ namespace condyle::host {
 void add_condyle_names(TaskKind kind, std::vector<StrokeReading>& names);
 void add_condyles(TaskKind kind, const JawPath& path, ReadingValues& out);
 
-/// Appends what only decides on crossings: the separations at several travels (mm), for each
-/// condylar_crossing_count in turn.
+/// Appends what only decides on crossings: for each condylar_crossing_count in turn the separations
+/// at several travels, and how far the condyle ends from where it began (mm).
 void add_separations(TaskKind kind, const JawPath& path, ReadingValues& out);
-/// Counts the crossings from the separations that follow the values of `names`, and removes these.
-void count_crossings(const std::vector<StrokeReading>& names, std::vector<UncertainValue>& values);
+/// Counts the crossings from these, which follow the values of `names`, and removes them. The
+/// interval of the condylar_separation_mm before each count takes in what the way back missed.
+void finish_separations(const std::vector<StrokeReading>& names,
+                        std::vector<UncertainValue>& values);
 
 /// Medial of a condyle on `side` (0: left).
 double medial(const Eigen::Vector3d& point, std::size_t side);

@@ -45,9 +45,9 @@ void paths_of(const SmoothMotion& motion, const ReadingGeometry& geometry, JawPa
   const Matrix3d into_head = geometry.head.linear().transpose();
   const std::size_t count = motion.time_s.size();
   path.time_s = motion.time_s;
-  for (auto* points :
-       {&path.incisor_m, &path.incisor_m_s, &path.condyle_m[0], &path.condyle_m[1],
-        &path.condyle_m_s[0], &path.condyle_m_s[1], &path.rotation_rad, &path.middle_m}) {
+  for (auto* points : {&path.incisor_m, &path.incisor_m_s, &path.condyle_m[0], &path.condyle_m[1],
+                       &path.condyle_m_s[0], &path.condyle_m_s[1], &path.rotation_rad,
+                       &path.turning_rad_s, &path.middle_m}) {
     points->resize(count);
   }
   const Vector3d f = geometry.middle_m;
@@ -76,6 +76,7 @@ void paths_of(const SmoothMotion& motion, const ReadingGeometry& geometry, JawPa
       place(geometry.condyle_m[side], path.condyle_m[side][k], path.condyle_m_s[side][k]);
     }
     path.rotation_rad[k] = into_head * (is_mistaken ? rotation_vector_of<double>(R) : w);
+    path.turning_rad_s[k] = into_head * omega;
     path.middle_m[k] = into_head * u;
   }
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "readings/axis_readings.h"
 #include "readings/condyle_readings.h"
 #include "readings/reading_values.h"
 #include "readings/smoothness.h"
@@ -19,7 +20,6 @@ using Eigen::Vector3d;
 constexpr double kNone = JawReading::kNone;
 constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
 constexpr double kLeastSpeedShare = 0.05;  // of the peak: begin and end of a movement
-constexpr double kLeastAxisAngle_rad = 5 * kDegree, kHingeArc_rad = 12 * kDegree;
 
 // Speed from `begin` to `end` (without): its peak, and the movement around the peak.
 struct Movement {
@@ -45,40 +45,8 @@ Movement movement_of(const JawPath& path, const std::vector<double>& speeds, std
   return movement;
 }
 
-void add_axes(const JawPath& path, const std::vector<double>& angles, std::size_t widest,
-              ReadingValues& out) {
-  Vector3d crossing = Vector3d::Constant(kNone);
-  const auto too_little = [&] {
-    return fmt::format("the jaw turns by {:.1f} deg, at least {:.0f} deg are needed",
-                       angles[widest] / kDegree, kLeastAxisAngle_rad / kDegree);
-  };
-  if (angles[widest] >= kLeastAxisAngle_rad) {
-    // The beginning of the opening, as far as the hinge phase goes.
-    std::size_t first = widest, last = widest;
-    while (first > 0 && angles[first] > 0.2 * kLeastAxisAngle_rad) --first;
-    for (std::size_t k = first; k <= widest; ++k) {
-      if (angles[k] < kHingeArc_rad) continue;
-      last = k;
-      break;
-    }
-    const auto hinge = hinge_axis_crossing_m(path, first, last);
-    if (hinge) crossing = *hinge;
-  }
-  out.add(crossing.x() / kMillimetre, too_little);
-  out.add(crossing.z() / kMillimetre, too_little);
-  crossing = Vector3d::Constant(kNone);
-  if (angles[widest] >= kLeastAxisAngle_rad) {
-    const HelicalAxis axis =
-        helical_axis(path.rotation_rad[widest], path.middle_at_m, path.middle_m[widest]);
-    if (std::abs(axis.direction.y()) > 0.5) {
-      crossing = axis.point_m - axis.direction * (axis.point_m.y() / axis.direction.y());
-    }
-  }
-  out.add(crossing.x() / kMillimetre, too_little);
-  out.add(crossing.z() / kMillimetre, too_little);
-}
-
-void add_opening(const JawPath& path, std::size_t turn, ReadingValues& out) {
+void add_opening(const JawPath& path, std::size_t turn, double turning_sd_rad_s,
+                 ReadingValues& out) {
   out.add(greatest_mm(path, sizes_of(path.incisor_m)));
   out.add(greatest_mm(path, coordinate_of(path.incisor_m, 2, -1)));
   std::vector<double> twists;
@@ -97,7 +65,7 @@ void add_opening(const JawPath& path, std::size_t turn, ReadingValues& out) {
     if (std::abs(aside_m) > std::abs(deviation_m)) deviation_m = aside_m;
   }
   out.add(deviation_m / kMillimetre);
-  add_axes(path, twists, widest, out);
+  add_axes(path, twists, widest, turning_sd_rad_s, out);
 }
 
 void add_speeds(const JawPath& path, std::size_t turn, ReadingValues& out) {
@@ -145,10 +113,10 @@ std::vector<StrokeReading> readings_of_stroke(TaskKind kind, bool has_landmarks)
   }
   if (kind == TaskKind::opening) {
     for (const char* name : {"opening_mm", "opening_vertical_mm", "opening_angle_deg",
-                             "opening_deflection_mm", "opening_deviation_mm", "hinge_axis_x_mm",
-                             "hinge_axis_z_mm", "helical_axis_x_mm", "helical_axis_z_mm"}) {
+                             "opening_deflection_mm", "opening_deviation_mm"}) {
       names.push_back({name});
     }
+    add_axis_names(names);
   }
   if (kind == TaskKind::protrusion) names.push_back({"protrusion_mm"});
   if (kind == TaskKind::left || kind == TaskKind::right) {
@@ -162,7 +130,8 @@ std::vector<StrokeReading> readings_of_stroke(TaskKind kind, bool has_landmarks)
 }
 
 void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
-                 std::vector<double>& values, std::vector<std::string>* why) {
+                 std::vector<double>& values, std::vector<std::string>* why,
+                 double turning_sd_rad_s) {
   ReadingValues out(values, why);
   const std::vector<double> distances = sizes_of(path.incisor_m);
   const Greatest farthest = greatest_of(path.time_s, distances, 0, distances.size(), kTopReach_s);
@@ -186,7 +155,7 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
     }
     return;
   }
-  if (kind == TaskKind::opening) add_opening(path, turn, out);
+  if (kind == TaskKind::opening) add_opening(path, turn, turning_sd_rad_s, out);
   if (kind == TaskKind::protrusion) {
     out.add(greatest_mm(path, coordinate_of(path.incisor_m, 0, 1)));
   }

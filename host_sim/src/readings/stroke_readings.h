@@ -15,8 +15,9 @@ namespace condyle::host {
 std::vector<StrokeReading> readings_of_stroke(TaskKind kind, bool has_landmarks);
 
 /// Their values for the path of one stroke, in their units; NaN where there is none. `why`, if not
-/// null, then holds the reason.
+/// null, then holds the reason. `turning_sd_rad_s`: noise of the path's rate of turning.
 void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
-                 std::vector<double>& values, std::vector<std::string>* why);
+                 std::vector<double>& values, std::vector<std::string>* why,
+                 double turning_sd_rad_s = 0);
 
 }  // namespace condyle::host

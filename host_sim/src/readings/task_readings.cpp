@@ -194,14 +194,17 @@ class TaskReader {
       for (UncertainValue& value : none) value.missing = problem;
       return none;
     }
+    const double rotation_sd_rad =
+        std::sqrt(context_.noise->covariance.bottomRightCorner<3, 3>().trace() / 3);
+    const double turning_sd_rad_s = rotation_sd_rad * slope_gain(analysis_.rate_Hz);
     auto values = uncertain_values(
         *context_.motion, stroke.begin, stroke.end, *context_.noise, context_.errors,
         {is_long ? 4 : kStrokePairs, kCalmStroke_s, kMildStroke_s}, random_,
         [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
-          read_stroke(kind, context_.has_landmarks, path, into, why);
+          read_stroke(kind, context_.has_landmarks, path, into, why, turning_sd_rad_s);
         });
     const auto names = readings_of_stroke(kind, context_.has_landmarks);
-    if (values.size() > names.size()) count_crossings(names, values);
+    if (values.size() > names.size()) finish_separations(names, values);
     const std::string onset =
         is_stroke && context_.has_landmarks ? problem_of_onset(analysis_.path, stroke) : "";
     for (std::size_t i = 0; i < names.size() && !onset.empty(); ++i) {

@@ -45,4 +45,9 @@ Eigen::Vector3d displacement_mm(const JawPose& pose, const Eigen::Vector3d& poin
   return 1e3 * (pose.rotation * point_m + pose.translation_m - point_m);
 }
 
+// Twist about Y: 2 atan2(q_y, q_w). With q_w = sqrt(1 + trace)/2, 4 q_w q_y = R_13 - R_31.
+double opening_angle_deg(const Eigen::Matrix3d& rotation) {
+  return 2 * kDegrees * std::atan2(rotation(0, 2) - rotation(2, 0), 1 + rotation.trace());
+}
+
 }  // namespace condyle::host::truth

@@ -41,4 +41,7 @@ std::optional<double> first_passage_s(const Function& value, const Span& span, d
 /// Displacement of the jaw's point from the reference position in A (mm).
 Eigen::Vector3d displacement_mm(const JawPose& pose, const Eigen::Vector3d& point_m);
 
+/// Rotation about Y: the twist of swing and twist.
+double opening_angle_deg(const Eigen::Matrix3d& rotation);
+
 }  // namespace condyle::host::truth

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "simulation/kinematic/true_axes.h"
 #include "simulation/kinematic/true_cycles.h"
 #include "simulation/kinematic/true_measures.h"
 
@@ -21,11 +22,6 @@ constexpr double kPathStart_mm = 0.3;                                         //
 constexpr double kTravels_mm[] = {3, 5, 10};                                  // of the angles
 constexpr double kShiftStart_mm = 2, kShiftEnd_mm = 5, kShiftStep_mm = 0.05;  // of the fit, in x
 constexpr double kEarlyShift_mm = 0.5;  // x at which side_shift_05mm is read
-
-// Twist about Y: 2 atan2(q_y, q_w). With q_w = sqrt(1 + trace)/2, 4 q_w q_y = R_13 - R_31.
-double opening_angle_deg(const Matrix3d& rotation) {
-  return 2 * kDegrees * std::atan2(rotation(0, 2) - rotation(2, 0), 1 + rotation.trace());
-}
 
 double rotation_angle_deg(const Matrix3d& rotation) {
   const Vector3d twice_sine(rotation(2, 1) - rotation(1, 2), rotation(0, 2) - rotation(2, 0),
@@ -82,6 +78,7 @@ class TruthOfJaw {
             greatest([this](double t) { return incisor_speed_mm_s(t); }, out), "mm/s");
         add("closing_peak_speed_mm_s",
             greatest([this](double t) { return incisor_speed_mm_s(t); }, back), "mm/s");
+        for (const TrueAxisValue& one : true_axes(jaw_, out)) add(one.reading, one.value_mm, "mm");
         break;
       case JawTaskKind::protrusion:
         add("protrusion_mm", greatest([this](double t) { return incisor_mm(t).x(); }, whole), "mm");
