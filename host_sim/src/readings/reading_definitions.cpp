@@ -35,6 +35,9 @@ const std::vector<ReadingDefinition>& reading_definitions() {
       {"protrusion_mm", "mm", "greatest displacement of the lower incisor forward", 2, false, true},
       {"laterotrusion_mm", "mm", "greatest displacement of the lower incisor to that side", 2,
        false, true},
+      {"yaw_angle_deg", "deg",
+       "greatest rotation about the vertical axis to that side (twist of swing and twist)", 3, true,
+       true},
       {"condylar_path_mm", "mm",
        "length of the outward path of the condyle, from 0.3 mm of travel "
        "to the greatest travel, by chords of 0.5 mm",
@@ -206,6 +209,12 @@ const std::vector<ReadingDefinition>& reading_definitions() {
        "rotation crosses the midsagittal plane, forward",
        5, true, true},
       {"helical_axis_z_mm", "mm", "the same, above the condylar axis", 5, true, true},
+      {"kinematic_centre_x_mm", "mm",
+       "where the jaw's point whose ways out of opening and protrusion coincide best lies forward "
+       "of "
+       "the condylar point, mean over pairs of strokes, Student's interval (Yatabe et al. 1995)",
+       3, true, true},
+      {"kinematic_centre_z_mm", "mm", "the same, above the condylar point", 3, true, true},
       {"finite_axes_x_mm", "mm",
        "mean of where the finite helical axes of four steps of equal rotation, from the reference "
        "to the greatest opening angle, cross the midsagittal plane, forward",
@@ -226,6 +235,13 @@ const std::vector<ReadingDefinition>& reading_definitions() {
        80, false, true},
       {"border_area_horizontal_mm2", "mm2",
        "convex hull of the incisor's path in the horizontal plane", 80, false, true},
+      {"border_loop_sagittal_mm2", "mm2",
+       "greatest area that one excursion of the incisor's path encloses in the sagittal plane "
+       "(shoelace formula), from 1 mm off the reference position to the next return; parts that "
+       "turn the other way count negative",
+       80, false, true},
+      {"border_loop_frontal_mm2", "mm2", "the same in the frontal plane", 80, false, true},
+      {"border_loop_horizontal_mm2", "mm2", "the same in the horizontal plane", 80, false, true},
   };
   return all;
 }

@@ -20,6 +20,7 @@ using Eigen::Vector3d;
 constexpr double kNone = JawReading::kNone;
 constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
 constexpr double kLeastSpeedShare = 0.05;  // of the peak: begin and end of a movement
+constexpr double kReturn_m = 1e-3;         // near the reference position
 
 // Speed from `begin` to `end` (without): its peak, and the movement around the peak.
 struct Movement {
@@ -97,7 +98,8 @@ std::vector<StrokeReading> readings_of_stroke(TaskKind kind, bool has_landmarks)
   if (kind == TaskKind::border) {
     if (has_landmarks) {
       for (const char* name :
-           {"border_area_sagittal_mm2", "border_area_frontal_mm2", "border_area_horizontal_mm2"}) {
+           {"border_area_sagittal_mm2", "border_area_frontal_mm2", "border_area_horizontal_mm2",
+            "border_loop_sagittal_mm2", "border_loop_frontal_mm2", "border_loop_horizontal_mm2"}) {
         names.push_back({name});
       }
     }
@@ -122,6 +124,7 @@ std::vector<StrokeReading> readings_of_stroke(TaskKind kind, bool has_landmarks)
   if (kind == TaskKind::left || kind == TaskKind::right) {
     const bool is_left = kind == TaskKind::left;
     names.push_back({"laterotrusion_mm", is_left ? Side::left : Side::right});
+    names.push_back({"yaw_angle_deg", is_left ? Side::left : Side::right});
     names.push_back({"working_shift_mm", is_left ? Side::left : Side::right});
     names.push_back({"working_shift_angle_deg", is_left ? Side::left : Side::right});
   }
@@ -145,6 +148,9 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
     out.add(hull_area(path.incisor_m, 0, 2) * 1e6);
     out.add(hull_area(path.incisor_m, 1, 2) * 1e6);
     out.add(hull_area(path.incisor_m, 0, 1) * 1e6);
+    out.add(greatest_loop_m2(path.incisor_m, 0, 2, kReturn_m) * 1e6);
+    out.add(greatest_loop_m2(path.incisor_m, 1, 2, kReturn_m) * 1e6);
+    out.add(greatest_loop_m2(path.incisor_m, 0, 1, kReturn_m) * 1e6);
     return;
   }
   add_speeds(path, turn, out);
@@ -164,6 +170,10 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
     const std::vector<double> aside = coordinate_of(path.incisor_m, 1, is_left ? 1 : -1);
     const Greatest farthest_aside = greatest_of(path.time_s, aside, 0, aside.size(), kTopReach_s);
     out.add(farthest_aside.value / kMillimetre);
+    std::vector<double> yaws;
+    for (const Vector3d& w : path.rotation_rad)
+      yaws.push_back((is_left ? 1 : -1) * twist_about(w, 2));
+    out.add(greatest_of(path.time_s, yaws, 0, yaws.size(), kTopReach_s).value / kDegree);
     const std::size_t side = is_left ? 0 : 1;
     const std::size_t at = farthest_aside.at;
     const Vector3d& working = path.condyle_m[side][at];

@@ -4,11 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
 #include "readings/chewing_summary.h"
 #include "readings/condyle_readings.h"
+#include "readings/kinematic_centre.h"
+#include "readings/reading_groups.h"
 #include "readings/stroke_checks.h"
 #include "readings/stroke_readings.h"
 #include "readings/strokes.h"
@@ -24,23 +27,6 @@ constexpr double kMargin_s = 0.15, kLongestGap_s = 0.15, kNewSequence_s = 2;
 // Standard deviation of the instant at which the jaw leaves or reaches a pause: it begins and ends
 // so slowly that its form, which is not known, decides.
 constexpr double kPauseBoundary_s = 8e-3;
-
-bool is_condylar(std::string_view name) {
-  for (const std::string_view word :
-       {"condylar", "bennett", "side_shift", "working", "fischer", "per_translation"}) {
-    if (name.find(word) != std::string_view::npos) return true;
-  }
-  return false;
-}
-
-// What a smoothing instrument makes smaller.
-bool is_fast(std::string_view name) {
-  for (const std::string_view word :
-       {"speed", "sparc", "ldlj", "cycle_height", "cycle_width", "cycle_path", "_area_"}) {
-    if (name.find(word) != std::string_view::npos) return true;
-  }
-  return false;
-}
 
 class TaskReader {
  public:
@@ -83,6 +69,28 @@ class TaskReader {
         difference.fixed[i] -= other.fixed[i];
       }
       add(definition, orbiting, side, 0, difference, false);
+    }
+  }
+
+  // Kinematic centres, from openings and protrusions.
+  void read_centres() {
+    const auto has_task = [this](TaskKind kind) {
+      return std::any_of(analysis_.tasks.begin(), analysis_.tasks.end(),
+                         [kind](const Task& task) { return task.kind == kind; });
+    };
+    if (!context_.has_landmarks || !has_task(TaskKind::opening) ||
+        !has_task(TaskKind::protrusion)) {
+      return;
+    }
+    for (const Side side : {Side::left, Side::right}) {
+      std::array<UncertainValue, 2> centre;
+      if (context_.rotation_problem.empty()) {
+        centre = kinematic_centre(
+            *context_.motion, *context_.noise, context_.errors, whole_strokes_[TaskKind::opening],
+            whole_strokes_[TaskKind::protrusion], side == Side::left ? 0 : 1, random_);
+      }
+      add(definition_of("kinematic_centre_x_mm"), TaskKind::protrusion, side, 0, centre[0], false);
+      add(definition_of("kinematic_centre_z_mm"), TaskKind::protrusion, side, 0, centre[1], false);
     }
   }
 
@@ -212,6 +220,7 @@ class TaskReader {
       values[i].value = JawReading::kNone;
       values[i].missing = onset;
     }
+    if (is_stroke && onset.empty()) whole_strokes_[kind].push_back(stroke);
     return values;
   }
 
@@ -367,6 +376,7 @@ class TaskReader {
   const TaskContext& context_;
   RandomGenerator random_;
   std::map<std::string, UncertainValue> means_;
+  std::map<TaskKind, std::vector<SampleRun>> whole_strokes_;
 };
 
 }  // namespace
@@ -376,6 +386,7 @@ void read_tasks_of(Analysis& analysis, const TaskContext& context) {
   for (std::size_t i = 0; i < kTaskKinds; ++i) reader.read(static_cast<TaskKind>(i));
   reader.read(TaskKind::whole);
   reader.read_fischer();
+  reader.read_centres();
 }
 
 }  // namespace condyle::host

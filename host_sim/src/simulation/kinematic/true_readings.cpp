@@ -39,6 +39,7 @@ class TruthOfJaw {
     add_means();
     for (const JawTaskSpan& task : jaw_.motion().tasks()) read_task(task);
     add_fischer_angles();
+    add_kinematic_centres();
     return std::move(readings_);
   }
 
@@ -88,6 +89,14 @@ class TruthOfJaw {
         const double sign = is_left ? 1 : -1;
         add("laterotrusion_mm", greatest([&](double t) { return sign * incisor_mm(t).y(); }, whole),
             "mm", is_left ? JawSide::left : JawSide::right);
+        add("yaw_angle_deg",
+            greatest(
+                [&](double t) {
+                  const Matrix3d R = jaw_.pose_at(t).rotation;  // 4 q_w q_z = R_21 - R_12
+                  return 2 * kDegrees * sign * std::atan2(R(1, 0) - R(0, 1), 1 + R.trace());
+                },
+                whole),
+            "deg", is_left ? JawSide::left : JawSide::right);
         const JawSide orbiting = is_left ? JawSide::right : JawSide::left;
         read_condyle(orbiting, out, back);
         read_medial_path(orbiting, out);
@@ -269,6 +278,31 @@ class TruthOfJaw {
         greatest([this](double t) { return rotation_angle_deg(jaw_.pose_at(t).rotation); }, span),
         "deg");
     add("displacement_mm", greatest([this](double t) { return incisor_mm(t).norm(); }, span), "mm");
+    if (task.kind == JawTaskKind::border) read_border(span);
+  }
+
+  // Greatest area of an excursion beyond 1 mm.
+  void read_border(const Span& span) {
+    double swept[3] = {}, greatest_mm2[3] = {};  // sagittal, frontal, horizontal
+    Vector3d last = incisor_mm(span.begin_s);
+    const auto close = [&] {
+      for (int i = 0; i < 3; ++i) {
+        greatest_mm2[i] = std::max(greatest_mm2[i], std::abs(swept[i]) / 2);
+        swept[i] = 0;
+      }
+    };
+    at_instants(span, [&](double time_s) {
+      const Vector3d now = incisor_mm(time_s), area = last.cross(now);
+      swept[0] += area.y();
+      swept[1] += area.x();
+      swept[2] += area.z();
+      last = now;
+      if (now.norm() < 1) close();
+    });
+    close();
+    add("border_loop_sagittal_mm2", greatest_mm2[0], "mm2");
+    add("border_loop_frontal_mm2", greatest_mm2[1], "mm2");
+    add("border_loop_horizontal_mm2", greatest_mm2[2], "mm2");
   }
 
   std::optional<double> inclination_5mm_deg(JawTaskKind task, JawSide side) const {
@@ -291,6 +325,22 @@ class TruthOfJaw {
       if (!lateral_deg || !protrusive_deg) continue;
       task_ = jaw_task_name(mediotrusion);
       add("fischer_angle_5mm_deg", *lateral_deg - *protrusive_deg, "deg", side);
+    }
+  }
+
+  // In opening and protrusion a condylar point follows the same curve, and no other point does.
+  void add_kinematic_centres() {
+    int strokes[2] = {};
+    for (const JawStroke& stroke : jaw_.motion().strokes()) {
+      strokes[0] += stroke.kind == JawTaskKind::opening;
+      strokes[1] += stroke.kind == JawTaskKind::protrusion;
+    }
+    if (strokes[0] == 0 || strokes[1] == 0) return;
+    task_ = jaw_task_name(JawTaskKind::protrusion);
+    stroke_ = 0;
+    for (const JawSide side : {JawSide::left, JawSide::right}) {
+      add("kinematic_centre_x_mm", 0, "mm", side);
+      add("kinematic_centre_z_mm", 0, "mm", side);
     }
   }
 
