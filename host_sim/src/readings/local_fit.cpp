@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace condyle::host {
 namespace {
@@ -33,6 +34,20 @@ std::pair<std::size_t, std::size_t> window_at(const std::vector<double>& time_s,
 }
 
 }  // namespace
+
+double slope_gain(double rate_Hz) {
+  const auto half = static_cast<std::size_t>(kFitHalfWidth_s * rate_Hz + 1e-9);
+  const std::size_t reach = std::max(half, kLeastFitSamples / 2);
+  // Of the samples i / rate, the slope of a cubic: sums of their even powers.
+  double s2 = 0, s4 = 0, s6 = 0;
+  for (std::size_t i = 1; i <= reach; ++i) {
+    const double square = static_cast<double>(i * i);
+    s2 += 2 * square;
+    s4 += 2 * square * square;
+    s6 += 2 * square * square * square;
+  }
+  return rate_Hz * std::sqrt(s6 / (s2 * s6 - s4 * s4));
+}
 
 SampleRun samples_of_fit(const std::vector<double>& time_s, std::size_t begin, std::size_t end,
                          double half_width_s) {

@@ -17,6 +17,9 @@ inline constexpr double kFitHalfWidth_s = 0.05, kWidestFit_s = 0.15;
 /// Fewest samples of a fit.
 inline constexpr std::size_t kLeastFitSamples = 7;
 
+/// Standard deviation of a slope over that of a sample, at the constant rate `rate_Hz` (1/s).
+double slope_gain(double rate_Hz);
+
 /// The weights of the fits at samples `begin` to `end` (without) of a recording.
 class LocalFit {
  public:

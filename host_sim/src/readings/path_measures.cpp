@@ -184,6 +184,19 @@ double hull_area(const Points& points, int first, int second) {
   return std::abs(area) / 2;
 }
 
+double greatest_loop_m2(const Points& points, int first, int second, double near_m) {
+  double greatest_m2 = 0, swept = 0;
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    const Vector3d &a = points[k - 1], &b = points[k];
+    // Triangles from the origin, so that the way in and out near it adds next to nothing.
+    swept += (a[first] * b[second] - b[first] * a[second]) / 2;
+    if (b.norm() >= near_m && k + 1 < points.size()) continue;
+    greatest_m2 = std::max(greatest_m2, std::abs(swept));
+    swept = 0;
+  }
+  return greatest_m2;
+}
+
 HelicalAxis helical_axis(const Vector3d& w_rad, const Vector3d& at_m, const Vector3d& d_m) {
   HelicalAxis axis;
   axis.angle_rad = w_rad.norm();

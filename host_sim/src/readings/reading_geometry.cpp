@@ -55,8 +55,9 @@ void paths_of(const SmoothMotion& motion, const TurningMotion& turning,
   path.incisor_m_s.resize(count);
   const bool has_all = part == PathPart::all;
   if (has_all) {
-    for (auto* points : {&path.condyle_m[0], &path.condyle_m[1], &path.condyle_m_s[0],
-                         &path.condyle_m_s[1], &path.rotation_rad, &path.middle_m}) {
+    for (auto* points :
+         {&path.condyle_m[0], &path.condyle_m[1], &path.condyle_m_s[0], &path.condyle_m_s[1],
+          &path.rotation_rad, &path.turning_rad_s, &path.middle_m}) {
       points->resize(count);
     }
   }
@@ -87,6 +88,7 @@ void paths_of(const SmoothMotion& motion, const TurningMotion& turning,
       place(geometry.condyle_m[side], path.condyle_m[side][k], path.condyle_m_s[side][k]);
     }
     path.rotation_rad[k] = into_head * (is_mistaken ? rotation_vector_of<double>(R) : w);
+    path.turning_rad_s[k] = into_head * omega;
     path.middle_m[k] = into_head * u;
   }
 }

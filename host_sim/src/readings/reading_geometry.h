@@ -36,6 +36,7 @@ struct JawPath {
   std::vector<Eigen::Vector3d> incisor_m, incisor_m_s;
   std::array<std::vector<Eigen::Vector3d>, 2> condyle_m, condyle_m_s;
   std::vector<Eigen::Vector3d> rotation_rad;      ///< rotation vectors
+  std::vector<Eigen::Vector3d> turning_rad_s;     ///< angular velocities
   std::array<Eigen::Vector3d, 2> condyle_at_m{};  ///< the condyles in the reference position
   Eigen::Vector3d incisor_at_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d middle_at_m = Eigen::Vector3d::Zero();  ///< f
