@@ -12,8 +12,15 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <string>
+#include <vector>
 
 namespace condyle::host {
+
+/// Named points of a body where the landmarks hold, in the instrument's frame (m).
+struct StatedBody {
+  std::vector<std::string> names;  ///< empty: not stated
+  Eigen::Matrix3Xd points_m;       ///< one a column
+};
 
 /// The landmarks and their standard deviations along each axis (m).
 struct Landmarks {
@@ -27,6 +34,7 @@ struct Landmarks {
   std::array<double, kPoints> sd_m{};
   std::string condyle_kind = "not stated";  ///< kinematic, hinge, palpated or arbitrary
   std::string plane = "not stated";         ///< Frankfurt, Camper or axis-orbital
+  StatedBody jaw, head;
 };
 
 /// Axes of the head frame as columns X, Y, Z in the instrument's frame, at its origin.
