@@ -128,8 +128,10 @@ std::vector<Index> points_by_name(const std::vector<std::string>& wanted,
   return numbers;
 }
 
-NamedPoints read_named_points(NamedPointsRecording& recording) {
+NamedPoints read_named_points(Recording& recording, const std::string& name) {
   NamedPoints points;
+  const auto* const named = dynamic_cast<const NamedPointsRecording*>(&recording);
+  if (named != nullptr) points.names = named->names();
   Sample sample;
   while (recording.next(sample)) {
     ++points.counts.samples;
@@ -143,10 +145,26 @@ NamedPoints read_named_points(NamedPointsRecording& recording) {
       continue;
     }
     points.time_s.push_back(time_s);
-    points.points_m.push_back(recording.points_m());
+    if (named != nullptr) {
+      points.points_m.push_back(named->points_m());
+    } else if (sample.kind == SampleKind::three_points || sample.kind == SampleKind::one_point) {
+      PointColumns& own_m = points.points_m.emplace_back(
+          PointColumns::Map(sample.coordinates, 3, sample.kind == SampleKind::one_point ? 1 : 3));
+      if (!sample.position_valid) own_m.setConstant(std::nan(""));
+    } else {
+      points.time_s.clear();
+      break;
+    }
   }
-  points.names = recording.names();
   points.info = recording.info();
+  if (named == nullptr && !points.points_m.empty()) {
+    points.names = {"p1", "p2", "p3"};
+    points.names.resize(static_cast<std::size_t>(points.points_m[0].cols()));
+  }
+  if (points.names.empty()) {
+    throw InputError(name, "has no points",
+                     "give a recording with points, such as CSV with A_x_mm");
+  }
   return points;
 }
 
@@ -186,7 +204,7 @@ BodyPoses fit_body(const NamedPoints& points, const std::vector<std::string>& wa
 
 PoseTrack read_bodies(NamedPointsRecording& recording, const std::string& name,
                       const BodyChoice& bodies) {
-  const NamedPoints points = read_named_points(recording);
+  const NamedPoints points = read_named_points(recording, name);
   PoseTrack track;
   track.info = points.info;
   track.counts = points.counts;

@@ -42,8 +42,9 @@ struct NamedPoints {
   std::vector<PointColumns> points_m;  ///< all of them, NaN for missing ones
 };
 
-/// Reads all samples of `recording` with a time.
-NamedPoints read_named_points(NamedPointsRecording& recording);
+/// Reads all samples of `recording` with a time. Points without names are p1, p2 and p3. Throws an
+/// InputError that names `name` if it has none.
+NamedPoints read_named_points(Recording& recording, const std::string& name);
 
 /// Poses of one body.
 struct BodyPoses {

@@ -104,8 +104,8 @@ Eigen::Isometry3d head_frame(const Landmarks& landmarks) {
   return frame;
 }
 
-Landmarks load_landmarks(const std::string& path) {
-  TomlReader file(path);
+// Its errors name `path`.
+static Landmarks read_landmarks(TomlReader& file, const std::string& path) {
   Landmarks landmarks;
   std::array<bool, Landmarks::kPoints> is_there{};
   for (std::size_t i = 0; i < Landmarks::kPoints; ++i) {
@@ -137,6 +137,16 @@ Landmarks load_landmarks(const std::string& path) {
   }
   check_frame(landmarks, file);
   return landmarks;
+}
+
+Landmarks load_landmarks(const std::string& path) {
+  TomlReader file(path);
+  return read_landmarks(file, path);
+}
+
+Landmarks landmarks_from(const std::string& text, const std::string& name) {
+  TomlReader file(name, text);
+  return read_landmarks(file, name);
 }
 
 void check_near(const Landmarks& landmarks, const Eigen::Vector3d& middle_m,

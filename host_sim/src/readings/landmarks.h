@@ -43,6 +43,8 @@ Eigen::Isometry3d head_frame(const Landmarks& landmarks);
 /// Reads the file. Every problem is an InputError that names file, line and remedy; so are points
 /// that define no frame.
 Landmarks load_landmarks(const std::string& path);
+/// The same for the file's `text`; messages call it `name`.
+Landmarks landmarks_from(const std::string& text, const std::string& name);
 
 /// Throws an InputError that names `path` if the landmarks lie too far from `middle_m`, the middle
 /// of the measured points in the reference position, to belong to the same jaw.
