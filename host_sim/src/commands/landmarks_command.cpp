@@ -32,14 +32,14 @@ struct LandmarksOptions {
   RecordingOptions reading;
 };
 
-std::optional<Interval> interval_of(const std::vector<double>& values, const char* option) {
+std::optional<TimeSpan> interval_of(const std::vector<double>& values, const char* option) {
   if (values.empty()) return std::nullopt;
   if (!(values[1] > values[0])) {
     throw InputError(option,
                      fmt::format("it ends at {:g} s, not after {:g} s", values[1], values[0]),
                      "give the begin, then the end");
   }
-  return Interval{values[0], values[1]};
+  return TimeSpan{values[0], values[1]};
 }
 
 double time_of(const std::string& text, const std::string& place) {
@@ -70,7 +70,7 @@ void take_markers(const std::string& log, LandmarkPlan& plan) {
     for (std::size_t i = 0; i < Landmarks::kPoints; ++i) {
       if (trim(marker.text) != Landmarks::kNames[i]) continue;
       const double begin_s = seconds(marker.time_ns);
-      plan.at_s[i] = Interval{begin_s, begin_s + kMarkedTouch_s};
+      plan.at_s[i] = TimeSpan{begin_s, begin_s + kMarkedTouch_s};
     }
   }
 }

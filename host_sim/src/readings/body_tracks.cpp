@@ -269,16 +269,19 @@ PoseTrack read_bodies(NamedPointsRecording& recording, const std::string& name,
   return track;
 }
 
+bool is_read_as_bodies(const Recording& recording, const BodyChoice& bodies) {
+  const auto* const named = dynamic_cast<const NamedPointsRecording*>(&recording);
+  return bodies.is_given() || (named != nullptr && named->names().size() > 3);
+}
+
 PoseTrack read_track(Recording& recording, const std::string& name, const BodyChoice& bodies) {
+  if (!is_read_as_bodies(recording, bodies)) return read_poses(recording, name);
   auto* const named = dynamic_cast<NamedPointsRecording*>(&recording);
-  if (named != nullptr && (bodies.is_given() || named->names().size() > 3)) {
-    return read_bodies(*named, name, bodies);
-  }
-  if (bodies.is_given()) {
+  if (named == nullptr || named->names().empty()) {
     throw InputError(name, "its points have no names",
                      "leave out --jaw and --head, which name points of a CSV file");
   }
-  return read_poses(recording, name);
+  return read_bodies(*named, name, bodies);
 }
 
 void refer_to_head(PoseTrack& track, const Isometry3d& head_at) {

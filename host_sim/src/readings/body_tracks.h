@@ -66,8 +66,12 @@ BodyPoses fit_body(const NamedPoints& points, const std::vector<std::string>& wa
 PoseTrack read_bodies(NamedPointsRecording& recording, const std::string& name,
                       const BodyChoice& bodies);
 
-/// The poses of `recording`: of `bodies` if they are given, or if it has more than three points
-/// with names; otherwise as read_poses does. Throws InputError if it lacks the points.
+/// True if `recording` is read as bodies: if `bodies` are given, or if it has more than three
+/// points with names.
+bool is_read_as_bodies(const Recording& recording, const BodyChoice& bodies);
+
+/// The poses of `recording`: those of `bodies` if it is read as bodies, otherwise as read_poses
+/// does. Throws InputError if it lacks the points.
 PoseTrack read_track(Recording& recording, const std::string& name, const BodyChoice& bodies);
 
 /// The same poses as seen with the head at `head_at`.

@@ -139,7 +139,7 @@ class LandmarkTaker {
     result_.tip = tip;
   }
 
-  std::vector<std::size_t> samples_in(const Interval& interval_s) const {
+  std::vector<std::size_t> samples_in(const TimeSpan& interval_s) const {
     std::vector<std::size_t> samples;
     for (std::size_t k = 0; k < points_.time_s.size(); ++k) {
       if (points_.time_s[k] >= interval_s[0] - 1e-9 && points_.time_s[k] <= interval_s[1] + 1e-9) {
@@ -149,7 +149,7 @@ class LandmarkTaker {
     return samples;
   }
 
-  void refuse_if_few(std::size_t count, const std::string& what, const Interval& interval_s) const {
+  void refuse_if_few(std::size_t count, const std::string& what, const TimeSpan& interval_s) const {
     if (count >= kLeastTouched) return;
     throw InputError(name_,
                      fmt::format("{} {:g} {:g}: it has {} usable samples there", what,
@@ -214,7 +214,7 @@ class LandmarkTaker {
 
   void take_one(std::size_t landmark) {
     const char* const key = Landmarks::kNames[landmark];
-    const Interval& at_s = *plan_.at_s[landmark];
+    const TimeSpan& at_s = *plan_.at_s[landmark];
     std::vector<Vector3d> places_m;
     for (const std::size_t k : samples_in(at_s)) {
       if (const auto place = place_in(k, landmark)) places_m.push_back(*place);

@@ -19,17 +19,17 @@
 namespace condyle::host {
 
 /// Begin and end (s).
-using Interval = std::array<double, 2>;
+using TimeSpan = std::array<double, 2>;
 
 /// How to take landmarks.
 struct LandmarkPlan {
   std::vector<std::string> pointer;  ///< its points; empty: `point` touches the landmarks itself
   std::string point;
   std::optional<Eigen::Vector3d> tip_m;  ///< in the frame of the pointer's first three points
-  std::optional<Interval> calibration_s;
-  std::array<std::optional<Interval>, Landmarks::kPoints> at_s;
+  std::optional<TimeSpan> calibration_s;
+  std::array<std::optional<TimeSpan>, Landmarks::kPoints> at_s;
   BodyChoice bodies;  ///< without names they are not tracked
-  std::optional<Interval> reference_s;
+  std::optional<TimeSpan> reference_s;
   double touch_sd_mm = 1;  ///< how well the landmarks were found
   std::string kind = "palpated", plane = "not stated";
 };
