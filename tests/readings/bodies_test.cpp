@@ -33,7 +33,7 @@ JawScenario scenario_at(double rate_Hz) {
 struct Scene {
   KinematicJaw jaw;
   NamedPoints points;
-  Landmarks landmarks;      // exact, with the head where it is at 0 s
+  Landmarks landmarks;  // exact, with the head where it is at 0 s
   BodyChoice bodies;
   AnalysisChoice choice;
 
@@ -48,7 +48,8 @@ struct Scene {
     choice.bodies = bodies;
     choice.reference_s = {0, kRestEnd_s};
     for (const JawTaskSpan& span : jaw.motion().tasks()) {
-      choice.tasks.push_back({task_kind(span.name(), "simulation"), span.begin_s, span.end_s, false});
+      choice.tasks.push_back(
+          {task_kind(span.name(), "simulation"), span.begin_s, span.end_s, false});
     }
   }
 
@@ -96,8 +97,8 @@ void expect_equal(const Analysis& a, const Analysis& b, const std::string& what)
   for (std::size_t i = 0; i < a.readings.size(); ++i) {
     const JawReading& one = a.readings[i];
     const JawReading& other = b.readings[i];
-    const std::string name = fmt::format("{} {} {} {}", what, name_of(one.task),
-                                         one.definition->name, one.stroke);
+    const std::string name =
+        fmt::format("{} {} {} {}", what, name_of(one.task), one.definition->name, one.stroke);
     ASSERT_EQ(one.definition, other.definition) << name;
     ASSERT_EQ(one.provenance, other.provenance) << name << one.reason << other.reason;
     if (one.provenance == ReadingProvenance::withheld) continue;
@@ -112,7 +113,8 @@ void expect_equal(const Analysis& a, const Analysis& b, const std::string& what)
 TEST(Bodies, AMovingHeadChangesNoReading) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     RandomGenerator random(seed, 7);
-    const int jaw_count = 3 + static_cast<int>(seed % 4), head_count = 3 + static_cast<int>(seed % 3);
+    const int jaw_count = 3 + static_cast<int>(seed % 4),
+              head_count = 3 + static_cast<int>(seed % 3);
     Scene scene(60, jaw_count, head_count);
     const PointColumns jaw_m = jaw_points(jaw_count, random);
     const PointColumns head_m = head_points(head_count, random);
@@ -157,8 +159,8 @@ TEST(Bodies, MissingPointsChangeNoReading) {
 }
 
 // 95 % intervals with noise, a moving head and uncertain landmarks. A reading fails if so few are
-// covered that a true 90 % had a probability of 1e-4; with some 30 readings in each of two cells the
-// false-alarm probability is below 1 %, and the seeds are fixed.
+// covered that a true 90 % had a probability of 1e-4; with some 30 readings in each of two cells
+// the false-alarm probability is below 1 %, and the seeds are fixed.
 TEST(Bodies, IntervalsContainTheTruth) {
   const int runs = testing_support::runs(10, 40, 1000);
   for (const double noise_m : {5e-5, 2e-4}) {
@@ -184,8 +186,9 @@ TEST(Bodies, IntervalsContainTheTruth) {
       if (key.ends_with("/displacement_mm") || key.ends_with("/rotation_deg")) continue;
       if (coverage.shown == 0) continue;
       ++judged;
-      EXPECT_GE(static_cast<std::uint64_t>(coverage.covered),
-                testing_support::fewest_hits(static_cast<std::uint64_t>(coverage.shown), 0.90, 1e-4))
+      EXPECT_GE(
+          static_cast<std::uint64_t>(coverage.covered),
+          testing_support::fewest_hits(static_cast<std::uint64_t>(coverage.shown), 0.90, 1e-4))
           << key << " of " << coverage.shown << " at noise " << noise_m;
     }
     EXPECT_GT(judged, 15);

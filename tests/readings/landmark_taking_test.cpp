@@ -40,9 +40,12 @@ struct PointerScene {
         jaw_m(random_points(4, {0.1, 0, -0.05}, 0.025, random)),
         head_m(random_points(4, {0.08, 0, 0.07}, 0.04, random)),
         head(-10, random) {
-    truth.point_m = {Vector3d(0, 0.05, 0),        {0, -0.05, 0},
-                     {0.095, 0, -0.04},           {-0.01, 0.055, 0.002},
-                     Vector3d(-0.01, -0.055, 0.002), {0.075, 0.033, 0.002}};
+    truth.point_m = {Vector3d(0, 0.05, 0),
+                     {0, -0.05, 0},
+                     {0.095, 0, -0.04},
+                     {-0.01, 0.055, 0.002},
+                     Vector3d(-0.01, -0.055, 0.002),
+                     {0.075, 0.033, 0.002}};
     plan.pointer = numbered('S', 4);
     plan.bodies = {numbered('J', 4), numbered('H', 4)};
     plan.calibration_s = kCalibration_s;
@@ -62,8 +65,8 @@ struct PointerScene {
         const bool is_of_jaw = landmark <= Landmarks::incisor_lower;
         tip = (is_of_jaw ? jaw : at) * truth.point_m[landmark];
       }
-      const Vector3d turn = tilt_deg * kDegree * Vector3d(std::sin(1.9 * time_s),
-                                                          std::sin(1.3 * time_s), 0);
+      const Vector3d turn =
+          tilt_deg * kDegree * Vector3d(std::sin(1.9 * time_s), std::sin(1.3 * time_s), 0);
       PointColumns all_m(3, 13);
       all_m << rigid_motion(turn, tip) * pointer_m, jaw * jaw_m, at * head_m, tip;
       add_noise(all_m, noise_m, random);
@@ -114,10 +117,10 @@ TEST(Landmarks, AreExactWhileHeadAndJawMove) {
   }
 }
 
-// The tip's and each landmark's error along each axis, over its standard deviation: the tip's is the
-// greatest of three axes, the landmarks' that of single samples. Beyond 5 of these: 6e-7 for each of
-// 20 runs x 21 numbers, a false alarm in 4,000. Half of the intervals must be narrower than twice
-// what the errors need, or the test shows nothing.
+// The tip's and each landmark's error along each axis, over its standard deviation: the tip's is
+// the greatest of three axes, the landmarks' that of single samples. Beyond 5 of these: 6e-7 for
+// each of 20 runs x 21 numbers, a false alarm in 4,000. Half of the intervals must be narrower than
+// twice what the errors need, or the test shows nothing.
 TEST(Landmarks, DeviateByNoMoreThanTheirStandardDeviations) {
   double squares = 0, tips = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -190,24 +193,38 @@ TEST(Landmarks, RefuseWhatTheRecordingDoesNotShow) {
     change(scene);
     return scene.problem();
   };
-  EXPECT_THAT(with([](PointerScene& s) { s.plan.calibration_s = {1, 20}; }),
+  EXPECT_THAT(with([](PointerScene& s) {
+                s.plan.calibration_s = {1, 20};
+              }),
               HasSubstr("the tip does not stay in one place"));
-  EXPECT_THAT(with([](PointerScene& s) { s.plan.calibration_s = {1, 1.1}; }),
+  EXPECT_THAT(with([](PointerScene& s) {
+                s.plan.calibration_s = {1, 1.1};
+              }),
               HasSubstr("usable samples"));
-  EXPECT_THAT(with([](PointerScene& s) { s.plan.at_s[1] = {13, 17}; }),
+  EXPECT_THAT(with([](PointerScene& s) {
+                s.plan.at_s[1] = {13, 17};
+              }),
               AllOf(HasSubstr("--at condyle_right 13 17: the tip moves by"), HasSubstr("still")));
-  EXPECT_THAT(with([](PointerScene& s) { s.plan.at_s[1] = {99, 100}; }),
+  EXPECT_THAT(with([](PointerScene& s) {
+                s.plan.at_s[1] = {99, 100};
+              }),
               AllOf(HasSubstr("0 usable samples"), HasSubstr("lasts from 0 to 24.99 s")));
   EXPECT_THAT(with([](PointerScene& s) { s.plan.at_s[4].reset(); }),
               AllOf(HasSubstr("no time is given for plane_right"),
                     HasSubstr("--at plane_right BEGIN END")));
   EXPECT_THAT(with([](PointerScene& s) { s.plan.reference_s.reset(); }),
               HasSubstr("--reference-s"));
-  EXPECT_THAT(with([](PointerScene& s) { s.plan.reference_s = {10.5, 12}; }),
+  EXPECT_THAT(with([](PointerScene& s) {
+                s.plan.reference_s = {10.5, 12};
+              }),
               HasSubstr("the jaw moves by"));
-  EXPECT_THAT(with([](PointerScene& s) { s.plan.pointer = {"S1", "S2", "H1"}; }),
+  EXPECT_THAT(with([](PointerScene& s) {
+                s.plan.pointer = {"S1", "S2", "H1"};
+              }),
               HasSubstr("do not keep their distances"));
-  EXPECT_THAT(with([](PointerScene& s) { s.plan.pointer = {"S1", "S2", "s3"}; }),
+  EXPECT_THAT(with([](PointerScene& s) {
+                s.plan.pointer = {"S1", "S2", "s3"};
+              }),
               HasSubstr("did you mean S3?"));
 }
 

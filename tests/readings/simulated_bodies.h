@@ -89,9 +89,8 @@ class MovingHead {
   /// In the instrument's frame.
   Eigen::Isometry3d at(double time_s) const {
     const double since_s = std::max(time_s - begin_s_, 0.0);
-    const double share = since_s < 1 ? since_s * since_s * since_s *
-                                           (10 - 15 * since_s + 6 * since_s * since_s)
-                                     : 1;
+    const double share =
+        since_s < 1 ? since_s * since_s * since_s * (10 - 15 * since_s + 6 * since_s * since_s) : 1;
     Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero(), shift_m = Eigen::Vector3d::Zero();
     for (const Wave& wave : waves_) {
       const double size =
