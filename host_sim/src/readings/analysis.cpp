@@ -10,6 +10,7 @@
 
 #include "condyle/estimator/pose/rotation_vector.h"
 #include "hosted/files/input_error.h"
+#include "readings/head_reference.h"
 #include "readings/stroke_readings.h"
 #include "readings/strokes.h"
 #include "readings/task_readings.h"
@@ -79,10 +80,28 @@ SampleRun reference_of(const PoseTrack& track, const AnalysisChoice& choice,
   }
   analysis.reference_begin_s = track.time_s[run.begin];
   analysis.reference_end_s = track.time_s[run.end - 1];
-  if (analysis.reference_end_s - analysis.reference_begin_s < kLeastReference_s) {
-    analysis.notes.push_back("the reference position rests on less than 0.1 s");
-  }
   return run;
+}
+
+// The reference position, with the jaw as seen with the head where it is there.
+SampleRun reference_with_head(PoseTrack& track, const AnalysisChoice& choice,
+                              std::optional<Landmarks>& landmarks, const std::string& recording,
+                              Analysis& analysis) {
+  constexpr int kMostRounds = 5;
+  const bool is_placed = place_stated_head(track, landmarks, choice.landmarks, analysis.notes);
+  SampleRun rest = reference_of(track, choice, landmarks, recording, analysis);
+  if (track.head_pose.empty()) return rest;
+  // Which rest is the most closed depends on where the head was.
+  for (int round = 0; !is_placed && round < kMostRounds; ++round) {
+    refer_to_head(track, mean_pose(track.head_pose, rest.begin, rest.end));
+    const SampleRun last = rest;
+    rest = reference_of(track, choice, landmarks, recording, analysis);
+    if (rest.begin == last.begin && rest.end == last.end) break;
+  }
+  if (!is_placed && landmarks) {
+    widen_by_head_motion(track, rest, *landmarks, recording, analysis.notes);
+  }
+  return rest;
 }
 
 // Turns `motion` and the landmarks into the head frame, where all that follows is the same whatever
@@ -119,8 +138,8 @@ ReadingGeometry geometry_without_landmarks(const PoseTrack& track, const Referre
   ReadingGeometry geometry;
   geometry.middle_m = geometry.incisor_m = motion.middle_m;
   geometry.condyle_m = {motion.middle_m, motion.middle_m};
-  if (track.has_rotation && !track.body_m.isZero(0)) {
-    geometry.incisor_m += track.pose[reference.begin].linear() * track.body_m.col(0);
+  if (track.jaw.shape_m.cols() > 0) {
+    geometry.incisor_m += track.pose[reference.begin].linear() * track.jaw.shape_m.col(0);
   }
   return geometry;
 }
@@ -187,7 +206,7 @@ void describe_path(const ReferredMotion& motion, const ReadingGeometry& geometry
 std::string rotation_problem(const PoseTrack& track, const Analysis& analysis) {
   if (!track.has_rotation) return "the recording has one point, which shows no rotation";
   const double sd_deg =
-      std::sqrt(analysis.noise.covariance.bottomRightCorner<3, 3>().trace() / 3) / kDegree;
+      analysis.noise.rotation_sd_rad() / kDegree;
   if (analysis.largest_rotation_deg < 3 * sd_deg) {
     return fmt::format("the jaw turns by {:.2f} deg, its noise has {:.2f} deg (sd)",
                        analysis.largest_rotation_deg, sd_deg);
@@ -195,16 +214,17 @@ std::string rotation_problem(const PoseTrack& track, const Analysis& analysis) {
   return "";
 }
 
-// Why the three points are no jaw's; empty: they may be.
+// Why the points are no jaw's; empty: they may be.
 std::string body_problem(const PoseTrack& track, const Analysis& analysis) {
   if (analysis.largest_rotation_deg > kMostRotation_deg) {
     return fmt::format("the points turn by {:.0f} deg, which no jaw does; were two exchanged?",
                        analysis.largest_rotation_deg);
   }
+  if (!track.jaw.names.empty()) return track.body_problem;
   const double noise_m = std::sqrt(analysis.noise.covariance.topLeftCorner<3, 3>().trace() / 3);
-  if (track.residual_m > std::max(kMostResidual_m, 6 * noise_m)) {
+  if (track.jaw.residual_m > std::max(kMostResidual_m, 6 * noise_m)) {
     return fmt::format("its three points do not keep their distances (they misfit by {:.2f} mm)",
-                       track.residual_m * 1e3);
+                       track.jaw.residual_m * 1e3);
   }
   return "";
 }
@@ -236,29 +256,37 @@ Analysis analyse(const std::string& source, const AnalysisChoice& choice) {
   if (!choice.landmarks.empty()) landmarks = load_landmarks(choice.landmarks);
   RecordingOptions reading = choice.reading;
   reading.faults = FaultPolicy::event;  // missing rows are counted
-  return analyse(*open_recording(source, reading), source, landmarks, choice);
+  return analyse(*open_with_all_points(source, reading), source, landmarks, choice);
 }
 
 Analysis analyse(Recording& recording, const std::string& name,
-                 const std::optional<Landmarks>& stated, const AnalysisChoice& choice) {
+                 const std::optional<Landmarks>& given, const AnalysisChoice& choice) {
   Analysis analysis;
   analysis.recording = name;
-  const PoseTrack track = read_poses(recording, name);
+  PoseTrack track = read_track(recording, name, choice.bodies);
+  std::optional<Landmarks> stated = given;
   analysis.info = track.info;
   analysis.counts = track.counts;
   analysis.events = track.events;
+  analysis.notes = track.notes;
   analysis.has_landmarks = stated.has_value();
   const double end_s = track.time_s.back();
   analysis.duration_s = end_s - track.time_s.front();
   analysis.rate_Hz = static_cast<double>(track.time_s.size() - 1) / analysis.duration_s;
-  const SampleRun rest = reference_of(track, choice, stated, name, analysis);
+  const SampleRun rest = reference_with_head(track, choice, stated, name, analysis);
+  if (analysis.reference_end_s - analysis.reference_begin_s < kLeastReference_s) {
+    analysis.notes.push_back("the reference position rests on less than 0.1 s");
+  }
   ReferredMotion motion = motion_from(track, rest.begin, rest.end, choice.moving);
   std::optional<Landmarks> landmarks;
   if (stated) {
     check_near(*stated, motion.middle_m, choice.landmarks);
+    check_stated_jaw(track, rest, *stated, choice.landmarks);
     landmarks = in_head_frame(*stated, motion);
   }
   analysis.noise = noise_of(motion, rest.begin, rest.end);
+  analysis.noise.covariance *= track.noise_growth;
+  analysis.noise.root *= std::sqrt(track.noise_growth);
   const ReadingGeometry geometry = landmarks ? geometry_of(*landmarks, motion.middle_m)
                                              : geometry_without_landmarks(track, motion, rest);
   describe_path(motion, geometry, analysis);

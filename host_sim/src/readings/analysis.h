@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "readings/average_cycle.h"
+#include "readings/body_tracks.h"
 #include "readings/chewing_cycles.h"
 #include "readings/pose_noise.h"
 #include "readings/pose_track.h"
@@ -25,6 +26,7 @@ struct AnalysisChoice {
   std::vector<Task> tasks;                           ///< stated; none: marked or found
   std::optional<std::array<double, 2>> reference_s;  ///< begin and end of the reference position
   MovingBody moving = MovingBody::lower;
+  BodyChoice bodies;
 };
 
 /// A cycle of a chewing task, with its values in the order of readings_of_cycle.

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "readings/reading_groups.h"
+
 namespace condyle::host {
 namespace {
 

@@ -76,7 +76,7 @@ std::string readings_json(const std::vector<Analysis>& analyses) {
         {"reference_s", {analysis.reference_begin_s, analysis.reference_end_s}},
         {"reference", analysis.is_reference_found ? "found" : "stated"},
         {"rotation_noise_sd_deg",
-         std::sqrt(analysis.noise.covariance.bottomRightCorner<3, 3>().trace() / 3) / kDegree},
+         analysis.noise.rotation_sd_rad() / kDegree},
         {"position_noise_sd_mm",
          std::sqrt(analysis.noise.covariance.topLeftCorner<3, 3>().trace() / 3) * 1e3},
         {"samples", analysis.counts.samples},

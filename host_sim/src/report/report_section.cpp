@@ -82,8 +82,18 @@ ReportSection report_section(const std::string& source, const AnalysisChoice& ch
                              const std::function<bool()>& should_stop) {
   ReportSection section;
   section.recording = source;
-  add_estimates(
-      source, choice, [&](double share) { progress(share / 2); }, should_stop, section);
+  RecordingOptions reading = choice.reading;
+  reading.faults = FaultPolicy::event;
+  const auto recording = open_with_all_points(source, reading);
+  if (is_read_as_bodies(*recording, choice.bodies)) {
+    section.format = recording->info().format;
+    section.notes.emplace_back(
+        "estimates over time are left out: they follow one point of the instrument, and a body of "
+        "several points was read");
+  } else {
+    add_estimates(
+        source, choice, [&](double share) { progress(share / 2); }, should_stop, section);
+  }
   if (should_stop()) return section;
   if (!section.series.runs().empty() &&
       std::abs(section.series.runs().front().time_s) > kDistantOrigin_s) {
@@ -94,7 +104,10 @@ ReportSection report_section(const std::string& source, const AnalysisChoice& ch
     section.analysis = analyse(source, choice);
   } catch (const InputError& error) {
     // Tasks and landmarks that do not fit are the user's to mend.
-    if (!choice.landmarks.empty() || !choice.tasks.empty() || choice.reference_s) throw;
+    if (!choice.landmarks.empty() || !choice.tasks.empty() || choice.reference_s ||
+        choice.bodies.is_given()) {
+      throw;
+    }
     section.no_readings = error.what();
   }
   return section;
