@@ -10,6 +10,7 @@
 
 #include "readings/readings_files.h"
 #include "report/html_text.h"
+#include "report/impedance_section.h"
 #include "report/page_text.h"
 #include "report/plane_drawing.h"
 #include "report/report_tables.h"
@@ -99,10 +100,14 @@ std::string paths(const ReportSection& section) {
   std::string text = analysis.has_landmarks
                          ? "<h3>Path of the lower incisor</h3>\n<div class=\"row\">"
                          : "<h3>Path of point 1</h3>\n<div class=\"row\">";
-  for (const PlaneDrawing& drawing : incisor_drawings(analysis)) {
-    text += figure(plane_svg(analysis, drawing), drawing.title);
+  const auto incisor = task_paths(analysis, analysis.path.incisor_m);
+  for (const PlaneDrawing& drawing : incisor_drawings(analysis.has_landmarks)) {
+    text += figure(plane_svg(drawing, incisor), drawing.title);
   }
   text += "</div>\n" + task_key(analysis);
+  if (is_drawn_in_pieces(incisor)) {
+    text += paragraph("Of long tasks, twelve evenly spaced pieces are drawn.");
+  }
   if (!analysis.has_landmarks) {
     return text +
            paragraph(
@@ -111,7 +116,7 @@ std::string paths(const ReportSection& section) {
   }
   text += "<h3>Paths of the condyles</h3>\n<div class=\"row\">";
   for (const PlaneDrawing& drawing : condyle_drawings(analysis)) {
-    text += figure(plane_svg(analysis, drawing), drawing.title);
+    text += figure(plane_svg(drawing, task_paths(analysis, *drawing.path_m)), drawing.title);
   }
   text += "</div>\n";
   text += paragraph("Dashed: chord of each angle at its travel. Grey: its 95 % interval.");
@@ -159,7 +164,7 @@ std::string section_html(const ReportSection& section, const std::string& landma
                                  html_text(section.recording));
   text += banners(section) + identity(section, landmarks);
   const std::string prefix = fmt::format("recording_{}", number);
-  text += charts(section);
+  text += charts(section) + impedance_html(section, prefix);
   if (section.analysis) {
     const Analysis& analysis = *section.analysis;
     text += paths(section) + tasks_table(analysis, prefix) + readings_table(analysis, prefix) +
@@ -186,7 +191,8 @@ std::string head() {
 
 }  // namespace
 
-std::string report_page(const std::vector<ReportSection>& sections, const std::string& landmarks) {
+std::string report_page(const std::vector<ReportSection>& sections, const std::string& landmarks,
+                        const SessionOverlay* overlay) {
   std::string text = head() + "<body>\n<h1>Jaw motion report</h1>\n";
   text += fmt::format(
       "<div class=\"banner\"><strong>Research use only; not a diagnosis.</strong> condyle {}. "
@@ -199,6 +205,7 @@ std::string report_page(const std::vector<ReportSection>& sections, const std::s
       "saved tables</label></p>\n";
   if (sections.size() > 1) {
     text += "<nav aria-label=\"Recordings\"><ul>\n";
+    if (overlay != nullptr) text += "<li><a href=\"#sessions\">Sessions</a></li>\n";
     for (std::size_t i = 0; i < sections.size(); ++i) {
       text += fmt::format("<li><a href=\"#recording-{}\">{}</a></li>\n", i + 1,
                           html_text(sections[i].recording));
@@ -206,6 +213,7 @@ std::string report_page(const std::vector<ReportSection>& sections, const std::s
     text += "</ul></nav>\n";
   }
   text += "<main>\n";
+  if (overlay != nullptr) text += overlay_html(*overlay, sections);
   for (std::size_t i = 0; i < sections.size(); ++i) {
     text += section_html(sections[i], landmarks, i + 1);
   }
@@ -215,7 +223,7 @@ std::string report_page(const std::vector<ReportSection>& sections, const std::s
       "</pre></details>\n",
       html_lines(kPageLicence));
   text += fmt::format("<script type=\"application/json\" id=\"condyle-report-1\">{}</script>\n",
-                      report_data(sections));
+                      report_data(sections, overlay));
   text += fmt::format("<script>{}</script>\n</body>\n</html>\n", kPageScript);
   return text;
 }
