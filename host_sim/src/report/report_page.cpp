@@ -70,11 +70,20 @@ std::string charts(const ReportSection& section) {
   std::string text = "<h3>Over time</h3>\n";
   text += paragraph(
       "Bands are 95 % intervals. Shaded times are tasks, red ticks unusual samples. The cursor is "
-      "the same in all views; drag to enlarge a time, double-click to see all.");
+      "the same in all views. Drag to enlarge a time, double-click to see all. Keys: arrows, Home "
+      "and End move the cursor; + and - zoom; 0 shows all.");
   if (section.origin_s != 0) {
     text +=
         paragraph(fmt::format("Time 0 is {:.3f} s on the recording's clock.", section.origin_s));
   }
+  text +=
+      "<div class=\"controls sticky\" role=\"group\" aria-label=\"Moment and span\">"
+      "<button type=\"button\" data-do=\"play\">Play</button>"
+      "<input type=\"range\" step=\"any\" aria-label=\"Moment\"><output></output>"
+      "<button type=\"button\" data-do=\"zoom-in\">Zoom in</button>"
+      "<button type=\"button\" data-do=\"zoom-out\">Zoom out</button>"
+      "<button type=\"button\" data-do=\"zoom-all\">Whole recording</button></div>\n"
+      "<div class=\"charts\" tabindex=\"0\" role=\"group\" aria-label=\"Charts over time\">\n";
   constexpr const char* kKeys[ReportSeries::kCharts] = {"position", "velocity", "acceleration",
                                                         "friction", "mass"};
   for (std::size_t i = 0; i < ReportSeries::kCharts; ++i) {
@@ -84,6 +93,7 @@ std::string charts(const ReportSection& section) {
     }
     text += chart(kKeys[i], kKeys[i]);
   }
+  text += "</div>\n";
   text += paragraph(
       "Force is left out: it is the acceleration times a mass that position does not determine.");
   if (section.series.provenance(ReportSeries::friction) == Provenance::not_computed &&
@@ -122,10 +132,7 @@ std::string paths(const ReportSection& section) {
   text += paragraph("Dashed: chord of each angle at its travel. Grey: its 95 % interval.");
   text +=
       "<h3>The jaw</h3>\n<div class=\"screen\"><canvas class=\"jaw\" tabindex=\"0\" "
-      "aria-label=\"The jaw in three dimensions; arrow keys turn it\"></canvas>\n"
-      "<div class=\"controls\"><button type=\"button\" class=\"jaw-play\">Play</button>"
-      "<input type=\"range\" class=\"jaw-slider\" min=\"0\" value=\"0\" aria-label=\"Moment\">"
-      "<span class=\"jaw-time\"></span></div></div>\n";
+      "aria-label=\"The jaw in three dimensions; arrow keys turn it\"></canvas></div>\n";
   text += paragraph("The lines between the condyles and the incisor are a sketch.");
   return text;
 }
