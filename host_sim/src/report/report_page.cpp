@@ -79,7 +79,7 @@ std::string charts(const ReportSection& section) {
   text +=
       "<div class=\"controls sticky\" role=\"group\" aria-label=\"Moment and span\">"
       "<button type=\"button\" data-do=\"play\">Play</button>"
-      "<input type=\"range\" step=\"any\" aria-label=\"Moment\"><output></output>"
+      "<input type=\"range\" step=\"any\" aria-label=\"Moment\"><output></output><output></output>"
       "<button type=\"button\" data-do=\"zoom-in\">Zoom in</button>"
       "<button type=\"button\" data-do=\"zoom-out\">Zoom out</button>"
       "<button type=\"button\" data-do=\"zoom-all\">Whole recording</button></div>\n"

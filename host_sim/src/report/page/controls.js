@@ -13,15 +13,20 @@ export function addControls(section, recording, moment) {
   const within = (time_s) => Math.min(Math.max(time_s, whole[0]), whole[1]);
   const button = (name) => controls.querySelector(`button[data-do="${name}"]`);
   const slider = controls.querySelector('input');
-  const output = controls.querySelector('output');
+  const [now, shown] = controls.querySelectorAll('output');
   slider.min = String(whole[0]);
   slider.max = String(whole[1]);
   slider.value = slider.min;
   slider.addEventListener('input', () => moment.show(Number(slider.value)));
   moment.watch((time_s) => {
     slider.value = String(time_s);
-    output.textContent = `${time_s.toFixed(2)} s`;
+    now.textContent = `${time_s.toFixed(2)} s`;
   });
+  const tell = (begin_s, end_s) => {
+    shown.textContent = `shown: ${begin_s.toFixed(2)} to ${end_s.toFixed(2)} s`;
+  };
+  moment.watchSpan(tell);
+  tell(...span());
 
   const zoom = (factor) => {
     const [begin, end] = span();
