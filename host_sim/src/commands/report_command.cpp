@@ -23,6 +23,7 @@ struct ReportOptions : ReadingOptions {
   std::vector<std::string> recordings, sessions;
   FollowedChoice followed;
   DriveStatement drive;
+  std::string drive_file;
   std::string out = "report.html";
 };
 
@@ -84,11 +85,15 @@ int write_report(const ReportOptions& options) {
   const std::vector<SessionFiles> sessions = choose_sessions(options);
   const std::vector<std::string> recordings =
       sessions.empty() ? options.recordings : recordings_of(sessions);
-  const ReportChoice choice{options.choice(), options.followed, options.drive};
+  const ReportChoice choice{options.choice(), options.followed, options.drive, options.drive_file};
+  if (!options.drive_file.empty() && recordings.size() > 1) {
+    throw InputError("--drive", "belongs to one recording",
+                     "report that recording alone, or give each a column drive_N");
+  }
   refuse_repeated_recordings(recordings);
   std::vector<std::string> inputs = recordings;
-  inputs.insert(inputs.end(),
-                {options.landmarks, options.tasks_file, choice.analysis.reading.profile});
+  inputs.insert(inputs.end(), {options.landmarks, options.tasks_file, options.drive_file,
+                               choice.analysis.reading.profile});
   refuse_same_files(inputs, {options.out});
   OutputFile file(options.out);
   hal::SteadyClock clock;
@@ -138,6 +143,9 @@ Command add_report(CommandLine app) {
       .one_value_each();
   add_readings_options(command, *options);
   add_followed_options(command, options->followed, JawPoints::no);
+  command.add_option("--drive=FILE", options->drive_file,
+                     "Total force along the followed axis, in its own file: CSV with time_s and "
+                     "drive_N, or a session log");
   add_drive_options(command, options->drive);
   command.group("Output")
       .add_option("-o,--out=FILE", options->out, "HTML file for the report")

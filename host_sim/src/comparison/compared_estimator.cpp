@@ -44,14 +44,18 @@ class ComparedRecommended final : public ComparedEstimator {
   }
   bool estimates_noise() const override { return adapts_; }
   std::optional<ImpedanceEstimate<double>> conclude() override {
-    if constexpr (firmware::kIdentifying<Sensor>) return sensor_.conclude();
-    return std::nullopt;
+    if constexpr (firmware::kIdentifying<Sensor>) {
+      return sensor_.conclude();
+    } else {
+      return std::nullopt;
+    }
   }
   std::vector<std::string> drive_notes() const override {
     if constexpr (firmware::kIdentifying<Sensor>) {
-      return host::drive_notes(nullptr, sensor_.counts(), {});
+      return sensor_.notes();
+    } else {
+      return {};
     }
-    return {};
   }
 
  private:
@@ -72,7 +76,7 @@ RecommendedParameters compared_parameters(const EstimatorChoice& option,
 
 std::unique_ptr<ComparedEstimator> make_compared_estimator(
     const EstimatorChoice& option, const RecordingChoice& choice, const DriveStatement& drive,
-    const std::string& source, const ReplayFacebow& facebow, BodyFits* fits) {
+    const std::string& source, const ReplayFacebow& facebow, const ComparedExtras& extras) {
   if (option.is_published()) {
     return std::make_unique<ComparedPublished>(
         load_published_for(option, facebow.median_step_ns(), source), choice.followed);
@@ -84,10 +88,16 @@ std::unique_ptr<ComparedEstimator> make_compared_estimator(
   const Axis axis = choice.followed.axis;
   const bool adapts = parameters.noise.adaptation == Adaptation::on;
   return firmware::with_recommended_sensor<double>(
-      {info.kind, info.has_drive, parameters, option.lag, choice.point(fits), axis},
+      {info.kind, info.has_drive || extras.drive != nullptr, parameters, option.lag,
+       choice.point(extras.fits), axis},
       [&]<class Sensor>(std::type_identity<Sensor>,
                         const auto&... arguments) -> std::unique_ptr<ComparedEstimator> {
-        return std::make_unique<ComparedRecommended<Sensor>>(axis, adapts, arguments...);
+        if constexpr (firmware::kIdentifying<Sensor>) {
+          return std::make_unique<ComparedRecommended<ReplayedDriveSensor<Sensor>>>(
+              axis, adapts, extras.drive, parameters.impedance.drive.delay_s, arguments...);
+        } else {
+          return std::make_unique<ComparedRecommended<Sensor>>(axis, adapts, arguments...);
+        }
       });
 }
 

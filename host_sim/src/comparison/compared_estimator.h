@@ -9,6 +9,7 @@
 #include "estimation/drive_statement.h"
 #include "estimation/estimate_row.h"
 #include "estimation/estimator_choice.h"
+#include "recordings/drive_channel.h"
 #include "recordings/recording_choice.h"
 #include "recordings/replay_facebow.h"
 
@@ -30,12 +31,17 @@ class ComparedEstimator {
   virtual std::vector<std::string> drive_notes() const { return {}; }
 };
 
+/// What else an estimator takes; each may be null.
+struct ComparedExtras {
+  BodyFits* fits = nullptr;       ///< receives how the fits of a body went
+  DriveChannel* drive = nullptr;  ///< of a recording without a drive of its own
+};
+
 /// The estimator that `option` names, as replay sets it up for the recording `source`, which is
-/// open in `facebow`. `fits`: if not null, receives how the fits of a body went. Problems are
-/// InputErrors.
+/// open in `facebow`. Problems are InputErrors.
 std::unique_ptr<ComparedEstimator> make_compared_estimator(
     const EstimatorChoice& option, const RecordingChoice& choice, const DriveStatement& drive,
-    const std::string& source, const ReplayFacebow& facebow, BodyFits* fits = nullptr);
+    const std::string& source, const ReplayFacebow& facebow, const ComparedExtras& extras = {});
 
 /// The parameters that it gives the recommended estimator.
 RecommendedParameters compared_parameters(const EstimatorChoice& option,

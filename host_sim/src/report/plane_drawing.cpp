@@ -13,9 +13,9 @@ namespace condyle::host {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-// Of a drawing. A task that has more is drawn in pieces, so that no line joins distant moments.
-constexpr std::size_t kMostPoints = 3'000, kPieces = 12;
-constexpr double kDrawnRate_Hz = 50, kLeastStep_mm = 0.02;
+// Of a drawing. If tasks have more, pieces of them are drawn: no line joins distant moments.
+constexpr std::size_t kMostPoints = 8'000, kPieces = 12, kPointsOfPieces = 4'000;
+constexpr double kDrawnRate_Hz = 50, kLeastStep_mm = 0.05;
 
 class Drawing {
  public:
@@ -174,7 +174,8 @@ std::vector<DrawnPath> task_paths(const Analysis& analysis,
     DrawnPath path{task.kind == TaskKind::whole ? "whole" : name_of(task.kind), {}};
     // This task's share of the samples of each piece.
     const std::size_t drawn =
-        pieces == 1 ? count : count * (kMostPoints * stride / pieces) / std::max(samples, count);
+        pieces == 1 ? count
+                    : count * (kPointsOfPieces * stride / pieces) / std::max(samples, count);
     for (std::size_t i = 0; i < pieces; ++i) {
       const std::size_t first = begin + i * count / pieces;
       auto& piece = path.pieces_m.emplace_back();

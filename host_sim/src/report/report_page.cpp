@@ -94,13 +94,11 @@ std::string charts(const ReportSection& section) {
     text += chart(kKeys[i], kKeys[i]);
   }
   text += "</div>\n";
+  if (section.impedance) return text;
   text += paragraph(
       "Force is left out: it is the acceleration times a mass that position does not determine.");
-  if (section.series.provenance(ReportSeries::friction) == Provenance::not_computed &&
-      section.series.provenance(ReportSeries::mass) == Provenance::not_computed) {
-    text += paragraph(
-        "Friction and mass are left out: to know them, record the total drive with the motion.");
-  }
+  text += paragraph(
+      "Friction and mass are left out: to know them, record the total drive with the motion.");
   return text;
 }
 
@@ -116,7 +114,7 @@ std::string paths(const ReportSection& section) {
   }
   text += "</div>\n" + task_key(analysis);
   if (is_drawn_in_pieces(incisor)) {
-    text += paragraph("Of long tasks, twelve evenly spaced pieces are drawn.");
+    text += paragraph("Of the long tasks, twelve evenly spaced pieces are drawn.");
   }
   if (!analysis.has_landmarks) {
     return text +

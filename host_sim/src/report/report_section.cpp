@@ -37,6 +37,17 @@ class ReportedSensor {
   ComparedEstimator& estimator_;
 };
 
+void refuse_drive(const ReportChoice& choice, const std::string& source,
+                  const RecordingInfo& info) {
+  if (!choice.drive_file.empty() && info.has_drive) {
+    throw InputError(source, "has a drive of its own", "leave out --drive");
+  }
+  if (choice.drive_file.empty() && choice.drive.is_given() && !info.has_drive) {
+    throw InputError(source, "has no drive, so options of the drive do not apply",
+                     "give one with --drive FILE, or leave out these options");
+  }
+}
+
 void add_estimates(const std::string& source, const ReportChoice& choice,
                    const std::function<void(double)>& progress,
                    const std::function<bool()>& should_stop, ReportSection& section) {
@@ -47,10 +58,7 @@ void add_estimates(const std::string& source, const ReportChoice& choice,
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
   const RecordingInfo& info = facebow.info();
   followed.check(source, info);
-  if (choice.drive.is_given() && !info.has_drive) {
-    throw InputError(source, "has no drive that could be described",
-                     "give it a column drive_N, or leave out the options of a drive");
-  }
+  refuse_drive(choice, source, info);
   section.format = info.format;
   section.notes = info.notes;
   const firmware::RunSettings settings = facebow.run_settings(followed.followed);
@@ -60,8 +68,10 @@ void add_estimates(const std::string& source, const ReportChoice& choice,
       step_s > 0 ? std::clamp(static_cast<int>(std::lround(kReportLag_s / step_s)), 0, kMostLag)
                  : 0;
   BodyFits fits;
-  const auto compared =
-      make_compared_estimator(estimator, followed, choice.drive, source, facebow, &fits);
+  std::optional<DriveChannel> channel;
+  if (!choice.drive_file.empty()) channel.emplace(choice.drive_file, FaultPolicy::event);
+  const auto compared = make_compared_estimator(estimator, followed, choice.drive, source, facebow,
+                                                {&fits, channel ? &*channel : nullptr});
   const RecommendedParameters parameters =
       compared_parameters(estimator, choice.drive, source, info);
   RecommendedSummary summary(parameters, estimator.lag, followed.followed.axis, fits);

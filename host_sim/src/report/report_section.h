@@ -19,7 +19,8 @@ namespace condyle::host {
 struct ReportChoice {
   AnalysisChoice analysis;
   FollowedChoice followed;  ///< point and axis of the charts, and of a drive
-  DriveStatement drive;     ///< statements about a drive in the recordings
+  DriveStatement drive;     ///< statements about a drive
+  std::string drive_file;   ///< of a recording without a drive of its own; empty: none
 };
 
 /// The readings, the estimates over time and what they rest on.
