@@ -24,6 +24,8 @@ constexpr JawTaskKind kKinds[] = {JawTaskKind::rest, JawTaskKind::opening, JawTa
 JawScenario session(double rate_Hz, double noise_m, double noise_rad, double landmark_sd_mm) {
   JawScenario scenario;
   for (const JawTaskKind kind : kKinds) scenario.tasks.push_back(default_task(kind));
+  scenario.tasks.back().chewing.alternates = true;
+  scenario.tasks.back().chewing.reversed_share = 0.2;
   scenario.facebow.rate_Hz = rate_Hz;
   scenario.facebow.noise_m = noise_m;
   scenario.facebow.noise_rad = noise_rad;
@@ -83,30 +85,9 @@ TEST(StrokeReadings, EqualTheTruthOnExactPoses) {
     truth[fmt::format("{}/{}/{}/{}", reading.task, reading.side, reading.reading, reading.stroke)] =
         reading.value;
   }
-  const JawLandmarks& points = jaw->landmarks();
-  ReadingGeometry geometry;
-  geometry.has_landmarks = true;
-  geometry.head.translation() = (points.condyle_left + points.condyle_right) / 2;
-  geometry.incisor_m = points.incisor_lower;
-  geometry.condyle_m = {points.condyle_left, points.condyle_right};
-  geometry.middle_m = Eigen::Vector3d(0.1, 0, -0.05);
   int compared = 0;
   for (const JawStroke& stroke : jaw->motion().strokes()) {
-    SmoothMotion motion;
-    const auto at = [&](double time_s) {
-      const JawPose pose = jaw->pose_at(time_s);
-      Vector6 value;
-      value << pose.rotation * geometry.middle_m + pose.translation_m - geometry.middle_m,
-          rotation_vector_of<double>(pose.rotation);
-      return value;
-    };
-    for (double time_s = stroke.begin_s - 0.1; time_s < stroke.end_s + 0.1; time_s += 0.0005) {
-      motion.time_s.push_back(time_s);
-      motion.value.push_back(at(time_s));
-      motion.slope.push_back((at(time_s + 1e-5) - at(time_s - 1e-5)) / 2e-5);
-    }
-    JawPath path;
-    paths_of(motion, geometry, path);
+    const JawPath path = exact_path(*jaw, stroke.begin_s - 0.1, stroke.end_s + 0.1);
     const TaskKind kind = task_kind(jaw_task_name(stroke.kind), "simulation");
     const auto names = readings_of_stroke(kind, true);
     std::vector<double> values;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "readings/cycle_shape.h"
 #include "readings/path_measures.h"
 #include "readings/smoothness.h"
 #include "readings/strokes.h"
@@ -217,10 +218,13 @@ std::vector<std::string_view> readings_of_cycle(bool has_landmarks) {
                                          "ldlj",
                                          "closing_sparc",
                                          "closing_ldlj"};
+  const auto append = [&names](const std::vector<std::string_view>& more) {
+    names.insert(names.end(), more.begin(), more.end());
+  };
+  append(names_of_cycle_shape());
   if (has_landmarks) {
-    for (const char* name : {"cycle_height_mm", "cycle_width_mm", "cycle_depth_mm"}) {
-      names.push_back(name);
-    }
+    append({"cycle_height_mm", "cycle_width_mm", "cycle_depth_mm"});
+    append(names_of_cycle_shape_with_landmarks());
   }
   return names;
 }
@@ -271,7 +275,8 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
   }
   const Greatest deepest = greatest_of(time_s, depths, begin, end + 1, kTopReach_s);
   const std::size_t turn = deepest.at;
-  const double turn_s = standstill_s(time_s, height_rates_of(path, has_landmarks), turn);
+  const std::vector<double> rates = height_rates_of(path, has_landmarks);
+  const double turn_s = standstill_s(time_s, rates, turn);
   values = {end_s - begin_s, turn_s - begin_s, end_s - turn_s};
   double smoothness[2][2];
   for (int back = 0; back < 2; ++back) {
@@ -285,6 +290,9 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
     smoothness[back][1] = log_dimensionless_jerk(part, step_s);
   }
   for (const auto& phase : smoothness) values.insert(values.end(), phase, phase + 2);
+  if (why != nullptr) why->assign(values.size(), "");
+  const CycleMarks marks{begin, turn, end, begin_s, end_s, cycle.ends_with_pause};
+  add_cycle_shape(marks, path, z, rates, values, why);
   if (has_landmarks) {
     for (const int axis : {2, 1, 0}) {
       double range = 0;
@@ -296,9 +304,12 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
         range += greatest_of(time_s, coordinates, begin, end + 1, kTopReach_s).value;
       }
       values.push_back(range * 1e3);
+      if (why != nullptr) why->emplace_back();
     }
+    add_cycle_shape_with_landmarks(marks, path, values, why);
+    values.push_back(begin_s - cycle.begin_s);
+    if (why != nullptr) why->emplace_back();
   }
-  if (why != nullptr) why->assign(values.size(), "");
 }
 
 }  // namespace condyle::host

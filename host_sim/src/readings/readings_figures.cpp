@@ -102,6 +102,8 @@ std::vector<std::unique_ptr<OutputFile>> draw_readings(const std::string& direct
     plot += "unset multiplot\n";
     gnuplot.draw(prefix + "condyles", plot, 1200, 560);
   }
+  plot = average_cycle_plot(analysis);
+  if (!plot.empty()) gnuplot.draw(prefix + "average_cycle", plot, 1100, 560);
   return gnuplot.finish();
 }
 

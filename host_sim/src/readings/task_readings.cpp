@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "readings/chewing_summary.h"
 #include "readings/stroke_checks.h"
 #include "readings/stroke_readings.h"
 #include "readings/strokes.h"
@@ -32,7 +33,8 @@ bool is_condylar(std::string_view name) {
 
 // What a smoothing instrument makes smaller.
 bool is_fast(std::string_view name) {
-  for (const std::string_view word : {"speed", "sparc", "ldlj", "cycle_height", "cycle_width"}) {
+  for (const std::string_view word :
+       {"speed", "sparc", "ldlj", "cycle_height", "cycle_width", "cycle_path", "_area_"}) {
     if (name.find(word) != std::string_view::npos) return true;
   }
   return false;
@@ -100,8 +102,8 @@ class TaskReader {
     return "";
   }
 
-  void add(const ReadingDefinition& definition, TaskKind kind, Side side, int stroke,
-           UncertainValue value, bool is_found) {
+  JawReading& add(const ReadingDefinition& definition, TaskKind kind, Side side, int stroke,
+                  UncertainValue value, bool is_found) {
     const std::string problem = problem_of(definition);
     if (!problem.empty()) {
       value.value = JawReading::kNone;
@@ -118,6 +120,9 @@ class TaskReader {
         reading.provenance = ReadingProvenance::derived;
       };
       if (is_condylar(definition.name)) assume(context_.condyle_assumption);
+      if (definition.name == "slow_close_time_s") {
+        assume("the contact of the teeth is not recorded; the speed stands for it");
+      }
       assume(context_.reference_assumption);
       if (is_fast(definition.name)) assume(context_.smoothing_assumption);
       if (is_found) {
@@ -126,6 +131,7 @@ class TaskReader {
       }
     }
     analysis_.readings.push_back(std::move(reading));
+    return analysis_.readings.back();
   }
 
   void read_strokes(TaskKind kind, const std::vector<SampleRun>& windows, bool is_found) {
@@ -245,7 +251,7 @@ class TaskReader {
         }
         if (cycle.rejected.empty()) {
           analysed.number = ++taken;
-          analysed.values = values_of(cycle, sd_m);
+          take_values(values_of(cycle, sd_m), names.size(), analysed);
           for (std::size_t k = 0; k < names.size(); ++k)
             by_reading[k].push_back(analysed.values[k]);
         }
@@ -260,8 +266,20 @@ class TaskReader {
       UncertainValue mean = mean_of(by_reading[k]);
       if (taken == 0) mean.missing = "no chewing cycle was found";
       add(definition_of(names[k]), TaskKind::chewing, Side::none, 0, mean, is_found);
-      if (k == 0) add_frequency(by_reading[0], mean, is_found);
+      if (k == 0) add_frequency(mean, is_found);
     }
+    add_summaries(taken, is_found);
+  }
+
+  // The values of the cycle's readings, then its directions.
+  static void take_values(std::vector<UncertainValue> values, std::size_t count,
+                          AnalysedCycle& cycle) {
+    CycleDirections& directions = cycle.directions;
+    UncertainValue* const more[] = {&directions.closing_side_mm, &directions.frontal_area_mm2,
+                                    &directions.sagittal_area_mm2, &directions.begin_shift_s};
+    for (std::size_t i = 0; count + i < values.size(); ++i) *more[i] = values[count + i];
+    values.resize(count);
+    cycle.values = std::move(values);
   }
 
   // Displacement and rotation: the greatest of all windows.
@@ -280,8 +298,7 @@ class TaskReader {
     }
   }
 
-  void add_frequency(const std::vector<UncertainValue>& durations, const UncertainValue& mean,
-                     bool is_found) {
+  void add_frequency(const UncertainValue& mean, bool is_found) {
     UncertainValue frequency = mean;
     frequency.value = 1 / mean.value;
     const double slope = frequency.value * frequency.value;
@@ -289,24 +306,30 @@ class TaskReader {
     frequency.smoothing *= slope;
     for (double& change : frequency.fixed) change *= slope;
     add(definition_of("cycle_frequency_Hz"), TaskKind::chewing, Side::none, 0, frequency, is_found);
-    UncertainValue spread;
-    double squares = 0, noise = 0, count = 0;
-    for (const UncertainValue& duration : durations) {
-      if (!std::isfinite(duration.value)) continue;
-      squares += (duration.value - mean.value) * (duration.value - mean.value);
-      noise += duration.noise_sd * duration.noise_sd;
-      ++count;
+  }
+
+  void add_summaries(int taken, bool is_found) {
+    find_sides(analysis_);
+    for (CycleSummary& summary : summaries_of(analysis_)) {
+      if (taken == 0) summary.value.missing = "no chewing cycle was found";
+      if (summary.interval) {
+        const auto [low, high] = *summary.interval;
+        summary.value.set_half_interval((high - low) / 2);
+      }
+      JawReading& reading = add(definition_of(summary.name), TaskKind::chewing, summary.side, 0,
+                                summary.value, is_found);
+      if (reading.provenance == ReadingProvenance::withheld) continue;
+      if (summary.interval) {
+        reading.low = summary.interval->front();
+        reading.high = summary.interval->back();
+      }
+      if (summary.remark.empty()) continue;
+      reading.reason += (reading.reason.empty() ? "" : "; ") + summary.remark;
+      reading.provenance = ReadingProvenance::derived;
     }
-    if (count >= 3) {
-      noise /= count;
-      const double variance = std::max(squares / (count - 1) - noise, 0.0);
-      spread.value = std::sqrt(variance);
-      const double of_variance = std::sqrt((4 * variance * noise + 2 * noise * noise) / count);
-      spread.noise_sd = of_variance / (2 * std::max(spread.value, std::sqrt(of_variance)) + 1e-12);
-    } else {
-      spread.missing = "fewer than three cycles";
+    if (analysis_.has_landmarks && context_.unusable.empty()) {
+      analysis_.average_cycles = average_cycles(analysis_.path, analysis_.cycles, context_.errors);
     }
-    add(definition_of("cycle_duration_sd_s"), TaskKind::chewing, Side::none, 0, spread, is_found);
   }
 
   std::vector<UncertainValue> values_of(const ChewingCycle& cycle, double sd_m) {
@@ -315,7 +338,9 @@ class TaskReader {
     const double before_s = cycle.begins_after_pause ? 0.3 : kMargin_s;
     const double after_s = cycle.ends_with_pause ? 0.3 : kMargin_s;
     while (begin > 0 && time_s[cycle.begin] - time_s[begin - 1] <= before_s) --begin;
-    while (end < time_s.size() && time_s[end] - time_s[cycle.end] <= after_s) ++end;
+    // On to where the next opening has left the closed position.
+    const double closed_s = 5 * cycle.end_sd_s;
+    while (end < time_s.size() && time_s[end] - time_s[cycle.end] <= after_s + closed_s) ++end;
     auto values = uncertain_values(
         *context_.motion, begin, end, *context_.noise, context_.errors,
         {kCyclePairs, kCalmCycle_s, kMildCycle_s}, random_,

@@ -117,8 +117,8 @@ TEST(TrueReadings, MedialPathGivesShiftAndBennettAngle) {
   const double progressive = std::tan(path.progressive_shift_deg * kRadian);
   // The immediate shift is over to 0.7 % at 2 mm, so the line is near y = shift + progressive x.
   EXPECT_NEAR(table.at({"left", "right", 0, "side_shift_mm"}), path.immediate_shift_mm, 2e-3);
-  EXPECT_NEAR(table.at({"left", "right", 0, "progressive_shift_deg"}), path.progressive_shift_deg,
-              0.03);
+  EXPECT_NEAR(table.at({"left", "right", 0, "progressive_side_shift_deg"}),
+              path.progressive_shift_deg, 0.03);
   EXPECT_NEAR(table.at({"left", "right", 0, "side_shift_05mm_mm"}),
               path.immediate_shift_mm * (1 - std::exp(-0.5 / 0.4)) + 0.5 * progressive, 1e-9);
   double x_mm = 5;

@@ -5,69 +5,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <numbers>
 #include <optional>
+
+#include "simulation/kinematic/true_cycles.h"
+#include "simulation/kinematic/true_measures.h"
 
 namespace condyle::host {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using namespace truth;
 
-constexpr double kStep_s = 0.5e-3;
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kPathStart_mm = 0.3;                                         // of travel
 constexpr double kTravels_mm[] = {3, 5, 10};                                  // of the angles
 constexpr double kShiftStart_mm = 2, kShiftEnd_mm = 5, kShiftStep_mm = 0.05;  // of the fit, in x
 constexpr double kEarlyShift_mm = 0.5;  // x at which side_shift_05mm is read
-
-using Function = std::function<double(double)>;
-
-struct Span {
-  double begin_s, end_s;
-};
-
-// Calls `use` at instants from begin to end, both included, at most kStep_s apart.
-template <class Use>
-void at_instants(const Span& span, Use use) {
-  const auto steps = std::max(1L, std::lround(std::ceil((span.end_s - span.begin_s) / kStep_s)));
-  for (long i = 0; i <= steps; ++i) {
-    use(span.begin_s +
-        (span.end_s - span.begin_s) * static_cast<double>(i) / static_cast<double>(steps));
-  }
-}
-
-double greatest(const Function& value, const Span& span) {
-  double most = value(span.begin_s);
-  at_instants(span, [&](double time_s) { most = std::max(most, value(time_s)); });
-  return most;
-}
-
-// First instant at which `value` reaches `level` from below.
-std::optional<double> first_passage_s(const Function& value, const Span& span, double level) {
-  double before_s = span.begin_s;
-  std::optional<double> after_s;
-  at_instants(span, [&](double time_s) {
-    if (after_s) return;
-    if (value(time_s) >= level) {
-      after_s = time_s;
-    } else {
-      before_s = time_s;
-    }
-  });
-  if (!after_s) return std::nullopt;
-  double late_s = *after_s;
-  for (int i = 0; i < 50; ++i) {
-    const double middle_s = (before_s + late_s) / 2;
-    (value(middle_s) >= level ? late_s : before_s) = middle_s;
-  }
-  return late_s;
-}
-
-Vector3d displacement_mm(const JawPose& pose, const Vector3d& point_m) {
-  return 1e3 * (pose.rotation * point_m + pose.translation_m - point_m);
-}
 
 // Twist about Y: 2 atan2(q_y, q_w). With q_w = sqrt(1 + trace)/2, 4 q_w q_y = R_13 - R_31.
 double opening_angle_deg(const Matrix3d& rotation) {
@@ -106,11 +59,6 @@ class TruthOfJaw {
     constexpr double h_s = 1e-4;
     return (incisor_mm(time_s + h_s) - incisor_mm(time_s - h_s)).norm() / (2 * h_s);
   }
-  double vertical_speed_mm_s(double time_s) const {
-    constexpr double h_s = 1e-4;
-    return std::abs(incisor_mm(time_s + h_s).z() - incisor_mm(time_s - h_s).z()) / (2 * h_s);
-  }
-
   void add(const std::string& reading, double value, const char* unit,
            JawSide side = JawSide::none) {
     readings_.push_back({task_, jaw_side_name(side), stroke_, reading, value, unit});
@@ -163,7 +111,7 @@ class TruthOfJaw {
     if (const auto start_s = first_passage_s(travel_mm, out, kPathStart_mm)) {
       double path_mm = 0;
       Vector3d last = condyle_mm(side, *start_s);
-      at_instants({*start_s, furthest_s(travel_mm, out)}, [&](double time_s) {
+      at_instants({*start_s, greatest_at_s(travel_mm, out)}, [&](double time_s) {
         const Vector3d now = condyle_mm(side, time_s);
         path_mm += (now - last).norm();
         last = now;
@@ -177,18 +125,6 @@ class TruthOfJaw {
       add(fmt::format("condylar_inclination_{:g}mm_deg", at_mm),
           kDegrees * std::atan2(-c.z(), c.x()), "deg", side);
     }
-  }
-
-  static double furthest_s(const Function& value, const Span& span) {
-    double most = -1, where_s = span.end_s;
-    at_instants(span, [&](double time_s) {
-      const double now = value(time_s);
-      if (now > most) {
-        most = now;
-        where_s = time_s;
-      }
-    });
-    return where_s;
   }
 
   // Bennett angles and side shift of the orbiting condyle.
@@ -230,41 +166,22 @@ class TruthOfJaw {
     }
     const double slope = (n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x);
     add("side_shift_mm", (sum_y - slope * sum_x) / n, "mm", side);
-    add("progressive_shift_deg", kDegrees * std::atan(slope), "deg", side);
+    add("progressive_side_shift_deg", kDegrees * std::atan(slope), "deg", side);
   }
 
   void read_cycles() {
     const std::vector<JawCycle> cycles = true_cycles(jaw_);
     if (cycles.empty()) return;
+    const TruthOfCycles truth(jaw_, cycles);
     task_ = jaw_task_name(JawTaskKind::chewing);
-    double total_s = 0;
-    for (const JawCycle& cycle : cycles) {
-      stroke_ = cycle.cycle;
-      const double duration_s = cycle.end_s - cycle.begin_s;
-      total_s += duration_s;
-      add("cycle_duration_s", duration_s, "s");
-      add("opening_time_s", cycle.opening_end_s - cycle.begin_s, "s");
-      add("closing_time_s", cycle.end_s - cycle.opening_end_s, "s");
-      const Span opening{cycle.begin_s, cycle.opening_end_s};
-      const Span closing{cycle.opening_end_s, cycle.end_s}, whole{cycle.begin_s, cycle.end_s};
-      const auto range = [&](int axis) {
-        return greatest([&](double t) { return incisor_mm(t)[axis]; }, whole) +
-               greatest([&](double t) { return -incisor_mm(t)[axis]; }, whole);
-      };
-      add("cycle_height_mm", range(2), "mm");
-      add("cycle_width_mm", range(1), "mm");
-      add("cycle_depth_mm", range(0), "mm");
-      const auto speed = [this](double t) { return incisor_speed_mm_s(t); };
-      const auto vertical = [this](double t) { return vertical_speed_mm_s(t); };
-      add("opening_peak_speed_mm_s", greatest(speed, opening), "mm/s");
-      add("closing_peak_speed_mm_s", greatest(speed, closing), "mm/s");
-      add("opening_peak_vertical_speed_mm_s", greatest(vertical, opening), "mm/s");
-      add("closing_peak_vertical_speed_mm_s", greatest(vertical, closing), "mm/s");
+    for (const TrueCycle& cycle : truth.cycles()) {
+      stroke_ = cycle.number;
+      for (const TrueCycleValue& value : cycle.values) add(value.reading, value.value, value.unit);
     }
     stroke_ = 0;
-    const auto count = static_cast<double>(cycles.size());
-    add("cycle_count", count, "1");
-    add("cycle_frequency_Hz", count / total_s, "Hz");
+    for (const TrueCycleValue& value : truth.summary()) {
+      add(value.reading, value.value, value.unit, value.side);
+    }
   }
 
   // Stroke 0 of everything that was read stroke by stroke.
@@ -333,33 +250,6 @@ class TruthOfJaw {
 
 std::vector<TrueReading> true_readings(const KinematicJaw& jaw) {
   return TruthOfJaw(jaw).read();
-}
-
-std::vector<JawCycle> true_cycles(const KinematicJaw& jaw) {
-  std::vector<JawCycle> cycles = jaw.motion().cycles();
-  const auto height = [&jaw](double time_s) {
-    return displacement_mm(jaw.pose_at(time_s), jaw.landmarks().incisor_lower).z();
-  };
-  for (JawCycle& cycle : cycles) {
-    double lowest_s = cycle.opening_end_s, lowest = height(lowest_s);
-    at_instants({cycle.begin_s, cycle.end_s}, [&](double time_s) {
-      const double now = height(time_s);
-      if (now >= lowest) return;
-      lowest = now;
-      lowest_s = time_s;
-    });
-    double from_s = lowest_s - kStep_s, to_s = lowest_s + kStep_s;
-    for (int i = 0; i < 30; ++i) {
-      const double third_s = (to_s - from_s) / 3;
-      if (height(from_s + third_s) < height(to_s - third_s)) {
-        to_s -= third_s;
-      } else {
-        from_s += third_s;
-      }
-    }
-    cycle.opening_end_s = (from_s + to_s) / 2;
-  }
-  return cycles;
 }
 
 }  // namespace condyle::host
