@@ -34,6 +34,7 @@ class Drawing {
         height + 2 * margin);
     text += axes();
     for (const DrawnAngle& angle : plane_.angles) text += fan(angle);
+    for (const DrawnBand& band : plane_.bands) text += area(band);
     for (const DrawnPath& path : paths_) text += line_of(path);
     if (!plane_.point.empty()) {
       text += fmt::format(
@@ -61,11 +62,21 @@ class Drawing {
         for (const auto& point_m : piece) include(across_mm(point_m), up_mm(point_m));
       }
     }
+    for (const DrawnBand& band : plane_.bands) {
+      for (const auto& [x, y] : band.outline_mm) include(sign_ * x, y);
+    }
     // Wide enough to be read; the same number of digits on all ticks.
     const double least = 4;
     const double x = (left_ + right_) / 2, y = (bottom_ + top_) / 2;
     include(x - least / 2, y - least / 2);
     include(x + least / 2, y + least / 2);
+  }
+
+  std::string area(const DrawnBand& band) const {
+    std::string points;
+    for (const auto& [x, y] : band.outline_mm)
+      points += fmt::format("{:.2f},{:.2f} ", sign_ * x, -y);
+    return fmt::format("<polygon class=\"band {}\" points=\"{}\"/>", band.kind, points);
   }
 
   std::string line_of(const DrawnPath& path) const {
@@ -209,6 +220,7 @@ std::vector<PlaneDrawing> incisor_drawings(bool named) {
            0,
            2,
            false,
+           {},
            {}},
           {name("frontal, seen from the front", "y and z of point 1"),
            name("left", "y"),
@@ -218,6 +230,7 @@ std::vector<PlaneDrawing> incisor_drawings(bool named) {
            1,
            2,
            false,
+           {},
            {}},
           {name("horizontal, seen from below", "y and x of point 1"),
            name("left", "y"),
@@ -227,6 +240,7 @@ std::vector<PlaneDrawing> incisor_drawings(bool named) {
            1,
            0,
            false,
+           {},
            {}}};
 }
 
@@ -242,19 +256,32 @@ std::vector<PlaneDrawing> condyle_drawings(const Analysis& analysis) {
     const auto in_drawing = [mirror](double deg) {  // downward positive, from anterior
       return mirror > 0 ? -deg : 180 + deg;
     };
-    drawings.push_back({fmt::format("{} condyle, sagittal", name_of(side)), "anterior", "up", point,
-                        path, 0, 2, is_left,
-                        chords(analysis, "condylar_inclination", side, in_drawing)});
+    drawings.push_back({fmt::format("{} condyle, sagittal", name_of(side)),
+                        "anterior",
+                        "up",
+                        point,
+                        path,
+                        0,
+                        2,
+                        is_left,
+                        chords(analysis, "condylar_inclination", side, in_drawing),
+                        {}});
   }
   for (const Side side : {Side::right, Side::left}) {
     const bool is_left = side == Side::left;
     // Of the left condyle medial is to the right, y negative; of the right one y positive.
     const double medial = is_left ? -1 : 1;
-    drawings.push_back({fmt::format("{} condyle, horizontal", name_of(side)), "left", "anterior",
+    drawings.push_back({fmt::format("{} condyle, horizontal", name_of(side)),
+                        "left",
+                        "anterior",
                         is_left ? "condyle_left" : "condyle_right",
-                        &analysis.path.condyle_m[is_left ? 0 : 1], 1, 0, false,
+                        &analysis.path.condyle_m[is_left ? 0 : 1],
+                        1,
+                        0,
+                        false,
                         chords(analysis, "bennett_angle", side,
-                               [medial](double deg) { return 90 - medial * deg; })});
+                               [medial](double deg) { return 90 - medial * deg; }),
+                        {}});
   }
   return drawings;
 }

@@ -2,6 +2,7 @@
 // Paths of a jaw's points in the planes of the head, as SVG in millimetres.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,12 @@ struct DrawnAngle {
   double length_mm = 0, value_deg = 0, low_deg = 0, high_deg = 0;
 };
 
+/// An area about a path, as its outline across and upward (mm).
+struct DrawnBand {
+  std::string kind;  ///< class
+  std::vector<std::array<double, 2>> outline_mm;
+};
+
 /// One drawing.
 struct PlaneDrawing {
   std::string title, x_label, y_label;
@@ -25,6 +32,7 @@ struct PlaneDrawing {
   int x = 0, y = 2;                                      ///< components drawn across and upward
   bool is_mirrored = false;                              ///< `x` grows to the left
   std::vector<DrawnAngle> angles;
+  std::vector<DrawnBand> bands;
 };
 
 /// A path in one colour.

@@ -4,6 +4,7 @@
 
 #include "hosted/files/clean_text.h"
 #include "readings/readings_files.h"
+#include "report/average_cycle_section.h"
 #include "report/packed_values.h"
 #include "report/report_page.h"
 
@@ -135,6 +136,7 @@ Json recording_json(const ReportSection& section) {
                              {"begin_s", task.begin_s - section.origin_s},
                              {"end_s", task.end_s - section.origin_s}});
   }
+  json["average_cycles"] = average_cycle_json(*section.analysis);
   if (section.analysis->unusable.empty() && !section.analysis->path.time_s.empty()) {
     json["path"] = path_json(section);
   }

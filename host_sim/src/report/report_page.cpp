@@ -9,6 +9,7 @@
 #include <set>
 
 #include "readings/readings_files.h"
+#include "report/average_cycle_section.h"
 #include "report/html_text.h"
 #include "report/impedance_section.h"
 #include "report/page_text.h"
@@ -172,9 +173,9 @@ std::string section_html(const ReportSection& section, const std::string& landma
   text += charts(section) + impedance_html(section, prefix);
   if (section.analysis) {
     const Analysis& analysis = *section.analysis;
-    text += paths(section) + tasks_table(analysis, prefix) + readings_table(analysis, prefix) +
-            strokes_table(analysis, prefix) + cycles_table(analysis, prefix) +
-            withheld_table(analysis, prefix);
+    text += paths(section) + average_cycle_html(analysis, prefix) + tasks_table(analysis, prefix) +
+            readings_table(analysis, prefix) + strokes_table(analysis, prefix) +
+            cycles_table(analysis, prefix) + withheld_table(analysis, prefix);
   }
   if (!section.summary.empty()) {
     text +=
