@@ -42,7 +42,8 @@ struct Configuration {
 
   std::optional<host::PoseChoice> pose;  ///< empty: the whole pose is not estimated
 
-  int priority = 50;  ///< SCHED_FIFO; 0: an ordinary thread
+  int priority = 50;         ///< SCHED_FIFO; 0: an ordinary thread
+  bool locks_memory = true;  ///< if permitted; not in the file
 
   std::string folder;                         ///< for recordings; empty: recording is off
   std::uint64_t reserve_bytes = 256'000'000;  ///< of disk space that are never used

@@ -97,7 +97,8 @@ void Box::run(const std::function<bool()>& should_stop) {
     });
     engine_->start();
     while (engine_->scheduling().empty()) clock_.sleep_until(clock_.now_ns() + 1'000'000);
-    const std::string memory = lock_memory();
+    const std::string memory =
+        configuration_.locks_memory ? lock_memory() : "not locked, as configured";
     {
       const std::lock_guard lock(mutex_);
       memory_ = memory;

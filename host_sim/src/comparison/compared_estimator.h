@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "estimation/drive_statement.h"
 #include "estimation/estimate_row.h"
@@ -23,14 +24,22 @@ class ComparedEstimator {
   virtual std::optional<EstimateRow> drain() = 0;
   /// True if it learns noise and jerk from the recording.
   virtual bool estimates_noise() const = 0;
+  /// What the drive showed up to now; none without a drive.
+  virtual std::optional<ImpedanceEstimate<double>> conclude() { return std::nullopt; }
+  /// Problems of the drive, one line each.
+  virtual std::vector<std::string> drive_notes() const { return {}; }
 };
 
 /// The estimator that `option` names, as replay sets it up for the recording `source`, which is
-/// open in `facebow`. Problems are InputErrors.
-std::unique_ptr<ComparedEstimator> make_compared_estimator(const EstimatorChoice& option,
-                                                           const RecordingChoice& choice,
-                                                           const DriveStatement& drive,
-                                                           const std::string& source,
-                                                           const ReplayFacebow& facebow);
+/// open in `facebow`. `fits`: if not null, receives how the fits of a body went. Problems are
+/// InputErrors.
+std::unique_ptr<ComparedEstimator> make_compared_estimator(
+    const EstimatorChoice& option, const RecordingChoice& choice, const DriveStatement& drive,
+    const std::string& source, const ReplayFacebow& facebow, BodyFits* fits = nullptr);
+
+/// The parameters that it gives the recommended estimator.
+RecommendedParameters compared_parameters(const EstimatorChoice& option,
+                                          const DriveStatement& drive, const std::string& source,
+                                          const RecordingInfo& info);
 
 }  // namespace condyle::host

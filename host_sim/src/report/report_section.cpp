@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "comparison/compared_estimator.h"
 #include "condyle/firmware/run_loop.h"
@@ -36,16 +37,20 @@ class ReportedSensor {
   ComparedEstimator& estimator_;
 };
 
-void add_estimates(const std::string& source, const AnalysisChoice& choice,
+void add_estimates(const std::string& source, const ReportChoice& choice,
                    const std::function<void(double)>& progress,
                    const std::function<bool()>& should_stop, ReportSection& section) {
-  RecordingChoice followed;
-  followed.reading = choice.reading;
+  RecordingChoice followed{choice.followed, choice.analysis.reading};
   followed.reading.faults = FaultPolicy::event;
   hal::SteadyClock clock;
   ReplayFacebow facebow(source, followed.reading, 0, clock);
   if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
   const RecordingInfo& info = facebow.info();
+  followed.check(source, info);
+  if (choice.drive.is_given() && !info.has_drive) {
+    throw InputError(source, "has no drive that could be described",
+                     "give it a column drive_N, or leave out the options of a drive");
+  }
   section.format = info.format;
   section.notes = info.notes;
   const firmware::RunSettings settings = facebow.run_settings(followed.followed);
@@ -54,10 +59,14 @@ void add_estimates(const std::string& source, const AnalysisChoice& choice,
   estimator.lag =
       step_s > 0 ? std::clamp(static_cast<int>(std::lround(kReportLag_s / step_s)), 0, kMostLag)
                  : 0;
-  const auto compared = make_compared_estimator(estimator, followed, {}, source, facebow);
-  const BodyFits fits;
-  RecommendedSummary summary(load_recommended_for(estimator, info, source), estimator.lag,
-                             followed.followed.axis, fits);
+  BodyFits fits;
+  const auto compared =
+      make_compared_estimator(estimator, followed, choice.drive, source, facebow, &fits);
+  const RecommendedParameters parameters =
+      compared_parameters(estimator, choice.drive, source, info);
+  RecommendedSummary summary(parameters, estimator.lag, followed.followed.axis, fits);
+  std::optional<ImpedanceEstimate<double>> impedance;
+  summary.set_conclusion([&] { return *impedance; });
   ReportedSensor sensor(*compared);
   firmware::RunCounts counts;
   const hal::Status status = firmware::run(
@@ -65,19 +74,28 @@ void add_estimates(const std::string& source, const AnalysisChoice& choice,
       [&](const Sample&, const ReportedSensor::Estimate& estimate) {
         if (!estimate.row) return;
         section.series.add(*estimate.row);
+        section.fine.add(*estimate.row);
         summary.add(*estimate.row);
         if (counts.samples % 1024 == 0) progress(facebow.progress());
       },
       [&] { return should_stop() || !facebow.problem().empty(); });
   if (!facebow.problem().empty()) throw InputError(facebow.problem());
   if (status == hal::Status::ok) return;  // stopped
+  impedance = compared->conclude();
+  if (impedance) {
+    section.impedance = impedance;
+    section.impedance_parameters = parameters.impedance;
+    const std::vector<std::string> notes = compared->drive_notes();
+    section.notes.insert(section.notes.end(), notes.begin(), notes.end());
+  }
   section.summary = summary.text();
+  section.estimates_json = summary.json().dump();
   section.warnings = summary.warnings();
 }
 
 }  // namespace
 
-ReportSection report_section(const std::string& source, const AnalysisChoice& choice,
+ReportSection report_section(const std::string& source, const ReportChoice& choice,
                              const std::function<void(double)>& progress,
                              const std::function<bool()>& should_stop) {
   ReportSection section;
@@ -89,12 +107,15 @@ ReportSection report_section(const std::string& source, const AnalysisChoice& ch
       std::abs(section.series.runs().front().time_s) > kDistantOrigin_s) {
     section.origin_s = section.series.runs().front().time_s;
   }
-  if (!choice.landmarks.empty()) section.landmarks = load_landmarks(choice.landmarks);
+  if (!choice.analysis.landmarks.empty())
+    section.landmarks = load_landmarks(choice.analysis.landmarks);
   try {
-    section.analysis = analyse(source, choice);
+    section.analysis = analyse(source, choice.analysis);
   } catch (const InputError& error) {
     // Tasks and landmarks that do not fit are the user's to mend.
-    if (!choice.landmarks.empty() || !choice.tasks.empty() || choice.reference_s) throw;
+    if (!choice.analysis.landmarks.empty() || !choice.analysis.tasks.empty() ||
+        choice.analysis.reference_s)
+      throw;
     section.no_readings = error.what();
   }
   return section;

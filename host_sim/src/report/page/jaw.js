@@ -71,8 +71,6 @@ export function drawJaw(section, recording, moment) {
       context.arc(x, y, 4 * devicePixelRatio, 0, 2 * Math.PI);
       context.fill();
     }
-    const text = section.querySelector('.jaw-time');
-    if (text) text.textContent = `${time[at].toFixed(2)} s`;
   };
   let waits = false;
   const redraw = () => {
@@ -103,48 +101,6 @@ export function drawJaw(section, recording, moment) {
     view.tilt += event.movementY * 0.01;
     redraw();
   });
-  const slider = section.querySelector('input.jaw-slider');
-  if (slider) {
-    slider.max = String(time.length - 1);
-    slider.addEventListener('input', () => moment.show(time[Number(slider.value)]));
-    moment.watch((time_s) => {
-      slider.value = String(nearest(time, time_s));
-    });
-  }
-  play(section, time, moment);
   addEventListener('resize', redraw);
   draw();
-}
-
-// The button that lets time run.
-function play(section, time, moment) {
-  const button = section.querySelector('button.jaw-play');
-  if (!button) return;
-  let since = null;
-  let from = 0;
-  const step = (now_ms) => {
-    if (since === null) return;
-    const time_s = from + (now_ms - since) / 1000;
-    if (time_s >= time[time.length - 1]) {
-      stop();
-      return;
-    }
-    moment.show(time_s);
-    requestAnimationFrame(step);
-  };
-  const stop = () => {
-    since = null;
-    button.textContent = 'Play';
-  };
-  button.addEventListener('click', () => {
-    if (since !== null) {
-      stop();
-      return;
-    }
-    const last = time[time.length - 1];
-    from = moment.time_s == null || moment.time_s >= last - 0.1 ? time[0] : moment.time_s;
-    button.textContent = 'Pause';
-    since = performance.now();
-    requestAnimationFrame(step);
-  });
 }
