@@ -68,6 +68,7 @@ export class Connection {
     this.on = on;
     this.is_open = false;
     this.needs_token = false;
+    this.is_refused = false;  // the token
     this.problem = '';
     this.lost_ms = performance.now();
     this.was_away_s = 0;
@@ -120,7 +121,10 @@ export class Connection {
     try {
       const answer = await fetch(goes_on ? `/v1/estimates?after=${this.last}` : '/v1/estimates',
           {headers: headers(), signal: end.signal, cache: 'no-store'});
-      if (answer.status === 401) this.needs_token = true;
+      if (answer.status === 401) {
+        this.needs_token = true;
+        this.is_refused = has_token();
+      }
       if (!answer.ok) throw {words: String((await answer.json()).problem)};
       if (this.last !== null) {
         this.was_away_s = away_ms / 1000;

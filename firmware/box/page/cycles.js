@@ -65,6 +65,8 @@ export class Cycles {
     this.samples = null;  // of the cycle that is under way
     this.side = 0;        // of the middle: -1 near zero, 1 away from it
     this.previous = null;
+    this.crossing = null;
+    this.since = [];      // samples from before the latest crossing on
   }
 
   /** `ring`: positions of the axes from zero. Chooses what to follow; call it now and then. */
@@ -109,7 +111,10 @@ export class Cycles {
     if (this.previous && beyond > 0 && (this.previous.value - middle) * away <= 0) {
       this.crossing = {...sample, time_s: this.previous.time_s + (sample.time_s - this.previous.time_s) *
         (middle - this.previous.value) / (sample.value - this.previous.value)};
+      this.since = [this.previous];
     }
+    this.since.push(sample);
+    if (time_s - this.since[0].time_s > kLongest_s) this.since = [];
     if (this.samples) {
       this.samples.push(sample);
       if (time_s - this.samples.begin.time_s > kLongest_s) this.samples = null;
@@ -117,7 +122,7 @@ export class Cycles {
     if (this.side < 1 && beyond > kHysteresis * range) {
       if (this.side === -1 && this.crossing) {
         if (this.samples) this.complete(this.crossing);
-        this.samples = this.previous ? [this.previous, sample] : [sample];
+        this.samples = this.since.slice();
         this.samples.begin = this.crossing;
       }
       this.side = 1;
@@ -128,8 +133,8 @@ export class Cycles {
   }
 
   complete(end) {
-    const {samples} = this;
-    const begin = samples.begin;
+    const samples = this.samples.filter((sample) => sample.time_s <= end.time_s);
+    const {begin} = this.samples;
     const duration_s = end.time_s - begin.time_s;
     if (duration_s < kShortest_s || samples.length < 8) return;
     if (this.last) {
@@ -167,7 +172,7 @@ export class Cycles {
     words += n < 3 ? 'The average needs 3 cycles before it.' :
       `Average of the ${n} before: ${with_interval(this.duration.mean, k95 * this.duration.sd() / Math.sqrt(n))} s, ` +
       `${with_interval(1e3 * this.amplitude.mean, 1e3 * k95 * this.amplitude.sd() / Math.sqrt(n))} mm. ` +
-      'Grey: one standard deviation of these cycles on both sides.';
+      'Dashes: the average; grey: one standard deviation on both sides.';
     this.words.textContent = words;
     this.draw();
   }
@@ -211,16 +216,17 @@ export class Cycles {
       line(this.points.map((point) => point.mean + point.sd()));
       for (let i = kPoints - 1; i >= 0; --i) context.lineTo(x(i), y(this.points[i].mean - this.points[i].sd()));
       context.fill();
-      context.strokeStyle = '#000000';
-      context.lineWidth = 1.5 * ratio;
-      context.setLineDash([6 * ratio, 4 * ratio]);
-      line(this.points.map((point) => point.mean));
-      context.stroke();
     }
-    context.setLineDash([]);
     context.strokeStyle = '#003a75';
-    context.lineWidth = 2.5 * ratio;
+    context.lineWidth = 4 * ratio;
     line([...last.shape]);
     context.stroke();
+    if (!has_average) return;
+    context.strokeStyle = '#ffb000';
+    context.lineWidth = 2 * ratio;
+    context.setLineDash([6 * ratio, 5 * ratio]);
+    line(this.points.map((point) => point.mean));
+    context.stroke();
+    context.setLineDash([]);
   }
 }

@@ -131,11 +131,11 @@ export class JawView {
     const middle = [0, 1, 2].map((i) => (still[0][i] + still[1][i] + 2 * still[2][i]) / 4);
     const [c, s] = [Math.cos(this.view.turn), Math.sin(this.view.turn)];
     const [ct, st] = [Math.cos(this.view.tilt), Math.sin(this.view.tilt)];
-    const scale = Math.min(width, height) / 165;
+    const scale = Math.min(width, height) / 140;
     const project = (p) => {
       const [x, y, z] = p.map((v, i) => v - middle[i]);
       const depth = c * x - s * y;
-      return [width / 2 - (s * x + c * y) * scale, height * 0.38 - (z * ct - depth * st) * scale];
+      return [width / 2 - (s * x + c * y) * scale, height * 0.42 - (z * ct - depth * st) * scale];
     };
     const trace = (points, colour, thickness) => {
       context.strokeStyle = colour;

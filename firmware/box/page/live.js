@@ -225,6 +225,7 @@ class Live {
     const form = $('token-form');
     if (form.hidden === this.connection.needs_token) {
       form.hidden = !this.connection.needs_token;
+      set_text('token-problem', this.connection.is_refused ? 'The box refuses this token.' : '');
       if (!form.hidden) $('token').focus();
     }
   }
