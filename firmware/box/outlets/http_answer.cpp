@@ -38,6 +38,7 @@ void add_headers(MHD_Response* response, const char* type, const char* content_p
   MHD_add_response_header(response, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
   MHD_add_response_header(response, "X-Content-Type-Options", "nosniff");
   MHD_add_response_header(response, "Referrer-Policy", "no-referrer");
+  MHD_add_response_header(response, "Cross-Origin-Resource-Policy", "same-origin");
 }
 
 std::string header(MHD_Connection* connection, const char* name) {
