@@ -71,7 +71,10 @@ export class Connection {
     this.is_refused = false;  // the token
     this.problem = '';
     this.lost_ms = performance.now();
-    this.was_away_s = 0;
+    this.cuts = 0;         // times that the connection was lost and came back
+    this.away_s = 0;       // in all of them
+    this.was_away_s = 0;   // in the last one
+    this.back_ms = -Infinity;
     this.missed = 0;
     this.last = null;  // number of the last line
     this.wake = null;
@@ -127,7 +130,10 @@ export class Connection {
       }
       if (!answer.ok) throw {words: String((await answer.json()).problem)};
       if (this.last !== null) {
+        ++this.cuts;
         this.was_away_s = away_ms / 1000;
+        this.away_s += this.was_away_s;
+        this.back_ms = performance.now();
         if (!goes_on) this.on.gap(0);
       }
       this.is_open = true;

@@ -12,6 +12,7 @@ import {Stillness} from './stillness.js';
 const kCapacity = 32768;      // samples: 10 s at 3 kHz
 const kTell_ms = 250;         // between changes of numbers: they are to be read
 const kCalm_ms = 1000;        // between pictures where motion is unwelcome
+const kBack_ms = 30000;       // during which a regained connection is news
 const kSilence_ms = 1000;     // without an estimate
 const kSteps = 3;             // a longer step than so many usual ones is a gap
 const $ = (id) => document.getElementById(id);
@@ -77,7 +78,8 @@ class Live {
     }
     const time_s = line.time_s;
     const newest_s = this.ring.newest_s();
-    if (newest_s !== null && time_s <= newest_s) {  // the clock was set back
+    if (time_s === newest_s || line.events.includes('time_reversed')) return;  // has no place of its own
+    if (newest_s !== null && time_s < newest_s) {  // the clock was set back
       this.ring.clear();
       this.step_s = null;
       this.ahead_s = null;
@@ -190,6 +192,9 @@ class Live {
     if (device.gaps_of_unknown_length > 0) parts.push(`${device.gaps_of_unknown_length} gaps of unknown length`);
     if (device.disconnections > 0) parts.push(`${device.disconnections} disconnections`);
     if (this.connection.missed > 0) parts.push(`this page missed ${this.connection.missed} estimates`);
+    if (this.connection.cuts > 0) {
+      parts.push(`connection lost ${this.connection.cuts} times, ${this.connection.away_s.toFixed(0)} s in all`);
+    }
     set_text('losses', parts.join(', '));
   }
 
@@ -213,7 +218,7 @@ class Live {
     if (now_ms - this.arrived_ms > kSilence_ms) {
       return [this.arrived_ms > 0 ? `NO ESTIMATES for ${seconds(this.arrived_ms)}` : 'No estimates yet', 'bad'];
     }
-    const back = connection.was_away_s > 0.5 ?
+    const back = now_ms - connection.back_ms < kBack_ms ?
       `; the connection was lost for ${connection.was_away_s.toFixed(0)} s` : '';
     return [`Connected${back}`, 'good'];
   }
