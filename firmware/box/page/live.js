@@ -227,10 +227,10 @@ class Live {
     const [words, kind] = this.state();
     set_text('connection', words);
     $('connection').className = `state ${kind}`;
+    set_text('token-problem', this.connection.is_refused ? 'The box refuses this token.' : '');
     const form = $('token-form');
     if (form.hidden === this.connection.needs_token) {
       form.hidden = !this.connection.needs_token;
-      set_text('token-problem', this.connection.is_refused ? 'The box refuses this token.' : '');
       if (!form.hidden) $('token').focus();
     }
   }
