@@ -51,6 +51,8 @@ Command add_compare(CommandLine app);
 Command add_bridge(CommandLine app);
 /// `condyle record`
 Command add_record(CommandLine app);
+/// `condyle live`, if it was built
+Command add_live(CommandLine app);
 /// `condyle session`
 Command add_session(CommandLine app);
 /// `condyle inspect`
