@@ -110,10 +110,10 @@ ReportSection report_section(const std::string& source, const ReportChoice& choi
                              const std::function<bool()>& should_stop) {
   ReportSection section;
   section.recording = source;
-  RecordingOptions reading = choice.reading;
+  RecordingOptions reading = choice.analysis.reading;
   reading.faults = FaultPolicy::event;
   const auto recording = open_with_all_points(source, reading);
-  if (is_read_as_bodies(*recording, choice.bodies)) {
+  if (is_read_as_bodies(*recording, choice.analysis.bodies)) {
     section.format = recording->info().format;
     section.notes.emplace_back(
         "estimates over time are left out: they follow one point of the instrument, and a body of "
@@ -127,8 +127,9 @@ ReportSection report_section(const std::string& source, const ReportChoice& choi
       std::abs(section.series.runs().front().time_s) > kDistantOrigin_s) {
     section.origin_s = section.series.runs().front().time_s;
   }
-  if (!choice.analysis.landmarks.empty())
+  if (!choice.analysis.landmarks.empty()) {
     section.landmarks = load_landmarks(choice.analysis.landmarks);
+  }
   try {
     section.analysis = analyse(source, choice.analysis);
   } catch (const InputError& error) {
