@@ -48,8 +48,9 @@ std::string provenance_key() {
   return fmt::format(
       "<p>{} measured: follows from the recording. {} derived: also rests on a named assumption. "
       "{} "
-      "withheld: not known.</p>\n",
-      provenance_mark("measured"), provenance_mark("derived"), provenance_mark("withheld"));
+      "assumed: a prior, not the subject. {} withheld: not known.</p>\n",
+      provenance_mark("measured"), provenance_mark("derived"), provenance_mark("assumed"),
+      provenance_mark("withheld"));
 }
 
 std::string task_key(const Analysis& analysis) {
