@@ -130,7 +130,7 @@ std::string paths(const ReportSection& section) {
   text += "</div>\n";
   text += paragraph("Dashed: chord of each angle at its travel. Grey: its 95 % interval.");
   text +=
-      "<h3>The jaw</h3>\n<div class=\"screen\"><canvas class=\"jaw\" tabindex=\"0\" "
+      "<h3>The jaw</h3>\n<div><canvas class=\"jaw\" tabindex=\"0\" "
       "aria-label=\"The jaw in three dimensions; arrow keys turn it\"></canvas></div>\n";
   text += paragraph("The lines between the condyles and the incisor are a sketch.");
   return text;
