@@ -111,16 +111,19 @@ SessionLogFailure SessionLogWriter::prepare(const SessionHeader& header) {
   return SessionLogFailure::none;
 }
 
-// A chunk as large as any, of the smallest messages, and the end of a file. Nothing is written.
+// A chunk larger than any, most of it the smallest messages, and the end of a file. Nothing is
+// written.
 void SessionLogWriter::rehearse() {
-  std::uint64_t time_ns = 0;
-  while (mcap_->chunk_size() < kFullChunkBytes) {
-    RawReport report;
-    report.size = 1;
-    report.host_time_ns = static_cast<TimeNs>(++time_ns);
+  RawReport report;
+  const auto add = [&](std::size_t size) {
+    report.size = static_cast<std::uint16_t>(size);
     encode_report(report, message_);
-    mcap_->add_message(report_channel(0), time_ns, message_);
-  }
+    mcap_->add_message(report_channel(0), 0, message_);
+  };
+  while (mcap_->chunk_size() < kFullChunkBytes) add(1);
+  // The last entry of a chunk may come with an event that tells of lost ones.
+  add(kMaxReportSize);
+  add(kMaxReportSize);
   static_cast<void>(mcap_->finish([] { return true; }));
   mcap_->discard_pending();
 }
