@@ -100,7 +100,8 @@ class RunningBox {
     const auto published = static_cast<std::int64_t>(status.publisher.published);
     const auto estimates = static_cast<std::int64_t>(status.counts.estimates);
     const auto received = static_cast<std::int64_t>(status.counts.received);
-    if (estimates - published > kMostEstimates) return true;
+    const auto dropped = static_cast<std::int64_t>(status.estimates_dropped);
+    if (estimates - published - dropped > kMostEstimates) return true;
     if (listened < status.publisher.published &&
         published - static_cast<std::int64_t>(listened) > kMostLines) {
       return true;

@@ -9,10 +9,7 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
-#include <latch>
-#include <thread>
 #include <utility>
-#include <vector>
 
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
@@ -49,35 +46,19 @@ bool is_gone(const std::string& file, const std::string& folder) {
          statvfs(folder.c_str(), &status) == 0;
 }
 
-// The next part is opened before the present one is closed. Locked memory is never given back, so
-// what a second part needs, rings and the stacks of two threads, is taken at the start.
-// Without them the session goes on, and grows later.
-void take_memory_of_another_part(std::size_t sources, std::size_t ring_reports) {
-  constexpr std::ptrdiff_t kThreads = 2;
-  std::latch all_run(kThreads);
-  std::vector<std::uint8_t> rings;
-  std::vector<std::thread> threads;
-  try {
-    rings.resize(kThreads + sources * ring_reports * (hal::kMaxReportSize + 64));
-    threads.reserve(kThreads);
-    while (std::ssize(threads) < kThreads) {
-      threads.emplace_back([&all_run, &byte = rings[threads.size()]] {
-        byte = 1;  // used, so that the compiler keeps them
-        all_run.arrive_and_wait();
-      });
-    }
-  } catch (const std::exception&) {
-    all_run.count_down(kThreads - std::ssize(threads));
-  }
-  for (std::thread& thread : threads) thread.join();
-}
-
 }  // namespace
 
-// A file of the session, and its writers.
+// A file of the session, and what is recorded in it.
 struct SessionRecorder::Part {
-  explicit Part(const hal::SessionLogOptions& options) : log(options) {}
-  hal::SessionLogWriter log;
+  explicit Part(hal::SessionLogWriter& writer) : log(writer) {}
+  ~Part() { (void)close(); }
+  Part(const Part&) = delete;
+  Part& operator=(const Part&) = delete;
+  hal::SessionLogFailure close() {
+    for (const auto& companion : companions) companion->companion.stop();
+    return log.close();
+  }
+  hal::SessionLogWriter& log;
   std::size_t marker_source = 0;
   std::vector<std::unique_ptr<host::RecordedCompanion>> companions;
   std::vector<bool> were_there;
@@ -91,7 +72,8 @@ SessionRecorder::SessionRecorder(const Configuration& configuration,
       facebow_(facebow),
       clock_(clock),
       box_log_(log),
-      wall_ns_(std::move(wall_ns)) {
+      wall_ns_(std::move(wall_ns)),
+      logs_{hal::SessionLogWriter(configuration.log), hal::SessionLogWriter(configuration.log)} {
   for (const SourceSettings& settings : configuration.companions) {
     companions_.push_back(host::make_session_device(settings.file, settings.serial,
                                                     host::backend_of(settings.kind), clock));
@@ -134,12 +116,15 @@ SessionRecorder::Answer SessionRecorder::start(const std::string& subject) {
   state_.subject = subject;
   stem_ = file_stem(subject);
   Answer answer = describe_companions();
-  if (answer.status == 200) answer = begin_part();
+  if (answer.status == 200) {
+    const hal::SessionHeader facts = header();
+    for (hal::SessionLogWriter& log : logs_) (void)log.prepare(facts);
+    answer = begin_part();  // states what is wrong
+  }
   if (answer.status != 200) {
     state_.problem = answer.words;
     return answer;
   }
-  take_memory_of_another_part(companions_.size() + 2, configuration_.log.ring_reports);
   starts_free_ns_ = starts_ns;
   box_log_.say(BoxLog::Level::notice, "session", "recording " + state_.file);
   return answer;
@@ -192,7 +177,7 @@ SessionRecorder::Answer SessionRecorder::find_free_name() const {
 
 SessionRecorder::Answer SessionRecorder::begin_part() {
   if (Answer room = find_room(); room.status != 200) return room;
-  auto part = std::make_unique<Part>(configuration_.log);
+  auto part = std::make_unique<Part>(logs_[part_ && &part_->log == &logs_[0] ? 1 : 0]);
   const Answer name = find_free_name();
   if (name.status != 200) return name;
   const std::string& file = name.words;
@@ -246,8 +231,7 @@ hal::SessionLogFailure SessionRecorder::end_part() {
 }
 
 hal::SessionLogFailure SessionRecorder::close_part(Part& part) {
-  for (const auto& companion : part.companions) companion->companion.stop();
-  const hal::SessionLogFailure failure = part.log.close();
+  const hal::SessionLogFailure failure = part.close();
   const hal::SessionLogStatus& log = state_.log = part.log.status();
   // A file deleted meanwhile does not count as recorded.
   const bool is_lost = is_gone(state_.file, configuration_.folder);

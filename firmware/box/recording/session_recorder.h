@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -43,10 +44,9 @@ struct SessionState {
 
 /// Sessions as the user starts and stops them. Each is a run of the engine, so that a replay of its
 /// log gives the same estimates. If the disk is full, the recording pauses and nothing is deleted;
-/// when there is room again, it continues in a new file. A new file also begins every six hours,
-/// which bounds the memory that a file's index takes. Thirty sessions may begin at once, then one
-/// every ten seconds, so that a faulty client cannot fill the folder. One thread at a time, which
-/// may have to wait for the disk.
+/// when there is room again, it continues in a new file. A new file also begins every six hours.
+/// Thirty sessions may begin at once, then one every ten seconds, so that a faulty client cannot
+/// fill the folder. One thread at a time, which may have to wait for the disk.
 class SessionRecorder {
  public:
   /// The result of a command: an HTTP status and a sentence for the user.
@@ -93,6 +93,9 @@ class SessionRecorder {
   std::function<TimeNs()> wall_ns_;
   Engine* engine_ = nullptr;
   std::vector<host::SessionDevice> companions_;
+  // They take turns: a part is opened before the one before is closed. Their memory, which is
+  // locked and never given back, is taken when the first session starts.
+  std::array<hal::SessionLogWriter, 2> logs_;
   std::unique_ptr<Part> part_;
   SessionState state_;
   std::string stem_;  // of the session's files

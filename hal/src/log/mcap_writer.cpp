@@ -45,7 +45,27 @@ void McapWriter::Times::include(std::uint64_t time_ns) {
 }
 
 McapWriter::McapWriter(const McapHeader& header, McapIndexStore* store)
-    : zstd_(ZSTD_createCCtx(), ZSTD_freeCCtx), store_(store) {
+    : zstd_(ZSTD_createCCtx(), ZSTD_freeCCtx) {
+  begin_file(header, store);
+}
+
+McapWriter::~McapWriter() = default;
+
+void McapWriter::begin_file(const McapHeader& header, McapIndexStore* store) {
+  for (Bytes* bytes : {&out_, &chunk_, &offsets_, &schemas_, &channel_records_, &chunk_indices_,
+                       &attachment_indices_, &metadata_indices_}) {
+    bytes->clear();
+  }
+  message_counts_.clear();
+  places_.clear();
+  store_ = store;
+  chunk_indices_.reserve(kIndexPiece + 4096);  // until the store takes it
+  stored_ = discarded_ = message_count_ = 0;
+  summary_crc_ = data_crc_ = 0;
+  chunk_times_ = times_ = {};
+  schema_count_ = 0;
+  attachment_count_ = metadata_count_ = chunk_count_ = 0;
+
   append_bytes(out_, kMcapMagic);
   data_crc_ = extend_crc(data_crc_, out_);
   const std::size_t begin = begin_record(out_, McapOpcode::header);
@@ -53,8 +73,6 @@ McapWriter::McapWriter(const McapHeader& header, McapIndexStore* store)
   append_string(out_, header.library);
   end_record(begin);
 }
-
-McapWriter::~McapWriter() = default;
 
 void McapWriter::end_record(std::size_t begin) {
   set_length(out_, begin);
@@ -112,8 +130,8 @@ std::uint16_t McapWriter::add_schema(const McapSchema& schema) {
 }
 
 std::uint16_t McapWriter::add_channel(const McapChannel& channel) {
-  const auto id = static_cast<std::uint16_t>(channels_.size() + 1);
-  channels_[id];
+  message_counts_.push_back(0);
+  const auto id = static_cast<std::uint16_t>(message_counts_.size());
   const std::size_t begin = begin_record(channel_records_, McapOpcode::channel);
   append_number(channel_records_, id);
   append_number(channel_records_, channel.schema_id);
@@ -126,20 +144,39 @@ std::uint16_t McapWriter::add_channel(const McapChannel& channel) {
 }
 
 void McapWriter::add_message(std::uint16_t channel_id, std::uint64_t log_time_ns, ByteSpan data) {
-  ChannelState& channel = channels_[channel_id];
-  append_number(channel.index, log_time_ns);
-  append_number<std::uint64_t>(channel.index, chunk_.size());
+  std::uint64_t& count = message_counts_[channel_id - 1U];
+  places_.push_back({channel_id, log_time_ns, chunk_.size()});
   const std::size_t begin = begin_record(chunk_, McapOpcode::message);
   append_number(chunk_, channel_id);
-  append_number(chunk_, static_cast<std::uint32_t>(channel.message_count));
+  append_number(chunk_, static_cast<std::uint32_t>(count));
   append_number(chunk_, log_time_ns);
   append_number(chunk_, log_time_ns);  // publish time
   append_bytes(chunk_, data);
   set_length(chunk_, begin);
   chunk_times_.include(log_time_ns);
   times_.include(log_time_ns);
-  ++channel.message_count;
+  ++count;
   ++message_count_;
+}
+
+void McapWriter::append_message_indices() {
+  offsets_.clear();
+  for (std::uint16_t id = 1; id <= message_counts_.size(); ++id) {
+    const auto is_of_channel = [id](const MessagePlace& place) { return place.channel_id == id; };
+    const auto count = std::count_if(places_.begin(), places_.end(), is_of_channel);
+    if (count == 0) continue;
+    append_number(offsets_, id);
+    append_number(offsets_, position());
+    const std::size_t begin = begin_record(out_, McapOpcode::message_index);
+    append_number(out_, id);
+    append_number(out_, static_cast<std::uint32_t>(count * 16));
+    for (const MessagePlace& place : places_) {
+      if (!is_of_channel(place)) continue;
+      append_number(out_, place.log_time_ns);
+      append_number(out_, place.offset);
+    }
+    end_record(begin);
+  }
 }
 
 bool McapWriter::finish_chunk() {
@@ -167,23 +204,14 @@ bool McapWriter::finish_chunk() {
     end_record(begin);
     const std::uint64_t length = position() - start;
 
-    Bytes offsets;
     const std::uint64_t indices_start = position();
-    for (const auto& [id, channel] : channels_) {
-      if (channel.index.empty()) continue;
-      append_number(offsets, id);
-      append_number(offsets, position());
-      const std::size_t index = begin_record(out_, McapOpcode::message_index);
-      append_number(out_, id);
-      append_string(out_, text_of(channel.index));
-      end_record(index);
-    }
+    append_message_indices();
     const std::size_t index = begin_record(chunk_indices_, McapOpcode::chunk_index);
     append_number(chunk_indices_, chunk_times_.first);
     append_number(chunk_indices_, chunk_times_.last);
     append_number(chunk_indices_, start);
     append_number(chunk_indices_, length);
-    append_string(chunk_indices_, text_of(offsets));
+    append_string(chunk_indices_, text_of(offsets_));
     append_number(chunk_indices_, position() - indices_start);
     append_string(chunk_indices_, kCompression);
     append_number<std::uint64_t>(chunk_indices_, compressed);
@@ -192,7 +220,7 @@ bool McapWriter::finish_chunk() {
     ++chunk_count_;
     keep_index();
   }
-  for (auto& [id, channel] : channels_) channel.index.clear();
+  places_.clear();
   chunk_.clear();
   chunk_times_ = {};
   return is_compressed;
@@ -203,16 +231,16 @@ Bytes McapWriter::statistics() const {
   const std::size_t begin = begin_record(out, McapOpcode::statistics);
   append_number(out, message_count_);
   append_number(out, schema_count_);
-  append_number(out, static_cast<std::uint32_t>(channels_.size()));
+  append_number(out, static_cast<std::uint32_t>(message_counts_.size()));
   append_number(out, attachment_count_);
   append_number(out, metadata_count_);
   append_number(out, chunk_count_);
   append_number(out, times_.first);
   append_number(out, times_.last);
-  append_number(out, static_cast<std::uint32_t>(channels_.size() * 10));
-  for (const auto& [id, channel] : channels_) {
+  append_number(out, static_cast<std::uint32_t>(message_counts_.size() * 10));
+  for (std::uint16_t id = 1; id <= message_counts_.size(); ++id) {
     append_number(out, id);
-    append_number(out, channel.message_count);
+    append_number(out, message_counts_[id - 1U]);
   }
   set_length(out, begin);
   return out;
@@ -228,23 +256,28 @@ void McapWriter::keep_index() {
   }
 }
 
-void McapWriter::append_offset(McapOpcode opcode, std::uint64_t start, Bytes& offsets) const {
+void McapWriter::append_offset(McapOpcode opcode, std::uint64_t start) {
   if (position() == start) return;
-  const std::size_t begin = begin_record(offsets, McapOpcode::summary_offset);
-  offsets.push_back(static_cast<std::uint8_t>(opcode));
-  append_number(offsets, start);
-  append_number(offsets, position() - start);
-  set_length(offsets, begin);
+  const std::size_t begin = begin_record(offsets_, McapOpcode::summary_offset);
+  offsets_.push_back(static_cast<std::uint8_t>(opcode));
+  append_number(offsets_, start);
+  append_number(offsets_, position() - start);
+  set_length(offsets_, begin);
 }
 
-void McapWriter::append_summary_group(McapOpcode opcode, const Bytes& records, Bytes& offsets) {
+void McapWriter::append_summary_group(McapOpcode opcode, const Bytes& records) {
   const std::uint64_t start = position();
   append_bytes(out_, records);
-  append_offset(opcode, start, offsets);
+  append_offset(opcode, start);
 }
 
 // Writes piece by piece if it is long.
-bool McapWriter::append_chunk_indices(const std::function<bool()>& write, Bytes& offsets) {
+bool McapWriter::append_chunk_indices(const std::function<bool()>& write) {
+  const auto write_piece = [&] {
+    if (!write) return true;
+    summary_crc_ = extend_crc(summary_crc_, out_);
+    return write();
+  };
   const std::uint64_t start = position();
   for (std::uint64_t done = 0; done < stored_;) {
     const auto size =
@@ -252,12 +285,17 @@ bool McapWriter::append_chunk_indices(const std::function<bool()>& write, Bytes&
     out_.resize(out_.size() + size);
     if (!store_->read(done, std::span(out_).last(size))) return false;
     done += size;
-    if (!write) continue;
-    summary_crc_ = extend_crc(summary_crc_, out_);
-    if (!write()) return false;
+    if (!write_piece()) return false;
   }
-  append_bytes(out_, chunk_indices_);
-  append_offset(McapOpcode::chunk_index, start, offsets);
+  for (ByteSpan rest = chunk_indices_; !rest.empty();) {
+    const ByteSpan piece = rest.first(std::min(kIndexPiece, rest.size()));
+    append_bytes(out_, piece);
+    rest = rest.subspan(piece.size());
+    if (!rest.empty() && !write_piece()) return false;
+  }
+  append_offset(McapOpcode::chunk_index, start);
+  // Without a store it may be long; the next file does not keep its memory.
+  if (chunk_indices_.capacity() > 2 * kIndexPiece) Bytes().swap(chunk_indices_);
   return true;
 }
 
@@ -270,15 +308,15 @@ bool McapWriter::finish(const std::function<bool()>& write) {
 
   const std::uint64_t summary_start = position();
   const std::size_t summary = out_.size();
-  Bytes offsets;
-  append_summary_group(McapOpcode::schema, schemas_, offsets);
-  append_summary_group(McapOpcode::channel, channel_records_, offsets);
-  if (!append_chunk_indices(write, offsets)) return false;
-  append_summary_group(McapOpcode::attachment_index, attachment_indices_, offsets);
-  append_summary_group(McapOpcode::metadata_index, metadata_indices_, offsets);
-  append_summary_group(McapOpcode::statistics, statistics(), offsets);
+  offsets_.clear();
+  append_summary_group(McapOpcode::schema, schemas_);
+  append_summary_group(McapOpcode::channel, channel_records_);
+  if (!append_chunk_indices(write)) return false;
+  append_summary_group(McapOpcode::attachment_index, attachment_indices_);
+  append_summary_group(McapOpcode::metadata_index, metadata_indices_);
+  append_summary_group(McapOpcode::statistics, statistics());
   const std::uint64_t offsets_start = position();
-  append_bytes(out_, offsets);
+  append_bytes(out_, offsets_);
 
   const std::size_t footer = begin_record(out_, McapOpcode::footer);
   append_number(out_, summary_start);

@@ -58,6 +58,12 @@ class ReportRing {
     taken_.store(taken_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
   }
 
+  /// Empties it and its counts, while no other thread uses it.
+  void clear() {
+    put_ = taken_ = 0;
+    lost_reports_ = lost_events_ = 0;
+  }
+
   std::uint64_t lost_reports() const { return lost_reports_.load(std::memory_order_acquire); }
   std::uint64_t lost_events() const { return lost_events_.load(std::memory_order_acquire); }
   std::uint64_t lost_count() const { return lost_reports() + lost_events(); }

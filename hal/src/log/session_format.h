@@ -16,8 +16,9 @@ namespace condyle::hal {
 
 inline constexpr std::string_view kSessionMetadata = "condyle_session";
 inline constexpr std::string_view kSessionFormat = "1";
-/// Uncompressed size at which a chunk is closed, and largest size that is read.
-inline constexpr std::size_t kFullChunkBytes = std::size_t{512} << 10;
+/// Uncompressed size at which a chunk is closed, and largest size that is read. Four instruments at
+/// 500 Hz fill less in 200 ms, and larger chunks do not compress better.
+inline constexpr std::size_t kFullChunkBytes = std::size_t{64} << 10;
 inline constexpr std::size_t kMaxChunkBytes = std::size_t{1} << 20;
 /// Longest profile or parameters text.
 inline constexpr std::size_t kMaxTextBytes = std::size_t{1} << 20;

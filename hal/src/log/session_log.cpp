@@ -2,8 +2,6 @@
 #include "condyle/hal/log/session_log.h"
 
 #include <fcntl.h>
-#include <pthread.h>
-#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,6 +9,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "log/index_file.h"
 #include "log/session_format.h"
@@ -64,45 +63,94 @@ SessionLogFailure SessionLogWriter::create(const std::string& path) {
   return failure_;
 }
 
-SessionLogFailure SessionLogWriter::open(const std::string& path, const SessionHeader& header) {
-  if (mcap_ != nullptr) return SessionLogFailure::already_exists;
+// What is lost while no log is open belongs to the one before, at first to the first.
+void SessionLogWriter::forget() {
+  has_failed_ = false;
+  failure_.store(SessionLogFailure::none);
+  system_error_ = 0;
+  if (!std::exchange(was_opened_, true)) return;
+  reports_written_ = events_written_ = bytes_written_ = chunks_written_ = bytes_synchronised_ = 0;
+  reports_unwritten_ = events_unwritten_ = 0;
+  for (const auto& source : sources_) {
+    source->ring.clear();
+    source->announced_lost = 0;
+  }
+}
+
+bool SessionLogWriter::take_memory(const SessionHeader& header) {
   if (!header_problem(header).empty()) {
     fail(SessionLogFailure::bad_header, 0);
-    return failure_;
+    return false;
   }
+  if (sources_.size() != header.sources.size()) {
+    sources_.clear();
+    is_prepared_ = false;
+  }
+  while (sources_.size() < header.sources.size()) {
+    sources_.push_back(std::make_unique<Source>(options_.ring_reports));
+  }
+  if (mcap_ == nullptr) mcap_ = std::make_unique<McapWriter>(McapHeader());
+  try {
+    if (writing_ == nullptr) writing_ = std::make_unique<Worker>();
+    if (synchronising_ == nullptr) synchronising_ = std::make_unique<Worker>();
+    return true;
+  } catch (const std::system_error& error) {
+    fail(SessionLogFailure::io_error, error.code().value());
+    return false;
+  }
+}
+
+SessionLogFailure SessionLogWriter::prepare(const SessionHeader& header) {
+  if (descriptor_ >= 0) return SessionLogFailure::already_exists;
+  if (!take_memory(header)) return failure_;
+  if (std::exchange(is_prepared_, true)) return SessionLogFailure::none;
+  add_header(header);
+  rehearse();
+  writing_->begin([this] { rehearse(); });  // takes no more, but uses the thread's stack
+  writing_->wait();
+  return SessionLogFailure::none;
+}
+
+// A chunk larger than any, most of it the smallest messages, and the end of a file. Nothing is
+// written.
+void SessionLogWriter::rehearse() {
+  RawReport report;
+  const auto add = [&](std::size_t size) {
+    report.size = static_cast<std::uint16_t>(size);
+    encode_report(report, message_);
+    mcap_->add_message(report_channel(0), 0, message_);
+  };
+  while (mcap_->chunk_size() < kFullChunkBytes) add(1);
+  // The last entry of a chunk may come with an event that tells of lost ones.
+  add(kMaxReportSize);
+  add(kMaxReportSize);
+  static_cast<void>(mcap_->finish([] { return true; }));
+  mcap_->discard_pending();
+}
+
+SessionLogFailure SessionLogWriter::open(const std::string& path, const SessionHeader& header) {
+  if (descriptor_ >= 0) return SessionLogFailure::already_exists;
+  forget();
+  if (!take_memory(header)) return failure_;
   start_wall_ns_ = header.start_wall_ns;
   start_monotonic_ns_ = header.start_monotonic_ns;
   index_ = std::make_unique<IndexFile>(path);
   add_header(header);
-  for (std::size_t i = 0; i < header.sources.size(); ++i) {
-    sources_.push_back(std::make_unique<Source>(options_.ring_reports));
-    sources_.back()->last_time_ns = header.start_monotonic_ns;
+  for (const auto& source : sources_) source->last_time_ns = header.start_monotonic_ns;
+  stops_ = is_complete_ = false;
+  if (create(path) != SessionLogFailure::none) {
+    index_.reset();
+    return failure_;
   }
-  if (create(path) != SessionLogFailure::none) return failure_;
-
-  // Signals are for the program's own threads. The one for a file that is too large (SIGXFSZ) is
-  // blocked, so that write() reports the error.
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  try {
-    synchroniser_ = std::thread(&SessionLogWriter::synchronise, this);
-    thread_ = std::thread(&SessionLogWriter::run, this);
-    is_open_ = true;
-  } catch (const std::system_error& error) {
-    fail(SessionLogFailure::io_error, error.code().value());
-    end_synchroniser();
-    ::close(descriptor_);
-    descriptor_ = -1;
-    static_cast<void>(unlink(path.c_str()));
-  }
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  return failure_;
+  synchronising_->begin([this] { synchronise(); });
+  writing_->begin([this] { run(); });
+  is_open_ = true;
+  return SessionLogFailure::none;
 }
 
 void SessionLogWriter::add_header(const SessionHeader& header) {
-  mcap_ = std::make_unique<McapWriter>(
-      McapHeader{.profile = "", .library = "condyle " + header.software_version}, index_.get());
+  const std::string library = "condyle " + header.software_version;
+  mcap_->begin_file({.profile = "", .library = library}, index_.get());
   mcap_->add_metadata({.name = kSessionMetadata, .pairs = session_pairs(header)});
   const auto attach = [&](std::string_view name, std::string_view media_type, ByteSpan data) {
     mcap_->add_attachment({.log_time_ns = static_cast<std::uint64_t>(header.start_wall_ns),
@@ -189,31 +237,23 @@ SessionLogStatus SessionLogWriter::status() const {
   return status;
 }
 
-void SessionLogWriter::end_synchroniser() {
-  if (!synchroniser_.joinable()) return;
+SessionLogFailure SessionLogWriter::close() {
+  is_open_.store(false, std::memory_order_release);
+  if (descriptor_ < 0) return failure_;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stops_ = true;
+  }
+  wake_.notify_one();
+  writing_->wait();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     is_complete_ = true;
   }
   written_.notify_one();
-  synchroniser_.join();
-}
-
-SessionLogFailure SessionLogWriter::close() {
-  is_open_.store(false, std::memory_order_release);
-  if (thread_.joinable()) {
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      stops_ = true;
-    }
-    wake_.notify_one();
-    thread_.join();
-  }
-  end_synchroniser();
-  if (descriptor_ >= 0) {
-    if (::close(descriptor_) != 0) fail(SessionLogFailure::io_error, errno);
-    descriptor_ = -1;
-  }
+  synchronising_->wait();
+  if (::close(std::exchange(descriptor_, -1)) != 0) fail(SessionLogFailure::io_error, errno);
+  index_.reset();
   return failure_;
 }
 

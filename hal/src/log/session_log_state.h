@@ -5,6 +5,7 @@
 
 #include "condyle/hal/log/session_log.h"
 #include "log/report_ring.h"
+#include "log/worker.h"
 
 namespace condyle::hal {
 

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -36,6 +35,9 @@ class McapWriter {
   McapWriter(const McapWriter&) = delete;
   McapWriter& operator=(const McapWriter&) = delete;
 
+  /// Begins another file in the memory of the one before, which is forgotten, finished or not.
+  void begin_file(const McapHeader& header, McapIndexStore* store = nullptr);
+
   /// Attachments and metadata go between chunks: call finish_chunk before them.
   void add_attachment(const McapAttachment& attachment);
   void add_metadata(const McapMetadata& metadata);
@@ -62,9 +64,9 @@ class McapWriter {
 
  private:
   using Bytes = std::vector<std::uint8_t>;
-  struct ChannelState {
-    std::uint64_t message_count = 0;
-    Bytes index;  // of the open chunk: log time and offset of each message
+  struct MessagePlace {
+    std::uint16_t channel_id;
+    std::uint64_t log_time_ns, offset;
   };
   struct Times {
     std::uint64_t first = 0, last = 0;
@@ -74,10 +76,11 @@ class McapWriter {
 
   std::uint64_t position() const { return discarded_ + out_.size(); }
   void end_record(std::size_t begin);
+  void append_message_indices();
   void keep_index();
-  void append_offset(McapOpcode opcode, std::uint64_t start, Bytes& offsets) const;
-  void append_summary_group(McapOpcode opcode, const Bytes& records, Bytes& offsets);
-  bool append_chunk_indices(const std::function<bool()>& write, Bytes& offsets);
+  void append_offset(McapOpcode opcode, std::uint64_t start);
+  void append_summary_group(McapOpcode opcode, const Bytes& records);
+  bool append_chunk_indices(const std::function<bool()>& write);
   Bytes statistics() const;
 
   std::unique_ptr<ZSTD_CCtx_s, std::size_t (*)(ZSTD_CCtx_s*)> zstd_;
@@ -89,7 +92,9 @@ class McapWriter {
   std::uint32_t data_crc_ = 0;
   Bytes chunk_;
   Times chunk_times_, times_;
-  std::map<std::uint16_t, ChannelState> channels_;
+  std::vector<std::uint64_t> message_counts_;  // of each channel, from id 1
+  std::vector<MessagePlace> places_;           // of the open chunk's messages
+  Bytes offsets_;  // of a chunk's message indices; at the end, of the summary's groups
   // Records that the summary repeats or collects.
   Bytes schemas_, channel_records_, chunk_indices_, attachment_indices_, metadata_indices_;
   std::uint16_t schema_count_ = 0;

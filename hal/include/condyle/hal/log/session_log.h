@@ -14,7 +14,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 #include "condyle/hal/log/mcap_writer.h"
@@ -107,12 +106,13 @@ struct SessionLogOptions {
 
 struct RingSlot;
 class IndexFile;
+class Worker;
 
-/// Writes a session log. One thread for each source calls write and write_event; they only copy
-/// into a ring of fixed size. The writer's own thread compresses and writes at least every 250 ms
-/// while reports arrive, which limits what a crash of the program loses. Another thread
-/// synchronises (fdatasync) what was written as soon as the disk allows, which limits what a crash
-/// of the machine loses.
+/// Writes session logs, one after another in the same memory. One thread for each source calls
+/// write and write_event; they only copy into a ring of fixed size. The writer's own thread
+/// compresses and writes at least every 250 ms while reports arrive, which limits what a crash of
+/// the program loses. Another thread synchronises (fdatasync) what was written as soon as the disk
+/// allows, which limits what a crash of the machine loses.
 class SessionLogWriter {
  public:
   explicit SessionLogWriter(const SessionLogOptions& options = {});
@@ -120,8 +120,12 @@ class SessionLogWriter {
   SessionLogWriter(const SessionLogWriter&) = delete;
   SessionLogWriter& operator=(const SessionLogWriter&) = delete;
 
-  /// Creates the file `path` (mode 0600, never an existing one) with the header in it, and starts
-  /// the thread. Call it once; if it fails, it leaves no file.
+  /// Takes the memory and threads for logs with `header`'s sources, and uses them once, so that
+  /// opening and recording take next to none. Not while a log is open.
+  SessionLogFailure prepare(const SessionHeader& header);
+
+  /// Creates the file `path` (mode 0600, never an existing one) with the header in it. If it fails,
+  /// it leaves no file. After close it may be called again; the status then begins anew.
   SessionLogFailure open(const std::string& path, const SessionHeader& header);
 
   /// Records `report`. False: it is lost, and counted. Never blocks or allocates.
@@ -141,6 +145,9 @@ class SessionLogWriter {
  private:
   struct Source;
 
+  void forget();
+  bool take_memory(const SessionHeader& header);
+  void rehearse();
   SessionLogFailure create(const std::string& path);
   void add_header(const SessionHeader& header);
   void run();
@@ -153,7 +160,6 @@ class SessionLogWriter {
   bool write_pending();
   void synchronise();
   bool synchronise_file();
-  void end_synchroniser();
   void fail(SessionLogFailure failure, int system_error);
   std::uint64_t log_time_ns(TimeNs time_ns) const;
 
@@ -161,7 +167,9 @@ class SessionLogWriter {
   std::vector<std::unique_ptr<Source>> sources_;
   std::unique_ptr<IndexFile> index_;
   std::unique_ptr<McapWriter> mcap_;
-  int descriptor_ = -1;
+  int descriptor_ = -1;       // of the open log
+  bool was_opened_ = false;   // ever
+  bool is_prepared_ = false;  // for as many sources as there are
   TimeNs start_wall_ns_ = 0, start_monotonic_ns_ = 0;
 
   // The writing thread's own, as are mcap_ and descriptor_ while it runs.
@@ -169,7 +177,7 @@ class SessionLogWriter {
   std::uint64_t chunk_reports_ = 0, chunk_events_ = 0;
   TimeNs chunk_begin_ns_ = 0;
 
-  std::thread thread_, synchroniser_;
+  std::unique_ptr<Worker> writing_, synchronising_;
   std::mutex mutex_;
   std::condition_variable wake_, written_;
   bool stops_ = false, is_complete_ = false;  // guarded by mutex_
