@@ -218,7 +218,9 @@ TEST(Analysis, WithoutNoiseDeviatesByAQuarterOfItsHalfInterval) {
       ++compared;
       if (key.ends_with("/cycle_count")) continue;
       const bool is_time = key.starts_with("chewing/");  // landmarks hardly matter
-      EXPECT_LE(std::sqrt(coverage.squares), (is_time ? 1 : 0.25) * coverage.halves + 2e-3)
+      // Instantaneous axes are averaged over samples, the truth every 0.5 ms.
+      const double least = key.ends_with("instantaneous_axis_spread_mm") ? 0.04 : 2e-3;
+      EXPECT_LE(std::sqrt(coverage.squares), (is_time ? 1 : 0.25) * coverage.halves + least)
           << key << " at " << rate_Hz << " Hz";
     }
     EXPECT_GT(compared, 40);

@@ -70,7 +70,9 @@ double mean_variance(const Values& values) {
 }
 
 // The standard deviation `sd_of(numbers)` without that of the measurement; `scale`: of the result.
-CycleSummary scatter(std::string_view name, const Values& values, bool is_relative) {
+// `method_share`: error of the method in each value, as a share of it.
+CycleSummary scatter(std::string_view name, const Values& values, bool is_relative,
+                     double method_share) {
   CycleSummary summary{name, Side::none, {}, {}, {}};
   if (values.size() < kLeastForScatter) {
     summary.value.missing = "fewer than three cycles";
@@ -94,8 +96,9 @@ CycleSummary scatter(std::string_view name, const Values& values, bool is_relati
   // smoothing changed differs from cycle to cycle as well.
   double squares = 0;
   for (const UncertainValue& value : values) {
-    const double error =
-        value.noise_sd * value.noise_sd + value.smoothing * value.smoothing / (kHalf95 * kHalf95);
+    const double error = value.noise_sd * value.noise_sd +
+                         value.smoothing * value.smoothing / (kHalf95 * kHalf95) +
+                         method_share * method_share * value.value * value.value;
     const double from_mean = value.value - mean;
     squares += 4 * from_mean * from_mean * error + 2 * error * error;
   }
@@ -275,12 +278,13 @@ std::vector<CycleSummary> summaries_of(const Analysis& analysis) {
   struct Names {
     std::string_view cycle, sd, relative, change;
     bool needs_landmarks;
+    double method_share = 0;
   };
   constexpr Names all[] = {
       {"cycle_duration_s", "cycle_duration_sd_s", "cycle_duration_cv_percent",
        "cycle_duration_change_s", false},
       {"closing_peak_speed_mm_s", "closing_peak_speed_sd_mm_s", "closing_peak_speed_cv_percent",
-       "closing_peak_speed_change_mm_s", false},
+       "closing_peak_speed_change_mm_s", false, 0.003},
       {"cycle_height_mm", "cycle_height_sd_mm", "cycle_height_cv_percent", "cycle_height_change_mm",
        true},
       {"cycle_width_mm", "cycle_width_sd_mm", "cycle_width_cv_percent", "cycle_width_change_mm",
@@ -298,8 +302,8 @@ std::vector<CycleSummary> summaries_of(const Analysis& analysis) {
       continue;
     }
     const Values values = values_of(analysis, names.cycle);
-    summaries.push_back(scatter(names.sd, values, false));
-    summaries.push_back(scatter(names.relative, values, true));
+    summaries.push_back(scatter(names.sd, values, false, names.method_share));
+    summaries.push_back(scatter(names.relative, values, true, names.method_share));
     summaries.push_back(change(names.change, values));
   }
   if (analysis.has_landmarks) {
