@@ -132,7 +132,7 @@ TEST_F(LandmarksCommand, AndAnalyseReadTheTruthWhileTheHeadMoves) {
     const double incisor_mm = 2 * std::sin(kOpening_rad / 2) * std::hypot(95, 40);
     const double truth = one.at("reading") == "opening_angle_deg" ? kOpening_rad * 180 / M_PI
                          : one.at("reading") == "opening_mm"      ? incisor_mm
-                                                                  : NAN;
+                                                                  : std::nan("");
     if (std::isnan(truth)) continue;
     ++found;
     EXPECT_LE(one.at("low"), truth) << one;
