@@ -154,7 +154,8 @@ TEST(Bodies, MissingPointsChangeNoReading) {
   EXPECT_EQ(missing.counts.missing, 0U);
   expect_equal(complete, missing, "missing");
   // Two points are no pose.
-  for (std::size_t k = 100; k < 130; ++k) scene.points.points_m[k].leftCols(3).setConstant(NAN);
+  for (std::size_t k = 100; k < 130; ++k)
+    scene.points.points_m[k].leftCols(3).setConstant(std::nan(""));
   EXPECT_EQ(scene.analysis(landmarks).counts.missing, 30U);
 }
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "replay/pointer_session.h"
 #include "support/command.h"
 #include "support/paths.h"
 #include "support/temporary_folder.h"
@@ -191,6 +192,8 @@ TEST(Help, ItsExamplesRun) {
   make(scenario("nodding_head.toml"), "nods.csv");
   make(scenario("clinical_session.toml"), "session.csv");  // with its landmarks and tasks
   make(scenario("chewing_with_emg.toml"), "food.csv");
+  std::ofstream(home / "pointer.csv") << testing_support::pointer_session();
+  std::ofstream(home / "touched.csv") << testing_support::pointer_session(true);
   std::filesystem::copy(testing_support::source_path("/host_sim/muscles/artisynth.toml"), home);
   for (const char* name : {"a", "b", "c", "d", "e", "f"}) {
     ASSERT_EQ(run_condyle({"simulate", home / "point_mass.toml", "--seed", std::to_string(name[0]),

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "replay/pointer_session.h"
 #include "support/command.h"
 #include "support/temporary_folder.h"
 
@@ -16,70 +17,18 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
+using testing_support::kNames;
+using testing_support::kOpening_rad;
+using testing_support::pointer_session;
 using testing_support::read_file;
 using testing_support::run_condyle;
 using testing_support::TemporaryFolder;
-
-using Point = std::array<double, 3>;
-
-// Turned about the left-right axis through the origin, then shifted (mm).
-Point moved(const Point& p, double angle_rad, const Point& shift) {
-  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
-  return {c * p[0] + s * p[2] + shift[0], p[1] + shift[1], -s * p[0] + c * p[2] + shift[2]};
-}
-
-constexpr Point kJaw[] = {{90, 20, -50}, {90, -20, -50}, {120, 0, -40}, {100, 5, -70}};
-constexpr Point kHead[] = {{80, 30, 80}, {80, -30, 80}, {60, 0, 120}};
-constexpr Point kPointer[] = {{0, 20, 140}, {0, -20, 140}, {25, 0, 160}};
-constexpr Point kLandmarks[] = {{0, 50, 0},   {0, -50, 0},   {95, 0, -40},
-                                {-10, 55, 2}, {-10, -55, 2}, {75, 33, 2}};
-const std::vector<std::string> kNames = {"condyle_left", "condyle_right", "incisor_lower",
-                                         "plane_left",   "plane_right",   "plane_front"};
-constexpr double kOpening_rad = 0.3;
-
-// Jaw, head and pointer at 50 Hz. The head turns by up to 15 deg all the time. The pointer's tip
-// is in a hole until 9 s and then on each landmark for 1.5 s; the jaw rests until 20 s, and opens
-// twice until 30 s.
-std::string session() {
-  std::string csv = "time_s";
-  for (const char* name : {"J1", "J2", "J3", "J4", "H1", "H2", "H3", "S1", "S2", "S3"}) {
-    for (const char axis : {'x', 'y', 'z'}) csv += fmt::format(",{}_{}_mm", name, axis);
-  }
-  csv += "\n";
-  for (int k = 0; k < 1500; ++k) {
-    const double time_s = k * 0.02;
-    const double nod_rad = 0.26 * std::sin(0.7 * time_s);
-    const Point shift = {10 * std::sin(0.5 * time_s), 8 * std::cos(0.4 * time_s), 300};
-    const double phase = time_s < 20 ? 0 : (time_s - 20) / 5 * 2 * M_PI;
-    const double opening_rad = kOpening_rad * (1 - std::cos(phase)) / 2;
-    csv += fmt::format("{:.3f}", time_s);
-    const auto write = [&](const Point& p) {
-      // Digits as an instrument has them.
-      csv += fmt::format(",{:.4f},{:.4f},{:.4f}", p[0], p[1], p[2]);
-    };
-    for (const Point& p : kJaw) write(moved(moved(p, opening_rad, {0, 0, 0}), nod_rad, shift));
-    for (const Point& p : kHead) write(moved(p, nod_rad, shift));
-    Point tip = {200, 100, 50};
-    if (time_s > 9) {
-      tip = moved(kLandmarks[std::min(5, static_cast<int>((time_s - 9) / 1.5))], nod_rad, shift);
-    }
-    for (const Point& p : kPointer) {
-      // Tilts about the left-right axis, and about the one in front.
-      Point tilted = moved(p, 0.5 * std::sin(2.1 * time_s), {0, 0, 0});
-      const double a = 0.5 * std::sin(1.3 * time_s), y = tilted[1], z = tilted[2];
-      tilted = {tilted[0], std::cos(a) * y - std::sin(a) * z, std::sin(a) * y + std::cos(a) * z};
-      write({tilted[0] + tip[0], tilted[1] + tip[1], tilted[2] + tip[2]});
-    }
-    csv += "\n";
-  }
-  return csv;
-}
 
 class LandmarksCommand : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
-    recording_ = folder_->write("session.csv", session());
+    recording_ = folder_->write("session.csv", pointer_session());
   }
   static void TearDownTestSuite() {
     delete folder_;
@@ -132,7 +81,7 @@ TEST_F(LandmarksCommand, AndAnalyseReadTheTruthWhileTheHeadMoves) {
     const double incisor_mm = 2 * std::sin(kOpening_rad / 2) * std::hypot(95, 40);
     const double truth = one.at("reading") == "opening_angle_deg" ? kOpening_rad * 180 / M_PI
                          : one.at("reading") == "opening_mm"      ? incisor_mm
-                                                                  : static_cast<double>(NAN);
+                                                                  : std::nan("");
     if (std::isnan(truth)) continue;
     ++found;
     EXPECT_LE(one.at("low"), truth) << one;

@@ -155,16 +155,16 @@ Command add_landmarks(CommandLine app) {
   const CommandLine command = app.add_command(
       "landmarks", "Take landmarks from a recording of a pointer", "Analyse recordings");
   command.add_example(
-      "condyle landmarks pointer.csv --pointer S,T,U --tip-calibration 1 9 --head D,E,F --jaw "
-      "A,B,C "
-      "--reference-s 10 12 --at condyle_left 14 15 --at condyle_right 18 19 --at incisor_lower 22 "
-      "23 --at plane_left 26 27 --at plane_right 30 31 --at plane_front 34 35 --out landmarks.toml",
+      "condyle landmarks pointer.csv --pointer S1,S2,S3 --tip-calibration 0 8.5 --jaw J1,J2,J3,J4 "
+      "--head H1,H2,H3 --reference-s 1 2 --at condyle_left 9.2 10.2 --at condyle_right 10.7 11.7 "
+      "--at incisor_lower 12.2 13.2 --at plane_left 13.7 14.7 --at plane_right 15.2 16.2 "
+      "--at plane_front 16.7 17.7 --out landmarks.toml",
       "Find the pointer's tip, then the landmarks, while head and jaw may move.");
   command.add_example(
-      "condyle landmarks touched.csv --point M --at condyle_left 4 5 --at condyle_right 8 9 --at "
-      "incisor_lower 12 13 --at plane_left 16 17 --at plane_right 20 21 --at plane_front 24 25 "
-      "--out landmarks.toml",
-      "Hold the tracked point M itself to each landmark.");
+      "condyle landmarks touched.csv --point T --at condyle_left 9.2 10.2 --at condyle_right 10.7 "
+      "11.7 --at incisor_lower 12.2 13.2 --at plane_left 13.7 14.7 --at plane_right 15.2 16.2 "
+      "--at plane_front 16.7 17.7 --out landmarks.toml",
+      "Hold the tracked point T itself to each landmark.");
   command
       .add_option("RECORDING", options->recording,
                   "CSV with points by name, or a session log of a device with three points p1, p2, "
