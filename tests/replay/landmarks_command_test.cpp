@@ -17,6 +17,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
+using testing_support::kLandmarks;
 using testing_support::kNames;
 using testing_support::kOpening_rad;
 using testing_support::pointer_session;
