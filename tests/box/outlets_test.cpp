@@ -173,11 +173,11 @@ TEST(Publisher, FindsTheCyclesOfARun) {
     const nlohmann::json json = nlohmann::json::parse(*line.text);
     if (json.contains("cycle")) cycles.push_back(json);
   }
-  ASSERT_EQ(cycles.size(), 6U);
-  for (std::size_t i = 0; i < 6; ++i) {
-    EXPECT_EQ(cycles[i]["run"], i / 3 + 1);
-    EXPECT_EQ(cycles[i]["cycle"]["cycle"], i % 3 + 1);
-    EXPECT_NEAR(cycles[i]["cycle"]["turn_s"].get<double>(), static_cast<double>(i % 3) + 0.5, 0.01);
+  ASSERT_EQ(cycles.size(), 4U);  // the first one of a run may have begun before it
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(cycles[i]["run"], i / 2 + 1);
+    EXPECT_EQ(cycles[i]["cycle"]["cycle"], i % 2 + 1);
+    EXPECT_NEAR(cycles[i]["cycle"]["turn_s"].get<double>(), static_cast<double>(i % 2) + 1.5, 0.01);
     EXPECT_NEAR(cycles[i]["cycle"]["duration_s"].get<double>(), 1, 0.05);
   }
 }

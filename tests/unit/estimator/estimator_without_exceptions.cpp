@@ -7,6 +7,7 @@
 #include "condyle/estimator/emg/emg_timeline.h"
 #include "condyle/estimator/impedance/head_motion.h"
 #include "condyle/estimator/motion/frozen_detector.h"
+#include "condyle/estimator/motion/motion_cycles.h"
 #include "condyle/estimator/motion/recommended_estimator.h"
 #include "condyle/estimator/pose/point_follower.h"
 #include "condyle/estimator/release/release_pair.h"
@@ -38,6 +39,8 @@ template condyle::PassiveRelease<float> condyle::fit_passive_release(std::span<c
 template condyle::ReleasePair<float> condyle::combine_releases(const PassiveRelease<float>&,
                                                                const PassiveRelease<float>&,
                                                                const ReleasePairSettings&);
+
+template class condyle::MotionCycles<float>;
 
 namespace condyle {
 Observability<float> judge(const OperatingPoint<float>& point);

@@ -155,7 +155,10 @@ class MotionCycles {
     begin_ =
         begins_after_pause_ ? still_at(departed_.time_ns, departed_far_.time_ns) : closed_instant();
     if (begin_.time_ns < last_end_ns_ && has_top_before_) begin_.time_ns = last_end_ns_;
-    has_begin_ = has_top_before_ = true;
+    // A jaw that opens from the first sample on may have been open already.
+    has_begin_ = has_top_before_ || begins_after_pause_ ||
+                 between_s<Scalar>(first_ns_, top_.time_ns) >= Scalar(kInstant_s);
+    has_top_before_ = true;
     begin_top_ = top_;
     going_ = pending_;
     pending_ = {};
@@ -191,7 +194,7 @@ class MotionCycles {
   bool begins_after_pause_ = false;
   Sample last_, top_, bottom_, begin_top_;
   Instant begin_, turn_;
-  TimeNs last_end_ns_ = 0;
+  TimeNs first_ns_ = 0, last_end_ns_ = 0;
   /// On the way down; of the present way, to its extreme and since then.
   Stretch opening_, going_, pending_;
 };
@@ -247,6 +250,7 @@ bool MotionCycles<Scalar>::add(const Sample& sample, Cycle& ended) {
   if (!has_last_) {
     has_last_ = true;
     last_ = sample;
+    first_ns_ = sample.time_ns;
     closed_m_ = sample.height_m;
     raise_top(sample);
     lower_bottom(sample);
