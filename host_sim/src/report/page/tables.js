@@ -29,7 +29,7 @@ export function addTableButtons() {
       link.href = URL.createObjectURL(new Blob([text], {type: 'text/csv'}));
       link.download = `${table.dataset.csv}.csv`;
       link.click();
-      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+      setTimeout(() => URL.revokeObjectURL(link.href), 60000);  // a busy browser reads it late
     });
     table.insertAdjacentElement('afterend', button);
   }
