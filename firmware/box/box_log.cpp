@@ -6,6 +6,7 @@
 namespace condyle::box {
 
 void BoxLog::say(Level level, std::string_view kind, const std::string& text) {
+  if (reader_ == Reader::person && level == Level::info) return;
   const std::lock_guard lock(mutex_);
   const TimeNs now_ns = clock_.now_ns();
   const auto [place, is_new] = kinds_.try_emplace(std::string(kind));
@@ -19,7 +20,10 @@ void BoxLog::say(Level level, std::string_view kind, const std::string& text) {
     return;
   }
   ++counted.said;
-  std::string line = fmt::format("<{}>{}: {}", static_cast<int>(level), kind, text);
+  std::string line = fmt::format("{}: {}", kind, text);
+  if (reader_ == Reader::journal) {
+    line.insert(0, fmt::format("<{}>", static_cast<int>(level)));
+  }
   for (char& letter : line) {
     if (static_cast<unsigned char>(letter) < 0x20) letter = ' ';
   }

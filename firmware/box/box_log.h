@@ -12,12 +12,16 @@
 
 namespace condyle::box {
 
-/// Lines for the journal, on the error output. At most five lines of a kind are written in a
-/// minute; the next one contains the number of those suppressed. Call it from any thread but the
-/// real-time one.
+/// Lines for the journal or a person, on the error output. At most five lines of a kind are written
+/// in a minute; the next one contains the number of those suppressed. Call it from any thread but
+/// the real-time one.
 class BoxLog {
  public:
-  explicit BoxLog(hal::Clock& clock, std::FILE* out = stderr) : clock_(clock), out_(out) {}
+  /// A person reads no priorities, and nothing of the lowest one.
+  enum class Reader : std::uint8_t { journal, person };
+
+  explicit BoxLog(hal::Clock& clock, std::FILE* out = stderr, Reader reader = Reader::journal)
+      : clock_(clock), out_(out), reader_(reader) {}
 
   /// Priorities as in sd-daemon(3).
   enum class Level : std::uint8_t { error = 3, warning = 4, notice = 5, info = 6 };
@@ -37,6 +41,7 @@ class BoxLog {
 
   hal::Clock& clock_;
   std::FILE* out_;
+  const Reader reader_;
   std::mutex mutex_;
   std::map<std::string, Kind, std::less<>> kinds_;
 };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -41,11 +42,15 @@ struct Configuration {
 
   std::optional<host::PoseChoice> pose;  ///< empty: the whole pose is not estimated
 
-  int priority = 50;  ///< SCHED_FIFO; 0: an ordinary thread
+  int priority = 50;         ///< SCHED_FIFO; 0: an ordinary thread
+  bool locks_memory = true;  ///< if permitted; not in the file
 
   std::string folder;                         ///< for recordings; empty: recording is off
   std::uint64_t reserve_bytes = 256'000'000;  ///< of disk space that are never used
   hal::SessionLogOptions log;                 ///< not in the file: for tests with their own clock
+  /// Not in the file: makes a report (HTML) of a session log; throws if it cannot. Empty: no
+  /// reports.
+  std::function<std::string(const std::string& file)> make_report;
 
   std::string udp_address = "127.0.0.1";
   std::uint16_t udp_port = 0;  ///< 0: nothing is sent

@@ -34,7 +34,18 @@ TEST(HttpRequest, KnowsWhatThereIs) {
   EXPECT_EQ(mark.action, HttpAction::mark);
   EXPECT_EQ(mark.text, "bite");
 
+  EXPECT_EQ(route(request("GET", "/v1/sessions"), {}).action, HttpAction::sessions);
+  const HttpRouting log = route(request("GET", "/v1/sessions/20260101T120000Z-P1.mcap"), {});
+  EXPECT_EQ(log.action, HttpAction::log);
+  EXPECT_EQ(log.text, "20260101T120000Z-P1.mcap");
+  const HttpRouting report = route(request("GET", "/v1/sessions/a.mcap/report"), {});
+  EXPECT_EQ(report.action, HttpAction::report);
+  EXPECT_EQ(report.text, "a.mcap");
+
   EXPECT_EQ(refused(request("GET", "/v1/nothing")), 404);
+  EXPECT_EQ(refused(request("GET", "/v1/sessions/../box.toml")), 404);
+  EXPECT_EQ(refused(request("GET", "/v1/sessions//a.mcap")), 404);
+  EXPECT_EQ(refused(request("POST", "/v1/sessions/a.mcap", "{}")), 405);
   EXPECT_EQ(refused(request("GET", "/v1/session/start")), 405);
   EXPECT_EQ(refused(request("POST", "/v1/status", "{}")), 405);
   EXPECT_EQ(refused(request("DELETE", "/v1/estimates")), 405);
@@ -60,7 +71,8 @@ TEST(HttpRequest, KnowsThisMachineByItsNamesAlone) {
 TEST(HttpRequest, RefusesOtherSites) {
   for (const char* token : {"", "0123456789abcdef"}) {
     const HttpAccess access{token};
-    for (const char* path : {"/v1/status", "/v1/estimates", "/"}) {
+    for (const char* path : {"/v1/status", "/v1/estimates", "/v1/sessions", "/v1/sessions/a.mcap",
+                             "/v1/sessions/a.mcap/report", "/"}) {
       HttpRequest asked = request("GET", path);
       asked.authorization = std::string("Bearer ") + token;
       EXPECT_EQ(refused(asked, access), 0) << path;

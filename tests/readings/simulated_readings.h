@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "condyle/estimator/pose/rotation_vector.h"
 #include "readings/analysis.h"
 #include "simulation/kinematic/kinematic_simulation.h"
 
@@ -56,6 +57,33 @@ inline std::vector<Task> stated_tasks(const KinematicSimulation& simulation) {
     tasks.push_back({task_kind(span.name(), "simulation"), span.begin_s, span.end_s, false});
   }
   return tasks;
+}
+
+/// The exact path of `jaw` at 2 kHz.
+inline JawPath exact_path(const KinematicJaw& jaw, double begin_s, double end_s) {
+  const JawLandmarks& points = jaw.landmarks();
+  ReadingGeometry geometry;
+  geometry.has_landmarks = true;
+  geometry.head.translation() = (points.condyle_left + points.condyle_right) / 2;
+  geometry.incisor_m = points.incisor_lower;
+  geometry.condyle_m = {points.condyle_left, points.condyle_right};
+  geometry.middle_m = Eigen::Vector3d(0.1, 0, -0.05);
+  SmoothMotion motion;
+  const auto at = [&](double time_s) {
+    const JawPose pose = jaw.pose_at(time_s);
+    Vector6 value;
+    value << pose.rotation * geometry.middle_m + pose.translation_m - geometry.middle_m,
+        rotation_vector_of<double>(pose.rotation);
+    return value;
+  };
+  for (double time_s = begin_s; time_s < end_s; time_s += 0.0005) {
+    motion.time_s.push_back(time_s);
+    motion.value.push_back(at(time_s));
+    motion.slope.push_back((at(time_s + 1e-5) - at(time_s - 1e-5)) / 2e-5);
+  }
+  JawPath path;
+  paths_of(motion, geometry, path);
+  return path;
 }
 
 /// Counts of one reading over many recordings.

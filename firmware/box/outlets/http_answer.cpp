@@ -5,24 +5,19 @@
 
 #include <nlohmann/json.hpp>
 
+#include "box/outlets/live_page.h"
+
 namespace condyle::box {
 namespace {
 
-constexpr const char* kPage =
-    "<!DOCTYPE html><html lang=\"en\"><meta charset=\"utf-8\"><title>condyle box</title>"
-    "<h1>condyle box</h1><p>It records and estimates jaw motion. Research use only; not "
-    "a diagnosis.</p><p>Its state is at <code>/v1/status</code>, its estimates at "
-    "<code>/v1/estimates</code>.</p></html>\n";
+constexpr const char* kNothing = "default-src 'none'; frame-ancestors 'none'";
 
-MHD_Result send(MHD_Connection* connection, int status, const std::string& body, const char* type) {
+MHD_Result send(MHD_Connection* connection, int status, const std::string& body, const char* type,
+                const char* content_policy = nullptr) {
   MHD_Response* const response = MHD_create_response_from_buffer(
       body.size(), const_cast<char*>(body.data()), MHD_RESPMEM_MUST_COPY);
   if (response == nullptr) return MHD_NO;
-  MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE, type);
-  MHD_add_response_header(response, "Content-Security-Policy",
-                          "default-src 'none'; frame-ancestors 'none'");
-  MHD_add_response_header(response, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
-  MHD_add_response_header(response, "X-Content-Type-Options", "nosniff");
+  add_headers(response, type, content_policy);
   if (status == MHD_HTTP_UNAUTHORIZED) {
     MHD_add_response_header(response, MHD_HTTP_HEADER_WWW_AUTHENTICATE, "Bearer");
   }
@@ -35,6 +30,16 @@ MHD_Result send(MHD_Connection* connection, int status, const std::string& body,
 }
 
 }  // namespace
+
+void add_headers(MHD_Response* response, const char* type, const char* content_policy) {
+  MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE, type);
+  MHD_add_response_header(response, "Content-Security-Policy",
+                          content_policy != nullptr ? content_policy : kNothing);
+  MHD_add_response_header(response, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
+  MHD_add_response_header(response, "X-Content-Type-Options", "nosniff");
+  MHD_add_response_header(response, "Referrer-Policy", "no-referrer");
+  MHD_add_response_header(response, "Cross-Origin-Resource-Policy", "same-origin");
+}
 
 std::string header(MHD_Connection* connection, const char* name) {
   const char* const value = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, name);
@@ -66,7 +71,9 @@ std::string answer_json(const SessionRecorder::Answer& answer) {
 }
 
 MHD_Result send_page(MHD_Connection* connection) {
-  return send(connection, MHD_HTTP_OK, kPage, "text/html; charset=utf-8");
+  const WebPage& page = live_page();
+  return send(connection, MHD_HTTP_OK, page.text, "text/html; charset=utf-8",
+              page.content_policy.c_str());
 }
 
 }  // namespace condyle::box

@@ -37,6 +37,7 @@ void HttpServer::State::on_completed(void* self, MHD_Connection* connection, voi
   const std::unique_ptr<Pending> pending(static_cast<Pending*>(*place));
   *place = nullptr;
   state.set_idle(connection, true);
+  if (pending) state.end_document(*pending);
   if (!pending || pending->number == 0) return;
   const std::lock_guard lock(state.mutex);
   state.waiting.remove_if([&](const Waiting& one) { return one.number == pending->number; });

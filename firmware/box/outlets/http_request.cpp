@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "box/configuration.h"
+#include "box/recording/session_files.h"
 
 namespace condyle::box {
 namespace {
@@ -87,6 +88,21 @@ HttpRouting route_estimates(const HttpRequest& request) {
   return routing;
 }
 
+constexpr std::string_view kSessions = "/v1/sessions/", kReport = "/report";
+
+// A log or its report.
+HttpRouting route_recording(const HttpRequest& request) {
+  std::string_view name = std::string_view(request.path).substr(kSessions.size());
+  const bool is_report = name.ends_with(kReport);
+  if (is_report) name.remove_suffix(kReport.size());
+  if (!is_session_file(name)) return refusal(404, "not the name of a session log");
+  return {.action = is_report ? HttpAction::report : HttpAction::log,
+          .status = 200,
+          .words = {},
+          .text = std::string(name),
+          .after = {}};
+}
+
 // The text of the body's only key.
 HttpRouting route_command(const HttpRequest& request, HttpAction action, const char* key,
                           bool is_needed) {
@@ -137,10 +153,13 @@ HttpRouting route(const HttpRequest& request, const HttpAccess& access) {
   const std::string& path = request.path;
   const bool is_command =
       path == "/v1/session/start" || path == "/v1/session/stop" || path == "/v1/session/marker";
-  if (path != "/v1/status" && path != "/v1/estimates" && !is_command) {
-    return refusal(
-        404,
-        "not found; use /v1/status, /v1/estimates, or /v1/session/ with start, stop or marker");
+  const bool is_recording = path.starts_with(kSessions);
+  if (path != "/v1/status" && path != "/v1/estimates" && path != "/v1/sessions" && !is_recording &&
+      !is_command) {
+    return refusal(404,
+                   "not found; use /v1/status, /v1/estimates, /v1/sessions, or /v1/session/ with "
+                   "start, stop or "
+                   "marker");
   }
   if (is_command ? !is_post : !is_get) {
     return refusal(405, is_command ? "use POST" : "use GET");
@@ -148,6 +167,10 @@ HttpRouting route(const HttpRequest& request, const HttpAccess& access) {
   if (path == "/v1/status") {
     return {.action = HttpAction::status, .status = 200, .words = {}, .text = {}, .after = {}};
   }
+  if (path == "/v1/sessions") {
+    return {.action = HttpAction::sessions, .status = 200, .words = {}, .text = {}, .after = {}};
+  }
+  if (is_recording) return route_recording(request);
   if (path == "/v1/estimates") return route_estimates(request);
   if (path == "/v1/session/start")
     return route_command(request, HttpAction::start, "subject", false);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The box's HTTP interface, without the network.
 //
-//   GET  /                   a page that describes the box
+//   GET  /                   the live page
 //   GET  /v1/status          the state of the box (box_status.h)
 //   GET  /v1/estimates       estimates as server-sent events, from now on; ?after=N or the header
 //                            Last-Event-ID: from line N on, as far as it is still kept
+//   GET  /v1/sessions        the recorded sessions (session_files.h)
+//   GET  /v1/sessions/NAME   a session log; with /report after it, its report, where there is one
 //   POST /v1/session/start   {"subject": "CODE"}, or {}
 //   POST /v1/session/stop    {}
 //   POST /v1/session/marker  {"text": "..."}
@@ -36,14 +38,25 @@ struct HttpAccess {
   std::string token;  ///< empty: any user of this machine has access
 };
 
-enum class HttpAction : std::uint8_t { refuse, page, status, estimates, start, stop, mark };
+enum class HttpAction : std::uint8_t {
+  refuse,
+  page,
+  status,
+  estimates,
+  sessions,
+  log,
+  report,
+  start,
+  stop,
+  mark
+};
 
 /// What to do.
 struct HttpRouting {
   HttpAction action = HttpAction::refuse;
   int status = 200;                    ///< of a refusal: 4xx
   std::string words;                   ///< why
-  std::string text;                    ///< the subject, or the text of the marker
+  std::string text;                    ///< the subject, the text of the marker, or a log's name
   std::optional<std::uint64_t> after;  ///< absent: the newest
 };
 

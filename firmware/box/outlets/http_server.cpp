@@ -69,6 +69,7 @@ MHD_Result HttpServer::State::on_request(void* self, MHD_Connection* connection,
     return MHD_YES;
   }
   auto& pending = *static_cast<Pending*>(*place);
+  if (pending.reading) return state.send_document(connection, pending);
   if (pending.answer) {
     if (pending.answer->status >= 400) ++state.refused;
     return send_json(connection, pending.answer->status, answer_json(*pending.answer));
@@ -147,6 +148,12 @@ MHD_Result HttpServer::State::answer(MHD_Connection* connection, const HttpReque
       return send_json(connection, MHD_HTTP_OK, service.status());
     case HttpAction::estimates:
       return listen(connection, routing.after);
+    case HttpAction::sessions:
+      return begin_document(connection, pending, service.sessions());
+    case HttpAction::log:
+      return begin_document(connection, pending, service.log(routing.text));
+    case HttpAction::report:
+      return begin_document(connection, pending, service.report(routing.text));
     case HttpAction::start:
       return command(connection, pending,
                      [&](Then then) { service.start(routing.text, std::move(then)); });
@@ -222,6 +229,10 @@ void HttpServer::stop() {
       MHD_resume_connection(one.connection);
     }
     state_->waiting.clear();
+    for (const auto& reading : state_->readings) {
+      if (reading->is_suspended) MHD_resume_connection(reading->connection);
+      reading->is_suspended = false;
+    }
     for (const auto& listener : state_->listeners) {
       if (listener->is_suspended) MHD_resume_connection(listener->connection);
       listener->is_suspended = false;

@@ -8,6 +8,7 @@
 
 #include "box/box_log.h"
 #include "box/configuration.h"
+#include "box/outlets/document.h"
 #include "box/outlets/estimate_history.h"
 #include "box/recording/session_keeper.h"
 
@@ -25,6 +26,7 @@ struct HttpCounts {
 /// complete a request within 10 s (connection_table.h).
 class HttpServer {
  public:
+  struct State;
   using Answer = SessionKeeper::Answer;
   using Then = SessionKeeper::Then;
   /// The handlers, called on the server's thread. They must not wait: commands answer later.
@@ -33,6 +35,9 @@ class HttpServer {
     std::function<void(const std::string&, Then)> start;
     std::function<void(Then)> stop;
     std::function<void(const std::string&, Then)> mark;
+    /// These make documents, on threads of their own.
+    std::function<Document::Make()> sessions;
+    std::function<Document::Make(const std::string&name)> log, report;
   };
 
   /// Throws an InputError if it cannot listen.
@@ -51,7 +56,6 @@ class HttpServer {
   HttpCounts counts() const;
 
  private:
-  struct State;
   std::shared_ptr<State> state_;
 };
 

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "box/outlets/connection_table.h"
+#include "box/outlets/document.h"
 #include "box/outlets/http_request.h"
 #include "box/outlets/http_server.h"
 #include "condyle/hal/clock.h"
@@ -26,12 +27,22 @@ inline constexpr unsigned kTimeout_s = 10;
 inline constexpr std::size_t kMostOfAnAddress = 32;
 inline constexpr TimeNs kDeadline_ns = kTimeout_s * kNanosecondsPerSecond;
 
+/// A connection that takes a document.
+struct Reading {
+  std::shared_ptr<Document> document = std::make_shared<Document>();
+  MHD_Connection* connection = nullptr;
+  // Guarded by the server's mutex:
+  bool is_suspended = false;
+  bool has_news = false;  // since the document was last asked
+};
+
 /// Kept between the calls for one request.
 struct Pending {
   std::string body;
   bool is_too_long = false;
   std::uint64_t number = 0;  // of a command that awaits its answer; 0: none
   std::optional<HttpServer::Answer> answer;
+  std::shared_ptr<Reading> reading;  // of a document
 };
 
 /// Belongs to the server's thread, except what the mutex guards.
@@ -93,6 +104,11 @@ struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
   MHD_Result command(MHD_Connection* connection, Pending& pending,
                      const std::function<void(Then)>& run);
   void go_on(std::uint64_t number, const Answer& answer);
+  MHD_Result begin_document(MHD_Connection* connection, Pending& pending, Document::Make make);
+  MHD_Result send_document(MHD_Connection* connection, Pending& pending);
+  static ssize_t on_document(void* kept, std::uint64_t, char* buffer, std::size_t size);
+  void wake(Reading& reading);
+  void end_document(Pending& pending);
   void set_idle(MHD_Connection* connection, bool is_idle);
   MHD_Result listen(MHD_Connection* connection, std::optional<std::uint64_t> after);
   ssize_t give(Listener& listener, char* buffer, std::size_t size);
@@ -113,6 +129,7 @@ struct HttpServer::State : std::enable_shared_from_this<HttpServer::State> {
   bool is_stopping = false;  // guarded by the mutex, as are the listeners
   std::list<std::unique_ptr<Listener>> listeners;
   std::list<Waiting> waiting;
+  std::list<std::shared_ptr<Reading>> readings;
   std::uint64_t commands = 0;
   ConnectionTable connections{kMostOfAnAddress, kDeadline_ns};
   std::atomic<std::uint64_t> requests = 0, refused = 0, missed = 0;

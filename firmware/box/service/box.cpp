@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <utility>
 
 #include "box/realtime/real_time.h"
@@ -33,6 +34,7 @@ Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
       device_name_(facebow_.profile().name),
       nominal_rate_Hz_(facebow_.profile().rate_Hz),
       keeper_(configuration_, facebow_, clock, log, wall_ns_),
+      files_(configuration_.folder, configuration_.make_report),
       history_(kHistoryLines),
       publisher_(history_, configuration_.udp_address, configuration_.udp_port, clock,
                  configuration_.pose.value_or(host::PoseChoice())),
@@ -63,7 +65,17 @@ HttpServer::Service Box::service() {
           [this](SessionKeeper::Then then) { keeper_.stop(std::move(then)); },
           [this](const std::string& text, SessionKeeper::Then then) {
             keeper_.mark(text, std::move(then));
-          }};
+          },
+          [this] { return files_.list(recorded_file()); },
+          [this](const std::string& name) { return files_.log(name, recorded_file()); },
+          [this](const std::string& name) { return files_.report(name, recorded_file()); }};
+}
+
+std::string Box::recorded_file() const {
+  const SessionState state = keeper_.state();
+  return state.phase == SessionState::Phase::idle
+             ? ""
+             : std::filesystem::path(state.file).filename().string();
 }
 
 void Box::run(const std::function<bool()>& should_stop) {
@@ -85,7 +97,8 @@ void Box::run(const std::function<bool()>& should_stop) {
     });
     engine_->start();
     while (engine_->scheduling().empty()) clock_.sleep_until(clock_.now_ns() + 1'000'000);
-    const std::string memory = lock_memory();
+    const std::string memory =
+        configuration_.locks_memory ? lock_memory() : "not locked, as configured";
     {
       const std::lock_guard lock(mutex_);
       memory_ = memory;

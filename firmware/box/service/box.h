@@ -15,6 +15,7 @@
 #include "box/realtime/engine.h"
 #include "box/realtime/node_estimator.h"
 #include "box/realtime/node_feed.h"
+#include "box/recording/session_files.h"
 #include "box/recording/session_keeper.h"
 #include "box/service/box_status.h"
 #include "condyle/hal/clock.h"
@@ -53,6 +54,7 @@ class Box {
   void feed_watchdog(TimeNs now_ns);
   void measure_rate(TimeNs now_ns);
   HttpServer::Service service();
+  std::string recorded_file() const;
 
   Configuration configuration_;
   hal::Clock& clock_;
@@ -63,6 +65,7 @@ class Box {
   const std::string device_name_;  // copied: finding the device changes the profile
   const double nominal_rate_Hz_;
   SessionKeeper keeper_;
+  const SessionFiles files_;
   EstimateHistory history_;
   Publisher publisher_;
   // Set once the facebow is found.

@@ -9,6 +9,7 @@
 
 #include "hosted/files/byte_reader.h"
 #include "hosted/files/input_error.h"
+#include "hosted/files/nearest_word.h"
 #include "hosted/files/number_text.h"
 
 namespace condyle::host {
@@ -126,16 +127,22 @@ struct TomlReader::Document {
   }
 
   void refuse_unless_known(std::string_view section, const toml::key& name) const {
-    std::string names;
+    std::vector<std::string> keys;
     for (const Key& other : known) {
       if (other.section != section) continue;
       if (other.key == name.str()) return;
-      names += fmt::format("{}{}", names.empty() ? "" : ", ", other.key);
+      keys.push_back(other.key);
     }
-    throw InputError(place(name.source()), fmt::format("unknown key {}", quote(name.str())),
-                     section.empty()
-                         ? fmt::format("keys here are {}; sections are {}", names, section_names())
-                         : fmt::format("keys of [{}] are {}", section, names));
+    std::string mend = fmt::format("keys of [{}] are {}", section, fmt::join(keys, ", "));
+    if (section.empty()) {
+      const std::vector<std::string> sections = section_names();
+      mend = fmt::format("keys here are {}; sections are {}", fmt::join(keys, ", "),
+                         fmt::join(sections, ", "));
+      keys.insert(keys.end(), sections.begin(), sections.end());
+    }
+    const std::string nearest = nearest_word(std::string(name.str()), keys);
+    if (!nearest.empty()) mend += fmt::format("; did you mean {}?", nearest);
+    throw InputError(place(name.source()), fmt::format("unknown key {}", quote(name.str())), mend);
   }
 
   // Asked for, or something inside it was. A quoted name may hold a dot, and is then no path.
@@ -161,15 +168,15 @@ struct TomlReader::Document {
     }
   }
 
-  std::string section_names() const {
-    std::vector<std::string_view> names;
+  std::vector<std::string> section_names() const {
+    std::vector<std::string> names;
     for (const Key& other : known) {
       if (!other.section.empty() &&
           std::find(names.begin(), names.end(), other.section) == names.end()) {
         names.push_back(other.section);
       }
     }
-    return fmt::format("{}", fmt::join(names, ", "));
+    return names;
   }
 };
 

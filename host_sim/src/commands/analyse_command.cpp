@@ -47,8 +47,8 @@ int analyse_all(const AnalyseOptions& options) {
   if (!options.out.empty()) {
     std::vector<std::string> inputs = options.recordings;
     inputs.insert(inputs.end(), {options.landmarks, options.tasks_file});
-    for (const char* name :
-         {"readings.csv", "readings.json", "cycles.csv", "poses.csv", "summary.txt"}) {
+    for (const char* name : {"readings.csv", "readings.json", "cycles.csv", "average_cycle.csv",
+                             "poses.csv", "summary.txt"}) {
       refuse_same_files(inputs, {path_in(name)});
     }
   }
@@ -89,6 +89,7 @@ int analyse_all(const AnalyseOptions& options) {
     write("readings.csv", readings_csv(analyses));
     write("readings.json", readings_json(analyses));
     write("cycles.csv", cycles_csv(analyses));
+    write("average_cycle.csv", average_cycle_csv(analyses));
     write("summary.txt", banner() + text);
   }
   const std::string names = files.empty() ? std::string() : commit_all(files);

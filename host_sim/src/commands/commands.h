@@ -27,6 +27,8 @@ using Command = std::function<int()>;
 Command add_analyse(CommandLine app);
 /// `condyle report`, if it was built
 Command add_report(CommandLine app);
+/// `condyle landmarks`
+Command add_landmarks(CommandLine app);
 /// `condyle replay`
 Command add_replay(CommandLine app);
 /// `condyle simulate`
@@ -49,6 +51,8 @@ Command add_compare(CommandLine app);
 Command add_bridge(CommandLine app);
 /// `condyle record`
 Command add_record(CommandLine app);
+/// `condyle live`, if it was built
+Command add_live(CommandLine app);
 /// `condyle session`
 Command add_session(CommandLine app);
 /// `condyle inspect`

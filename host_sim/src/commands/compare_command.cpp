@@ -14,6 +14,7 @@
 #include "hosted/files/input_error.h"
 #include "options/analysis_options.h"
 #include "options/command_line.h"
+#include "options/session_options.h"
 #include "output/progress.h"
 #include "output/report_text.h"
 
@@ -26,47 +27,6 @@ struct CompareOptions {
   std::string out, figures;
   ComparisonPlan plan;
 };
-
-// A session as given on the command line.
-struct SessionFiles {
-  std::string name;
-  std::vector<std::string> recordings;
-};
-
-SessionFiles parse_session(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) {
-    throw InputError("--session " + text, "lacks a name or recordings",
-                     "write --session before=A.csv,B.csv,C.csv");
-  }
-  SessionFiles session{text.substr(0, equals), {}};
-  for (std::size_t begin = equals + 1; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    if (end == begin) {
-      throw InputError("--session " + session.name,
-                       end == text.size() && begin == equals + 1 ? "has no recordings"
-                                                                 : "one of its names is empty",
-                       "write --session before=A.csv,B.csv,C.csv");
-    }
-    session.recordings.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  if (text.ends_with(',')) {
-    throw InputError("--session " + session.name, "one of its names is empty",
-                     "remove the last comma");
-  }
-  return session;
-}
-
-void refuse_repeated_names(const char* option, const std::vector<std::string>& names) {
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
-        names.begin() + static_cast<std::ptrdiff_t>(i)) {
-      throw InputError(fmt::format("{} {}", option, names[i]), "is given twice",
-                       "give each name once");
-    }
-  }
-}
 
 std::vector<NamedEstimator> choose_estimators(const CompareOptions& options) {
   std::vector<std::string> names = options.estimators;
@@ -106,33 +66,11 @@ std::vector<SessionFiles> choose_sessions(const CompareOptions& options) {
     throw InputError("--session", "cannot be combined with recordings outside a session",
                      "put each recording into its session");
   }
-  std::vector<SessionFiles> sessions;
-  std::vector<std::string> names;
-  for (const std::string& text : options.sessions) {
-    sessions.push_back(parse_session(text));
-    names.push_back(sessions.back().name);
-  }
-  refuse_repeated_names("--session", names);
-  if (sessions.size() < 2) {
-    throw InputError("--session", "one session cannot be compared", "give a second --session");
-  }
+  std::vector<SessionFiles> sessions = parse_sessions(options.sessions);
   if (options.estimators.size() > 1) {
     throw InputError("--with", "sessions are compared with one estimator", "give one");
   }
   return sessions;
-}
-
-std::vector<Session> group(const std::vector<SessionFiles>& sessions,
-                           std::vector<RecordingReport> reports) {
-  std::vector<Session> result;
-  auto next = reports.begin();
-  for (const SessionFiles& session : sessions) {
-    result.push_back({session.name, {}});
-    for (std::size_t i = 0; i < session.recordings.size(); ++i) {
-      result.back().recordings.push_back(std::move(*next++));
-    }
-  }
-  return result;
 }
 
 // The text, and the content of the table; adds the figures to `files`.
@@ -150,7 +88,7 @@ Outcome compare_all(const CompareOptions& options, const ComparisonPlan& plan,
     }
     return {comparison_text(plan.estimators, reports), comparison_csv(plan.estimators, reports)};
   }
-  const std::vector<Session> sessions = group(session_files, std::move(reports));
+  const std::vector<Session> sessions = sessions_of(session_files, std::move(reports));
   const SessionComparison comparison = compare_sessions(sessions);
   const std::string& estimator = plan.estimators[0].name;
   if (!options.figures.empty()) {
@@ -161,10 +99,8 @@ Outcome compare_all(const CompareOptions& options, const ComparisonPlan& plan,
 
 int compare(const CompareOptions& options) {
   const std::vector<SessionFiles> sessions = choose_sessions(options);
-  std::vector<std::string> sources = options.recordings;
-  for (const SessionFiles& session : sessions) {
-    sources.insert(sources.end(), session.recordings.begin(), session.recordings.end());
-  }
+  const std::vector<std::string> sources =
+      sessions.empty() ? options.recordings : recordings_of(sessions);
   refuse_repeated_recordings(sources);
   ComparisonPlan plan = options.plan;
   plan.estimators = choose_estimators(options);

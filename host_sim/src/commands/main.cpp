@@ -38,6 +38,7 @@ Commands add_commands(CommandLine line) {
 #ifdef CONDYLE_HAS_REPORT
   commands.emplace_back("report", add_report(line));
 #endif
+  commands.emplace_back("landmarks", add_landmarks(line));
   commands.emplace_back("replay", add_replay(line));
   commands.emplace_back("compare", add_compare(line));
   commands.emplace_back("tune", add_tune(line));
@@ -50,6 +51,9 @@ Commands add_commands(CommandLine line) {
   commands.emplace_back("inspect", add_inspect(line));
   commands.emplace_back("doctor", add_doctor(line));
   commands.emplace_back("record", add_record(line));
+#ifdef CONDYLE_HAS_LIVE_PAGE
+  commands.emplace_back("live", add_live(line));
+#endif
   commands.emplace_back("session", add_session(line));
   commands.emplace_back("bridge", add_bridge(line));
   commands.emplace_back("fake", add_fake(line));

@@ -5,6 +5,7 @@
 
 #include "condyle/estimator/sensors/published_sensor.h"
 #include "condyle/firmware/sensor_choice.h"
+#include "estimation/replayed_drive.h"
 
 namespace condyle::host {
 namespace {
@@ -42,6 +43,20 @@ class ComparedRecommended final : public ComparedEstimator {
     return row_of(estimate, followed_);
   }
   bool estimates_noise() const override { return adapts_; }
+  std::optional<ImpedanceEstimate<double>> conclude() override {
+    if constexpr (firmware::kIdentifying<Sensor>) {
+      return sensor_.conclude();
+    } else {
+      return std::nullopt;
+    }
+  }
+  std::vector<std::string> drive_notes() const override {
+    if constexpr (firmware::kIdentifying<Sensor>) {
+      return sensor_.notes();
+    } else {
+      return {};
+    }
+  }
 
  private:
   Axis followed_;
@@ -51,27 +66,38 @@ class ComparedRecommended final : public ComparedEstimator {
 
 }  // namespace
 
-std::unique_ptr<ComparedEstimator> make_compared_estimator(const EstimatorChoice& option,
-                                                           const RecordingChoice& choice,
-                                                           const DriveStatement& drive,
-                                                           const std::string& source,
-                                                           const ReplayFacebow& facebow) {
+RecommendedParameters compared_parameters(const EstimatorChoice& option,
+                                          const DriveStatement& drive, const std::string& source,
+                                          const RecordingInfo& info) {
+  RecommendedParameters parameters = load_recommended_for(option, info, source);
+  drive.apply(parameters.impedance);
+  return parameters;
+}
+
+std::unique_ptr<ComparedEstimator> make_compared_estimator(
+    const EstimatorChoice& option, const RecordingChoice& choice, const DriveStatement& drive,
+    const std::string& source, const ReplayFacebow& facebow, const ComparedExtras& extras) {
   if (option.is_published()) {
     return std::make_unique<ComparedPublished>(
         load_published_for(option, facebow.median_step_ns(), source), choice.followed);
   }
   const RecordingInfo& info = facebow.info();
-  RecommendedParameters parameters = load_recommended_for(option, info, source);
-  drive.apply(parameters.impedance);
+  const RecommendedParameters parameters = compared_parameters(option, drive, source, info);
   refuse_long_step(parameters, seconds(facebow.expected_step_ns()), source, "its median step",
                    "check the unit of time_s");
   const Axis axis = choice.followed.axis;
   const bool adapts = parameters.noise.adaptation == Adaptation::on;
   return firmware::with_recommended_sensor<double>(
-      {info.kind, info.has_drive, parameters, option.lag, choice.point(), axis},
+      {info.kind, info.has_drive || extras.drive != nullptr, parameters, option.lag,
+       choice.point(extras.fits), axis},
       [&]<class Sensor>(std::type_identity<Sensor>,
                         const auto&... arguments) -> std::unique_ptr<ComparedEstimator> {
-        return std::make_unique<ComparedRecommended<Sensor>>(axis, adapts, arguments...);
+        if constexpr (firmware::kIdentifying<Sensor>) {
+          return std::make_unique<ComparedRecommended<ReplayedDriveSensor<Sensor>>>(
+              axis, adapts, extras.drive, parameters.impedance.drive.delay_s, arguments...);
+        } else {
+          return std::make_unique<ComparedRecommended<Sensor>>(axis, adapts, arguments...);
+        }
       });
 }
 

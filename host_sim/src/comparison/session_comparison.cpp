@@ -24,8 +24,6 @@ constexpr double kLongerDuration = 1.2, kMoreNoise = 1.5;
 // Probability below which successive repeats count as alike.
 constexpr double kAlikeByChance = 0.01;
 
-enum DependsOn : unsigned { kNothing = 0, kDuration = 1, kNoise = 2 };
-
 // A quantity and its place in a report.
 struct ComparedQuantity {
   const char *name, *column, *unit;
@@ -123,36 +121,6 @@ double stated_variance(const ComparedQuantity& quantity, const Session& session)
   return sum / static_cast<double>(session.recordings.size());
 }
 
-// Why a quantity that depends on `depends_on` is not compared; empty if it is.
-std::string differing_conditions(const std::vector<Session>& sessions, unsigned depends_on) {
-  double shortest_s = std::numeric_limits<double>::infinity(), longest_s = 0;
-  double least_m = shortest_s, most_m = 0;  // mean noise of a session
-  for (const Session& session : sessions) {
-    double noise_m = 0;
-    for (const RecordingReport& recording : session.recordings) {
-      shortest_s = std::min(shortest_s, recording.duration_s);
-      longest_s = std::max(longest_s, recording.duration_s);
-      noise_m += recording.runs[0].noise_sd_m / static_cast<double>(session.recordings.size());
-    }
-    if (!std::isfinite(noise_m)) continue;
-    least_m = std::min(least_m, noise_m);
-    most_m = std::max(most_m, noise_m);
-  }
-  if ((depends_on & kDuration) != 0 && longest_s > kLongerDuration * shortest_s) {
-    return fmt::format(
-        "the recordings last {:.3g} to {:.3g} s, and a longer recording gives a larger value; "
-        "compare recordings of one duration",
-        shortest_s, longest_s);
-  }
-  if ((depends_on & kNoise) != 0 && most_m > kMoreNoise * least_m) {
-    return fmt::format(
-        "the noise of the instrument is {:.2g} mm in one session and {:.2g} mm in another, and the "
-        "noise changes this quantity; compare recordings of one instrument and set-up",
-        1e3 * least_m, 1e3 * most_m);
-  }
-  return "";
-}
-
 QuantityComparison compare_quantity(const ComparedQuantity& quantity,
                                     const std::vector<Session>& sessions) {
   QuantityComparison result{quantity.name, quantity.column, quantity.unit, {}, {}, {}, {}, 0, {}};
@@ -173,30 +141,9 @@ QuantityComparison compare_quantity(const ComparedQuantity& quantity,
   }
   result.withheld = differing_conditions(sessions, quantity.depends_on);
   if (!result.withheld.empty()) return result;
-  const double by_chance = probability_of_order(result.values);
-  if (by_chance < kAlikeByChance) {
-    result.withheld = fmt::format(
-        "successive repeats are more alike than by chance (probability {:.2g}), so their scatter "
-        "does not predict that between sessions; spread the repeats, or mix their order",
-        by_chance);
-    return result;
-  }
-  for (const auto& values : result.values) result.means.push_back(mean_of(values));
-  result.repeats = repeatability(result.values);
   std::vector<double> variances;  // stated
   for (const Session& session : sessions) variances.push_back(stated_variance(quantity, session));
-  const double largest = *std::max_element(variances.begin(), variances.end());
-  result.smallest_single = result.repeats.smallest_change(1, 1, 2 * largest);
-  for (std::size_t to = 1; to < sessions.size(); ++to) {
-    for (std::size_t from = 0; from < to; ++from) {
-      const std::size_t n_1 = result.values[from].size(), n_2 = result.values[to].size();
-      const double change = result.means[to] - result.means[from];
-      const double stated = variances[from] + variances[to];
-      result.changes.push_back({from, to, change, result.repeats.smallest_change(n_1, n_2, stated),
-                                kNormalQuantile95 * std::sqrt(stated),
-                                result.repeats.probability(change, n_1, n_2, stated), 0});
-    }
-  }
+  compare_values(variances, result);
   return result;
 }
 
@@ -275,21 +222,83 @@ std::size_t SessionComparison::tests() const {
   return count;
 }
 
-SessionComparison compare_sessions(const std::vector<Session>& sessions) {
-  refuse_incomparable(sessions);
-  SessionComparison result;
+std::string differing_conditions(const std::vector<Session>& sessions, unsigned depends_on) {
+  double shortest_s = std::numeric_limits<double>::infinity(), longest_s = 0;
+  double least_m = shortest_s, most_m = 0;  // mean noise of a session
+  for (const Session& session : sessions) {
+    double noise_m = 0;
+    for (const RecordingReport& recording : session.recordings) {
+      shortest_s = std::min(shortest_s, recording.duration_s);
+      longest_s = std::max(longest_s, recording.duration_s);
+      noise_m += recording.runs[0].noise_sd_m / static_cast<double>(session.recordings.size());
+    }
+    if (!std::isfinite(noise_m)) continue;
+    least_m = std::min(least_m, noise_m);
+    most_m = std::max(most_m, noise_m);
+  }
+  if ((depends_on & kDuration) != 0 && longest_s > kLongerDuration * shortest_s) {
+    return fmt::format(
+        "the recordings last {:.3g} to {:.3g} s, and a longer recording gives a larger value; "
+        "compare recordings of one duration",
+        shortest_s, longest_s);
+  }
+  if ((depends_on & kNoise) != 0 && most_m > kMoreNoise * least_m) {
+    return fmt::format(
+        "the noise of the instrument is {:.2g} mm in one session and {:.2g} mm in another, and the "
+        "noise changes this quantity; compare recordings of one instrument and set-up",
+        1e3 * least_m, 1e3 * most_m);
+  }
+  return "";
+}
+
+void compare_values(const std::vector<double>& stated_variances, QuantityComparison& quantity) {
+  const auto& values = quantity.values;
+  const double by_chance = probability_of_order(values);
+  if (by_chance < kAlikeByChance) {
+    quantity.withheld = fmt::format(
+        "successive repeats are more alike than by chance (probability {:.2g}), so their scatter "
+        "does not predict that between sessions; spread the repeats, or mix their order",
+        by_chance);
+    return;
+  }
+  for (const auto& of_session : values) quantity.means.push_back(mean_of(of_session));
+  quantity.repeats = repeatability(values);
+  const double largest = *std::max_element(stated_variances.begin(), stated_variances.end());
+  quantity.smallest_single = quantity.repeats.smallest_change(1, 1, 2 * largest);
+  for (std::size_t to = 1; to < values.size(); ++to) {
+    for (std::size_t from = 0; from < to; ++from) {
+      const std::size_t n_1 = values[from].size(), n_2 = values[to].size();
+      const double change = quantity.means[to] - quantity.means[from];
+      const double stated = stated_variances[from] + stated_variances[to];
+      quantity.changes.push_back({from, to, change,
+                                  quantity.repeats.smallest_change(n_1, n_2, stated),
+                                  kNormalQuantile95 * std::sqrt(stated),
+                                  quantity.repeats.probability(change, n_1, n_2, stated), 0});
+    }
+  }
+}
+
+void adjust_probabilities(SessionComparison& comparison) {
   std::vector<double> probabilities;
-  for (const ComparedQuantity& quantity : kQuantities) {
-    result.quantities.push_back(compare_quantity(quantity, sessions));
-    for (const SessionChange& change : result.quantities.back().changes) {
+  for (const QuantityComparison& quantity : comparison.quantities) {
+    for (const SessionChange& change : quantity.changes) {
       probabilities.push_back(change.probability);
     }
   }
   const std::vector<double> adjusted = holm_adjusted(probabilities);
   std::size_t next = 0;
-  for (QuantityComparison& quantity : result.quantities) {
+  for (QuantityComparison& quantity : comparison.quantities) {
     for (SessionChange& change : quantity.changes) change.adjusted_probability = adjusted[next++];
   }
+}
+
+SessionComparison compare_sessions(const std::vector<Session>& sessions) {
+  refuse_incomparable(sessions);
+  SessionComparison result;
+  for (const ComparedQuantity& quantity : kQuantities) {
+    result.quantities.push_back(compare_quantity(quantity, sessions));
+  }
+  adjust_probabilities(result);
   return result;
 }
 

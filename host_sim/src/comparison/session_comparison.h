@@ -75,7 +75,7 @@ struct SessionChange {
 
 /// One quantity in all sessions.
 struct QuantityComparison {
-  const char *name = "", *column = "", *unit = "";
+  std::string name, column, unit;
   std::string withheld;                     ///< why it is not compared; empty if it is
   std::vector<std::vector<double>> values;  ///< of each session's recordings
   std::vector<double> means;                ///< of each session
@@ -90,6 +90,20 @@ struct SessionComparison {
   /// Comparisons whose smallest change is known.
   std::size_t tests() const;
 };
+
+/// What a quantity depends on in addition to the subject.
+enum DependsOn : unsigned { kNothing = 0, kDuration = 1, kNoise = 2 };
+
+/// Why a quantity that depends on `depends_on` is not compared between `sessions`; empty if it is.
+std::string differing_conditions(const std::vector<Session>& sessions, unsigned depends_on);
+
+/// Compares the `values` of `quantity`, one for each recording of each session, and fills its other
+/// fields but for the adjusted probabilities. `stated_variances`: of each session, not visible in
+/// its repeats.
+void compare_values(const std::vector<double>& stated_variances, QuantityComparison& quantity);
+
+/// Fills the adjusted probabilities of all changes.
+void adjust_probabilities(SessionComparison& comparison);
 
 /// Compares the sessions, at least two, by the first estimator of their recordings. Throws
 /// InputError if recordings cannot be compared: different rates or kinds, or copies of each other.

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "hosted/files/clean_text.h"
+#include "hosted/files/nearest_word.h"
 #include "hosted/files/number_text.h"
 
 namespace condyle::host {

@@ -50,8 +50,4 @@ std::string man_page(const CommandText& command, const std::string& version);
 /// Completion for bash of commands, options and their choices, otherwise of files.
 std::string bash_completion(const CommandText& program);
 
-/// The word of `words` closest to `word`, if at most a third of it is mistyped. Empty: none is
-/// close.
-std::string nearest_word(const std::string& word, const std::vector<std::string>& words);
-
 }  // namespace condyle::host

@@ -22,8 +22,29 @@ AnalysisChoice ReadingOptions::choice() const {
     choice.reference_s = {reference[0], reference[1]};
   }
   choice.moving = moving_body == "upper" ? MovingBody::upper : MovingBody::lower;
+  choice.bodies = bodies_of(jaw_names, head_names);
+  if (!choice.bodies.head.empty() && choice.moving == MovingBody::upper) {
+    throw InputError("--head", "is given with --moving upper",
+                     "leave out --moving: with --head the jaw is seen relative to the head");
+  }
   if (!landmarks.empty()) static_cast<void>(load_landmarks(landmarks));
   return choice;
+}
+
+BodyChoice bodies_of(const std::string& jaw, const std::string& head) {
+  BodyChoice bodies;
+  if (!jaw.empty()) bodies.jaw = point_names(jaw, "--jaw");
+  if (!head.empty()) bodies.head = point_names(head, "--head");
+  return bodies;
+}
+
+void add_body_options(CommandLine command, std::string& jaw, std::string& head) {
+  command.add_option(
+      "--jaw=A,B,C", jaw,
+      "Points of a CSV file on the lower jaw, three or more; all others if not given");
+  command.add_option("--head=D,E,F", head,
+                     "Points of a CSV file on the head, three or more: the jaw is read relative to "
+                     "it");
 }
 
 void add_readings_options(CommandLine command, ReadingOptions& options) {
@@ -39,6 +60,7 @@ void add_readings_options(CommandLine command, ReadingOptions& options) {
       .add_option("--reference-s", options.reference,
                   "BEGIN END of a rest in the reference position; found if not given")
       .values(2);
+  add_body_options(command, options.jaw_names, options.head_names);
   command
       .add_option("--moving", options.moving_body,
                   "Body that the recording tracks: lower jaw, or head seen from the lower jaw")

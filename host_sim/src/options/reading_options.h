@@ -16,13 +16,20 @@ struct ReadingOptions : AnalysisChoice {
   std::string tasks_file;
   std::vector<double> reference;
   std::string moving_body = "lower";
+  std::string jaw_names, head_names;
 
   /// The choice that they make. Reads the tasks' file and checks the landmarks' file. Throws
   /// InputError.
   AnalysisChoice choice() const;
 };
 
-/// --landmarks, --task, --tasks, --reference-s, --moving and those of add_reading_options.
+/// --jaw and --head, as typed in `jaw` and `head`.
+void add_body_options(CommandLine command, std::string& jaw, std::string& head);
+/// The bodies that they name. Throws InputError.
+BodyChoice bodies_of(const std::string& jaw, const std::string& head);
+
+/// --landmarks, --task, --tasks, --reference-s, --jaw, --head, --moving and those of
+/// add_reading_options.
 void add_readings_options(CommandLine command, ReadingOptions& options);
 
 }  // namespace condyle::host

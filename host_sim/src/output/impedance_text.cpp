@@ -10,9 +10,7 @@
 #include "output/replay_summary.h"
 
 namespace condyle::host {
-namespace {
 
-// Why a value is not measured, and the remedy.
 std::string limit_text(const IdentifiedValue<double>& value) {
   switch (value.limit) {
     case ImpedanceLimit::none:
@@ -71,6 +69,8 @@ std::string limit_text(const IdentifiedValue<double>& value) {
   }
   return "";
 }
+
+namespace {
 
 // The unit of the drive that would give the mass closest to a jaw's.
 std::string unit_text(double mass_kg, const ImpedanceParameters& parameters) {

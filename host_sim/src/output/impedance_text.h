@@ -9,6 +9,9 @@
 
 namespace condyle::host {
 
+/// Why `value` is not measured, and the remedy, after a colon; empty if it is measured.
+std::string limit_text(const IdentifiedValue<double>& value);
+
 /// Values with intervals, or why they are not known; signs of wrong units; the assumptions.
 std::string impedance_text(const ImpedanceEstimate<double>& impedance,
                            const ImpedanceParameters& parameters);

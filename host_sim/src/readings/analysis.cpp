@@ -10,6 +10,7 @@
 
 #include "condyle/estimator/pose/rotation_vector.h"
 #include "hosted/files/input_error.h"
+#include "readings/head_reference.h"
 #include "readings/stroke_readings.h"
 #include "readings/strokes.h"
 #include "readings/task_readings.h"
@@ -28,6 +29,7 @@ constexpr double kMostRotation_deg = 70, kMostResidual_m = 0.15e-3;
 constexpr double kMostBeyond_m = 1e-3;           // of closing, beyond the reference position
 constexpr double kMostReferenceMotion_m = 1e-3;  // during a stated reference
 constexpr double kSmoothed = 1.5;
+constexpr std::size_t kBlock = 4096;
 constexpr double kNearRest_m = 1.5e-3, kNearRest_rad = 1.5 * kDegree;
 
 // Direction of closing in the instrument's frame.
@@ -78,10 +80,28 @@ SampleRun reference_of(const PoseTrack& track, const AnalysisChoice& choice,
   }
   analysis.reference_begin_s = track.time_s[run.begin];
   analysis.reference_end_s = track.time_s[run.end - 1];
-  if (analysis.reference_end_s - analysis.reference_begin_s < kLeastReference_s) {
-    analysis.notes.push_back("the reference position rests on less than 0.1 s");
-  }
   return run;
+}
+
+// The reference position, with the jaw as seen with the head where it is there.
+SampleRun reference_with_head(PoseTrack& track, const AnalysisChoice& choice,
+                              std::optional<Landmarks>& landmarks, const std::string& recording,
+                              Analysis& analysis) {
+  constexpr int kMostRounds = 5;
+  const bool is_placed = place_stated_head(track, landmarks, choice.landmarks, analysis.notes);
+  SampleRun rest = reference_of(track, choice, landmarks, recording, analysis);
+  if (track.head_pose.empty()) return rest;
+  // Which rest is the most closed depends on where the head was.
+  for (int round = 0; !is_placed && round < kMostRounds; ++round) {
+    refer_to_head(track, mean_pose(track.head_pose, rest.begin, rest.end));
+    const SampleRun last = rest;
+    rest = reference_of(track, choice, landmarks, recording, analysis);
+    if (rest.begin == last.begin && rest.end == last.end) break;
+  }
+  if (!is_placed && landmarks) {
+    widen_by_head_motion(track, rest, *landmarks, recording, analysis.notes);
+  }
+  return rest;
 }
 
 // Turns `motion` and the landmarks into the head frame, where all that follows is the same whatever
@@ -118,42 +138,75 @@ ReadingGeometry geometry_without_landmarks(const PoseTrack& track, const Referre
   ReadingGeometry geometry;
   geometry.middle_m = geometry.incisor_m = motion.middle_m;
   geometry.condyle_m = {motion.middle_m, motion.middle_m};
-  if (track.has_rotation && !track.body_m.isZero(0)) {
-    geometry.incisor_m += track.pose[reference.begin].linear() * track.body_m.col(0);
+  if (track.jaw.shape_m.cols() > 0) {
+    geometry.incisor_m += track.pose[reference.begin].linear() * track.jaw.shape_m.col(0);
   }
   return geometry;
 }
 
+// Appends `more` to `all`.
+void append(std::vector<Vector3d>& all, const std::vector<Vector3d>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+// Block by block: the fits of a long recording would take hundreds of bytes a sample.
 void describe_path(const ReferredMotion& motion, const ReadingGeometry& geometry,
                    Analysis& analysis) {
-  const LocalFit fit(motion.time_s, 0, motion.time_s.size());
-  SmoothMotion smooth{motion.time_s, {}, {}};
-  fit.apply(motion.motion, smooth.value, smooth.slope);
-  paths_of(smooth, geometry, analysis.path);
+  const std::size_t count = motion.time_s.size();
+  JawPath& path = analysis.path;
+  path.time_s = motion.time_s;
+  for (auto* points :
+       {&path.incisor_m, &path.incisor_m_s, &path.condyle_m[0], &path.condyle_m[1],
+        &path.condyle_m_s[0], &path.condyle_m_s[1], &path.rotation_rad, &path.middle_m}) {
+    points->reserve(count);
+  }
+  analysis.incisor_sd_m.reserve(count);
+  const Vector3d lever = geometry.incisor_m - geometry.middle_m;
   double turn_rad = 0, distance_m = 0;
-  for (const Vector6& value : smooth.value) {
-    turn_rad = std::max(turn_rad, value.tail<3>().norm());
-    distance_m = std::max(distance_m, value.head<3>().norm());
+  for (std::size_t begin = 0; begin < count; begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, count);
+    const LocalFit fit(motion.time_s, begin, end);
+    SmoothMotion smooth{{motion.time_s.begin() + static_cast<std::ptrdiff_t>(begin),
+                         motion.time_s.begin() + static_cast<std::ptrdiff_t>(end)},
+                        {},
+                        {}};
+    fit.apply(motion.motion, 0, smooth.value, smooth.slope);
+    TurningMotion turning;
+    turning_of(smooth, turning);
+    JawPath block;
+    paths_of(smooth, turning, geometry, PathPart::all, block);
+    append(path.incisor_m, block.incisor_m);
+    append(path.incisor_m_s, block.incisor_m_s);
+    for (std::size_t side = 0; side < 2; ++side) {
+      append(path.condyle_m[side], block.condyle_m[side]);
+      append(path.condyle_m_s[side], block.condyle_m_s[side]);
+    }
+    append(path.rotation_rad, block.rotation_rad);
+    append(path.middle_m, block.middle_m);
+    path.condyle_at_m = block.condyle_at_m;
+    path.incisor_at_m = block.incisor_at_m;
+    path.middle_at_m = block.middle_at_m;
+    const std::vector<double> gains = fit.gains();
+    for (std::size_t k = 0; k < gains.size(); ++k) {
+      turn_rad = std::max(turn_rad, smooth.value[k].tail<3>().norm());
+      distance_m = std::max(distance_m, smooth.value[k].head<3>().norm());
+      const Vector3d r = turning.rotation[k] * lever;
+      Eigen::Matrix<double, 3, 6> J;
+      J << Eigen::Matrix3d::Identity(),
+          -Eigen::Matrix3d{{0, -r[2], r[1]}, {r[2], 0, -r[0]}, {-r[1], r[0], 0}};
+      const double variance = (J * analysis.noise.covariance * J.transpose()).trace() / 3;
+      analysis.incisor_sd_m.push_back(std::sqrt(variance * gains[k]));
+    }
   }
   analysis.largest_rotation_deg = turn_rad / kDegree;
   analysis.largest_displacement_mm = distance_m / kMillimetre;
-  const std::vector<double> gains = fit.gains();
-  const Vector3d lever = geometry.incisor_m - geometry.middle_m;
-  for (std::size_t k = 0; k < gains.size(); ++k) {
-    const Vector3d r = rotation_of<double>(smooth.value[k].tail<3>()) * lever;
-    Eigen::Matrix<double, 3, 6> J;
-    J << Eigen::Matrix3d::Identity(),
-        -Eigen::Matrix3d{{0, -r[2], r[1]}, {r[2], 0, -r[0]}, {-r[1], r[0], 0}};
-    const double variance = (J * analysis.noise.covariance * J.transpose()).trace() / 3;
-    analysis.incisor_sd_m.push_back(std::sqrt(variance * gains[k]));
-  }
 }
 
 // Why readings that need rotation are withheld; empty: they are not.
 std::string rotation_problem(const PoseTrack& track, const Analysis& analysis) {
   if (!track.has_rotation) return "the recording has one point, which shows no rotation";
   const double sd_deg =
-      std::sqrt(analysis.noise.covariance.bottomRightCorner<3, 3>().trace() / 3) / kDegree;
+      analysis.noise.rotation_sd_rad() / kDegree;
   if (analysis.largest_rotation_deg < 3 * sd_deg) {
     return fmt::format("the jaw turns by {:.2f} deg, its noise has {:.2f} deg (sd)",
                        analysis.largest_rotation_deg, sd_deg);
@@ -161,16 +214,17 @@ std::string rotation_problem(const PoseTrack& track, const Analysis& analysis) {
   return "";
 }
 
-// Why the three points are no jaw's; empty: they may be.
+// Why the points are no jaw's; empty: they may be.
 std::string body_problem(const PoseTrack& track, const Analysis& analysis) {
   if (analysis.largest_rotation_deg > kMostRotation_deg) {
     return fmt::format("the points turn by {:.0f} deg, which no jaw does; were two exchanged?",
                        analysis.largest_rotation_deg);
   }
+  if (!track.jaw.names.empty()) return track.body_problem;
   const double noise_m = std::sqrt(analysis.noise.covariance.topLeftCorner<3, 3>().trace() / 3);
-  if (track.residual_m > std::max(kMostResidual_m, 6 * noise_m)) {
+  if (track.jaw.residual_m > std::max(kMostResidual_m, 6 * noise_m)) {
     return fmt::format("its three points do not keep their distances (they misfit by {:.2f} mm)",
-                       track.residual_m * 1e3);
+                       track.jaw.residual_m * 1e3);
   }
   return "";
 }
@@ -202,29 +256,37 @@ Analysis analyse(const std::string& source, const AnalysisChoice& choice) {
   if (!choice.landmarks.empty()) landmarks = load_landmarks(choice.landmarks);
   RecordingOptions reading = choice.reading;
   reading.faults = FaultPolicy::event;  // missing rows are counted
-  return analyse(*open_recording(source, reading), source, landmarks, choice);
+  return analyse(*open_with_all_points(source, reading), source, landmarks, choice);
 }
 
 Analysis analyse(Recording& recording, const std::string& name,
-                 const std::optional<Landmarks>& stated, const AnalysisChoice& choice) {
+                 const std::optional<Landmarks>& given, const AnalysisChoice& choice) {
   Analysis analysis;
   analysis.recording = name;
-  const PoseTrack track = read_poses(recording, name);
+  PoseTrack track = read_track(recording, name, choice.bodies);
+  std::optional<Landmarks> stated = given;
   analysis.info = track.info;
   analysis.counts = track.counts;
   analysis.events = track.events;
+  analysis.notes = track.notes;
   analysis.has_landmarks = stated.has_value();
   const double end_s = track.time_s.back();
   analysis.duration_s = end_s - track.time_s.front();
   analysis.rate_Hz = static_cast<double>(track.time_s.size() - 1) / analysis.duration_s;
-  const SampleRun rest = reference_of(track, choice, stated, name, analysis);
+  const SampleRun rest = reference_with_head(track, choice, stated, name, analysis);
+  if (analysis.reference_end_s - analysis.reference_begin_s < kLeastReference_s) {
+    analysis.notes.push_back("the reference position rests on less than 0.1 s");
+  }
   ReferredMotion motion = motion_from(track, rest.begin, rest.end, choice.moving);
   std::optional<Landmarks> landmarks;
   if (stated) {
     check_near(*stated, motion.middle_m, choice.landmarks);
+    check_stated_jaw(track, rest, *stated, choice.landmarks);
     landmarks = in_head_frame(*stated, motion);
   }
   analysis.noise = noise_of(motion, rest.begin, rest.end);
+  analysis.noise.covariance *= track.noise_growth;
+  analysis.noise.root *= std::sqrt(track.noise_growth);
   const ReadingGeometry geometry = landmarks ? geometry_of(*landmarks, motion.middle_m)
                                              : geometry_without_landmarks(track, motion, rest);
   describe_path(motion, geometry, analysis);

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "readings/average_cycle.h"
+#include "readings/body_tracks.h"
 #include "readings/chewing_cycles.h"
 #include "readings/pose_noise.h"
 #include "readings/pose_track.h"
@@ -24,6 +26,7 @@ struct AnalysisChoice {
   std::vector<Task> tasks;                           ///< stated; none: marked or found
   std::optional<std::array<double, 2>> reference_s;  ///< begin and end of the reference position
   MovingBody moving = MovingBody::lower;
+  BodyChoice bodies;
 };
 
 /// A cycle of a chewing task, with its values in the order of readings_of_cycle.
@@ -32,7 +35,9 @@ struct AnalysedCycle {
   std::vector<UncertainValue> values;
   int number = 0;    ///< of those taken, from 1; 0: rejected
   int sequence = 1;  ///< a pause of more than 2 s begins a new one
-  std::string side;  ///< left, right or midline, by the closing path; empty: not known
+  std::string side;  ///< left, right or midline; empty: not known
+  CycleDirections directions{};
+  bool is_side_stated = false;  ///< with the task; else by the closing path
 };
 
 /// Everything about one recording.
@@ -51,7 +56,8 @@ struct Analysis {
   std::vector<Task> tasks;
   std::vector<JawReading> readings;
   std::vector<AnalysedCycle> cycles;
-  JawPath path;                      ///< of the whole recording, smoothed
+  std::vector<AverageCycle> average_cycles;  ///< of all cycles, and of each side
+  JawPath path;                              ///< of the whole recording, smoothed
   std::vector<double> incisor_sd_m;  ///< of each smoothed position, root of the mean variance
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "readings/cycle_shape.h"
 #include "readings/path_measures.h"
 #include "readings/smoothness.h"
 #include "readings/strokes.h"
@@ -16,7 +17,6 @@ namespace {
 constexpr double kLeastHeight_m = 2e-3, kHeightShare = 0.3;
 constexpr double kShortest_s = 0.25, kLongest_s = 3, kLongestGap_s = 0.1, kPause_s = 0.5,
                  kInstant_s = 0.08;
-constexpr double kTopReach_s = 0.06;
 constexpr double kSearch_s = 0.08;  // around a closed instant
 
 // Turning points of z: reversals of at least `least_m`, tops and bottoms in turn.
@@ -126,6 +126,7 @@ double standstill_s(const std::vector<double>& time_s, const std::vector<double>
 
 std::vector<double> heights_of(const JawPath& path, bool has_landmarks) {
   std::vector<double> heights;
+  heights.reserve(path.incisor_m.size());
   if (has_landmarks) {
     for (const auto& point : path.incisor_m) heights.push_back(point.z());
     return heights;
@@ -217,17 +218,20 @@ std::vector<std::string_view> readings_of_cycle(bool has_landmarks) {
                                          "ldlj",
                                          "closing_sparc",
                                          "closing_ldlj"};
+  const auto append = [&names](const std::vector<std::string_view>& more) {
+    names.insert(names.end(), more.begin(), more.end());
+  };
+  append(names_of_cycle_shape());
   if (has_landmarks) {
-    for (const char* name : {"cycle_height_mm", "cycle_width_mm", "cycle_depth_mm"}) {
-      names.push_back(name);
-    }
+    append({"cycle_height_mm", "cycle_width_mm", "cycle_depth_mm"});
+    append(names_of_cycle_shape_with_landmarks());
   }
   return names;
 }
 
 void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m,
-                bool has_landmarks, const JawPath& path, std::vector<double>& values,
-                std::vector<std::string>* why) {
+                bool has_landmarks, const JawPath& path, const GreatestAt& greatest,
+                std::vector<double>& values, std::vector<std::string>* why) {
   const std::vector<double> z = heights_of(path, has_landmarks);
   const auto& time_s = path.time_s;
   // The top near `at`, and when the jaw was closed there.
@@ -265,18 +269,21 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
   begin = std::min(begin, cycle.turn - offset - 1);
   end = std::max(end, cycle.turn - offset + 1);
   std::vector<double> depths, speeds;
+  depths.reserve(z.size());
+  speeds.reserve(z.size());
   for (std::size_t k = 0; k < z.size(); ++k) {
     depths.push_back(-z[k]);
     speeds.push_back(path.incisor_m_s[k].norm());
   }
-  const Greatest deepest = greatest_of(time_s, depths, begin, end + 1, kTopReach_s);
+  const Greatest deepest = greatest.of(depths, begin, end + 1);
   const std::size_t turn = deepest.at;
-  const double turn_s = standstill_s(time_s, height_rates_of(path, has_landmarks), turn);
+  const std::vector<double> rates = height_rates_of(path, has_landmarks);
+  const double turn_s = standstill_s(time_s, rates, turn);
   values = {end_s - begin_s, turn_s - begin_s, end_s - turn_s};
   double smoothness[2][2];
   for (int back = 0; back < 2; ++back) {
     const std::size_t from = back == 0 ? begin : turn, to = back == 0 ? turn : end;
-    values.push_back(greatest_of(time_s, speeds, from, to + 1, kTopReach_s).value * 1e3);
+    values.push_back(greatest.of(speeds, from, to + 1).value * 1e3);
     const double step_s =
         (time_s[to] - time_s[from]) / static_cast<double>(std::max<std::size_t>(to - from, 1));
     const std::vector<double> part(speeds.begin() + static_cast<std::ptrdiff_t>(from),
@@ -285,20 +292,24 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
     smoothness[back][1] = log_dimensionless_jerk(part, step_s);
   }
   for (const auto& phase : smoothness) values.insert(values.end(), phase, phase + 2);
+  if (why != nullptr) why->assign(values.size(), "");
+  const CycleMarks marks{begin, turn, end, begin_s, end_s, cycle.ends_with_pause};
+  add_cycle_shape(marks, path, z, rates, values, why);
   if (has_landmarks) {
-    for (const int axis : {2, 1, 0}) {
+    values.push_back((greatest.of(z, begin, end + 1).value + deepest.value) * 1e3);
+    for (const int axis : {1, 0}) {
       double range = 0;
       for (const double sign : {1.0, -1.0}) {
-        std::vector<double> coordinates;
-        for (std::size_t k = 0; k < z.size(); ++k) {
-          coordinates.push_back(sign * path.incisor_m[k][axis]);
-        }
-        range += greatest_of(time_s, coordinates, begin, end + 1, kTopReach_s).value;
+        for (std::size_t k = 0; k < z.size(); ++k) depths[k] = sign * path.incisor_m[k][axis];
+        range += greatest.of(depths, begin, end + 1).value;
       }
       values.push_back(range * 1e3);
+      if (why != nullptr) why->emplace_back();
     }
+    add_cycle_shape_with_landmarks(marks, path, values, why);
+    values.push_back(begin_s - cycle.begin_s);
+    if (why != nullptr) why->emplace_back();
   }
-  if (why != nullptr) why->assign(values.size(), "");
 }
 
 }  // namespace condyle::host

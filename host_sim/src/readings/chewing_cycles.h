@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "readings/path_measures.h"
 #include "readings/reading.h"
 #include "readings/reading_geometry.h"
 
@@ -35,14 +36,25 @@ struct ChewingCycle {
 std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
                                       const std::vector<double>& height_m, double noise_sd_m);
 
+/// Which side a cycle chews on, and how its loop turns.
+struct CycleDirections {
+  UncertainValue closing_side_mm, frontal_area_mm2, sagittal_area_mm2;  ///< cycle_shape.h
+  UncertainValue begin_shift_s;  ///< from ChewingCycle::begin_s to the closed instant
+};
+
 /// The names of a cycle's readings, in the order of read_cycle.
 std::vector<std::string_view> readings_of_cycle(bool has_landmarks);
 
+/// Reach of the means whose top is a cycle's greatest value (s).
+inline constexpr double kCycleTopReach_s = 0.06;
+
 /// The readings of `cycle` from the `path` of its samples and some around, which begins with sample
-/// `offset` of the path in which it was found.
+/// `offset` of the path in which it was found. `greatest`: of values at these samples, with the
+/// reach kCycleTopReach_s. With landmarks the values of CycleDirections follow those of
+/// readings_of_cycle.
 void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m,
-                bool has_landmarks, const JawPath& path, std::vector<double>& values,
-                std::vector<std::string>* why);
+                bool has_landmarks, const JawPath& path, const GreatestAt& greatest,
+                std::vector<double>& values, std::vector<std::string>* why);
 
 /// The height of the incisor along the path: Z, or without landmarks the direction in which it
 /// moves most.

@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "hosted/files/input_error.h"
+#include "hosted/files/number_text.h"
 #include "hosted/files/toml_reader.h"
 
 namespace condyle::host {
@@ -59,6 +62,32 @@ void check_frame(const Landmarks& landmarks, const TomlReader& file) {
   }
 }
 
+// Where the points of a body were: KEY = "A,B,C" and KEY_mm = [x, y, z, x, ...].
+StatedBody read_body(TomlReader& file, const std::string& key) {
+  StatedBody body;
+  std::string names;
+  std::vector<double> values_mm;
+  const std::string places = key + "_mm";
+  const bool has_names = file.text("landmarks", key, names);
+  const bool has_places = file.list("landmarks", places, values_mm, "mm", {-1e4, 1e4});
+  if (!has_names && !has_places) return body;
+  for (std::size_t begin = 0; begin <= names.size();) {
+    const std::size_t comma = std::min(names.find(',', begin), names.size());
+    body.names.emplace_back(trim(std::string_view(names).substr(begin, comma - begin)));
+    begin = comma + 1;
+  }
+  if (values_mm.size() != 3 * body.names.size()) {
+    refuse(file, (has_places ? places : key).c_str(),
+           fmt::format("{} names {} points and {} holds {} numbers", key, body.names.size(), places,
+                       values_mm.size()),
+           "give x, y, z of each point, as condyle landmarks writes them");
+  }
+  body.points_m =
+      Eigen::Matrix3Xd::Map(values_mm.data(), 3, static_cast<Eigen::Index>(body.names.size())) *
+      kMillimetre;
+  return body;
+}
+
 }  // namespace
 
 Eigen::Isometry3d head_frame(const Landmarks& landmarks) {
@@ -75,16 +104,13 @@ Eigen::Isometry3d head_frame(const Landmarks& landmarks) {
   return frame;
 }
 
-Landmarks load_landmarks(const std::string& path) {
-  TomlReader file(path);
+// Its errors name `path`.
+static Landmarks read_landmarks(TomlReader& file, const std::string& path) {
   Landmarks landmarks;
+  std::array<bool, Landmarks::kPoints> is_there{};
   for (std::size_t i = 0; i < Landmarks::kPoints; ++i) {
     double values_mm[3] = {};
-    if (!file.numbers("landmarks", Landmarks::kNames[i], values_mm, 3, "mm", {-1e4, 1e4})) {
-      throw InputError(path, fmt::format("lacks {} in [landmarks]", Landmarks::kNames[i]),
-                       fmt::format("add {} = [x, y, z], in mm, in the instrument's frame",
-                                   Landmarks::kNames[i]));
-    }
+    is_there[i] = file.numbers("landmarks", Landmarks::kNames[i], values_mm, 3, "mm", {-1e4, 1e4});
     landmarks.point_m[i] = Eigen::Vector3d(values_mm[0], values_mm[1], values_mm[2]) * kMillimetre;
   }
   double sd_mm = 1;
@@ -100,9 +126,27 @@ Landmarks load_landmarks(const std::string& path) {
   }
   file.text("landmarks", "kind", landmarks.condyle_kind);
   file.text("landmarks", "plane", landmarks.plane);
-  file.finish();
+  landmarks.jaw = read_body(file, "jaw_points");
+  landmarks.head = read_body(file, "head_points");
+  file.finish();  // first: a mistyped name is then not called missing
+  for (std::size_t i = 0; i < Landmarks::kPoints; ++i) {
+    if (is_there[i]) continue;
+    throw InputError(
+        path, fmt::format("lacks {} in [landmarks]", Landmarks::kNames[i]),
+        fmt::format("add {} = [x, y, z], in mm, in the instrument's frame", Landmarks::kNames[i]));
+  }
   check_frame(landmarks, file);
   return landmarks;
+}
+
+Landmarks load_landmarks(const std::string& path) {
+  TomlReader file(path);
+  return read_landmarks(file, path);
+}
+
+Landmarks landmarks_from(const std::string& text, const std::string& name) {
+  TomlReader file(name, text);
+  return read_landmarks(file, name);
 }
 
 void check_near(const Landmarks& landmarks, const Eigen::Vector3d& middle_m,

@@ -12,8 +12,15 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <string>
+#include <vector>
 
 namespace condyle::host {
+
+/// Named points of a body where the landmarks hold, in the instrument's frame (m).
+struct StatedBody {
+  std::vector<std::string> names;  ///< empty: not stated
+  Eigen::Matrix3Xd points_m;       ///< one a column
+};
 
 /// The landmarks and their standard deviations along each axis (m).
 struct Landmarks {
@@ -27,6 +34,7 @@ struct Landmarks {
   std::array<double, kPoints> sd_m{};
   std::string condyle_kind = "not stated";  ///< kinematic, hinge, palpated or arbitrary
   std::string plane = "not stated";         ///< Frankfurt, Camper or axis-orbital
+  StatedBody jaw, head;
 };
 
 /// Axes of the head frame as columns X, Y, Z in the instrument's frame, at its origin.
@@ -35,6 +43,8 @@ Eigen::Isometry3d head_frame(const Landmarks& landmarks);
 /// Reads the file. Every problem is an InputError that names file, line and remedy; so are points
 /// that define no frame.
 Landmarks load_landmarks(const std::string& path);
+/// The same for the file's `text`; messages call it `name`.
+Landmarks landmarks_from(const std::string& text, const std::string& name);
 
 /// Throws an InputError that names `path` if the landmarks lie too far from `middle_m`, the middle
 /// of the measured points in the reference position, to belong to the same jaw.

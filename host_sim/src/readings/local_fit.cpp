@@ -3,6 +3,8 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 namespace condyle::host {
 namespace {
@@ -33,64 +35,118 @@ std::pair<std::size_t, std::size_t> window_at(const std::vector<double>& time_s,
 
 }  // namespace
 
-LocalFit::LocalFit(const std::vector<double>& time_s, std::size_t begin, std::size_t end,
-                   double half_width_s) {
-  std::vector<std::pair<std::size_t, std::size_t>> ranges;
-  first_used_ = begin;
-  end_used_ = end;
-  for (std::size_t k = begin; k < end; ++k) {
-    ranges.push_back(window_at(time_s, k, half_width_s));
-    first_used_ = std::min(first_used_, ranges.back().first);
-    end_used_ = std::max(end_used_, ranges.back().second);
+double slope_gain(double rate_Hz) {
+  const auto half = static_cast<std::size_t>(kFitHalfWidth_s * rate_Hz + 1e-9);
+  const std::size_t reach = std::max(half, kLeastFitSamples / 2);
+  // Of the samples i / rate, the slope of a cubic: sums of their even powers.
+  double s2 = 0, s4 = 0, s6 = 0;
+  for (std::size_t i = 1; i <= reach; ++i) {
+    const double square = static_cast<double>(i * i);
+    s2 += 2 * square;
+    s4 += 2 * square * square;
+    s6 += 2 * square * square * square;
   }
+  return rate_Hz * std::sqrt(s6 / (s2 * s6 - s4 * s4));
+}
+
+SampleRun samples_of_fit(const std::vector<double>& time_s, std::size_t begin, std::size_t end,
+                         double half_width_s) {
+  SampleRun used{begin, end};
   for (std::size_t k = begin; k < end; ++k) {
-    const auto [first, last] = ranges[k - begin];
-    const std::size_t count = last - first;
-    Window window{first - first_used_, {}, {}};
+    const auto [first, last] = window_at(time_s, k, half_width_s);
+    used = {std::min(used.begin, first), std::max(used.end, last)};
+  }
+  return used;
+}
+
+LocalFit::LocalFit(const std::vector<double>& time_s, std::size_t begin, std::size_t end,
+                   double half_width_s)
+    : begin_(begin), end_(end), used_{begin, end} {
+  windows_.reserve(end - begin);
+  std::size_t count = 0;
+  for (std::size_t k = begin; k < end; ++k) {
+    const auto [first, last] = window_at(time_s, k, half_width_s);
+    windows_.push_back({first, last - first, count});
+    count += last - first;
+    used_ = {std::min(used_.begin, first), std::max(used_.end, last)};
+  }
+  weights_.resize(count);
+  for (std::size_t k = begin; k < end; ++k) {
+    const Window& window = windows_[k - begin];
     // At a border, where all samples lie on one side, a quadratic: a cubic would follow the noise.
-    const bool is_border = first == k || last == k + 1;
-    const int terms = count >= kLeastFitSamples ? (is_border ? 3 : 4) : count >= 2 ? 2 : 1;
-    Eigen::Matrix4d normal = Eigen::Matrix4d::Identity();
-    normal.topLeftCorner(terms, terms).setZero();
-    const auto powers = [&](std::size_t i) {
-      const double x = (time_s[i] - time_s[k]) / kFitHalfWidth_s;
-      Eigen::Vector4d row(1, x, x * x, x * x * x);
-      row.tail(4 - terms).setZero();
-      return row;
+    const bool is_border = window.first == k || window.first + window.count == k + 1;
+    const int terms = window.count >= kLeastFitSamples ? (is_border ? 3 : 4)
+                      : window.count >= 2              ? 2
+                                                       : 1;
+    const auto place_of = [&](std::size_t i) {
+      return (time_s[window.first + i] - time_s[k]) / kFitHalfWidth_s;
     };
-    for (std::size_t i = first; i < last; ++i) normal += powers(i) * powers(i).transpose();
-    const Eigen::Matrix4d inverse = normal.inverse();
-    for (std::size_t i = first; i < last; ++i) {
-      const Eigen::Vector4d weights = inverse * powers(i);
-      window.value_weights.push_back(weights[0]);
-      window.slope_weights.push_back(weights[1] / kFitHalfWidth_s);
+    // Sums of the products of powers: each once, of those that have the same power twice.
+    double x1 = 0, x2 = 0, x3 = 0, x1x3 = 0, x2x2 = 0, x2x3 = 0, x3x3 = 0;
+    for (std::size_t i = 0; i < window.count; ++i) {
+      const double x = place_of(i), square = x * x, cube = square * x;
+      x1 += x;
+      x2 += square;
+      x3 += cube;
+      x1x3 += x * cube;
+      x2x2 += square * square;
+      x2x3 += square * cube;
+      x3x3 += cube * cube;
     }
-    windows_.push_back(std::move(window));
+    Eigen::Matrix4d sums;
+    sums << static_cast<double>(window.count), x1, x2, x3,  //
+        x1, x2, x3, x1x3,                                   //
+        x2, x3, x2x2, x2x3,                                 //
+        x3, x1x3, x2x3, x3x3;
+    Eigen::Matrix4d normal = Eigen::Matrix4d::Identity();
+    normal.topLeftCorner(terms, terms) = sums.topLeftCorner(terms, terms);
+    const Eigen::Matrix4d inverse = normal.inverse();
+    for (std::size_t i = 0; i < window.count; ++i) {
+      const double x = place_of(i);
+      const double square = terms > 2 ? x * x : 0, cube = terms > 3 ? square * x : 0;
+      const double line = terms > 1 ? x : 0;
+      const auto weight = [&](int row) {
+        return inverse(row, 0) + inverse(row, 1) * line + inverse(row, 2) * square +
+               inverse(row, 3) * cube;
+      };
+      weights_[window.weights + i] = {weight(0), weight(1) / kFitHalfWidth_s};
+    }
   }
 }
 
-void LocalFit::apply(const std::vector<Vector6>& samples, std::vector<Vector6>& values,
+void LocalFit::apply(const std::vector<Vector6>& samples, std::size_t first_sample,
+                     std::size_t begin, std::size_t end, std::vector<Vector6>& values,
                      std::vector<Vector6>& slopes) const {
-  values.resize(windows_.size());
-  slopes.resize(windows_.size());
-  for (std::size_t k = 0; k < windows_.size(); ++k) {
-    const Window& window = windows_[k];
-    Vector6 value = Vector6::Zero(), slope = Vector6::Zero();
-    for (std::size_t i = 0; i < window.value_weights.size(); ++i) {
-      const Vector6& sample = samples[window.first + i];
-      value += window.value_weights[i] * sample;
-      slope += window.slope_weights[i] * sample;
+  values.resize(end - begin);
+  slopes.resize(end - begin);
+  for (std::size_t k = begin; k < end; ++k) {
+    const Window& window = windows_[k - begin_];
+    const Weights* const weights = &weights_[window.weights];
+    const Vector6* const used = &samples[window.first - first_sample];
+    // Plain loops, which the compiler turns into arithmetic on pairs.
+    std::array<double, 6> value{}, slope{};
+    for (std::size_t i = 0; i < window.count; ++i) {
+      const double* const sample = used[i].data();
+      const double of_value = weights[i].value, of_slope = weights[i].slope;
+      for (std::size_t j = 0; j < 6; ++j) {
+        value[j] += of_value * sample[j];
+        slope[j] += of_slope * sample[j];
+      }
     }
-    values[k] = value;
-    slopes[k] = slope;
+    values[k - begin] = Eigen::Map<const Vector6>(value.data());
+    slopes[k - begin] = Eigen::Map<const Vector6>(slope.data());
   }
 }
 
 std::vector<double> LocalFit::gains() const {
   std::vector<double> gains;
+  gains.reserve(windows_.size());
   for (const Window& window : windows_) {
     double sum = 0;
-    for (const double weight : window.value_weights) sum += weight * weight;
+    for (std::size_t i = 0; i < window.count; ++i) {
+      const double weight = weights_[window.weights + i].value;
+      sum += weight * weight;
+    }
     gains.push_back(sum);
   }
   return gains;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "readings/burst_search.h"
 #include "readings/pose_track.h"
 
 namespace condyle::host {
@@ -16,32 +17,48 @@ inline constexpr double kFitHalfWidth_s = 0.05, kWidestFit_s = 0.15;
 /// Fewest samples of a fit.
 inline constexpr std::size_t kLeastFitSamples = 7;
 
+/// Standard deviation of a slope over that of a sample, at the constant rate `rate_Hz` (1/s).
+double slope_gain(double rate_Hz);
+
 /// The weights of the fits at samples `begin` to `end` (without) of a recording.
 class LocalFit {
  public:
   LocalFit(const std::vector<double>& time_s, std::size_t begin, std::size_t end,
            double half_width_s = kFitHalfWidth_s);
 
-  /// Values and slopes (per s) at the samples, from `samples`, those of `first_used` to
-  /// `end_used`.
-  void apply(const std::vector<Vector6>& samples, std::vector<Vector6>& values,
-             std::vector<Vector6>& slopes) const;
+  /// Values and slopes (per s) at all its samples, from the `samples` of the recording from
+  /// `first_sample` on; they must contain those of `first_used` to `end_used`.
+  void apply(const std::vector<Vector6>& samples, std::size_t first_sample,
+             std::vector<Vector6>& values, std::vector<Vector6>& slopes) const {
+    apply(samples, first_sample, begin_, end_, values, slopes);
+  }
+  /// The same at its samples `begin` to `end` (without) only, from what the fits there use.
+  void apply(const std::vector<Vector6>& samples, std::size_t first_sample, std::size_t begin,
+             std::size_t end, std::vector<Vector6>& values, std::vector<Vector6>& slopes) const;
 
   /// Variance of each value over that of a sample.
   std::vector<double> gains() const;
 
-  /// The samples that the fits use.
-  std::size_t first_used() const { return first_used_; }
-  std::size_t end_used() const { return end_used_; }
+  /// The first and the end of the samples that the fits use.
+  SampleRun used() const { return used_; }
 
  private:
   struct Window {
-    std::size_t first;  // from first_used_
-    std::vector<double> value_weights, slope_weights;
+    std::size_t first, count;  // samples of the recording
+    std::size_t weights;       // of the first, in weights_
   };
-  std::size_t first_used_ = 0, end_used_ = 0;
+  struct Weights {
+    double value, slope;
+  };
+  std::size_t begin_, end_;
+  SampleRun used_;
   std::vector<Window> windows_;
+  std::vector<Weights> weights_;
 };
+
+/// The samples that the fits at samples `begin` to `end` (without) use.
+SampleRun samples_of_fit(const std::vector<double>& time_s, std::size_t begin, std::size_t end,
+                         double half_width_s = kFitHalfWidth_s);
 
 /// Part of a motion with its smoothed values.
 struct SmoothMotion {

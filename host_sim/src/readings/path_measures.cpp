@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "condyle/estimator/pose/rotation_vector.h"
 
@@ -18,22 +19,49 @@ std::size_t greatest_at(const std::vector<double>& values, std::size_t begin, st
   return begin + static_cast<std::size_t>(std::max_element(first, last) - first);
 }
 
-Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double>& values,
-                     std::size_t begin, std::size_t end, double reach_s) {
-  std::vector<double> means(values.begin() + static_cast<std::ptrdiff_t>(begin),
-                            values.begin() + static_cast<std::ptrdiff_t>(end));
-  for (std::size_t k = begin; k < end; ++k) {
-    // As many samples on both sides, with triangular weights.
-    double sum = values[k], weights = 1;
-    for (std::size_t i = 1; k >= begin + i && k + i < end; ++i) {
-      const double weight = 1 - (time_s[k + i] - time_s[k - i]) / 2 / reach_s;
-      if (weight <= 0) break;
-      sum += weight * (values[k - i] + values[k + i]);
-      weights += 2 * weight;
+namespace {
+
+// The greatest of `values` (see Greatest). `mean(k)`: their mean around k; `reaches(k, i)`: that
+// mean contains the values k - i and k + i.
+template <class Mean, class Reaches>
+Greatest greatest_by(const std::vector<double>& time_s, const std::vector<double>& values,
+                     std::size_t begin, std::size_t end, const Mean& mean, const Reaches& reaches) {
+  const auto [lowest, highest] =
+      std::minmax_element(values.begin() + static_cast<std::ptrdiff_t>(begin),
+                          values.begin() + static_cast<std::ptrdiff_t>(end));
+  // A mean near the highest value, from which the means fall on both sides.
+  auto at = static_cast<std::size_t>(highest - values.begin());
+  double best = mean(at);
+  for (const bool is_forward : {false, true}) {
+    while (is_forward ? at + 1 < end : at > begin) {
+      const std::size_t next = is_forward ? at + 1 : at - 1;
+      const double there = mean(next);
+      if (!(there > best)) break;
+      best = there;
+      at = next;
     }
-    means[k - begin] = sum / weights;
   }
-  const std::size_t at = begin + greatest_at(means, 0, means.size());
+  // A mean is as great only if it contains a value as great, up to rounding.
+  const double least = best - 1e-12 * (std::abs(*lowest) + std::abs(*highest));
+  constexpr auto kFar = static_cast<std::size_t>(-1) / 2;
+  std::vector<std::size_t> distances(end - begin);
+  std::size_t distance = kFar;
+  for (std::size_t k = end; k-- > begin;) {
+    distance = values[k] >= least ? 0 : distance + (distance < kFar ? 1 : 0);
+    distances[k - begin] = distance;
+  }
+  distance = kFar;
+  at = begin;
+  best = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = begin; k < end; ++k) {
+    distance = values[k] >= least ? 0 : distance + (distance < kFar ? 1 : 0);
+    const std::size_t nearest = std::min(distance, distances[k - begin]);
+    if (nearest > std::min(k - begin, end - 1 - k) || !reaches(k, nearest)) continue;
+    const double there = mean(k);
+    if (!(there > best)) continue;
+    best = there;
+    at = k;
+  }
   Greatest greatest{at, time_s[at], values[at]};
   if (at == begin || at + 1 >= end) return greatest;
   // A parabola through three samples, values[at] + slope x + curve x^2; another through the means.
@@ -43,14 +71,67 @@ Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double
     const double curve = (p * b - q * a) / (a * b * (a - b));
     return std::pair((p - curve * a * a) / a, curve);
   };
-  const std::size_t i = at - begin;
-  const auto [mean_slope, mean_curve] = parabola(means[i - 1], means[i], means[i + 1]);
+  const auto [mean_slope, mean_curve] = parabola(mean(at - 1), mean(at), mean(at + 1));
   if (!(mean_curve < 0)) return greatest;
   const double x = std::clamp(-mean_slope / (2 * mean_curve), a / 2, b / 2);
   const auto [slope, curve] = parabola(values[at - 1], values[at], values[at + 1]);
   greatest.time_s += x;
   greatest.value += (slope + curve * x) * x;
   return greatest;
+}
+
+// Triangular weight of the samples k - i and k + i in the mean around k.
+double weight_of(const std::vector<double>& time_s, std::size_t k, std::size_t i, double reach_s) {
+  return 1 - (time_s[k + i] - time_s[k - i]) / 2 / reach_s;
+}
+
+}  // namespace
+
+Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double>& values,
+                     std::size_t begin, std::size_t end, double reach_s) {
+  const auto mean = [&](std::size_t k) {
+    double sum = values[k], weights = 1;
+    for (std::size_t i = 1; k >= begin + i && k + i < end; ++i) {
+      const double weight = weight_of(time_s, k, i, reach_s);
+      if (weight <= 0) break;
+      sum += weight * (values[k - i] + values[k + i]);
+      weights += 2 * weight;
+    }
+    return sum / weights;
+  };
+  return greatest_by(time_s, values, begin, end, mean, [&](std::size_t k, std::size_t i) {
+    return weight_of(time_s, k, i, reach_s) > 0;
+  });
+}
+
+GreatestAt::GreatestAt(const std::vector<double>& time_s, double reach_s) : time_s_(time_s) {
+  for (std::size_t k = 0; k < time_s.size(); ++k) {
+    first_.push_back(weights_.size());
+    double sum = 1;
+    for (std::size_t i = 1; k >= i && k + i < time_s.size(); ++i) {
+      const double weight = weight_of(time_s, k, i, reach_s);
+      if (weight <= 0) break;
+      sum += 2 * weight;
+      weights_.push_back({weight, sum});
+    }
+  }
+  first_.push_back(weights_.size());
+}
+
+Greatest GreatestAt::of(const std::vector<double>& values, std::size_t begin,
+                        std::size_t end) const {
+  const auto mean = [&](std::size_t k) {
+    const Weight* const weights = weights_.data() + first_[k];
+    const std::size_t count = std::min({first_[k + 1] - first_[k], k - begin, end - 1 - k});
+    const double* const middle = &values[k];
+    double sum = *middle;
+    for (std::size_t i = 1; i <= count; ++i) {
+      sum += weights[i - 1].weight * (*(middle - i) + middle[i]);
+    }
+    return count == 0 ? sum : sum / weights[count - 1].sum;
+  };
+  return greatest_by(time_s_, values, begin, end, mean,
+                     [&](std::size_t k, std::size_t i) { return i <= first_[k + 1] - first_[k]; });
 }
 
 double path_length_m(const Points& points, std::size_t begin, std::size_t end, double chord_m) {
@@ -101,6 +182,19 @@ double hull_area(const Points& points, int first, int second) {
     area += a.first * b.second - b.first * a.second;
   }
   return std::abs(area) / 2;
+}
+
+double greatest_loop_m2(const Points& points, int first, int second, double near_m) {
+  double greatest_m2 = 0, swept = 0;
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    const Vector3d &a = points[k - 1], &b = points[k];
+    // Triangles from the origin, so that the way in and out near it adds next to nothing.
+    swept += (a[first] * b[second] - b[first] * a[second]) / 2;
+    if (b.norm() >= near_m && k + 1 < points.size()) continue;
+    greatest_m2 = std::max(greatest_m2, std::abs(swept));
+    swept = 0;
+  }
+  return greatest_m2;
 }
 
 HelicalAxis helical_axis(const Vector3d& w_rad, const Vector3d& at_m, const Vector3d& d_m) {

@@ -25,10 +25,28 @@ struct Greatest {
 Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double>& values,
                      std::size_t begin, std::size_t end, double reach_s);
 
+/// The same for many values at the same times, whose weights are computed once.
+class GreatestAt {
+ public:
+  /// Copies nothing: `time_s` must outlive it.
+  GreatestAt(const std::vector<double>& time_s, double reach_s);
+  Greatest of(const std::vector<double>& values, std::size_t begin, std::size_t end) const;
+
+ private:
+  struct Weight {
+    double weight;
+    double sum;  // of the weights so far, the middle's with them
+  };
+  const std::vector<double>& time_s_;
+  std::vector<std::size_t> first_;  // of each sample's weights
+  std::vector<Weight> weights_;
+};
+
 /// A point on a path between two samples.
 struct Passage {
   std::size_t after;  ///< sample before it
   Eigen::Vector3d point;
+  double share;  ///< of the time between the samples
 };
 
 /// The first passage, from sample `begin` to `end` (included), of a curve through `points` with
@@ -50,7 +68,7 @@ std::optional<Passage> first_passage(const std::vector<double>& time_s, const Po
       const double middle = (low + high) / 2;
       (measure(at(middle)) < level ? low : high) = middle;
     }
-    return Passage{k, at(high)};
+    return Passage{k, at(high), high};
   }
   return std::nullopt;
 }
@@ -60,6 +78,11 @@ double path_length_m(const Points& points, std::size_t begin, std::size_t end, d
 
 /// Area of the convex hull of the points' coordinates `first` and `second`.
 double hull_area(const Points& points, int first, int second);
+
+/// The greatest area that an excursion of the points encloses in the plane of the coordinates
+/// `first` and `second`: from where they leave the origin by `near_m` to their next return, or to
+/// the end. Parts that turn the other way count negative.
+double greatest_loop_m2(const Points& points, int first, int second, double near_m);
 
 /// The finite helical axis of the rotation vector `w_rad` with displacement `d_m` of the point
 /// `at_m`.

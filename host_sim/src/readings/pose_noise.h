@@ -8,6 +8,8 @@
 //   is beyond chance.
 #pragma once
 
+#include <cmath>
+
 #include "readings/pose_track.h"
 
 namespace condyle::host {
@@ -18,6 +20,11 @@ struct PoseNoise {
   Matrix6 root = Matrix6::Zero();        ///< root root' = covariance
   double coloured = 1;                   ///< variance of what averages slowly, over that above
   bool is_checked_at_rest = false;       ///< the rest was long enough to see colour
+
+  /// About one axis, root of the mean variance (rad).
+  double rotation_sd_rad() const {
+    return std::sqrt(covariance.bottomRightCorner<3, 3>().trace() / 3);
+  }
 };
 
 /// The noise of `motion`, at rest from `begin` to `end` (without).

@@ -20,18 +20,11 @@ using Eigen::Vector3d;
 
 // Digits of a recording, below which a residual means nothing.
 constexpr double kSmallestTolerance_m = 1e-4;
-constexpr std::size_t kLeastSamples = 10;
 
 double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
-}
-
-double high_quantile_of(std::vector<double> values) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 9 / 10);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 struct ThreePoints {
@@ -53,16 +46,17 @@ void fit_body(const std::vector<ThreePoints>& samples, const std::string& name, 
                      "give three points of one rigid body that span a triangle");
   }
   const Vector3d middle_m = in_jaw_frame.shape_m().rowwise().mean();
-  track.body_m = in_jaw_frame.shape_m().colwise() - middle_m;
-  const RigidBody<double> body(track.body_m);
+  const Matrix3d shape_m = in_jaw_frame.shape_m().colwise() - middle_m;
+  track.jaw.shape_m = shape_m;
+  const RigidBody<double> body(shape_m);
   std::vector<PoseFit<double>> fits;
   std::vector<double> residuals_m;
   for (const ThreePoints& sample : samples) {
     fits.push_back(body.fit(sample.points_m));
     residuals_m.push_back(fits.back().residual_rms_m);
   }
-  const double tolerance_m = std::max(8 * median_of(residuals_m), kSmallestTolerance_m);
-  track.residual_m = high_quantile_of(residuals_m);
+  const double tolerance_m = residual_tolerance_m(residuals_m);
+  track.jaw.residual_m = usual_residual_m(residuals_m);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (fits[i].status != PoseStatus::ok || fits[i].residual_rms_m > tolerance_m) {
       ++track.counts.not_rigid;
@@ -74,6 +68,24 @@ void fit_body(const std::vector<ThreePoints>& samples, const std::string& name, 
     track.time_s.push_back(samples[i].time_s);
     track.pose.push_back(pose);
   }
+}
+
+}  // namespace
+
+double residual_tolerance_m(const std::vector<double>& residuals_m) {
+  return std::max(8 * median_of(residuals_m), kSmallestTolerance_m);
+}
+
+double usual_residual_m(std::vector<double> residuals_m) {
+  const auto at = residuals_m.begin() + static_cast<std::ptrdiff_t>(residuals_m.size() * 9 / 10);
+  std::nth_element(residuals_m.begin(), at, residuals_m.end());
+  return *at;
+}
+
+void refuse_if_short(std::size_t usable, const PoseCounts& counts, const std::string& name) {
+  if (usable >= kLeastSamples) return;
+  throw InputError(name, fmt::format("{} of {} samples can be used", usable, counts.samples),
+                   fmt::format("at least {} are needed", kLeastSamples));
 }
 
 void keep_usable(PoseTrack& track) {
@@ -105,13 +117,13 @@ void keep_usable(PoseTrack& track) {
   for (std::size_t i = 0; i < path.size(); ++i) {
     if (bad[i]) continue;
     track.time_s[kept] = track.time_s[i];
+    if (!track.head_pose.empty()) track.head_pose[kept] = track.head_pose[i];
     track.pose[kept++] = track.pose[i];
   }
   track.time_s.resize(kept);
   track.pose.resize(kept);
+  if (!track.head_pose.empty()) track.head_pose.resize(kept);
 }
-
-}  // namespace
 
 PoseTrack read_poses(Recording& recording, const std::string& name) {
   PoseTrack track;
@@ -158,36 +170,19 @@ PoseTrack read_poses(Recording& recording, const std::string& name) {
                      "readings need a point in space or three points; use condyle replay");
   }
   track.has_rotation = track.info.kind != SampleKind::one_point;
-  track.body_m = Matrix3d::Zero();
-  const auto refuse_if_short = [&](std::size_t usable) {
-    if (usable >= kLeastSamples) return;
-    throw InputError(name,
-                     fmt::format("{} of {} samples can be used", usable, track.counts.samples),
-                     fmt::format("at least {} are needed", kLeastSamples));
-  };
   if (track.info.kind == SampleKind::three_points) {
-    refuse_if_short(points.size());
+    refuse_if_short(points.size(), track.counts, name);
     fit_body(points, name, track);
   }
-  refuse_if_short(track.pose.size());
+  refuse_if_short(track.pose.size(), track.counts, name);
   keep_usable(track);
-  refuse_if_short(track.pose.size());
+  refuse_if_short(track.pose.size(), track.counts, name);
   return track;
 }
 
 ReferredMotion motion_from(const PoseTrack& track, std::size_t begin, std::size_t end,
                            MovingBody moving) {
-  // Mean pose: mean place, and the mean of the small rotations from the first sample.
-  Vector3d place_m = Vector3d::Zero(), turn_rad = Vector3d::Zero();
-  const Matrix3d first = track.pose[begin].linear();
-  for (std::size_t i = begin; i < end; ++i) {
-    place_m += track.pose[i].translation();
-    turn_rad += rotation_vector_of<double>(track.pose[i].linear() * first.transpose());
-  }
-  const double count = static_cast<double>(end - begin);
-  Isometry3d reference;
-  reference.linear() = rotation_of<double>(turn_rad / count) * first;
-  reference.translation() = place_m / count;
+  const Isometry3d reference = mean_pose(track.pose, begin, end);
   const Isometry3d back = reference.inverse(Eigen::Isometry);
   ReferredMotion result;
   result.middle_m = reference.translation();

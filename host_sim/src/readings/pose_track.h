@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "readings/point_body.h"
 #include "recordings/recording_choice.h"
 
 namespace condyle::host {
@@ -25,20 +26,43 @@ struct PoseCounts {
                 frozen = 0;
 };
 
+/// A body of the points of a recording.
+struct TrackedBody {
+  std::vector<std::string> names;  ///< of the points; empty: three points without names
+  PointColumns shape_m;            ///< relative to their middle, one a column
+  double residual_m = 0;           ///< of the fit, not exceeded in 90 % of the samples
+};
+
 /// The usable samples.
 struct PoseTrack {
   RecordingInfo info;
   PoseCounts counts;
-  bool has_rotation = false;   ///< three points or poses, not one point
-  Eigen::Matrix3d body_m;      ///< the three points relative to their middle, one a column
-  double residual_m = 0;       ///< of the fit of the body, not exceeded in 90 % of the samples
-  std::vector<double> time_s;  ///< on the recording's clock
-  std::vector<Eigen::Isometry3d> pose;  ///< orientation, and place of the points' middle (m)
-  std::vector<std::string> events;      ///< bursts, as text
+  bool has_rotation = false;                 ///< three points or poses, not one point
+  TrackedBody jaw, head;                     ///< the head without names: it is not tracked
+  std::vector<double> time_s;                ///< on the recording's clock
+  std::vector<Eigen::Isometry3d> pose;       ///< orientation, and place of the points' middle (m)
+  std::vector<Eigen::Isometry3d> head_pose;  ///< of a tracked head, in the instrument's frame
+  Eigen::Isometry3d head_at = Eigen::Isometry3d::Identity();  ///< the head's for which `pose` holds
+  double noise_growth = 1;                 ///< of the variance, where points are missing
+  std::string body_problem;                ///< why a body cannot be trusted; empty: it can
+  std::vector<std::string> events, notes;  ///< bursts, as text; what was read how
 };
 
 /// Reads `recording`, which messages call `name`. Throws InputError if it cannot be used.
 PoseTrack read_poses(Recording& recording, const std::string& name);
+
+/// Takes bursts and frozen poses out of `track`, and counts them.
+void keep_usable(PoseTrack& track);
+
+/// Fewest samples of a recording.
+inline constexpr std::size_t kLeastSamples = 10;
+/// Throws an InputError that names `name` if fewer are usable.
+void refuse_if_short(std::size_t usable, const PoseCounts& counts, const std::string& name);
+
+/// The residual beyond which a sample does not fit its body, from those of all samples (m).
+double residual_tolerance_m(const std::vector<double>& residuals_m);
+/// The residual that 90 % of the samples do not exceed (m).
+double usual_residual_m(std::vector<double> residuals_m);
 
 /// Which body moves relative to the instrument.
 enum class MovingBody { lower, upper };

@@ -50,6 +50,12 @@ double UncertainValue::half_interval() const {
   return std::sqrt(kHalf95 * kHalf95 * variance + smoothing * smoothing);
 }
 
+void UncertainValue::set_half_interval(double half) {
+  noise_sd = half / kHalf95;
+  smoothing = 0;
+  fixed.clear();
+}
+
 UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
   UncertainValue mean;
   double count = 0, variance = 0;

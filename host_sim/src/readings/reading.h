@@ -75,6 +75,8 @@ struct UncertainValue {
 
   /// Half the 95 % interval.
   double half_interval() const;
+  /// Makes `half` that interval, without parts.
+  void set_half_interval(double half);
 };
 
 /// The mean of the values of several strokes; those without a value do not count.

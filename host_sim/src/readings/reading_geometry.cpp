@@ -11,21 +11,15 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-Matrix3d cross_matrix(const Vector3d& v) {
-  Matrix3d m;
-  m << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
-  return m;
-}
-
 // Angular velocity of the rotation vector w with the rate `rate`.
 Vector3d angular_velocity(const Vector3d& w, const Vector3d& rate) {
   const double angle = w.norm();
-  const Matrix3d W = cross_matrix(w);
   const double square = angle * angle;
   const double a = angle < 1e-4 ? 0.5 - square / 24 : (1 - std::cos(angle)) / square;
   const double b =
       angle < 1e-3 ? 1.0 / 6 - square / 120 : (angle - std::sin(angle)) / (square * angle);
-  return rate + a * (W * rate) + b * (W * (W * rate));
+  const Vector3d across = w.cross(rate);
+  return rate + a * across + b * w.cross(across);
 }
 
 }  // namespace
@@ -41,14 +35,31 @@ ReadingGeometry geometry_of(const Landmarks& landmarks, const Vector3d& middle_m
   return geometry;
 }
 
-void paths_of(const SmoothMotion& motion, const ReadingGeometry& geometry, JawPath& path) {
+void turning_of(const SmoothMotion& motion, TurningMotion& turning) {
+  const std::size_t count = motion.value.size();
+  turning.rotation.resize(count);
+  turning.angular_velocity_rad_s.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3d w = motion.value[k].tail<3>();
+    turning.rotation[k] = rotation_of<double>(w);
+    turning.angular_velocity_rad_s[k] = angular_velocity(w, motion.slope[k].tail<3>());
+  }
+}
+
+void paths_of(const SmoothMotion& motion, const TurningMotion& turning,
+              const ReadingGeometry& geometry, PathPart part, JawPath& path) {
   const Matrix3d into_head = geometry.head.linear().transpose();
   const std::size_t count = motion.time_s.size();
   path.time_s = motion.time_s;
-  for (auto* points :
-       {&path.incisor_m, &path.incisor_m_s, &path.condyle_m[0], &path.condyle_m[1],
-        &path.condyle_m_s[0], &path.condyle_m_s[1], &path.rotation_rad, &path.middle_m}) {
-    points->resize(count);
+  path.incisor_m.resize(count);
+  path.incisor_m_s.resize(count);
+  const bool has_all = part == PathPart::all;
+  if (has_all) {
+    for (auto* points :
+         {&path.condyle_m[0], &path.condyle_m[1], &path.condyle_m_s[0], &path.condyle_m_s[1],
+          &path.rotation_rad, &path.turning_rad_s, &path.middle_m}) {
+      points->resize(count);
+    }
   }
   const Vector3d f = geometry.middle_m;
   // The reference was mistaken by a small motion: undone from the right.
@@ -62,8 +73,8 @@ void paths_of(const SmoothMotion& motion, const ReadingGeometry& geometry, JawPa
   path.middle_at_m = geometry.head.inverse(Eigen::Isometry) * f;
   for (std::size_t k = 0; k < count; ++k) {
     const Vector3d w = motion.value[k].tail<3>();
-    Matrix3d R = rotation_of<double>(w);
-    const Vector3d omega = angular_velocity(w, motion.slope[k].tail<3>());
+    Matrix3d R = turning.rotation[k];
+    const Vector3d& omega = turning.angular_velocity_rad_s[k];
     Vector3d u = motion.value[k].head<3>() - R * geometry.reference_shift_m;
     if (is_mistaken) R = R * undo;
     const auto place = [&](const Vector3d& b, Vector3d& d, Vector3d& v) {
@@ -72,12 +83,20 @@ void paths_of(const SmoothMotion& motion, const ReadingGeometry& geometry, JawPa
       v = into_head * (motion.slope[k].head<3>() + omega.cross(turned));
     };
     place(geometry.incisor_m, path.incisor_m[k], path.incisor_m_s[k]);
+    if (!has_all) continue;
     for (std::size_t side = 0; side < 2; ++side) {
       place(geometry.condyle_m[side], path.condyle_m[side][k], path.condyle_m_s[side][k]);
     }
     path.rotation_rad[k] = into_head * (is_mistaken ? rotation_vector_of<double>(R) : w);
+    path.turning_rad_s[k] = into_head * omega;
     path.middle_m[k] = into_head * u;
   }
+}
+
+void paths_of(const SmoothMotion& motion, const ReadingGeometry& geometry, JawPath& path) {
+  TurningMotion turning;
+  turning_of(motion, turning);
+  paths_of(motion, turning, geometry, PathPart::all, path);
 }
 
 double twist_about(const Vector3d& vector_rad, int axis) {

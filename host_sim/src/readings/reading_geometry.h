@@ -36,13 +36,27 @@ struct JawPath {
   std::vector<Eigen::Vector3d> incisor_m, incisor_m_s;
   std::array<std::vector<Eigen::Vector3d>, 2> condyle_m, condyle_m_s;
   std::vector<Eigen::Vector3d> rotation_rad;      ///< rotation vectors
+  std::vector<Eigen::Vector3d> turning_rad_s;     ///< angular velocities
   std::array<Eigen::Vector3d, 2> condyle_at_m{};  ///< the condyles in the reference position
   Eigen::Vector3d incisor_at_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d middle_at_m = Eigen::Vector3d::Zero();  ///< f
   std::vector<Eigen::Vector3d> middle_m;                  ///< displacement of f
 };
 
-/// The paths of `motion`.
+/// Which parts of a path are wanted: all, or time and incisor.
+enum class PathPart { all, incisor };
+
+/// R and omega at the samples of a motion, which do not depend on the points.
+struct TurningMotion {
+  std::vector<Eigen::Matrix3d> rotation;
+  std::vector<Eigen::Vector3d> angular_velocity_rad_s;
+};
+void turning_of(const SmoothMotion& motion, TurningMotion& turning);
+
+/// The paths of `motion`, whose turning is given; the parts that are not wanted stay as they are.
+void paths_of(const SmoothMotion& motion, const TurningMotion& turning,
+              const ReadingGeometry& geometry, PathPart part, JawPath& path);
+/// All paths of `motion`.
 void paths_of(const SmoothMotion& motion, const ReadingGeometry& geometry, JawPath& path);
 
 /// Angle of the twist of the rotation `vector_rad` about `axis`, of swing and twist (rad).

@@ -14,6 +14,8 @@ namespace {
 constexpr const char* kColours[kTaskKinds + 1] = {"#1f5fa8", "#c8641e", "#2e8b57", "#8a4fa3",
                                                   "#505050", "#b03060", "#c0a000", "#1f5fa8"};
 constexpr std::size_t kMostPoints = 20'000;
+// To draw one line takes time with the square of its points where it crosses itself.
+constexpr std::size_t kLinePoints = 100;
 
 // Blocks of data, one for each task: incisor x y z, left condyle x y z, right condyle x y z (mm).
 std::string data_of(const Analysis& analysis, std::vector<TaskKind>& kinds) {
@@ -25,12 +27,19 @@ std::string data_of(const Analysis& analysis, std::vector<TaskKind>& kinds) {
     std::string block;
     for (const Task& task : analysis.tasks) {
       if (task.kind != kind) continue;
+      std::size_t points_of_line = 0;
+      std::string row;
       for (std::size_t k = 0; k < path.time_s.size(); k += stride) {
         if (path.time_s[k] < task.begin_s || path.time_s[k] > task.end_s) continue;
-        for (const auto* points : {&path.incisor_m, &path.condyle_m[0], &path.condyle_m[1]}) {
-          for (const double value : (*points)[k]) block += fmt::format("{:.4f} ", value * 1e3);
+        if (++points_of_line > kLinePoints) {
+          block += "\n" + row;  // the next line begins where this one ends
+          points_of_line = 1;
         }
-        block += "\n";
+        row.clear();
+        for (const auto* points : {&path.incisor_m, &path.condyle_m[0], &path.condyle_m[1]}) {
+          for (const double value : (*points)[k]) row += fmt::format("{:.4f} ", value * 1e3);
+        }
+        block += row += "\n";
       }
       block += "\n";
     }
@@ -102,6 +111,8 @@ std::vector<std::unique_ptr<OutputFile>> draw_readings(const std::string& direct
     plot += "unset multiplot\n";
     gnuplot.draw(prefix + "condyles", plot, 1200, 560);
   }
+  plot = average_cycle_plot(analysis);
+  if (!plot.empty()) gnuplot.draw(prefix + "average_cycle", plot, 1100, 560);
   return gnuplot.finish();
 }
 

@@ -30,6 +30,17 @@ nlohmann::ordered_json json_number(double value) {
   return value;
 }
 
+std::string with_half_interval(const UncertainValue& value) {
+  if (!std::isfinite(value.value)) return ",,";
+  return fmt::format(",{},{}", number(value.value), number(value.half_interval()));
+}
+
+// Where a loop of this area closes; empty if that is not known.
+const char* loop_text(const UncertainValue& area, const char* positive, const char* negative) {
+  const double half = area.half_interval();
+  return area.value > half ? positive : area.value < -half ? negative : "";
+}
+
 }  // namespace
 
 std::string readings_csv(const std::vector<Analysis>& analyses) {
@@ -65,7 +76,7 @@ std::string readings_json(const std::vector<Analysis>& analyses) {
         {"reference_s", {analysis.reference_begin_s, analysis.reference_end_s}},
         {"reference", analysis.is_reference_found ? "found" : "stated"},
         {"rotation_noise_sd_deg",
-         std::sqrt(analysis.noise.covariance.bottomRightCorner<3, 3>().trace() / 3) / kDegree},
+         analysis.noise.rotation_sd_rad() / kDegree},
         {"position_noise_sd_mm",
          std::sqrt(analysis.noise.covariance.topLeftCorner<3, 3>().trace() / 3) * 1e3},
         {"samples", analysis.counts.samples},
@@ -82,6 +93,13 @@ std::string readings_json(const std::vector<Analysis>& analyses) {
                               {"begin_s", task.begin_s},
                               {"end_s", task.end_s},
                               {"found", task.is_found}});
+    }
+    one["average_cycles"] = nlohmann::ordered_json::array();
+    for (const AverageCycle& average : analysis.average_cycles) {
+      one["average_cycles"].push_back({{"side", average.side},
+                                       {"cycles", average.cycles},
+                                       {"known", average.withheld.empty()},
+                                       {"reason", average.withheld}});
     }
     one["readings"] = nlohmann::ordered_json::array();
     for (const JawReading& reading : analysis.readings) {
@@ -108,7 +126,9 @@ std::string cycles_csv(const std::vector<Analysis>& analyses) {
   const auto names = readings_of_cycle(true);
   std::string text = "recording,sequence,cycle,begin_s,turn_s,end_s";
   for (const auto name : names) text += fmt::format(",{},{}_half_interval", name, name);
-  text += ",rejected\n";
+  text +=
+      ",side,side_from,closing_side_mm,closing_side_mm_half_interval,frontal_loop,sagittal_loop,"
+      "rejected\n";
   for (const Analysis& analysis : analyses) {
     for (const AnalysedCycle& cycle : analysis.cycles) {
       text += fmt::format("{},{},{},{:.6f},{:.6f},{:.6f}", csv_field(analysis.recording),
@@ -116,10 +136,46 @@ std::string cycles_csv(const std::vector<Analysis>& analyses) {
                           cycle.cycle.begin_s, cycle.cycle.turn_s, cycle.cycle.end_s);
       for (std::size_t i = 0; i < names.size(); ++i) {
         const bool has = i < cycle.values.size();
-        text += fmt::format(",{},{}", has ? number(cycle.values[i].value) : "",
-                            has ? number(cycle.values[i].half_interval()) : "");
+        text += has ? with_half_interval(cycle.values[i]) : ",,";
       }
-      text += fmt::format(",{}\n", without_commas(cycle.cycle.rejected));
+      const CycleDirections& directions = cycle.directions;
+      text +=
+          fmt::format(",{},{}{},{},{},{}\n", cycle.side,
+                      cycle.side.empty()     ? ""
+                      : cycle.is_side_stated ? "stated"
+                                             : "closing path",
+                      with_half_interval(directions.closing_side_mm),
+                      loop_text(directions.frontal_area_mm2, "closes left", "closes right"),
+                      loop_text(directions.sagittal_area_mm2, "closes in front", "closes behind"),
+                      without_commas(cycle.cycle.rejected));
+    }
+  }
+  return text;
+}
+
+std::string average_cycle_csv(const std::vector<Analysis>& analyses) {
+  std::string text = "recording,side,cycles,phase,share,time_s";
+  for (const char axis : {'x', 'y', 'z'}) {
+    text += fmt::format(",{0}_mm,{0}_sd_mm,{0}_half_interval_mm", axis);
+  }
+  text += ",reason\n";
+  for (const Analysis& analysis : analyses) {
+    for (const AverageCycle& average : analysis.average_cycles) {
+      const std::string begin =
+          fmt::format("{},{},{}", field(analysis.recording), average.side, average.cycles);
+      if (!average.withheld.empty()) {
+        text += fmt::format("{},,,{},{}\n", begin, std::string(9, ','),
+                            without_commas(average.withheld));
+      }
+      for (const AverageCycle::Point& point : average.points) {
+        text += fmt::format("{},{},{:.6f},{:.6f}", begin, point.is_closing ? "closing" : "opening",
+                            point.share, point.time_s);
+        for (int axis = 0; axis < 3; ++axis) {
+          text += fmt::format(",{:.5f},{:.5f},{:.5f}", point.mean_mm[axis], point.sd_mm[axis],
+                              point.half_interval_mm[axis]);
+        }
+        text += ",\n";
+      }
     }
   }
   return text;

@@ -54,7 +54,7 @@ std::string noise_text(const Analysis& analysis) {
   const auto& covariance = analysis.noise.covariance;
   return fmt::format("{:.3f} mm, {:.3f} deg (sd){}",
                      std::sqrt(covariance.topLeftCorner<3, 3>().trace() / 3) * 1e3,
-                     std::sqrt(covariance.bottomRightCorner<3, 3>().trace() / 3) / kDegree,
+                     analysis.noise.rotation_sd_rad() / kDegree,
                      analysis.noise.coloured > 1.5 ? "; smoothed by the instrument" : "");
 }
 

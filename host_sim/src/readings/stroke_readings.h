@@ -7,21 +7,17 @@
 
 #include "readings/reading.h"
 #include "readings/reading_geometry.h"
+#include "readings/reading_values.h"
 
 namespace condyle::host {
-
-/// A reading of a stroke of some kind, and its side.
-struct StrokeReading {
-  std::string_view name;
-  Side side = Side::none;
-};
 
 /// What a stroke of `kind` has.
 std::vector<StrokeReading> readings_of_stroke(TaskKind kind, bool has_landmarks);
 
 /// Their values for the path of one stroke, in their units; NaN where there is none. `why`, if not
-/// null, then holds the reason.
+/// null, then holds the reason. `turning_sd_rad_s`: noise of the path's rate of turning.
 void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
-                 std::vector<double>& values, std::vector<std::string>* why);
+                 std::vector<double>& values, std::vector<std::string>* why,
+                 double turning_sd_rad_s = 0);
 
 }  // namespace condyle::host

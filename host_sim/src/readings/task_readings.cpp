@@ -4,9 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
+#include "readings/chewing_summary.h"
+#include "readings/condyle_readings.h"
+#include "readings/kinematic_centre.h"
+#include "readings/reading_groups.h"
 #include "readings/stroke_checks.h"
 #include "readings/stroke_readings.h"
 #include "readings/strokes.h"
@@ -19,24 +24,10 @@ constexpr double kCalmStroke_s = 0.16, kCalmCycle_s = 0.06;
 constexpr double kMildStroke_s = 0.2, kMildCycle_s = 0.1;
 constexpr double kLeastStroke_m = 1.5e-3;
 constexpr double kMargin_s = 0.15, kLongestGap_s = 0.15, kNewSequence_s = 2;
+constexpr std::size_t kLongStroke = 20'000;  // samples
 // Standard deviation of the instant at which the jaw leaves or reaches a pause: it begins and ends
 // so slowly that its form, which is not known, decides.
 constexpr double kPauseBoundary_s = 8e-3;
-
-bool is_condylar(std::string_view name) {
-  for (const std::string_view word : {"condylar", "bennett", "side_shift", "working", "fischer"}) {
-    if (name.find(word) != std::string_view::npos) return true;
-  }
-  return false;
-}
-
-// What a smoothing instrument makes smaller.
-bool is_fast(std::string_view name) {
-  for (const std::string_view word : {"speed", "sparc", "ldlj", "cycle_height", "cycle_width"}) {
-    if (name.find(word) != std::string_view::npos) return true;
-  }
-  return false;
-}
 
 class TaskReader {
  public:
@@ -82,6 +73,28 @@ class TaskReader {
     }
   }
 
+  // Kinematic centres, from openings and protrusions.
+  void read_centres() {
+    const auto has_task = [this](TaskKind kind) {
+      return std::any_of(analysis_.tasks.begin(), analysis_.tasks.end(),
+                         [kind](const Task& task) { return task.kind == kind; });
+    };
+    if (!context_.has_landmarks || !has_task(TaskKind::opening) ||
+        !has_task(TaskKind::protrusion)) {
+      return;
+    }
+    for (const Side side : {Side::left, Side::right}) {
+      std::array<UncertainValue, 2> centre;
+      if (context_.rotation_problem.empty()) {
+        centre = kinematic_centre(
+            *context_.motion, *context_.noise, context_.errors, whole_strokes_[TaskKind::opening],
+            whole_strokes_[TaskKind::protrusion], side == Side::left ? 0 : 1, random_);
+      }
+      add(definition_of("kinematic_centre_x_mm"), TaskKind::protrusion, side, 0, centre[0], false);
+      add(definition_of("kinematic_centre_z_mm"), TaskKind::protrusion, side, 0, centre[1], false);
+    }
+  }
+
  private:
   static std::string mean_key(TaskKind kind, std::string_view name, Side side) {
     return fmt::format("{}/{}/{}", name_of(kind), name, name_of(side));
@@ -100,8 +113,8 @@ class TaskReader {
     return "";
   }
 
-  void add(const ReadingDefinition& definition, TaskKind kind, Side side, int stroke,
-           UncertainValue value, bool is_found) {
+  JawReading& add(const ReadingDefinition& definition, TaskKind kind, Side side, int stroke,
+                  UncertainValue value, bool is_found) {
     const std::string problem = problem_of(definition);
     if (!problem.empty()) {
       value.value = JawReading::kNone;
@@ -118,6 +131,9 @@ class TaskReader {
         reading.provenance = ReadingProvenance::derived;
       };
       if (is_condylar(definition.name)) assume(context_.condyle_assumption);
+      if (definition.name == "slow_close_time_s") {
+        assume("the contact of the teeth is not recorded; the speed stands for it");
+      }
       assume(context_.reference_assumption);
       if (is_fast(definition.name)) assume(context_.smoothing_assumption);
       if (is_found) {
@@ -126,6 +142,7 @@ class TaskReader {
       }
     }
     analysis_.readings.push_back(std::move(reading));
+    return analysis_.readings.back();
   }
 
   void read_strokes(TaskKind kind, const std::vector<SampleRun>& windows, bool is_found) {
@@ -172,7 +189,7 @@ class TaskReader {
   std::vector<UncertainValue> values_of(TaskKind kind, SampleRun stroke, std::size_t count) {
     std::vector<UncertainValue> none(count);
     const double gap_s = longest_gap_s(analysis_.path.time_s, stroke.begin, stroke.end);
-    const bool is_long = stroke.end - stroke.begin > 20'000;
+    const bool is_long = stroke.end - stroke.begin > kLongStroke;
     std::string problem;
     if (stroke.end < stroke.begin + 5) problem = "it has fewer than five usable samples";
     if (gap_s > kLongestGap_s) problem = fmt::format("a gap of {:.2f} s", gap_s);
@@ -186,20 +203,29 @@ class TaskReader {
       for (UncertainValue& value : none) value.missing = problem;
       return none;
     }
+    const double turning_sd_rad_s =
+        context_.noise->rotation_sd_rad() * slope_gain(analysis_.rate_Hz);
+    ReferredMotion near_greatest;
+    const bool is_greatest_only = kind == TaskKind::rest || kind == TaskKind::whole;
+    const ReferredMotion* motion = context_.motion;
+    if (is_long && is_greatest_only) {
+      near_greatest = near_greatest_of(analysis_.path, *motion, *context_.noise, stroke);
+      motion = &near_greatest;
+      stroke = {0, motion->time_s.size()};
+    }
+    const bool is_still_long = stroke.end - stroke.begin > kLongStroke;
     auto values = uncertain_values(
-        *context_.motion, stroke.begin, stroke.end, *context_.noise, context_.errors,
-        {is_long ? 4 : kStrokePairs, kCalmStroke_s, kMildStroke_s}, random_,
+        *motion, stroke.begin, stroke.end, *context_.noise, context_.errors,
+        {is_still_long ? 4 : kStrokePairs, kCalmStroke_s, kMildStroke_s}, random_,
         [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
-          read_stroke(kind, context_.has_landmarks, path, into, why);
+          read_stroke(kind, context_.has_landmarks, path, into, why, turning_sd_rad_s);
         });
+    const auto names = readings_of_stroke(kind, context_.has_landmarks);
+    if (values.size() > names.size()) finish_separations(names, values);
     const std::string onset =
         is_stroke && context_.has_landmarks ? problem_of_onset(analysis_.path, stroke) : "";
-    const auto names = readings_of_stroke(kind, context_.has_landmarks);
-    for (std::size_t i = 0; i < names.size() && !onset.empty(); ++i) {
-      if (!is_condylar(names[i].name)) continue;
-      values[i].value = JawReading::kNone;
-      values[i].missing = onset;
-    }
+    if (!onset.empty()) withhold_condyles(names, onset, values);
+    if (is_stroke && onset.empty()) whole_strokes_[kind].push_back(stroke);
     return values;
   }
 
@@ -245,7 +271,7 @@ class TaskReader {
         }
         if (cycle.rejected.empty()) {
           analysed.number = ++taken;
-          analysed.values = values_of(cycle, sd_m);
+          take_values(values_of(cycle, sd_m), names.size(), analysed);
           for (std::size_t k = 0; k < names.size(); ++k)
             by_reading[k].push_back(analysed.values[k]);
         }
@@ -260,8 +286,20 @@ class TaskReader {
       UncertainValue mean = mean_of(by_reading[k]);
       if (taken == 0) mean.missing = "no chewing cycle was found";
       add(definition_of(names[k]), TaskKind::chewing, Side::none, 0, mean, is_found);
-      if (k == 0) add_frequency(by_reading[0], mean, is_found);
+      if (k == 0) add_frequency(mean, is_found);
     }
+    add_summaries(taken, is_found);
+  }
+
+  // The values of the cycle's readings, then its directions.
+  static void take_values(std::vector<UncertainValue> values, std::size_t count,
+                          AnalysedCycle& cycle) {
+    CycleDirections& directions = cycle.directions;
+    UncertainValue* const more[] = {&directions.closing_side_mm, &directions.frontal_area_mm2,
+                                    &directions.sagittal_area_mm2, &directions.begin_shift_s};
+    for (std::size_t i = 0; count + i < values.size(); ++i) *more[i] = values[count + i];
+    values.resize(count);
+    cycle.values = std::move(values);
   }
 
   // Displacement and rotation: the greatest of all windows.
@@ -280,8 +318,7 @@ class TaskReader {
     }
   }
 
-  void add_frequency(const std::vector<UncertainValue>& durations, const UncertainValue& mean,
-                     bool is_found) {
+  void add_frequency(const UncertainValue& mean, bool is_found) {
     UncertainValue frequency = mean;
     frequency.value = 1 / mean.value;
     const double slope = frequency.value * frequency.value;
@@ -289,24 +326,30 @@ class TaskReader {
     frequency.smoothing *= slope;
     for (double& change : frequency.fixed) change *= slope;
     add(definition_of("cycle_frequency_Hz"), TaskKind::chewing, Side::none, 0, frequency, is_found);
-    UncertainValue spread;
-    double squares = 0, noise = 0, count = 0;
-    for (const UncertainValue& duration : durations) {
-      if (!std::isfinite(duration.value)) continue;
-      squares += (duration.value - mean.value) * (duration.value - mean.value);
-      noise += duration.noise_sd * duration.noise_sd;
-      ++count;
+  }
+
+  void add_summaries(int taken, bool is_found) {
+    find_sides(analysis_);
+    for (CycleSummary& summary : summaries_of(analysis_)) {
+      if (taken == 0) summary.value.missing = "no chewing cycle was found";
+      if (summary.interval) {
+        const auto [low, high] = *summary.interval;
+        summary.value.set_half_interval((high - low) / 2);
+      }
+      JawReading& reading = add(definition_of(summary.name), TaskKind::chewing, summary.side, 0,
+                                summary.value, is_found);
+      if (reading.provenance == ReadingProvenance::withheld) continue;
+      if (summary.interval) {
+        reading.low = summary.interval->front();
+        reading.high = summary.interval->back();
+      }
+      if (summary.remark.empty()) continue;
+      reading.reason += (reading.reason.empty() ? "" : "; ") + summary.remark;
+      reading.provenance = ReadingProvenance::derived;
     }
-    if (count >= 3) {
-      noise /= count;
-      const double variance = std::max(squares / (count - 1) - noise, 0.0);
-      spread.value = std::sqrt(variance);
-      const double of_variance = std::sqrt((4 * variance * noise + 2 * noise * noise) / count);
-      spread.noise_sd = of_variance / (2 * std::max(spread.value, std::sqrt(of_variance)) + 1e-12);
-    } else {
-      spread.missing = "fewer than three cycles";
+    if (analysis_.has_landmarks && context_.unusable.empty()) {
+      analysis_.average_cycles = average_cycles(analysis_.path, analysis_.cycles, context_.errors);
     }
-    add(definition_of("cycle_duration_sd_s"), TaskKind::chewing, Side::none, 0, spread, is_found);
   }
 
   std::vector<UncertainValue> values_of(const ChewingCycle& cycle, double sd_m) {
@@ -315,12 +358,17 @@ class TaskReader {
     const double before_s = cycle.begins_after_pause ? 0.3 : kMargin_s;
     const double after_s = cycle.ends_with_pause ? 0.3 : kMargin_s;
     while (begin > 0 && time_s[cycle.begin] - time_s[begin - 1] <= before_s) --begin;
-    while (end < time_s.size() && time_s[end] - time_s[cycle.end] <= after_s) ++end;
+    // On to where the next opening has left the closed position.
+    const double closed_s = 5 * cycle.end_sd_s;
+    while (end < time_s.size() && time_s[end] - time_s[cycle.end] <= after_s + closed_s) ++end;
+    const std::vector<double> times_s(time_s.begin() + static_cast<std::ptrdiff_t>(begin),
+                                      time_s.begin() + static_cast<std::ptrdiff_t>(end));
+    const GreatestAt greatest(times_s, kCycleTopReach_s);
     auto values = uncertain_values(
         *context_.motion, begin, end, *context_.noise, context_.errors,
-        {kCyclePairs, kCalmCycle_s, kMildCycle_s}, random_,
+        {kCyclePairs, kCalmCycle_s, kMildCycle_s, PathPart::incisor}, random_,
         [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
-          read_cycle(cycle, begin, sd_m, context_.has_landmarks, path, into, why);
+          read_cycle(cycle, begin, sd_m, context_.has_landmarks, path, greatest, into, why);
         });
     // Duration, opening time, closing time.
     const double at_begin_s = cycle.begins_after_pause ? kPauseBoundary_s : cycle.begin_sd_s;
@@ -336,6 +384,7 @@ class TaskReader {
   const TaskContext& context_;
   RandomGenerator random_;
   std::map<std::string, UncertainValue> means_;
+  std::map<TaskKind, std::vector<SampleRun>> whole_strokes_;
 };
 
 }  // namespace
@@ -345,6 +394,7 @@ void read_tasks_of(Analysis& analysis, const TaskContext& context) {
   for (std::size_t i = 0; i < kTaskKinds; ++i) reader.read(static_cast<TaskKind>(i));
   reader.read(TaskKind::whole);
   reader.read_fischer();
+  reader.read_centres();
 }
 
 }  // namespace condyle::host

@@ -14,12 +14,31 @@
 namespace condyle::host {
 namespace {
 
+constexpr std::pair<std::string_view, Side> kChewingSides[] = {{"chewing-left", Side::left},
+                                                               {"chewing-right", Side::right}};
+
 std::string all_names() {
   std::string text;
   for (const std::string_view name : task_names()) {
     text += fmt::format("{}{}", text.empty() ? "" : ", ", name);
   }
+  for (const auto& [sided, side] : kChewingSides) text += fmt::format(", {}", sided);
   return text;
+}
+
+// Kind and side of the task called `name`; false if there is none.
+bool find_name(std::string_view name, Task& task) {
+  for (const auto& [sided, side] : kChewingSides) {
+    if (name != sided) continue;
+    task.kind = TaskKind::chewing;
+    task.side = side;
+    return true;
+  }
+  const auto names = task_names();
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) return false;
+  task.kind = static_cast<TaskKind>(found - names.begin());
+  return true;
 }
 
 double time_of(std::string_view text, const std::string& place, const char* what) {
@@ -33,8 +52,10 @@ double time_of(std::string_view text, const std::string& place, const char* what
 
 Task task_of(const std::string& place, const std::string& name, std::string_view begin,
              std::string_view end) {
-  Task task{task_kind(name, place), time_of(begin, place, "begin"), time_of(end, place, "end"),
-            false};
+  Task task;
+  set_name(task, name, place);
+  task.begin_s = time_of(begin, place, "begin");
+  task.end_s = time_of(end, place, "end");
   if (!(task.end_s > task.begin_s)) {
     throw InputError(
         place, fmt::format("{} ends at {:g} s, not after {:g} s", name, task.end_s, task.begin_s),
@@ -46,13 +67,15 @@ Task task_of(const std::string& place, const std::string& name, std::string_view
 }  // namespace
 
 TaskKind task_kind(const std::string& name, const std::string& place) {
-  const auto names = task_names();
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) {
-    throw InputError(place, fmt::format("{} is not a task", quote(name)),
-                     fmt::format("tasks are {}", all_names()));
-  }
-  return static_cast<TaskKind>(found - names.begin());
+  Task task;
+  set_name(task, name, place);
+  return task.kind;
+}
+
+void set_name(Task& task, const std::string& name, const std::string& place) {
+  if (find_name(name, task)) return;
+  throw InputError(place, fmt::format("{} is not a task", quote(name)),
+                   fmt::format("tasks are {}", all_names()));
 }
 
 std::vector<Task> tasks_of_words(const std::vector<std::string>& words) {
@@ -106,17 +129,13 @@ std::vector<Task> read_tasks(const std::string& path) {
 
 std::vector<Task> marked_tasks(const std::string& path, double end_s) {
   const std::vector<SessionMarker> markers = read_markers(path);
-  const auto names = task_names();
   std::vector<Task> tasks;
   for (std::size_t i = 0; i < markers.size(); ++i) {
-    const std::string text(trim(markers[i].text));
-    const auto found = std::find(names.begin(), names.end(), text);
-    if (found == names.end()) continue;
-    const double begin_s = seconds(markers[i].time_ns);
-    const double until_s = i + 1 < markers.size() ? seconds(markers[i + 1].time_ns) : end_s;
-    if (until_s > begin_s) {
-      tasks.push_back({static_cast<TaskKind>(found - names.begin()), begin_s, until_s, false});
-    }
+    Task task;
+    if (!find_name(trim(markers[i].text), task)) continue;
+    task.begin_s = seconds(markers[i].time_ns);
+    task.end_s = i + 1 < markers.size() ? seconds(markers[i + 1].time_ns) : end_s;
+    if (task.end_s > task.begin_s) tasks.push_back(task);
   }
   return tasks;
 }

@@ -14,11 +14,16 @@ namespace condyle::host {
 struct Task {
   TaskKind kind = TaskKind::opening;
   double begin_s = 0, end_s = 0;
-  bool is_found = false;  ///< by the shape of the motion, not stated
+  bool is_found = false;   ///< by the shape of the motion, not stated
+  Side side = Side::none;  ///< of chewing, if it is stated
 };
 
 /// The kind called `name`. Throws InputError naming `place` if there is none.
 TaskKind task_kind(const std::string& name, const std::string& place);
+
+/// Takes kind and side from a task's name: that of a kind, or chewing-left, chewing-right. Throws
+/// InputError naming `place` if it is none.
+void set_name(Task& task, const std::string& name, const std::string& place);
 
 /// The tasks of --task NAME BEGIN END, given `words` three by three.
 std::vector<Task> tasks_of_words(const std::vector<std::string>& words);

@@ -12,6 +12,7 @@ constexpr double kMostMissing = 0.1;
 // What is left after the correction is far less than what was corrected; the interval contains this
 // many times that, and all that was subtracted for noise.
 constexpr double kTimesSmoothing = 2;
+constexpr double kTimesNoise = 6, kGreatestReach_s = 0.6;
 
 std::vector<double> part_of(const std::vector<double>& values, std::size_t begin, std::size_t end) {
   return {values.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -80,6 +81,40 @@ std::vector<Vector6> means_of(const std::vector<double>& time_s, const std::vect
 
 }  // namespace
 
+ReferredMotion near_greatest_of(const JawPath& path, const ReferredMotion& motion,
+                                const PoseNoise& noise, SampleRun run) {
+  const auto squares = noise.covariance.diagonal();
+  const double turn_noise_rad = std::sqrt(squares.tail<3>().sum());
+  const double lever_m = (path.incisor_at_m - path.middle_at_m).norm();
+  const double noise_m = std::sqrt(squares.head<3>().sum()) + lever_m * turn_noise_rad;
+  double far_m = 0, turn_rad = 0;
+  for (std::size_t k = run.begin; k < run.end; ++k) {
+    far_m = std::max(far_m, path.incisor_m[k].norm());
+    turn_rad = std::max(turn_rad, path.rotation_rad[k].norm());
+  }
+  std::vector<bool> is_used(run.end - run.begin, false);
+  std::size_t used_to = run.begin;
+  for (std::size_t k = run.begin; k < run.end; ++k) {
+    if (path.incisor_m[k].norm() < far_m - kTimesNoise * noise_m &&
+        path.rotation_rad[k].norm() < turn_rad - kTimesNoise * turn_noise_rad) {
+      continue;
+    }
+    std::size_t first = std::max(k, used_to);
+    while (first > used_to && path.time_s[k] - path.time_s[first - 1] < kGreatestReach_s) --first;
+    for (; first < run.end && path.time_s[first] - path.time_s[k] < kGreatestReach_s; ++first) {
+      is_used[first - run.begin] = true;
+    }
+    used_to = first;
+  }
+  ReferredMotion result{motion.middle_m, {}, {}};
+  for (std::size_t k = run.begin; k < run.end; ++k) {
+    if (!is_used[k - run.begin]) continue;
+    result.time_s.push_back(motion.time_s[k]);
+    result.motion.push_back(motion.motion[k]);
+  }
+  return result;
+}
+
 SharedErrors shared_errors(const Landmarks* landmarks, const ReadingGeometry& geometry,
                            const Matrix6& reference) {
   SharedErrors errors{geometry, {}};
@@ -104,76 +139,76 @@ SharedErrors shared_errors(const Landmarks* landmarks, const ReadingGeometry& ge
   return errors;
 }
 
-SmoothMotion smooth_motion(const ReferredMotion& motion, std::size_t begin, std::size_t end) {
-  const LocalFit fit(motion.time_s, begin, end);
-  SmoothMotion smooth{{motion.time_s.begin() + static_cast<std::ptrdiff_t>(begin),
-                       motion.time_s.begin() + static_cast<std::ptrdiff_t>(end)},
-                      {},
-                      {}};
-  fit.apply(part(motion.motion, fit.first_used(), fit.end_used()), smooth.value, smooth.slope);
-  return smooth;
-}
-
 std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::size_t begin,
                                              std::size_t end, const PoseNoise& noise,
                                              const SharedErrors& errors, DrawSettings settings,
                                              RandomGenerator& random, const ReadPath& read) {
-  const LocalFit fit(motion.time_s, begin, end);
-  const std::size_t first = fit.first_used(), last = fit.end_used();
-  // The smoothed motion, with the margins that smoothing it again needs.
-  const SmoothMotion wide = smooth_motion(motion, first, last);
-  SmoothMotion smooth{{motion.time_s.begin() + static_cast<std::ptrdiff_t>(begin),
-                       motion.time_s.begin() + static_cast<std::ptrdiff_t>(end)},
-                      part(wide.value, begin - first, end - first),
-                      part(wide.slope, begin - first, end - first)};
+  // Samples that the fits use are smoothed too, to be smoothed again.
+  const auto [first, last] = samples_of_fit(motion.time_s, begin, end);
+  const LocalFit fit(motion.time_s, first, last);
+  SmoothMotion smooth{part_of(motion.time_s, begin, end), {}, {}};
+  fit.apply(motion.motion, 0, begin, end, smooth.value, smooth.slope);
   JawPath path;
+  TurningMotion turning;
   std::vector<double> values, once, plus, minus;
   std::vector<std::string> why;
-  paths_of(smooth, errors.geometry, path);
-  read(path, values, &why);
+  const auto read_smooth = [&](const ReadingGeometry& geometry, std::vector<double>& into,
+                               std::vector<std::string>* reasons) {
+    paths_of(smooth, turning, geometry, settings.part, path);
+    read(path, into, reasons);
+  };
+  turning_of(smooth, turning);
+  read_smooth(errors.geometry, values, &why);
   std::vector<UncertainValue> results(values.size());
   for (const ReadingGeometry& moved : errors.off_by_one_sd) {
-    paths_of(smooth, moved, path);
-    read(path, once, nullptr);
+    read_smooth(moved, once, nullptr);
     for (std::size_t i = 0; i < results.size(); ++i)
       results[i].fixed.push_back(once[i] - values[i]);
   }
-  const auto read_again = [&](const std::vector<Vector6>& samples, std::vector<double>& into) {
-    fit.apply(samples, smooth.value, smooth.slope);
-    paths_of(smooth, errors.geometry, path);
-    read(path, into, nullptr);
+  const auto read_turned = [&](std::vector<double>& into) {
+    turning_of(smooth, turning);
+    read_smooth(errors.geometry, into, nullptr);
   };
   // What noise and smoothing add is seen on a path that has hardly any noise: a greatest value
   // among noisy ones would hide half of it.
   const LocalFit calm_fit(motion.time_s, first, last, settings.calm_half_s);
   std::vector<Vector6> calm, slopes;
-  calm_fit.apply(part(motion.motion, calm_fit.first_used(), calm_fit.end_used()), calm, slopes);
+  calm_fit.apply(motion.motion, 0, calm, slopes);
   slopes = slopes_of(part_of(motion.time_s, first, last), calm);
   smooth.value = part(calm, begin - first, end - first);
   smooth.slope = part(slopes, begin - first, end - first);
-  paths_of(smooth, errors.geometry, path);
   std::vector<double> calm_values;
-  read(path, calm_values, nullptr);
-  read_again(calm, once);
+  read_turned(calm_values);
+  fit.apply(calm, first, begin, end, smooth.value, smooth.slope);
+  read_turned(once);
   // Draws start from a path whose tops are as flat as the true ones, with less noise still.
   const LocalFit mild_fit(motion.time_s, first, last, settings.mild_half_s);
   std::vector<Vector6> mild;
-  mild_fit.apply(part(motion.motion, mild_fit.first_used(), mild_fit.end_used()), mild, slopes);
+  mild_fit.apply(motion.motion, 0, mild, slopes);
   mild = means_of(part_of(motion.time_s, first, last), mild, settings.mild_half_s / 2);
+  fit.apply(mild, first, begin, end, smooth.value, smooth.slope);
+  const std::vector<Vector6> mild_value = smooth.value, mild_slope = smooth.slope;
   std::vector<double> mild_values;
-  read_again(mild, mild_values);
+  read_turned(mild_values);
   std::vector<Draws> draws(values.size());
-  std::vector<Vector6> up(calm.size()), down(calm.size());
+  // Smoothing is linear: the smoothed noise is added to the smoothed path, and subtracted.
+  std::vector<Vector6> error(mild.size()), error_value, error_slope;
   for (int pair = 0; pair < settings.pairs; ++pair) {
-    for (std::size_t k = 0; k < calm.size(); ++k) {
+    for (Vector6& sample : error) {
       Vector6 normal;
       for (double& number : normal) number = random.normal();
-      const Vector6 error = noise.root * normal;
-      up[k] = mild[k] + error;
-      down[k] = mild[k] - error;
+      sample = noise.root * normal;
     }
-    read_again(up, plus);
-    read_again(down, minus);
+    fit.apply(error, first, begin, end, error_value, error_slope);
+    const auto read_with = [&](double sign, std::vector<double>& into) {
+      for (std::size_t k = 0; k < mild_value.size(); ++k) {
+        smooth.value[k] = mild_value[k] + sign * error_value[k];
+        smooth.slope[k] = mild_slope[k] + sign * error_slope[k];
+      }
+      read_turned(into);
+    };
+    read_with(1, plus);
+    read_with(-1, minus);
     for (std::size_t i = 0; i < draws.size(); ++i) {
       for (const double drawn : {plus[i], minus[i]}) {
         if (std::isfinite(drawn) && std::isfinite(mild_values[i])) {

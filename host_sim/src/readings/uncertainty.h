@@ -40,9 +40,10 @@ using ReadPath = std::function<void(const JawPath& path, std::vector<double>& va
 
 /// How to find the uncertainty.
 struct DrawSettings {
-  int pairs;           ///< of draws of noise
-  double calm_half_s;  ///< half window of z
-  double mild_half_s;  ///< half window of m
+  int pairs;                      ///< of draws of noise
+  double calm_half_s;             ///< half window of z
+  double mild_half_s;             ///< half window of m
+  PathPart part = PathPart::all;  ///< what `read` needs
 };
 
 /// The values that `read` gives for the samples `begin` to `end` (without) of `motion`.
@@ -51,7 +52,10 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
                                              const SharedErrors& errors, DrawSettings settings,
                                              RandomGenerator& random, const ReadPath& read);
 
-/// The smoothed motion of those samples.
-SmoothMotion smooth_motion(const ReferredMotion& motion, std::size_t begin, std::size_t end);
+/// The samples of `run` that can decide how far `path`, which is that of `motion`, and its rotation
+/// reach: those that lie within six standard deviations of a sample's noise of the greatest, and
+/// all less than 0.6 s from them, farther than smoothing reaches. For long recordings.
+ReferredMotion near_greatest_of(const JawPath& path, const ReferredMotion& motion,
+                                const PoseNoise& noise, SampleRun run);
 
 }  // namespace condyle::host

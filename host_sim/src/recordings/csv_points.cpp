@@ -87,8 +87,8 @@ std::vector<const CsvPoints::Point*> CsvPoints::by_number() const {
   return numbered;
 }
 
-SampleKind CsvPoints::kind(const std::string& place) const {
-  if (points_.size() > kMostPoints) {
+SampleKind CsvPoints::kind(const std::string& place, bool takes_any_number) const {
+  if (points_.size() > kMostPoints && !takes_any_number) {
     const std::vector<Point> surplus(points_.begin() + kMostPoints, points_.end());
     throw InputError(
         place,
@@ -106,7 +106,7 @@ SampleKind CsvPoints::kind(const std::string& place) const {
     }
   }
   const std::vector<const Point*> numbered = by_number();
-  if (lacking.empty() && points_.size() == kMostPoints) return SampleKind::three_points;
+  if (lacking.empty() && points_.size() >= kMostPoints) return SampleKind::three_points;
   if (lacking.empty() && points_.size() == 1 && numbered[0] != nullptr) {
     return SampleKind::one_point;
   }
@@ -118,6 +118,14 @@ SampleKind CsvPoints::kind(const std::string& place) const {
                                list(lacking, ", ", [](const std::string& name) { return name; }),
                                lacking.size() == 1 ? "is" : "are"),
                    "give x, y, z of one point or of three, such as p1_x_mm to p3_z_mm");
+}
+
+std::vector<std::string> CsvPoints::names() const {
+  std::vector<std::string> names;
+  for (const Point* point : by_number()) {
+    if (point != nullptr) names.push_back(point->name);
+  }
+  return names;
 }
 
 std::size_t CsvPoints::coordinate(const PointColumn& column) const {

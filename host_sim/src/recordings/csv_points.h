@@ -32,9 +32,11 @@ class CsvPoints {
  public:
   void add(const PointColumn& column);
   bool empty() const { return points_.empty(); }
-  /// one_point or three_points. Throws InputError at `place` for any other number of points, and
-  /// for points that lack a coordinate.
-  SampleKind kind(const std::string& place) const;
+  /// one_point or three_points, which also stands for more than three if `takes_any_number`. Throws
+  /// InputError at `place` for any other number of points, and for points that lack a coordinate.
+  SampleKind kind(const std::string& place, bool takes_any_number) const;
+  /// The names in the order of the points' numbers. Valid after all are added.
+  std::vector<std::string> names() const;
   /// Index of the column among the coordinates of a sample. Valid after all are added.
   std::size_t coordinate(const PointColumn& column) const;
   /// Which name is which point: "point 1 is apex"; empty for p1 to p3.

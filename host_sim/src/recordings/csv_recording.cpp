@@ -2,14 +2,19 @@
 // CSV recordings. Columns, in any order:
 //   time_s                              always
 //   position_m | position_mm            one axis, or
-//   NAME_x_mm, NAME_y_mm, NAME_z_mm     one point or three, such as p1, p2, p3 (or _m)
+//   NAME_x_mm, NAME_y_mm, NAME_z_mm     one point or three, such as p1, p2, p3 (or _m); any number
+//                                       of points for readers that take points by name
 //   drive_N                             measured total drive, optional
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
 
 #include "hosted/files/input_error.h"
 #include "recordings/csv_points.h"
+#include "recordings/named_points.h"
 #include "recordings/recording_formats.h"
 
 namespace condyle::host {
@@ -30,14 +35,16 @@ struct Column {
   std::string name;
 };
 
-class CsvRecording final : public Recording {
+class CsvRecording final : public NamedPointsRecording {
  public:
-  CsvRecording(std::unique_ptr<ByteReader> reader, const RecordingOptions& options)
+  CsvRecording(std::unique_ptr<ByteReader> reader, const RecordingOptions& options,
+               bool takes_any_number)
       : reader_(std::move(reader)),
         rows_(*reader_),
         rule_(options.faults),
         reads_drive_alone_(options.reads_drive_alone),
         may_lack_ignored_(options.may_lack_ignored),
+        takes_any_number_(takes_any_number),
         drive_column_(options.drive_column) {
     read_header(options.ignored_columns);
   }
@@ -48,6 +55,7 @@ class CsvRecording final : public Recording {
     sample = Sample{};
     sample.kind = info_.kind;
     sample.sequence = sequence_++;
+    points_m_.setConstant(std::numeric_limits<double>::quiet_NaN());
     if (row.empty()) {
       rule_.accept(NumberStatus::empty, place(), columns_[0].name, "");
       sample.time_valid = sample.position_valid = false;
@@ -57,6 +65,8 @@ class CsvRecording final : public Recording {
     return true;
   }
 
+  const std::vector<std::string>& names() const override { return names_; }
+  const Eigen::Matrix3Xd& points_m() const override { return points_m_; }
   const RecordingInfo& info() const override { return info_; }
   std::string place() const override { return fmt::format("{}:{}", reader_->path(), rows_.line()); }
   double progress() const override { return reader_->progress(); }
@@ -160,12 +170,15 @@ class CsvRecording final : public Recording {
                                          "is one axis, the others are points",
                        "give position_m, or x, y, z of one point or of three");
     }
-    info_.kind = points_.kind(place());
+    info_.kind = points_.kind(place(), takes_any_number_);
+    names_ = points_.names();
+    points_m_.resize(3, static_cast<Eigen::Index>(names_.size()));
     for (Column& column : columns_) {
       const auto of_point = point_column(column.name);
       if (column.role == Column::Role::coordinate)
         column.coordinate = points_.coordinate(*of_point);
     }
+    if (names_.size() > 3) return;  // whoever takes them by name says which
     if (std::string note = points_.note(); !note.empty()) info_.notes.push_back(std::move(note));
   }
 
@@ -193,7 +206,8 @@ class CsvRecording final : public Recording {
           break;
         case Column::Role::coordinate: {
           status = parse_number(fields_[i], value);
-          sample.coordinates[column.coordinate] = value / column.units_per_metre;
+          take_coordinate(column.coordinate, value / column.units_per_metre,
+                          status == NumberStatus::ok, sample);
           break;
         }
         case Column::Role::drive:
@@ -217,15 +231,24 @@ class CsvRecording final : public Recording {
     if (is_out_of_range(sample.kind, sample.coordinates)) sample.position_valid = false;
   }
 
+  void take_coordinate(std::size_t coordinate, double value_m, bool is_number, Sample& sample) {
+    if (coordinate < std::size(sample.coordinates)) sample.coordinates[coordinate] = value_m;
+    if (names_.empty() || !is_number || std::abs(value_m) > kFarthestPosition_m) return;
+    points_m_(static_cast<Eigen::Index>(coordinate % 3),
+              static_cast<Eigen::Index>(coordinate / 3)) = value_m;
+  }
+
   std::unique_ptr<ByteReader> reader_;
   RowReader rows_;
   FaultRule rule_;
-  bool reads_drive_alone_, may_lack_ignored_;
+  bool reads_drive_alone_, may_lack_ignored_, takes_any_number_;
   std::string drive_column_;
   RecordingInfo info_;
   std::vector<Column> columns_;
   std::vector<std::string_view> fields_;  // of the row being read
   CsvPoints points_;
+  std::vector<std::string> names_;
+  Eigen::Matrix3Xd points_m_;  // of the sample last returned, one a column
   std::ptrdiff_t axis_columns_ = 0;
   std::uint64_t sequence_ = 0;
 };
@@ -234,7 +257,12 @@ class CsvRecording final : public Recording {
 
 std::unique_ptr<Recording> open_csv(std::unique_ptr<ByteReader> reader,
                                     const RecordingOptions& options) {
-  return std::make_unique<CsvRecording>(std::move(reader), options);
+  return std::make_unique<CsvRecording>(std::move(reader), options, false);
+}
+
+std::unique_ptr<NamedPointsRecording> open_csv_points(std::unique_ptr<ByteReader> reader,
+                                                      const RecordingOptions& options) {
+  return std::make_unique<CsvRecording>(std::move(reader), options, true);
 }
 
 }  // namespace condyle::host

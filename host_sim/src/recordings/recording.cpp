@@ -12,6 +12,7 @@
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "recordings/device_recording.h"
+#include "recordings/named_points.h"
 #include "recordings/recording_files.h"
 #include "recordings/recording_formats.h"
 #include "recordings/simulated_recording.h"
@@ -138,31 +139,10 @@ SourceSpec recording_source(const std::string& text) {
   return source;
 }
 
-std::unique_ptr<Recording> open_recording(const std::string& source,
-                                          const RecordingOptions& options) {
-  const SourceSpec spec = recording_source(source);
-  switch (spec.kind) {
-    case SourceKind::file:
-      break;
-    case SourceKind::sim:
-      return open_simulation(spec.file);
-    case SourceKind::hid:
-    case SourceKind::usb:
-      throw InputError(
-          source, "is a device, not a recording",
-          fmt::format("record it first: condyle record --profile '{}' --backend {} --out "
-                      "session.mcap",
-                      spec.file, backend_of(spec.kind)));
-    case SourceKind::synth:
-      throw InputError(source, "is a synthetic device, which never ends",
-                       "give a recording, or a simulated subject with sim:SCENARIO.toml");
-  }
-  if (recording_files(source).size() > 1) return open_joined(source, options);
-  return open_recording_file(spec.file, options);
-}
+namespace {
 
-std::unique_ptr<Recording> open_recording_file(const std::string& path,
-                                               const RecordingOptions& options) {
+std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOptions& options,
+                                     bool takes_any_number) {
   auto reader = std::make_unique<ByteReader>(path);
   std::string_view start = reader->peek(4096);
   if (start.substr(0, 2) == "\xff\xfe" || start.substr(0, 2) == "\xfe\xff") {
@@ -215,7 +195,48 @@ std::unique_ptr<Recording> open_recording_file(const std::string& path,
     return open_probe_text(std::move(reader), options);
   }
   only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns state no unit");
+  if (takes_any_number) return open_csv_points(std::move(reader), options);
   return open_csv(std::move(reader), options);
+}
+
+std::unique_ptr<Recording> open_source(const std::string& source, const RecordingOptions& options,
+                                       bool takes_any_number) {
+  const SourceSpec spec = recording_source(source);
+  switch (spec.kind) {
+    case SourceKind::file:
+      break;
+    case SourceKind::sim:
+      return open_simulation(spec.file);
+    case SourceKind::hid:
+    case SourceKind::usb:
+      throw InputError(
+          source, "is a device, not a recording",
+          fmt::format("record it first: condyle record --profile '{}' --backend {} --out "
+                      "session.mcap",
+                      spec.file, backend_of(spec.kind)));
+    case SourceKind::synth:
+      throw InputError(source, "is a synthetic device, which never ends",
+                       "give a recording, or a simulated subject with sim:SCENARIO.toml");
+  }
+  if (recording_files(source).size() > 1) return open_joined(source, options);
+  return open_file(spec.file, options, takes_any_number);
+}
+
+}  // namespace
+
+std::unique_ptr<Recording> open_recording(const std::string& source,
+                                          const RecordingOptions& options) {
+  return open_source(source, options, false);
+}
+
+std::unique_ptr<Recording> open_with_all_points(const std::string& source,
+                                                const RecordingOptions& options) {
+  return open_source(source, options, true);
+}
+
+std::unique_ptr<Recording> open_recording_file(const std::string& path,
+                                               const RecordingOptions& options) {
+  return open_file(path, options, false);
 }
 
 }  // namespace condyle::host

@@ -13,12 +13,14 @@ namespace condyle::host {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr std::size_t kMostPoints = 4'000;  // of a drawing
+// Of a drawing. If tasks have more, pieces of them are drawn: no line joins distant moments.
+constexpr std::size_t kMostPoints = 8'000, kPieces = 12, kPointsOfPieces = 4'000;
+constexpr double kDrawnRate_Hz = 50, kLeastStep_mm = 0.05;
 
 class Drawing {
  public:
-  Drawing(const Analysis& analysis, const PlaneDrawing& plane)
-      : analysis_(analysis), plane_(plane), sign_(plane.is_mirrored ? -1 : 1) {}
+  Drawing(const PlaneDrawing& plane, const std::vector<DrawnPath>& paths)
+      : plane_(plane), paths_(paths), sign_(plane.is_mirrored ? -1 : 1) {}
 
   std::string svg() {
     find_extent();
@@ -32,17 +34,20 @@ class Drawing {
         height + 2 * margin);
     text += axes();
     for (const DrawnAngle& angle : plane_.angles) text += fan(angle);
-    for (const Task& task : analysis_.tasks) text += path_of(task);
-    text += fmt::format(
-        "<circle class=\"now\" visibility=\"hidden\" r=\"{:.3f}\" data-point=\"{}\" "
-        "data-x=\"{}\" data-y=\"{}\" data-sign=\"{:.0f}\"/></svg>",
-        font_mm_ / 3, plane_.point, plane_.x, plane_.y, sign_);
-    return text;
+    for (const DrawnBand& band : plane_.bands) text += area(band);
+    for (const DrawnPath& path : paths_) text += line_of(path);
+    if (!plane_.point.empty()) {
+      text += fmt::format(
+          "<circle class=\"now\" visibility=\"hidden\" r=\"{:.3f}\" data-point=\"{}\" "
+          "data-x=\"{}\" data-y=\"{}\" data-sign=\"{:.0f}\"/>",
+          font_mm_ / 3, plane_.point, plane_.x, plane_.y, sign_);
+    }
+    return text + "</svg>";
   }
 
  private:
-  double across_mm(std::size_t k) const { return sign_ * (*plane_.path_m)[k][plane_.x] * 1e3; }
-  double up_mm(std::size_t k) const { return (*plane_.path_m)[k][plane_.y] * 1e3; }
+  double across_mm(const Eigen::Vector3d& point_m) const { return sign_ * point_m[plane_.x] * 1e3; }
+  double up_mm(const Eigen::Vector3d& point_m) const { return point_m[plane_.y] * 1e3; }
 
   void include(double x, double y) {
     left_ = std::min(left_, x);
@@ -52,8 +57,13 @@ class Drawing {
   }
 
   void find_extent() {
-    for (std::size_t k = 0; k < plane_.path_m->size(); ++k) {
-      if (is_in_task(k)) include(across_mm(k), up_mm(k));
+    for (const DrawnPath& path : paths_) {
+      for (const auto& piece : path.pieces_m) {
+        for (const auto& point_m : piece) include(across_mm(point_m), up_mm(point_m));
+      }
+    }
+    for (const DrawnBand& band : plane_.bands) {
+      for (const auto& [x, y] : band.outline_mm) include(sign_ * x, y);
     }
     // Wide enough to be read; the same number of digits on all ticks.
     const double least = 4;
@@ -62,25 +72,28 @@ class Drawing {
     include(x + least / 2, y + least / 2);
   }
 
-  bool is_in_task(std::size_t k) const {
-    const double t = analysis_.path.time_s[k];
-    return std::any_of(analysis_.tasks.begin(), analysis_.tasks.end(),
-                       [t](const Task& task) { return t >= task.begin_s && t <= task.end_s; });
+  std::string area(const DrawnBand& band) const {
+    std::string points;
+    for (const auto& [x, y] : band.outline_mm)
+      points += fmt::format("{:.2f},{:.2f} ", sign_ * x, -y);
+    return fmt::format("<polygon class=\"band {}\" points=\"{}\"/>", band.kind, points);
   }
 
-  std::string path_of(const Task& task) const {
-    const auto& time_s = analysis_.path.time_s;
-    const auto begin = std::lower_bound(time_s.begin(), time_s.end(), task.begin_s);
-    const auto end = std::upper_bound(begin, time_s.end(), task.end_s);
-    const auto first = static_cast<std::size_t>(begin - time_s.begin());
-    const auto last = static_cast<std::size_t>(end - time_s.begin());
-    const std::size_t stride = 1 + time_s.size() / kMostPoints;
-    std::string points;
-    for (std::size_t k = first; k < last; k += stride) {
-      points += fmt::format("{:.2f},{:.2f} ", across_mm(k), -up_mm(k));
+  std::string line_of(const DrawnPath& path) const {
+    std::string text;
+    for (const auto& piece : path.pieces_m) {
+      std::string points;
+      double x_mm = 1e9, y_mm = 1e9;
+      for (const auto& point_m : piece) {
+        const double x = across_mm(point_m), y = up_mm(point_m);
+        if (std::hypot(x - x_mm, y - y_mm) < kLeastStep_mm) continue;
+        points += fmt::format("{:.2f},{:.2f} ", x, -y);
+        x_mm = x;
+        y_mm = y;
+      }
+      text += fmt::format("<polyline class=\"path {}\" points=\"{}\"/>", path.kind, points);
     }
-    const char* const name = task.kind == TaskKind::whole ? "whole" : name_of(task.kind);
-    return fmt::format("<polyline class=\"path {}\" points=\"{}\"/>", name, points);
+    return text;
   }
 
   std::string axes() const {
@@ -127,8 +140,8 @@ class Drawing {
         end(angle.low_deg), end(angle.high_deg), end(angle.value_deg), html_text(angle.label));
   }
 
-  const Analysis& analysis_;
   const PlaneDrawing& plane_;
+  const std::vector<DrawnPath>& paths_;
   double sign_;
   double left_ = 0, right_ = 0, bottom_ = 0, top_ = 0, font_mm_ = 1;
 };
@@ -154,13 +167,48 @@ std::vector<DrawnAngle> chords(const Analysis& analysis, const std::string& read
 
 }  // namespace
 
-std::string plane_svg(const Analysis& analysis, const PlaneDrawing& drawing) {
-  return Drawing(analysis, drawing).svg();
+std::vector<DrawnPath> task_paths(const Analysis& analysis,
+                                  const std::vector<Eigen::Vector3d>& path_m) {
+  const auto& time_s = analysis.path.time_s;
+  const auto index_of = [&time_s](double t) {
+    return static_cast<std::size_t>(std::lower_bound(time_s.begin(), time_s.end(), t) -
+                                    time_s.begin());
+  };
+  std::size_t samples = 0;
+  for (const Task& task : analysis.tasks) samples += index_of(task.end_s) - index_of(task.begin_s);
+  const auto stride =
+      std::max<std::size_t>(1, static_cast<std::size_t>(analysis.rate_Hz / kDrawnRate_Hz));
+  const std::size_t pieces = samples / stride > kMostPoints ? kPieces : 1;
+  std::vector<DrawnPath> paths;
+  for (const Task& task : analysis.tasks) {
+    const std::size_t begin = index_of(task.begin_s), count = index_of(task.end_s) - begin;
+    DrawnPath path{task.kind == TaskKind::whole ? "whole" : name_of(task.kind), {}};
+    // This task's share of the samples of each piece.
+    const std::size_t drawn =
+        pieces == 1 ? count
+                    : count * (kPointsOfPieces * stride / pieces) / std::max(samples, count);
+    for (std::size_t i = 0; i < pieces; ++i) {
+      const std::size_t first = begin + i * count / pieces;
+      auto& piece = path.pieces_m.emplace_back();
+      for (std::size_t k = first; k < std::min(first + drawn, begin + count); k += stride) {
+        piece.push_back(path_m[k]);
+      }
+    }
+    paths.push_back(std::move(path));
+  }
+  return paths;
 }
 
-std::vector<PlaneDrawing> incisor_drawings(const Analysis& analysis) {
-  const bool named = analysis.has_landmarks;
-  const auto* const path = &analysis.path.incisor_m;
+bool is_drawn_in_pieces(const std::vector<DrawnPath>& paths) {
+  return std::any_of(paths.begin(), paths.end(),
+                     [](const DrawnPath& path) { return path.pieces_m.size() > 1; });
+}
+
+std::string plane_svg(const PlaneDrawing& drawing, const std::vector<DrawnPath>& paths) {
+  return Drawing(drawing, paths).svg();
+}
+
+std::vector<PlaneDrawing> incisor_drawings(bool named) {
   const auto name = [named](const char* anatomical, const char* axis) {
     return std::string(named ? anatomical : axis);
   };
@@ -168,28 +216,31 @@ std::vector<PlaneDrawing> incisor_drawings(const Analysis& analysis) {
            name("anterior", "x"),
            name("up", "z"),
            "incisor",
-           path,
+           nullptr,
            0,
            2,
            false,
+           {},
            {}},
           {name("frontal, seen from the front", "y and z of point 1"),
            name("left", "y"),
            name("up", "z"),
            "incisor",
-           path,
+           nullptr,
            1,
            2,
            false,
+           {},
            {}},
           {name("horizontal, seen from below", "y and x of point 1"),
            name("left", "y"),
            name("anterior", "x"),
            "incisor",
-           path,
+           nullptr,
            1,
            0,
            false,
+           {},
            {}}};
 }
 
@@ -205,19 +256,32 @@ std::vector<PlaneDrawing> condyle_drawings(const Analysis& analysis) {
     const auto in_drawing = [mirror](double deg) {  // downward positive, from anterior
       return mirror > 0 ? -deg : 180 + deg;
     };
-    drawings.push_back({fmt::format("{} condyle, sagittal", name_of(side)), "anterior", "up", point,
-                        path, 0, 2, is_left,
-                        chords(analysis, "condylar_inclination", side, in_drawing)});
+    drawings.push_back({fmt::format("{} condyle, sagittal", name_of(side)),
+                        "anterior",
+                        "up",
+                        point,
+                        path,
+                        0,
+                        2,
+                        is_left,
+                        chords(analysis, "condylar_inclination", side, in_drawing),
+                        {}});
   }
   for (const Side side : {Side::right, Side::left}) {
     const bool is_left = side == Side::left;
     // Of the left condyle medial is to the right, y negative; of the right one y positive.
     const double medial = is_left ? -1 : 1;
-    drawings.push_back({fmt::format("{} condyle, horizontal", name_of(side)), "left", "anterior",
+    drawings.push_back({fmt::format("{} condyle, horizontal", name_of(side)),
+                        "left",
+                        "anterior",
                         is_left ? "condyle_left" : "condyle_right",
-                        &analysis.path.condyle_m[is_left ? 0 : 1], 1, 0, false,
+                        &analysis.path.condyle_m[is_left ? 0 : 1],
+                        1,
+                        0,
+                        false,
                         chords(analysis, "bennett_angle", side,
-                               [medial](double deg) { return 90 - medial * deg; })});
+                               [medial](double deg) { return 90 - medial * deg; }),
+                        {}});
   }
   return drawings;
 }

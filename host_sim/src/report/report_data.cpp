@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "hosted/files/clean_text.h"
 #include "readings/readings_files.h"
+#include "report/average_cycle_section.h"
 #include "report/packed_values.h"
 #include "report/report_page.h"
 
@@ -25,42 +26,65 @@ constexpr ChartText kChartTexts[ReportSeries::kCharts] = {
     {"friction", "Friction", "N s/m", 1},
     {"mass", "Effective mass", "kg", 1}};
 
-Json curve(const ReportSeries& series, std::size_t chart, std::size_t axis) {
+// `has_band`: with half of the interval.
+Json curve(const ReportSeries& series, std::size_t chart, std::size_t axis, bool has_band) {
   std::vector<double> low, high, half;
   const double scale = kChartTexts[chart].shown_per_si;
+  bool is_single = true;
   for (const ReportSeries::Run& run : series.runs()) {
     const ReportSeries::Curve& one = run.curves[chart][axis];
     low.push_back(scale * static_cast<double>(one.low));
     high.push_back(scale * static_cast<double>(one.high));
     half.push_back(scale * static_cast<double>(one.half));
+    is_single = is_single && !(one.low < one.high);
   }
   const bool is_one = chart >= ReportSeries::friction || series.axis_count() == 1;
-  return {{"name", is_one ? kChartTexts[chart].title : std::string(1, "xyz"[axis])},
-          {"low", packed_values(low)},
-          {"high", packed_values(high)},
-          {"half", packed_values(half)}};
+  Json json = {{"name", is_one ? kChartTexts[chart].title : std::string(1, "xyz"[axis])},
+               {"low", packed_values(low)}};
+  if (!is_single) json["high"] = packed_values(high);  // else the same
+  if (has_band) json["half"] = packed_values(half);
+  return json;
+}
+
+Json curves(const ReportSeries& series, std::size_t chart, bool has_band) {
+  Json json = Json::array();
+  const int axes = chart >= ReportSeries::friction ? 1 : series.axis_count();
+  for (int axis = 0; axis < axes; ++axis) {
+    json.push_back(curve(series, chart, static_cast<std::size_t>(axis), has_band));
+  }
+  return json;
+}
+
+std::string times_of(const ReportSeries& series, double origin_s) {
+  std::vector<double> time_s;
+  for (const auto& run : series.runs()) time_s.push_back(run.time_s - origin_s);
+  return packed_times(time_s);
 }
 
 Json series_json(const ReportSection& section) {
   const ReportSeries& series = section.series;
-  std::vector<double> time_s, events_s;
-  for (const auto& run : series.runs()) time_s.push_back(run.time_s - section.origin_s);
-  for (const double event_s : series.event_times_s())
-    events_s.push_back(event_s - section.origin_s);
-  Json json = {{"time", packed_times(time_s)}, {"events", events_s}, {"charts", Json::array()}};
+  std::vector<double> events_s;
+  for (const double event_s : series.event_times_s()) {
+    events_s.push_back(std::round((event_s - section.origin_s) * 1e4) / 1e4);
+  }
+  Json json = {{"time", times_of(series, section.origin_s)},
+               {"events", events_s},
+               {"samples_per_point", series.samples_per_run()},
+               {"charts", Json::array()}};
   for (std::size_t chart = 0; chart < ReportSeries::kCharts; ++chart) {
     const Provenance provenance = series.provenance(static_cast<ReportSeries::Chart>(chart));
     if (provenance == Provenance::not_computed) continue;
-    Json one = {{"key", kChartTexts[chart].key},
-                {"title", kChartTexts[chart].title},
-                {"unit", kChartTexts[chart].unit},
-                {"provenance", provenance_name(provenance)},
-                {"curves", Json::array()}};
-    const int axes = chart >= ReportSeries::friction ? 1 : series.axis_count();
-    for (int axis = 0; axis < axes; ++axis) {
-      one["curves"].push_back(curve(series, chart, static_cast<std::size_t>(axis)));
-    }
-    json["charts"].push_back(std::move(one));
+    json["charts"].push_back({{"key", kChartTexts[chart].key},
+                              {"title", kChartTexts[chart].title},
+                              {"unit", kChartTexts[chart].unit},
+                              {"provenance", provenance_name(provenance)},
+                              {"curves", curves(series, chart, true)}});
+  }
+  if (section.fine.samples_per_run() == series.samples_per_run()) return json;
+  // The bands of a closer look are those of the whole, the widest around.
+  Json& fine = json["fine"] = {{"time", times_of(section.fine, section.origin_s)}};
+  for (const std::size_t chart : {ReportSeries::position, ReportSeries::velocity}) {
+    fine[kChartTexts[chart].key] = curves(section.fine, chart, false);
   }
   return json;
 }
@@ -104,6 +128,7 @@ Json recording_json(const ReportSection& section) {
                {"origin_s", section.origin_s},
                {"tasks", Json::array()}};
   if (!section.series.runs().empty()) json["series"] = series_json(section);
+  if (!section.estimates_json.empty()) json["estimates"] = Json::parse(section.estimates_json);
   if (!section.analysis) return json;
   for (const Task& task : section.analysis->tasks) {
     if (task.kind == TaskKind::whole) continue;
@@ -111,6 +136,7 @@ Json recording_json(const ReportSection& section) {
                              {"begin_s", task.begin_s - section.origin_s},
                              {"end_s", task.end_s - section.origin_s}});
   }
+  json["average_cycles"] = average_cycle_json(*section.analysis);
   if (section.analysis->unusable.empty() && !section.analysis->path.time_s.empty()) {
     json["path"] = path_json(section);
   }
@@ -119,7 +145,7 @@ Json recording_json(const ReportSection& section) {
 
 }  // namespace
 
-std::string report_data(const std::vector<ReportSection>& sections) {
+std::string report_data(const std::vector<ReportSection>& sections, const SessionOverlay* overlay) {
   Json json = {{"format", "condyle-report-1"}, {"recordings", Json::array()}};
   std::vector<Analysis> analyses;
   for (const ReportSection& section : sections) {
@@ -129,6 +155,7 @@ std::string report_data(const std::vector<ReportSection>& sections) {
     analyses.back().path = {};
   }
   json["readings"] = Json::parse(readings_json(analyses));
+  if (overlay != nullptr) json["sessions"] = overlay_json(*overlay);
   const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   std::string safe;
   safe.reserve(text.size());

@@ -9,7 +9,9 @@
 #include <set>
 
 #include "readings/readings_files.h"
+#include "report/average_cycle_section.h"
 #include "report/html_text.h"
+#include "report/impedance_section.h"
 #include "report/page_text.h"
 #include "report/plane_drawing.h"
 #include "report/report_tables.h"
@@ -69,11 +71,20 @@ std::string charts(const ReportSection& section) {
   std::string text = "<h3>Over time</h3>\n";
   text += paragraph(
       "Bands are 95 % intervals. Shaded times are tasks, red ticks unusual samples. The cursor is "
-      "the same in all views; drag to enlarge a time, double-click to see all.");
+      "the same in all views. Drag to enlarge a time, double-click to see all. Keys: arrows, Home "
+      "and End move the cursor; + and - zoom; 0 shows all.");
   if (section.origin_s != 0) {
     text +=
         paragraph(fmt::format("Time 0 is {:.3f} s on the recording's clock.", section.origin_s));
   }
+  text +=
+      "<div class=\"controls sticky\" role=\"group\" aria-label=\"Moment and span\">"
+      "<button type=\"button\" data-do=\"play\">Play</button>"
+      "<input type=\"range\" step=\"any\" aria-label=\"Moment\"><output></output><output></output>"
+      "<button type=\"button\" data-do=\"zoom-in\">Zoom in</button>"
+      "<button type=\"button\" data-do=\"zoom-out\">Zoom out</button>"
+      "<button type=\"button\" data-do=\"zoom-all\">Whole recording</button></div>\n"
+      "<div class=\"charts\" tabindex=\"0\" role=\"group\" aria-label=\"Charts over time\">\n";
   constexpr const char* kKeys[ReportSeries::kCharts] = {"position", "velocity", "acceleration",
                                                         "friction", "mass"};
   for (std::size_t i = 0; i < ReportSeries::kCharts; ++i) {
@@ -83,13 +94,12 @@ std::string charts(const ReportSection& section) {
     }
     text += chart(kKeys[i], kKeys[i]);
   }
+  text += "</div>\n";
+  if (section.impedance) return text;
   text += paragraph(
       "Force is left out: it is the acceleration times a mass that position does not determine.");
-  if (section.series.provenance(ReportSeries::friction) == Provenance::not_computed &&
-      section.series.provenance(ReportSeries::mass) == Provenance::not_computed) {
-    text += paragraph(
-        "Friction and mass are left out: to know them, record the total drive with the motion.");
-  }
+  text += paragraph(
+      "Friction and mass are left out: to know them, record the total drive with the motion.");
   return text;
 }
 
@@ -99,10 +109,14 @@ std::string paths(const ReportSection& section) {
   std::string text = analysis.has_landmarks
                          ? "<h3>Path of the lower incisor</h3>\n<div class=\"row\">"
                          : "<h3>Path of point 1</h3>\n<div class=\"row\">";
-  for (const PlaneDrawing& drawing : incisor_drawings(analysis)) {
-    text += figure(plane_svg(analysis, drawing), drawing.title);
+  const auto incisor = task_paths(analysis, analysis.path.incisor_m);
+  for (const PlaneDrawing& drawing : incisor_drawings(analysis.has_landmarks)) {
+    text += figure(plane_svg(drawing, incisor), drawing.title);
   }
   text += "</div>\n" + task_key(analysis);
+  if (is_drawn_in_pieces(incisor)) {
+    text += paragraph("Of the long tasks, twelve evenly spaced pieces are drawn.");
+  }
   if (!analysis.has_landmarks) {
     return text +
            paragraph(
@@ -111,16 +125,13 @@ std::string paths(const ReportSection& section) {
   }
   text += "<h3>Paths of the condyles</h3>\n<div class=\"row\">";
   for (const PlaneDrawing& drawing : condyle_drawings(analysis)) {
-    text += figure(plane_svg(analysis, drawing), drawing.title);
+    text += figure(plane_svg(drawing, task_paths(analysis, *drawing.path_m)), drawing.title);
   }
   text += "</div>\n";
   text += paragraph("Dashed: chord of each angle at its travel. Grey: its 95 % interval.");
   text +=
       "<h3>The jaw</h3>\n<div class=\"screen\"><canvas class=\"jaw\" tabindex=\"0\" "
-      "aria-label=\"The jaw in three dimensions; arrow keys turn it\"></canvas>\n"
-      "<div class=\"controls\"><button type=\"button\" class=\"jaw-play\">Play</button>"
-      "<input type=\"range\" class=\"jaw-slider\" min=\"0\" value=\"0\" aria-label=\"Moment\">"
-      "<span class=\"jaw-time\"></span></div></div>\n";
+      "aria-label=\"The jaw in three dimensions; arrow keys turn it\"></canvas></div>\n";
   text += paragraph("The lines between the condyles and the incisor are a sketch.");
   return text;
 }
@@ -159,12 +170,12 @@ std::string section_html(const ReportSection& section, const std::string& landma
                                  html_text(section.recording));
   text += banners(section) + identity(section, landmarks);
   const std::string prefix = fmt::format("recording_{}", number);
-  text += charts(section);
+  text += charts(section) + impedance_html(section, prefix);
   if (section.analysis) {
     const Analysis& analysis = *section.analysis;
-    text += paths(section) + tasks_table(analysis, prefix) + readings_table(analysis, prefix) +
-            strokes_table(analysis, prefix) + cycles_table(analysis, prefix) +
-            withheld_table(analysis, prefix);
+    text += paths(section) + average_cycle_html(analysis, prefix) + tasks_table(analysis, prefix) +
+            readings_table(analysis, prefix) + strokes_table(analysis, prefix) +
+            cycles_table(analysis, prefix) + withheld_table(analysis, prefix);
   }
   if (!section.summary.empty()) {
     text +=
@@ -186,7 +197,8 @@ std::string head() {
 
 }  // namespace
 
-std::string report_page(const std::vector<ReportSection>& sections, const std::string& landmarks) {
+std::string report_page(const std::vector<ReportSection>& sections, const std::string& landmarks,
+                        const SessionOverlay* overlay) {
   std::string text = head() + "<body>\n<h1>Jaw motion report</h1>\n";
   text += fmt::format(
       "<div class=\"banner\"><strong>Research use only; not a diagnosis.</strong> condyle {}. "
@@ -199,6 +211,7 @@ std::string report_page(const std::vector<ReportSection>& sections, const std::s
       "saved tables</label></p>\n";
   if (sections.size() > 1) {
     text += "<nav aria-label=\"Recordings\"><ul>\n";
+    if (overlay != nullptr) text += "<li><a href=\"#sessions\">Sessions</a></li>\n";
     for (std::size_t i = 0; i < sections.size(); ++i) {
       text += fmt::format("<li><a href=\"#recording-{}\">{}</a></li>\n", i + 1,
                           html_text(sections[i].recording));
@@ -206,6 +219,7 @@ std::string report_page(const std::vector<ReportSection>& sections, const std::s
     text += "</ul></nav>\n";
   }
   text += "<main>\n";
+  if (overlay != nullptr) text += overlay_html(*overlay, sections);
   for (std::size_t i = 0; i < sections.size(); ++i) {
     text += section_html(sections[i], landmarks, i + 1);
   }
@@ -215,7 +229,7 @@ std::string report_page(const std::vector<ReportSection>& sections, const std::s
       "</pre></details>\n",
       html_lines(kPageLicence));
   text += fmt::format("<script type=\"application/json\" id=\"condyle-report-1\">{}</script>\n",
-                      report_data(sections));
+                      report_data(sections, overlay));
   text += fmt::format("<script>{}</script>\n</body>\n</html>\n", kPageScript);
   return text;
 }

@@ -45,7 +45,7 @@ void ReportSeries::add(const EstimateRow& row) {
   events_.add(row.events);
   if (!row.time_ns || is_duplicate(row) || row.events.has(Event::time_reversed)) return;
   const double time_s = seconds(*row.time_ns);
-  if (is_unexpected(row.events) && event_times_s_.size() < kMostRuns) {
+  if (is_unexpected(row.events) && event_times_s_.size() < most_runs_) {
     event_times_s_.push_back(time_s);
   }
   axis_count_ = std::max(axis_count_, row.axis_count);
@@ -57,7 +57,7 @@ void ReportSeries::add(const EstimateRow& row) {
 }
 
 void ReportSeries::begin_run(double time_s) {
-  if (runs_.size() >= kMostRuns) halve();
+  if (runs_.size() >= most_runs_) halve();
   runs_.emplace_back();
   runs_.back().time_s = time_s;
   samples_in_last_run_ = 0;

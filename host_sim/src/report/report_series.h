@@ -15,7 +15,7 @@ namespace condyle::host {
 /// Collects the rows of a recording.
 class ReportSeries {
  public:
-  static constexpr std::size_t kMostRuns = 16'384;
+  explicit ReportSeries(std::size_t most_runs) : most_runs_(most_runs) {}
   enum Chart { position, velocity, acceleration, friction, mass };
   static constexpr std::size_t kCharts = 5, kAxes = 3;
 
@@ -39,7 +39,9 @@ class ReportSeries {
   int axis_count() const { return axis_count_; }
   /// The most frequent provenance of the chart's values; not_computed if it has none.
   Provenance provenance(Chart chart) const;
-  /// Times of unusual samples (s), at most kMostRuns.
+  /// Samples in each run but the last and those before a gap.
+  std::uint64_t samples_per_run() const { return samples_per_run_; }
+  /// Times of unusual samples (s), at most as many as runs.
   const std::vector<double>& event_times_s() const { return event_times_s_; }
   const EventCounts& events() const { return events_; }
 
@@ -49,6 +51,7 @@ class ReportSeries {
   void begin_run(double time_s);
   void halve();
 
+  std::size_t most_runs_;
   std::vector<Run> runs_;
   std::uint64_t samples_per_run_ = 1, samples_in_last_run_ = 0;
   int axis_count_ = 0;

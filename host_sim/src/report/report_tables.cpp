@@ -9,72 +9,28 @@
 #include <sstream>
 
 #include "readings/readings_files.h"
+#include "report/html_table.h"
 #include "report/html_text.h"
 
 namespace condyle::host {
 namespace {
 
-// As many digits as the interval supports.
-int digits_for(double half) {
-  return half > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(half))), 0, 4) : 2;
-}
-
-std::string number(double value, int digits) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string();
-}
-
-std::string mark(const char* provenance) {
-  return fmt::format("<span class=\"mark {0}\" title=\"{0}\">{1}</span>", provenance,
-                     static_cast<char>(std::toupper(provenance[0])));
-}
-
-class Table {
- public:
-  Table(const std::string& prefix, const char* name, std::initializer_list<const char*> columns)
-      : text_(fmt::format("<div class=\"scroll\"><table data-csv=\"{}_{}\">\n<thead><tr>", prefix,
-                          name)) {
-    for (const char* const column : columns) {
-      text_ += fmt::format("<th scope=\"col\">{}</th>", html_text(column));
-    }
-    text_ += "</tr></thead>\n<tbody>\n";
-  }
-  void begin_row(const char* kind = "") { text_ += fmt::format("<tr class=\"{}\">", kind); }
-  void cell(const std::string& words) { text_ += fmt::format("<td>{}</td>", html_text(words)); }
-  void number_cell(const std::string& digits) {
-    text_ += fmt::format("<td class=\"n v\">{}</td>", digits);
-  }
-  void html_cell(const std::string& html) { text_ += fmt::format("<td>{}</td>", html); }
-  void end_row() {
-    text_ += "</tr>\n";
-    has_rows_ = true;
-  }
-  // The table under its heading; nothing without rows.
-  std::string html(const char* heading) const {
-    if (!has_rows_) return {};
-    return fmt::format("<h3>{}</h3>\n{}</tbody></table></div>\n", heading, text_);
-  }
-
- private:
-  std::string text_;
-  bool has_rows_ = false;
-};
-
 std::string task_name(TaskKind kind) {
   return kind == TaskKind::whole ? "whole recording" : name_of(kind);
 }
 
-void add_reading(Table& table, const JawReading& reading, bool has_stroke) {
+void add_reading(HtmlTable& table, const JawReading& reading, bool has_stroke) {
   const int digits = digits_for((reading.high - reading.low) / 2);
   table.begin_row(name_of(reading.provenance));
   table.cell(task_name(reading.task));
   if (has_stroke) table.number_cell(std::to_string(reading.stroke));
   table.cell(std::string(reading.definition->name));
   table.cell(name_of(reading.side));
-  table.number_cell(number(reading.value, digits));
-  table.number_cell(number(reading.low, digits));
-  table.number_cell(number(reading.high, digits));
+  table.number_cell(rounded(reading.value, digits));
+  table.number_cell(rounded(reading.low, digits));
+  table.number_cell(rounded(reading.high, digits));
   table.cell(reading.definition->unit == "1" ? "" : std::string(reading.definition->unit));
-  table.html_cell(mark(name_of(reading.provenance)));
+  table.html_cell(provenance_mark(name_of(reading.provenance)));
   table.cell(reading.reason);
   table.end_row();
 }
@@ -93,7 +49,7 @@ std::string provenance_key() {
       "<p>{} measured: follows from the recording. {} derived: also rests on a named assumption. "
       "{} "
       "withheld: not known.</p>\n",
-      mark("measured"), mark("derived"), mark("withheld"));
+      provenance_mark("measured"), provenance_mark("derived"), provenance_mark("withheld"));
 }
 
 std::string task_key(const Analysis& analysis) {
@@ -112,12 +68,12 @@ std::string task_key(const Analysis& analysis) {
 }
 
 std::string tasks_table(const Analysis& analysis, const std::string& prefix) {
-  Table table(prefix, "tasks", {"task", "begin (s)", "end (s)", "source"});
+  HtmlTable table(prefix, "tasks", {"task", "begin (s)", "end (s)", "source"});
   for (const Task& task : analysis.tasks) {
     table.begin_row();
     table.cell(task_name(task.kind));
-    table.number_cell(number(task.begin_s, 2));
-    table.number_cell(number(task.end_s, 2));
+    table.number_cell(rounded(task.begin_s, 2));
+    table.number_cell(rounded(task.end_s, 2));
     table.cell(task.kind == TaskKind::whole ? "" : task.is_found ? "found" : "stated");
     table.end_row();
   }
@@ -125,7 +81,7 @@ std::string tasks_table(const Analysis& analysis, const std::string& prefix) {
 }
 
 std::string readings_table(const Analysis& analysis, const std::string& prefix) {
-  Table table(
+  HtmlTable table(
       prefix, "readings",
       {"task", "reading", "side", "value", "low", "high", "unit", "provenance", "assumption"});
   for (const JawReading& reading : analysis.readings) {
@@ -136,9 +92,9 @@ std::string readings_table(const Analysis& analysis, const std::string& prefix) 
 }
 
 std::string strokes_table(const Analysis& analysis, const std::string& prefix) {
-  Table table(prefix, "strokes",
-              {"task", "stroke", "reading", "side", "value", "low", "high", "unit", "provenance",
-               "assumption"});
+  HtmlTable table(prefix, "strokes",
+                  {"task", "stroke", "reading", "side", "value", "low", "high", "unit",
+                   "provenance", "assumption"});
   for (const JawReading& reading : analysis.readings) {
     if (reading.stroke == 0 || reading.provenance == ReadingProvenance::withheld) continue;
     add_reading(table, reading, true);
@@ -165,8 +121,8 @@ std::string cycles_table(const Analysis& analysis, const std::string& prefix) {
       if (i < cycle.values.size() && std::isfinite(cycle.values[i].value)) {
         const double half = cycle.values[i].half_interval();
         const int digits = digits_for(half);
-        value = fmt::format("{} \u00b1 {}", number(cycle.values[i].value, digits),
-                            number(half, digits));
+        value = fmt::format("{} \u00b1 {}", rounded(cycle.values[i].value, digits),
+                            rounded(half, digits));
       }
       text += fmt::format("<td class=\"n\">{}</td>", value);
     }
@@ -185,7 +141,7 @@ std::string withheld_table(const Analysis& analysis, const std::string& prefix) 
                                              reading.definition->name,
                                              side.empty() ? "" : " (" + side + ")"));
   }
-  Table table(prefix, "withheld", {"reason, and what to record", "readings"});
+  HtmlTable table(prefix, "withheld", {"reason, and what to record", "readings"});
   for (const auto& [reason, readings] : names) {
     std::string joined;
     for (const std::string& name : readings) joined += (joined.empty() ? "" : "; ") + name;
@@ -206,7 +162,7 @@ std::string definitions_table(const std::vector<ReportSection>& sections) {
       shown.insert(std::string(reading.definition->name));
     }
   }
-  Table table("report", "definitions", {"reading", "unit", "definition"});
+  HtmlTable table("report", "definitions", {"reading", "unit", "definition"});
   for (const std::string& name : shown) {
     const ReadingDefinition& definition = definition_of(name);
     table.begin_row();

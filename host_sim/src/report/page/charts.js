@@ -1,7 +1,10 @@
 // Charts over time, with 95 % bands; one cursor and one zoom for all of a recording.
 import uPlot from 'uplot';
 
-import {times, values} from './data.js';
+import {nearest, times, values} from './data.js';
+
+const kHeight = 190;  // px
+const kPrintedWidth = 660;  // of an A4 page
 
 // Distinguishable in greyscale too: by darkness and by dashes.
 const kCurves = [
@@ -45,86 +48,146 @@ function markEvents(u, events) {
   ctx.restore();
 }
 
-function chartData(chart, time) {
-  const data = [time];
+// One resolution of a chart. `bands`: the curves of the whole, from which a closer look takes its
+// intervals.
+function levelOf(time, curves, bands) {
+  return {
+    time,
+    curves: curves.map((curve, i) => {
+      const low = values(curve.low);
+      const high = curve.high ? values(curve.high) : low;
+      const half = curve.half ? values(curve.half) :
+          time.map((t) => bands.curves[i].half[nearest(bands.time, t)]);
+      return {low, high, half};
+    }),
+  };
+}
+
+function dataOf(level) {
+  const data = [level.time];
+  for (const {low, high, half} of level.curves) {
+    data.push(low.map((v, k) => (v == null || high[k] == null ? null : (v + high[k]) / 2)));
+    data.push(high.map((v, k) => (v == null || half[k] == null ? null : v + half[k])));
+    data.push(low.map((v, k) => (v == null || half[k] == null ? null : v - half[k])));
+  }
+  return data;
+}
+
+// The curves of a chart at the resolutions that the report has.
+class ChartLevels {
+  constructor(chart, time, fine) {
+    this.chart = chart;
+    this.whole = levelOf(time, chart.curves, null);
+    this.packed = fine && fine[chart.key] ? fine : null;
+    this.closer = null;
+    this.now = this.whole;
+  }
+
+  // Chooses the resolution for a span; true if it is another one.
+  choose(begin_s, end_s) {
+    const {time} = this.whole;
+    const isClose = this.packed && end_s - begin_s < (time[time.length - 1] - time[0]) / 4;
+    if (isClose && !this.closer) {
+      this.closer = levelOf(times(this.packed.time), this.packed[this.chart.key], this.whole);
+    }
+    const before = this.now;
+    this.now = isClose ? this.closer : this.whole;
+    return this.now !== before;
+  }
+
+  text(curve, v, k) {
+    if (v == null || k == null) return 'none';
+    const {low, high, half} = this.now.curves[curve];
+    if (half[k] == null) return `${digits(v)} ${this.chart.unit}`;
+    return `${digits(v)} \u00b1 ${digits(half[k] + (high[k] - low[k]) / 2)} ${this.chart.unit}`;
+  }
+}
+
+function seriesOf(levels) {
+  const {chart} = levels;
   const series = [{label: 'time (s)', value: (u, v) => (v == null ? '' : v.toFixed(3))}];
   const bands = [];
   chart.curves.forEach((curve, i) => {
     const style = kCurves[i % kCurves.length];
-    const low = values(curve.low);
-    const high = values(curve.high);
-    const half = values(curve.half);
-    const middle = low.map((v, k) => (v == null || high[k] == null ? null : (v + high[k]) / 2));
-    const at = data.length;
-    data.push(middle);
-    data.push(high.map((v, k) => (v == null || half[k] == null ? null : v + half[k])));
-    data.push(low.map((v, k) => (v == null || half[k] == null ? null : v - half[k])));
-    const assumed = chart.provenance === 'assumed';
+    const at = series.length;
     series.push({
       label: curve.name,
       stroke: style.stroke,
       width: 1,
-      dash: assumed ? [1, 4] : style.dash,
+      dash: chart.provenance === 'assumed' ? [1, 4] : style.dash,
       points: {show: false},
-      value: (u, v, s, k) => {
-        if (v == null || k == null) return 'none';
-        const band = half[k] == null ? '' : ` \u00b1 ${digits(half[k] + (high[k] - low[k]) / 2)}`;
-        return `${digits(v)}${band} ${chart.unit}`;
-      },
+      value: (u, v, s, k) => levels.text(i, v, k),
     });
     for (let j = 0; j < 2; ++j) series.push({label: '', width: 0, points: {show: false}});
     bands.push({series: [at + 1, at + 2], fill: style.fill});
   });
-  return {data, series, bands};
+  return {series, bands};
+}
+
+function drawChart(place, levels, recording, moment) {
+  const {chart} = levels;
+  const {series, bands} = seriesOf(levels);
+  let isFollowing = false;
+  const u = new uPlot({
+    width: place.clientWidth || 900,
+    height: kHeight,
+    series,
+    bands,
+    scales: {x: {time: false}},
+    axes: [{size: 34}, {label: `${chart.title} (${chart.unit})`, labelSize: 20, size: 62}],
+    cursor: {drag: {x: true, y: false}, y: false},
+    legend: {live: true},
+    hooks: {
+      drawClear: [(self) => shadeTasks(self, recording.tasks)],
+      draw: [(self) => markEvents(self, recording.series.events)],
+      setCursor: [(self) => {
+        if (isFollowing || self.cursor.idx == null) return;
+        moment.show(self.data[0][self.cursor.idx]);
+      }],
+      setScale: [(self, key) => {
+        if (key === 'x') moment.zoom(self.scales.x.min, self.scales.x.max);
+      }],
+    },
+  }, dataOf(levels.now), place);
+  const follow = () => {
+    if (moment.time_s == null) return;
+    isFollowing = true;
+    u.setCursor({left: u.valToPos(moment.time_s, 'x'), top: kHeight / 2}, true, false);
+    isFollowing = false;
+  };
+  moment.watch(follow);
+  u.over.addEventListener('mouseleave', follow);
+  // Later: a chart that tells its span is at work.
+  moment.watchSpan((begin_s, end_s) => queueMicrotask(() => {
+    const isOther = levels.choose(begin_s, end_s);
+    if (isOther) u.setData(dataOf(levels.now), false);
+    if (isOther || u.scales.x.min !== begin_s || u.scales.x.max !== end_s) {
+      u.setScale('x', {min: begin_s, max: end_s});
+    }
+  }));
+  // The ends of a band are not curves of their own.
+  place.querySelectorAll('.u-legend .u-series').forEach((row, i) => {
+    if (i > 0 && (i - 1) % 3 !== 0) row.classList.add('band');
+  });
+  return u;
 }
 
 /** Draws the charts of `recording` into `section`. */
 export function drawCharts(section, recording, moment) {
   const time = times(recording.series.time);
-  const span = [time[0], time[time.length - 1]];
   const charts = [];
   for (const chart of recording.series.charts) {
     const place = section.querySelector(`[data-chart="${chart.key}"]`);
     if (!place) continue;
-    const {data, series, bands} = chartData(chart, time);
-    const u = new uPlot({
-      width: place.clientWidth || 900,
-      height: 190,
-      series,
-      bands,
-      scales: {x: {time: false}},
-      axes: [{size: 34}, {label: `${chart.title} (${chart.unit})`, labelSize: 20, size: 62}],
-      cursor: {sync: {key: recording.name}, drag: {x: true, y: false}},
-      legend: {live: true},
-      hooks: {
-        drawClear: [(self) => shadeTasks(self, recording.tasks)],
-        draw: [(self) => markEvents(self, recording.series.events)],
-        setCursor: [(self) => {
-          if (self.cursor.idx != null) moment.show(time[self.cursor.idx]);
-        }],
-        setScale: [(self, key) => {
-          if (key === 'x') moment.zoom(self.scales.x.min, self.scales.x.max);
-        }],
-      },
-    }, data, place);
-    // The ends of a band are not curves of their own.
-    place.querySelectorAll('.u-legend .u-series').forEach((row, i) => {
-      if (i > 0 && (i - 1) % 3 !== 0) row.classList.add('band');
-    });
-    charts.push(u);
+    const levels = new ChartLevels(chart, time, recording.series.fine);
+    charts.push(drawChart(place, levels, recording, moment));
   }
-  moment.watchSpan((begin_s, end_s) => {
+  const fit = (width) => {
     for (const u of charts) {
-      if (u.scales.x.min !== begin_s || u.scales.x.max !== end_s) {
-        u.setScale('x', {min: begin_s, max: end_s});
-      }
-    }
-  });
-  const fit = () => {
-    for (const u of charts) {
-      u.setSize({width: u.root.parentElement.clientWidth, height: 190});
+      u.setSize({width: width || u.root.parentElement.clientWidth, height: kHeight});
     }
   };
-  addEventListener('resize', fit);
-  return {charts, time, span};
+  addEventListener('resize', () => fit(0));
+  addEventListener('beforeprint', () => fit(kPrintedWidth));
+  addEventListener('afterprint', () => fit(0));
 }

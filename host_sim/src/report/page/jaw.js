@@ -1,4 +1,5 @@
 // The jaw in three dimensions: condyles and lower incisor with their paths, at the moment.
+import {moved, outline} from '../../../../firmware/hosted/page/jaw_shape.js';
 import {nearest, times, values} from './data.js';
 
 const kTurn = 0.15;  // rad for a key
@@ -7,43 +8,6 @@ const kInk = '#203040';
 function point(packed) {
   const [x, y, z] = packed.map(values);
   return x.map((v, k) => [v, y[k], z[k]]);
-}
-
-// Lower jaw between two condyles and the incisor: rami, body and chin, as points of their plane and
-// a height above it, in shares of the distances between the three.
-function outline(left, right, incisor) {
-  const middle = left.map((v, i) => (v + right[i]) / 2);
-  const down = [0, 0, -1];
-  const distance = Math.hypot(...incisor.map((v, i) => v - middle[i]));
-  const along = (condyle, share, depth, spread) => condyle.map((v, i) => {
-    const side = middle[i] + (v - middle[i]) * spread;
-    return side + (incisor[i] - middle[i]) * share + down[i] * depth * distance;
-  });
-  const half = (condyle) => [
-    condyle, along(condyle, 0.02, 0.25, 1), along(condyle, 0.12, 0.5, 0.95),
-    along(condyle, 0.5, 0.42, 0.75), along(condyle, 0.9, 0.28, 0.3), along(condyle, 1, 0.24, 0),
-  ];
-  return [half(left), half(right), [incisor, along(left, 1, 0.24, 0)]];
-}
-
-// The rigid displacement that moves three points to three others, applied to `p`: by the frames of
-// the two triangles.
-function frame(a, b, c) {
-  const minus = (u, v) => u.map((x, i) => x - v[i]);
-  const cross = (u, v) => [
-    u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-  const unit = (u) => u.map((x) => x / Math.hypot(...u));
-  const x = unit(minus(b, a));
-  const z = unit(cross(x, minus(c, a)));
-  return [x, cross(z, x), z];
-}
-
-function moved(p, from, to) {
-  const f = frame(...from);
-  const t = frame(...to);
-  const d = p.map((v, i) => v - from[0][i]);
-  const local = f.map((axis) => axis[0] * d[0] + axis[1] * d[1] + axis[2] * d[2]);
-  return to[0].map((v, i) => v + t[0][i] * local[0] + t[1][i] * local[1] + t[2][i] * local[2]);
 }
 
 /** Draws the jaw of `recording` into the canvas of `section`. */
@@ -107,8 +71,6 @@ export function drawJaw(section, recording, moment) {
       context.arc(x, y, 4 * devicePixelRatio, 0, 2 * Math.PI);
       context.fill();
     }
-    const text = section.querySelector('.jaw-time');
-    if (text) text.textContent = `${time[at].toFixed(2)} s`;
   };
   let waits = false;
   const redraw = () => {
@@ -139,48 +101,6 @@ export function drawJaw(section, recording, moment) {
     view.tilt += event.movementY * 0.01;
     redraw();
   });
-  const slider = section.querySelector('input.jaw-slider');
-  if (slider) {
-    slider.max = String(time.length - 1);
-    slider.addEventListener('input', () => moment.show(time[Number(slider.value)]));
-    moment.watch((time_s) => {
-      slider.value = String(nearest(time, time_s));
-    });
-  }
-  play(section, time, moment);
   addEventListener('resize', redraw);
   draw();
-}
-
-// The button that lets time run.
-function play(section, time, moment) {
-  const button = section.querySelector('button.jaw-play');
-  if (!button) return;
-  let since = null;
-  let from = 0;
-  const step = (now_ms) => {
-    if (since === null) return;
-    const time_s = from + (now_ms - since) / 1000;
-    if (time_s >= time[time.length - 1]) {
-      stop();
-      return;
-    }
-    moment.show(time_s);
-    requestAnimationFrame(step);
-  };
-  const stop = () => {
-    since = null;
-    button.textContent = 'Play';
-  };
-  button.addEventListener('click', () => {
-    if (since !== null) {
-      stop();
-      return;
-    }
-    const last = time[time.length - 1];
-    from = moment.time_s == null || moment.time_s >= last - 0.1 ? time[0] : moment.time_s;
-    button.textContent = 'Pause';
-    since = performance.now();
-    requestAnimationFrame(step);
-  });
 }

@@ -1,15 +1,16 @@
 // Tables saved as CSV.
 
-function cell(text, comma) {
-  const number = comma && /^-?\d+(\.\d+)?$/.test(text) ? text.replace('.', ',') : text;
-  return /[",;\n]/.test(number) ? `"${number.replace(/"/g, '""')}"` : number;
+function cell(element, comma) {
+  const text = element.textContent.trim();
+  const isNumber = comma && element.classList.contains('n');
+  const words = isNumber ? text.replace(/(\d)\.(\d)/g, '$1,$2') : text;
+  return /[",;\n]/.test(words) ? `"${words.replace(/"/g, '""')}"` : words;
 }
 
 function csvOf(table, comma) {
   const rows = [];
   for (const row of table.rows) {
-    const cells = Array.from(row.cells, (c) => cell(c.textContent.trim(), comma));
-    rows.push(cells.join(comma ? ';' : ','));
+    rows.push(Array.from(row.cells, (c) => cell(c, comma)).join(comma ? ';' : ','));
   }
   return `${rows.join('\r\n')}\r\n`;
 }

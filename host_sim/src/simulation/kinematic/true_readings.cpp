@@ -5,74 +5,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <numbers>
 #include <optional>
+
+#include "simulation/kinematic/true_axes.h"
+#include "simulation/kinematic/true_cycles.h"
+#include "simulation/kinematic/true_measures.h"
 
 namespace condyle::host {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using namespace truth;
 
-constexpr double kStep_s = 0.5e-3;
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kPathStart_mm = 0.3;                                         // of travel
 constexpr double kTravels_mm[] = {3, 5, 10};                                  // of the angles
 constexpr double kShiftStart_mm = 2, kShiftEnd_mm = 5, kShiftStep_mm = 0.05;  // of the fit, in x
 constexpr double kEarlyShift_mm = 0.5;  // x at which side_shift_05mm is read
-
-using Function = std::function<double(double)>;
-
-struct Span {
-  double begin_s, end_s;
-};
-
-// Calls `use` at instants from begin to end, both included, at most kStep_s apart.
-template <class Use>
-void at_instants(const Span& span, Use use) {
-  const auto steps = std::max(1L, std::lround(std::ceil((span.end_s - span.begin_s) / kStep_s)));
-  for (long i = 0; i <= steps; ++i) {
-    use(span.begin_s +
-        (span.end_s - span.begin_s) * static_cast<double>(i) / static_cast<double>(steps));
-  }
-}
-
-double greatest(const Function& value, const Span& span) {
-  double most = value(span.begin_s);
-  at_instants(span, [&](double time_s) { most = std::max(most, value(time_s)); });
-  return most;
-}
-
-// First instant at which `value` reaches `level` from below.
-std::optional<double> first_passage_s(const Function& value, const Span& span, double level) {
-  double before_s = span.begin_s;
-  std::optional<double> after_s;
-  at_instants(span, [&](double time_s) {
-    if (after_s) return;
-    if (value(time_s) >= level) {
-      after_s = time_s;
-    } else {
-      before_s = time_s;
-    }
-  });
-  if (!after_s) return std::nullopt;
-  double late_s = *after_s;
-  for (int i = 0; i < 50; ++i) {
-    const double middle_s = (before_s + late_s) / 2;
-    (value(middle_s) >= level ? late_s : before_s) = middle_s;
-  }
-  return late_s;
-}
-
-Vector3d displacement_mm(const JawPose& pose, const Vector3d& point_m) {
-  return 1e3 * (pose.rotation * point_m + pose.translation_m - point_m);
-}
-
-// Twist about Y: 2 atan2(q_y, q_w). With q_w = sqrt(1 + trace)/2, 4 q_w q_y = R_13 - R_31.
-double opening_angle_deg(const Matrix3d& rotation) {
-  return 2 * kDegrees * std::atan2(rotation(0, 2) - rotation(2, 0), 1 + rotation.trace());
-}
 
 double rotation_angle_deg(const Matrix3d& rotation) {
   const Vector3d twice_sine(rotation(2, 1) - rotation(1, 2), rotation(0, 2) - rotation(2, 0),
@@ -90,6 +39,7 @@ class TruthOfJaw {
     add_means();
     for (const JawTaskSpan& task : jaw_.motion().tasks()) read_task(task);
     add_fischer_angles();
+    add_kinematic_centres();
     return std::move(readings_);
   }
 
@@ -106,11 +56,6 @@ class TruthOfJaw {
     constexpr double h_s = 1e-4;
     return (incisor_mm(time_s + h_s) - incisor_mm(time_s - h_s)).norm() / (2 * h_s);
   }
-  double vertical_speed_mm_s(double time_s) const {
-    constexpr double h_s = 1e-4;
-    return std::abs(incisor_mm(time_s + h_s).z() - incisor_mm(time_s - h_s).z()) / (2 * h_s);
-  }
-
   void add(const std::string& reading, double value, const char* unit,
            JawSide side = JawSide::none) {
     readings_.push_back({task_, jaw_side_name(side), stroke_, reading, value, unit});
@@ -134,6 +79,7 @@ class TruthOfJaw {
             greatest([this](double t) { return incisor_speed_mm_s(t); }, out), "mm/s");
         add("closing_peak_speed_mm_s",
             greatest([this](double t) { return incisor_speed_mm_s(t); }, back), "mm/s");
+        for (const TrueAxisValue& one : true_axes(jaw_, out)) add(one.reading, one.value_mm, "mm");
         break;
       case JawTaskKind::protrusion:
         add("protrusion_mm", greatest([this](double t) { return incisor_mm(t).x(); }, whole), "mm");
@@ -143,17 +89,60 @@ class TruthOfJaw {
         const double sign = is_left ? 1 : -1;
         add("laterotrusion_mm", greatest([&](double t) { return sign * incisor_mm(t).y(); }, whole),
             "mm", is_left ? JawSide::left : JawSide::right);
+        add("yaw_angle_deg",
+            greatest(
+                [&](double t) {
+                  const Matrix3d R = jaw_.pose_at(t).rotation;  // 4 q_w q_z = R_21 - R_12
+                  return 2 * kDegrees * sign * std::atan2(R(1, 0) - R(0, 1), 1 + R.trace());
+                },
+                whole),
+            "deg", is_left ? JawSide::left : JawSide::right);
         const JawSide orbiting = is_left ? JawSide::right : JawSide::left;
-        read_condyle(orbiting, out);
+        read_condyle(orbiting, out, back);
         read_medial_path(orbiting, out);
+        read_working(is_left ? JawSide::left : JawSide::right, whole);
         return;
       }
     }
-    for (const JawSide side : {JawSide::left, JawSide::right}) read_condyle(side, out);
+    for (const JawSide side : {JawSide::left, JawSide::right}) read_condyle(side, out, back);
+    const auto translation_mm = [&](JawSide side) {
+      return greatest([&](double t) { return condyle_mm(side, t).norm(); }, out);
+    };
+    add("condylar_translation_difference_mm",
+        translation_mm(JawSide::left) - translation_mm(JawSide::right), "mm");
+    if (stroke.kind != JawTaskKind::opening) return;
+    for (const JawSide side : {JawSide::left, JawSide::right}) read_rotation(side, out);
+  }
+
+  // Degrees of opening a millimetre, between two shares of the greatest travel.
+  void read_rotation(JawSide side, const Span& out) {
+    const auto travel_mm = [this, side](double time_s) {
+      const Vector3d c = condyle_mm(side, time_s);
+      return std::sqrt(c.x() * c.x() + c.z() * c.z());
+    };
+    const double most_mm = greatest(travel_mm, out);
+    const auto from_s = first_passage_s(travel_mm, out, 0.2 * most_mm);
+    const auto to_s = first_passage_s(travel_mm, out, 0.8 * most_mm);
+    if (!from_s || !to_s) return;
+    add("rotation_per_translation_deg_mm",
+        (opening_angle_deg(jaw_.pose_at(*to_s).rotation) -
+         opening_angle_deg(jaw_.pose_at(*from_s).rotation)) /
+            (0.6 * most_mm),
+        "deg/mm", side);
+  }
+
+  // Of the working condyle, where the incisor is furthest to its side.
+  void read_working(JawSide side, const Span& whole) {
+    const double outwards = side == JawSide::left ? 1 : -1;
+    const double at_s =
+        greatest_at_s([&](double t) { return outwards * incisor_mm(t).y(); }, whole);
+    const Vector3d c = condyle_mm(side, at_s);
+    add("working_shift_mm", outwards * c.y(), "mm", side);
+    add("working_shift_angle_deg", kDegrees * std::atan2(c.x(), outwards * c.y()), "deg", side);
   }
 
   // Path, translation and inclinations of the outward stroke.
-  void read_condyle(JawSide side, const Span& out) {
+  void read_condyle(JawSide side, const Span& out, const Span& back) {
     const auto travel_mm = [this, side](double time_s) {
       const Vector3d c = condyle_mm(side, time_s);
       return std::sqrt(c.x() * c.x() + c.z() * c.z());
@@ -163,7 +152,7 @@ class TruthOfJaw {
     if (const auto start_s = first_passage_s(travel_mm, out, kPathStart_mm)) {
       double path_mm = 0;
       Vector3d last = condyle_mm(side, *start_s);
-      at_instants({*start_s, furthest_s(travel_mm, out)}, [&](double time_s) {
+      at_instants({*start_s, greatest_at_s(travel_mm, out)}, [&](double time_s) {
         const Vector3d now = condyle_mm(side, time_s);
         path_mm += (now - last).norm();
         last = now;
@@ -177,18 +166,28 @@ class TruthOfJaw {
       add(fmt::format("condylar_inclination_{:g}mm_deg", at_mm),
           kDegrees * std::atan2(-c.z(), c.x()), "deg", side);
     }
-  }
-
-  static double furthest_s(const Function& value, const Span& span) {
-    double most = -1, where_s = span.end_s;
-    at_instants(span, [&](double time_s) {
-      const double now = value(time_s);
-      if (now > most) {
-        most = now;
-        where_s = time_s;
-      }
-    });
-    return where_s;
+    constexpr double h_s = 1e-4;
+    add("condylar_peak_speed_mm_s",
+        greatest(
+            [&](double t) {
+              return (condyle_mm(side, t + h_s) - condyle_mm(side, t - h_s)).norm() / (2 * h_s);
+            },
+            out),
+        "mm/s", side);
+    const auto inclination_rad = [&](double time_s) {
+      const Vector3d c = condyle_mm(side, time_s);
+      return std::atan2(-c.z(), c.x());
+    };
+    const double most_mm = greatest(travel_mm, out);
+    double apart_mm = 0;
+    for (int i = 0; i < 8; ++i) {
+      const double at_mm = (0.2 + 0.1 * i) * most_mm;
+      const auto out_s = first_passage_s(travel_mm, out, at_mm);
+      const auto back_s = first_passage_s([&](double t) { return -travel_mm(t); }, back, -at_mm);
+      if (!out_s || !back_s) return;
+      apart_mm += std::abs(inclination_rad(*back_s) - inclination_rad(*out_s)) * at_mm / 8;
+    }
+    add("condylar_separation_mm", apart_mm, "mm", side);
   }
 
   // Bennett angles and side shift of the orbiting condyle.
@@ -230,41 +229,22 @@ class TruthOfJaw {
     }
     const double slope = (n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x);
     add("side_shift_mm", (sum_y - slope * sum_x) / n, "mm", side);
-    add("progressive_shift_deg", kDegrees * std::atan(slope), "deg", side);
+    add("progressive_side_shift_deg", kDegrees * std::atan(slope), "deg", side);
   }
 
   void read_cycles() {
     const std::vector<JawCycle> cycles = true_cycles(jaw_);
     if (cycles.empty()) return;
+    const TruthOfCycles truth(jaw_, cycles);
     task_ = jaw_task_name(JawTaskKind::chewing);
-    double total_s = 0;
-    for (const JawCycle& cycle : cycles) {
-      stroke_ = cycle.cycle;
-      const double duration_s = cycle.end_s - cycle.begin_s;
-      total_s += duration_s;
-      add("cycle_duration_s", duration_s, "s");
-      add("opening_time_s", cycle.opening_end_s - cycle.begin_s, "s");
-      add("closing_time_s", cycle.end_s - cycle.opening_end_s, "s");
-      const Span opening{cycle.begin_s, cycle.opening_end_s};
-      const Span closing{cycle.opening_end_s, cycle.end_s}, whole{cycle.begin_s, cycle.end_s};
-      const auto range = [&](int axis) {
-        return greatest([&](double t) { return incisor_mm(t)[axis]; }, whole) +
-               greatest([&](double t) { return -incisor_mm(t)[axis]; }, whole);
-      };
-      add("cycle_height_mm", range(2), "mm");
-      add("cycle_width_mm", range(1), "mm");
-      add("cycle_depth_mm", range(0), "mm");
-      const auto speed = [this](double t) { return incisor_speed_mm_s(t); };
-      const auto vertical = [this](double t) { return vertical_speed_mm_s(t); };
-      add("opening_peak_speed_mm_s", greatest(speed, opening), "mm/s");
-      add("closing_peak_speed_mm_s", greatest(speed, closing), "mm/s");
-      add("opening_peak_vertical_speed_mm_s", greatest(vertical, opening), "mm/s");
-      add("closing_peak_vertical_speed_mm_s", greatest(vertical, closing), "mm/s");
+    for (const TrueCycle& cycle : truth.cycles()) {
+      stroke_ = cycle.number;
+      for (const TrueCycleValue& value : cycle.values) add(value.reading, value.value, value.unit);
     }
     stroke_ = 0;
-    const auto count = static_cast<double>(cycles.size());
-    add("cycle_count", count, "1");
-    add("cycle_frequency_Hz", count / total_s, "Hz");
+    for (const TrueCycleValue& value : truth.summary()) {
+      add(value.reading, value.value, value.unit, value.side);
+    }
   }
 
   // Stroke 0 of everything that was read stroke by stroke.
@@ -298,6 +278,31 @@ class TruthOfJaw {
         greatest([this](double t) { return rotation_angle_deg(jaw_.pose_at(t).rotation); }, span),
         "deg");
     add("displacement_mm", greatest([this](double t) { return incisor_mm(t).norm(); }, span), "mm");
+    if (task.kind == JawTaskKind::border) read_border(span);
+  }
+
+  // Greatest area of an excursion beyond 1 mm.
+  void read_border(const Span& span) {
+    double swept[3] = {}, greatest_mm2[3] = {};  // sagittal, frontal, horizontal
+    Vector3d last = incisor_mm(span.begin_s);
+    const auto close = [&] {
+      for (int i = 0; i < 3; ++i) {
+        greatest_mm2[i] = std::max(greatest_mm2[i], std::abs(swept[i]) / 2);
+        swept[i] = 0;
+      }
+    };
+    at_instants(span, [&](double time_s) {
+      const Vector3d now = incisor_mm(time_s), area = last.cross(now);
+      swept[0] += area.y();
+      swept[1] += area.x();
+      swept[2] += area.z();
+      last = now;
+      if (now.norm() < 1) close();
+    });
+    close();
+    add("border_loop_sagittal_mm2", greatest_mm2[0], "mm2");
+    add("border_loop_frontal_mm2", greatest_mm2[1], "mm2");
+    add("border_loop_horizontal_mm2", greatest_mm2[2], "mm2");
   }
 
   std::optional<double> inclination_5mm_deg(JawTaskKind task, JawSide side) const {
@@ -323,6 +328,22 @@ class TruthOfJaw {
     }
   }
 
+  // In opening and protrusion a condylar point follows the same curve, and no other point does.
+  void add_kinematic_centres() {
+    int strokes[2] = {};
+    for (const JawStroke& stroke : jaw_.motion().strokes()) {
+      strokes[0] += stroke.kind == JawTaskKind::opening;
+      strokes[1] += stroke.kind == JawTaskKind::protrusion;
+    }
+    if (strokes[0] == 0 || strokes[1] == 0) return;
+    task_ = jaw_task_name(JawTaskKind::protrusion);
+    stroke_ = 0;
+    for (const JawSide side : {JawSide::left, JawSide::right}) {
+      add("kinematic_centre_x_mm", 0, "mm", side);
+      add("kinematic_centre_z_mm", 0, "mm", side);
+    }
+  }
+
   const KinematicJaw& jaw_;
   std::string task_;
   int stroke_ = 0;
@@ -333,33 +354,6 @@ class TruthOfJaw {
 
 std::vector<TrueReading> true_readings(const KinematicJaw& jaw) {
   return TruthOfJaw(jaw).read();
-}
-
-std::vector<JawCycle> true_cycles(const KinematicJaw& jaw) {
-  std::vector<JawCycle> cycles = jaw.motion().cycles();
-  const auto height = [&jaw](double time_s) {
-    return displacement_mm(jaw.pose_at(time_s), jaw.landmarks().incisor_lower).z();
-  };
-  for (JawCycle& cycle : cycles) {
-    double lowest_s = cycle.opening_end_s, lowest = height(lowest_s);
-    at_instants({cycle.begin_s, cycle.end_s}, [&](double time_s) {
-      const double now = height(time_s);
-      if (now >= lowest) return;
-      lowest = now;
-      lowest_s = time_s;
-    });
-    double from_s = lowest_s - kStep_s, to_s = lowest_s + kStep_s;
-    for (int i = 0; i < 30; ++i) {
-      const double third_s = (to_s - from_s) / 3;
-      if (height(from_s + third_s) < height(to_s - third_s)) {
-        to_s -= third_s;
-      } else {
-        from_s += third_s;
-      }
-    }
-    cycle.opening_end_s = (from_s + to_s) / 2;
-  }
-  return cycles;
 }
 
 }  // namespace condyle::host

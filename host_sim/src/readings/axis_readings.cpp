@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "readings/axis_readings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "condyle/estimator/pose/rotation_vector.h"
+
+namespace condyle::host {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kNone = JawReading::kNone;
+constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
+constexpr double kLeastAxisAngle_rad = 5 * kDegree, kHingeArc_rad = 12 * kDegree;
+constexpr int kSteps = 4;
+constexpr double kFastShare = 0.5, kLeastRateSds = 10;
+
+// Where an axis crosses Y = 0; absent if it lies along that plane.
+std::optional<Vector3d> crossing_m(const Vector3d& point_m, const Vector3d& direction) {
+  if (std::abs(direction.y()) < 0.5 * direction.norm()) return std::nullopt;
+  return point_m - direction * (point_m.y() / direction.y());
+}
+
+// Crossings with weights: mean, and root of the mean squared distance from it.
+class Crossings {
+ public:
+  void add(const Vector3d& point_m, double weight) {
+    points_m_.push_back(point_m);
+    weights_.push_back(weight);
+    total_ += weight;
+    sum_ += weight * point_m;
+  }
+  template <class Reason>
+  void give(const Reason& reason, ReadingValues& out) const {
+    Vector3d mean = Vector3d::Constant(kNone);
+    double spread_m = kNone;
+    if (total_ > 0) {
+      mean = sum_ / total_;
+      double squares = 0;
+      for (std::size_t i = 0; i < points_m_.size(); ++i) {
+        squares += weights_[i] / total_ * (points_m_[i] - mean).squaredNorm();
+      }
+      spread_m = std::sqrt(squares);
+    }
+    for (const double value_m : {mean.x(), mean.z(), spread_m}) {
+      out.add(value_m / kMillimetre, reason);
+    }
+  }
+
+ private:
+  std::vector<Vector3d> points_m_;
+  std::vector<double> weights_;
+  double total_ = 0;
+  Vector3d sum_ = Vector3d::Zero();
+};
+
+// A pose: rotation vector, and displacement of the middle.
+struct Pose {
+  Vector3d rotation_rad = Vector3d::Zero(), middle_m = Vector3d::Zero();
+};
+
+// The pose where the twist first reaches `level_rad`.
+Pose pose_at(const JawPath& path, const std::vector<double>& twists_rad, std::size_t widest,
+             double level_rad) {
+  for (std::size_t k = 0; k < widest; ++k) {
+    if (twists_rad[k + 1] < level_rad) continue;
+    const double step = twists_rad[k + 1] - twists_rad[k];
+    const double share = step > 0 ? std::clamp((level_rad - twists_rad[k]) / step, 0.0, 1.0) : 0;
+    return {(1 - share) * path.rotation_rad[k] + share * path.rotation_rad[k + 1],
+            (1 - share) * path.middle_m[k] + share * path.middle_m[k + 1]};
+  }
+  return {path.rotation_rad[widest], path.middle_m[widest]};
+}
+
+void add_finite_axes(const JawPath& path, const std::vector<double>& twists_rad, std::size_t widest,
+                     ReadingValues& out) {
+  Crossings crossings;
+  const double step_rad = twists_rad[widest] / kSteps;
+  Pose from;
+  for (int i = 1; i <= kSteps && step_rad >= kLeastAxisAngle_rad; ++i) {
+    const Pose to = pose_at(path, twists_rad, widest, i * step_rad);
+    const Eigen::Matrix3d turn =
+        rotation_of<double>(to.rotation_rad) * rotation_of<double>(from.rotation_rad).transpose();
+    const HelicalAxis axis =
+        helical_axis(rotation_vector_of<double>(turn), path.middle_at_m + from.middle_m,
+                     to.middle_m - from.middle_m);
+    if (const auto point_m = crossing_m(axis.point_m, axis.direction)) crossings.add(*point_m, 1);
+    from = to;
+  }
+  crossings.give(
+      [&] {
+        return fmt::format("the jaw turns by {:.1f} deg, at least {:.0f} deg are needed",
+                           twists_rad[widest] / kDegree, kSteps * kLeastAxisAngle_rad / kDegree);
+      },
+      out);
+}
+
+void add_instantaneous_axes(const JawPath& path, std::size_t widest, double turning_sd_rad_s,
+                            ReadingValues& out) {
+  Crossings crossings;
+  const std::vector<double> rates = sizes_of(path.turning_rad_s);
+  const double fast_rad_s =
+      kFastShare * greatest_of(path.time_s, rates, 0, widest + 1, kTopReach_s).value;
+  const bool is_clear = fast_rad_s > kLeastRateSds * turning_sd_rad_s;
+  for (std::size_t k = 1; k < widest && is_clear; ++k) {
+    if (rates[k] < fast_rad_s) continue;
+    const Vector3d& omega = path.turning_rad_s[k];
+    const Vector3d place = path.condyle_at_m[0] + path.condyle_m[0][k];
+    const Vector3d point = place + omega.cross(path.condyle_m_s[0][k]) / omega.squaredNorm();
+    const double step_s = (path.time_s[k + 1] - path.time_s[k - 1]) / 2;
+    if (const auto point_m = crossing_m(point, omega)) crossings.add(*point_m, rates[k] * step_s);
+  }
+  crossings.give(
+      [&] {
+        return fmt::format(
+            "half of the peak rate of turning, {:.1f} deg/s, is below 10 sd of the rate, {:.1f} "
+            "deg/s",
+            fast_rad_s / kDegree, kLeastRateSds * turning_sd_rad_s / kDegree);
+      },
+      out);
+}
+
+}  // namespace
+
+void add_axis_names(std::vector<StrokeReading>& names) {
+  for (const char* name :
+       {"hinge_axis_x_mm", "hinge_axis_z_mm", "helical_axis_x_mm", "helical_axis_z_mm",
+        "finite_axes_x_mm", "finite_axes_z_mm", "finite_axes_spread_mm", "instantaneous_axis_x_mm",
+        "instantaneous_axis_z_mm", "instantaneous_axis_spread_mm"}) {
+    names.push_back({name});
+  }
+}
+
+void add_axes(const JawPath& path, const std::vector<double>& twists_rad, std::size_t widest,
+              double turning_sd_rad_s, ReadingValues& out) {
+  Vector3d crossing = Vector3d::Constant(kNone);
+  const auto too_little = [&] {
+    return fmt::format("the jaw turns by {:.1f} deg, at least {:.0f} deg are needed",
+                       twists_rad[widest] / kDegree, kLeastAxisAngle_rad / kDegree);
+  };
+  if (twists_rad[widest] >= kLeastAxisAngle_rad) {
+    // The beginning of the opening, as far as the hinge phase goes.
+    std::size_t first = widest, last = widest;
+    while (first > 0 && twists_rad[first] > 0.2 * kLeastAxisAngle_rad) --first;
+    for (std::size_t k = first; k <= widest; ++k) {
+      if (twists_rad[k] < kHingeArc_rad) continue;
+      last = k;
+      break;
+    }
+    const auto hinge = hinge_axis_crossing_m(path, first, last);
+    if (hinge) crossing = *hinge;
+  }
+  out.add(crossing.x() / kMillimetre, too_little);
+  out.add(crossing.z() / kMillimetre, too_little);
+  crossing = Vector3d::Constant(kNone);
+  if (twists_rad[widest] >= kLeastAxisAngle_rad) {
+    const HelicalAxis axis =
+        helical_axis(path.rotation_rad[widest], path.middle_at_m, path.middle_m[widest]);
+    if (std::abs(axis.direction.y()) > 0.5) {
+      crossing = axis.point_m - axis.direction * (axis.point_m.y() / axis.direction.y());
+    }
+  }
+  out.add(crossing.x() / kMillimetre, too_little);
+  out.add(crossing.z() / kMillimetre, too_little);
+  add_finite_axes(path, twists_rad, widest, out);
+  add_instantaneous_axes(path, widest, turning_sd_rad_s, out);
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "readings/condyle_readings.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "readings/reading_groups.h"
+
+namespace condyle::host {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kNone = JawReading::kNone;
+constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
+constexpr double kOnset_m = 0.3e-3;  // travel of a condyle that has left the fossa
+constexpr double kChord_m = 0.5e-3;  // of a path's length
+constexpr std::size_t kSeparations = 8, kEnds = 20;
+constexpr double kLeastTravelShare = 0.2, kMostTravelShare = 0.9;  // of separations
+constexpr double kSlopeFrom = 0.2, kSlopeTo = 0.8;                 // the middle 60 % of the travel
+constexpr double kLeastSlopeTravel_m = 3e-3;
+
+// The outward path of a condyle: from kOnset_m to the greatest sagittal travel.
+struct Outward {
+  std::size_t begin = 0, end = 0;
+  double travel_m = 0;
+};
+
+// Whether the condyle of `side` goes forward in a stroke of `kind`, and whether it orbits.
+bool orbits(TaskKind kind, std::size_t side) {
+  return (kind == TaskKind::left && side == 1) || (kind == TaskKind::right && side == 0);
+}
+bool goes_forward(TaskKind kind, std::size_t side) {
+  return kind == TaskKind::opening || kind == TaskKind::protrusion || orbits(kind, side);
+}
+
+double sagittal(const Vector3d& point) {
+  return std::hypot(point.x(), point.z());
+}
+
+Outward outward_of(const std::vector<double>& time_s, const Points& condyle_m) {
+  std::vector<double> travels;
+  for (const Vector3d& point : condyle_m) travels.push_back(sagittal(point));
+  const Greatest greatest = greatest_of(time_s, travels, 0, travels.size(), kTopReach_s);
+  Outward outward{greatest.at, greatest.at, greatest.value};
+  while (outward.begin > 0 && sagittal(condyle_m[outward.begin]) > kOnset_m) --outward.begin;
+  return outward;
+}
+
+// Its length, from the very passage of kOnset_m.
+double outward_length_m(const JawPath& path, std::size_t side, const Outward& outward) {
+  if (outward.travel_m < kOnset_m || outward.end == 0) return kNone;
+  Points points = path.condyle_m[side];
+  const auto onset = first_passage(path.time_s, points, path.condyle_m_s[side], outward.begin,
+                                   outward.begin + 1, kOnset_m, sagittal);
+  if (onset) points[outward.begin] = onset->point;
+  const double beyond_m = outward.travel_m - sagittal(points[outward.end]);
+  return path_length_m(points, outward.begin, outward.end, kChord_m) + beyond_m;
+}
+
+void add_inclinations(const JawPath& path, std::size_t side, const Outward& outward, bool bennett,
+                      ReadingValues& out) {
+  for (const double travel_mm : {3.0, 5.0, 10.0}) {
+    const auto at = first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side],
+                                  outward.begin, outward.end, travel_mm * kMillimetre, sagittal);
+    const auto reason = [&] {
+      return fmt::format("the condyle travels {:.1f} mm, not {:g} mm",
+                         outward.travel_m / kMillimetre, travel_mm);
+    };
+    out.add(at ? std::atan2(-at->point.z(), at->point.x()) / kDegree : kNone, reason);
+    if (bennett) {
+      out.add(at ? std::atan2(medial(at->point, side), at->point.x()) / kDegree : kNone, reason);
+    }
+  }
+}
+
+void add_side_shift(const JawPath& path, std::size_t side, const Outward& outward,
+                    ReadingValues& out) {
+  const auto forward = [](const Vector3d& point) { return point.x(); };
+  const auto at = [&](double x_mm) {
+    return first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side], outward.begin,
+                         outward.end, x_mm * kMillimetre, forward);
+  };
+  constexpr int kSteps = 30;
+  double sum = 0, sum_x = 0, sum_xx = 0, sum_y = 0, sum_xy = 0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double x_mm = 2 + 3.0 * i / kSteps;
+    const auto point = at(x_mm);
+    if (!point) break;
+    const double y_mm = medial(point->point, side) / kMillimetre;
+    ++sum;
+    sum_x += x_mm;
+    sum_xx += x_mm * x_mm;
+    sum_y += y_mm;
+    sum_xy += x_mm * y_mm;
+  }
+  double a = kNone, b = kNone;
+  if (sum > kSteps) {
+    b = (sum * sum_xy - sum_x * sum_y) / (sum * sum_xx - sum_x * sum_x);
+    a = (sum_y - b * sum_x) / sum;
+  }
+  const auto reason = [] { return std::string("the condyle moves less than 5 mm forward"); };
+  out.add(a, reason);
+  const auto early = at(0.5);
+  out.add(early ? medial(early->point, side) / kMillimetre : kNone, reason);
+  out.add(std::atan(b) / kDegree, reason);
+}
+
+// Separations at equal steps of travel (mm); NaN where the condyle does not reach it on the way out
+// and back.
+std::array<double, kSeparations> separations_mm(const JawPath& path, std::size_t side,
+                                                const Outward& outward) {
+  std::array<double, kSeparations> separations;
+  const auto inward = [](const Vector3d& point) { return -sagittal(point); };
+  const auto inclination = [](const Vector3d& point) { return std::atan2(-point.z(), point.x()); };
+  for (std::size_t i = 0; i < kSeparations; ++i) {
+    const double share = kLeastTravelShare + (kMostTravelShare - kLeastTravelShare) *
+                                                 static_cast<double>(i) / (kSeparations - 1);
+    const double travel_m = share * outward.travel_m;
+    const auto out = first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side],
+                                   outward.begin, outward.end, travel_m, sagittal);
+    const auto back = first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side],
+                                    outward.end, path.time_s.size() - 1, -travel_m, inward);
+    separations[i] = kNone;
+    if (!out || !back) continue;
+    const double angle = inclination(back->point) - inclination(out->point);
+    separations[i] = travel_m * std::remainder(angle, 2 * std::numbers::pi) / kMillimetre;
+  }
+  return separations;
+}
+
+// Rotation over travel between two shares of the greatest travel (deg/mm).
+double rotation_per_travel(const JawPath& path, std::size_t side, const Outward& outward) {
+  double angle_rad[2];
+  for (int i = 0; i < 2; ++i) {
+    const double travel_m = (i == 0 ? kSlopeFrom : kSlopeTo) * outward.travel_m;
+    const auto at = first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side],
+                                  outward.begin, outward.end, travel_m, sagittal);
+    if (!at || outward.travel_m < kLeastSlopeTravel_m) return kNone;
+    angle_rad[i] = (1 - at->share) * twist_about(path.rotation_rad[at->after], 1) +
+                   at->share * twist_about(path.rotation_rad[at->after + 1], 1);
+  }
+  return (angle_rad[1] - angle_rad[0]) / kDegree /
+         ((kSlopeTo - kSlopeFrom) * outward.travel_m / kMillimetre);
+}
+
+void add_condylar_motion(TaskKind kind, const JawPath& path, std::size_t side,
+                         const Outward& outward, ReadingValues& out) {
+  const std::vector<double> speeds = sizes_of(path.condyle_m_s[side]);
+  out.add(greatest_of(path.time_s, speeds, 0, outward.end + 1, kTopReach_s).value / kMillimetre);
+  double sum_mm = 0;
+  for (const double mm : separations_mm(path, side, outward)) sum_mm += std::abs(mm);
+  out.add(sum_mm / kSeparations,
+          [] { return std::string("the condyle does not come back over its whole path"); });
+  out.add(0);  // crossings, which are counted later
+  if (kind != TaskKind::opening) return;
+  out.add(rotation_per_travel(path, side, outward), [&] {
+    return fmt::format("the condyle travels {:.1f} mm, at least {:g} mm are needed",
+                       outward.travel_m / kMillimetre, kLeastSlopeTravel_m / kMillimetre);
+  });
+}
+
+}  // namespace
+
+double medial(const Vector3d& point, std::size_t side) {
+  return side == 0 ? -point.y() : point.y();
+}
+
+void add_condyle_names(TaskKind kind, std::vector<StrokeReading>& names) {
+  for (const Side side : {Side::left, Side::right}) {
+    const std::size_t index = side == Side::left ? 0 : 1;
+    names.push_back({"condylar_path_mm", side});
+    names.push_back({"condylar_translation_mm", side});
+    if (!goes_forward(kind, index)) continue;
+    for (const auto& [inclination, bennett] :
+         {std::pair("condylar_inclination_3mm_deg", "bennett_angle_3mm_deg"),
+          std::pair("condylar_inclination_5mm_deg", "bennett_angle_5mm_deg"),
+          std::pair("condylar_inclination_10mm_deg", "bennett_angle_10mm_deg")}) {
+      names.push_back({inclination, side});
+      if (orbits(kind, index)) names.push_back({bennett, side});
+    }
+    if (orbits(kind, index)) {
+      names.push_back({"side_shift_mm", side});
+      names.push_back({"side_shift_05mm_mm", side});
+      names.push_back({"progressive_side_shift_deg", side});
+    }
+    names.push_back({"condylar_peak_speed_mm_s", side});
+    names.push_back({"condylar_separation_mm", side});
+    names.push_back({"condylar_crossing_count", side});
+    if (kind == TaskKind::opening) names.push_back({"rotation_per_translation_deg_mm", side});
+  }
+  names.push_back({"condylar_path_difference_mm", Side::none});
+  names.push_back({"condylar_translation_difference_mm", Side::none});
+}
+
+void add_condyles(TaskKind kind, const JawPath& path, ReadingValues& out) {
+  double length_mm[2], translation_mm[2];
+  for (std::size_t side = 0; side < 2; ++side) {
+    const Outward outward = outward_of(path.time_s, path.condyle_m[side]);
+    length_mm[side] = outward_length_m(path, side, outward) / kMillimetre;
+    out.add(length_mm[side], [] { return std::string("the condyle travels less than 0.3 mm"); });
+    translation_mm[side] = greatest_mm(path, sizes_of(path.condyle_m[side]));
+    out.add(translation_mm[side]);
+    if (!goes_forward(kind, side)) continue;
+    add_inclinations(path, side, outward, orbits(kind, side), out);
+    if (orbits(kind, side)) add_side_shift(path, side, outward, out);
+    add_condylar_motion(kind, path, side, outward, out);
+  }
+  out.add(length_mm[0] - length_mm[1]);
+  out.add(translation_mm[0] - translation_mm[1]);
+}
+
+void add_separations(TaskKind kind, const JawPath& path, ReadingValues& out) {
+  for (std::size_t side = 0; side < 2; ++side) {
+    if (!goes_forward(kind, side)) continue;
+    const Outward outward = outward_of(path.time_s, path.condyle_m[side]);
+    for (const double separation_mm : separations_mm(path, side, outward)) {
+      out.add(separation_mm,
+              [] { return std::string("the condyle does not come back over its whole path"); });
+    }
+    // Means over a share of the stroke at both ends.
+    const Points& points = path.condyle_m[side];
+    const std::size_t count = std::max<std::size_t>(points.size() / kEnds, 1);
+    Vector3d closure = Vector3d::Zero();
+    for (std::size_t k = 0; k < count; ++k) closure += points[points.size() - 1 - k] - points[k];
+    out.add(sagittal(closure) / static_cast<double>(count) / kMillimetre);
+  }
+}
+
+void finish_separations(const std::vector<StrokeReading>& names,
+                        std::vector<UncertainValue>& values) {
+  std::size_t next = names.size();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i].name != "condylar_crossing_count") continue;
+    UncertainValue count;
+    count.value = 0;
+    int last = 0;
+    for (std::size_t k = 0; k < kSeparations && next < values.size(); ++k, ++next) {
+      const UncertainValue& separation = values[next];
+      if (!std::isfinite(separation.value)) {
+        count.value = kNone;
+        count.missing = separation.missing;
+      }
+      // Beyond its interval, about 2 sd.
+      if (!(std::abs(separation.value) > separation.half_interval())) continue;
+      const int sign = separation.value > 0 ? 1 : -1;
+      if (last != 0 && sign != last) count.value += 1;
+      last = sign;
+    }
+    values[i] = count;
+    // What a slip of the instrument leaves at the end, it may leave on the whole way back.
+    UncertainValue& mean = values[i - 1];
+    const double closure_mm = next < values.size() ? values[next++].value : kNone;
+    mean.smoothing = std::hypot(mean.smoothing, closure_mm);
+  }
+  values.resize(names.size());
+}
+
+void withhold_condyles(const std::vector<StrokeReading>& names, const std::string& why,
+                       std::vector<UncertainValue>& values) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (!is_condylar(names[i].name)) continue;
+    values[i].value = JawReading::kNone;
+    values[i].missing = why;
+  }
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "readings/kinematic_centre.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "condyle/estimator/pose/rotation_vector.h"
+#include "readings/path_measures.h"
+#include "statistics/chi_square.h"
+
+namespace condyle::host {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr std::size_t kLeastPairs = 3;
+constexpr double kLeastTravel_m = 6e-3, kOnset_m = 0.3e-3, kStep_m = 0.25e-3, kReach_m = 12e-3;
+constexpr double kCommonShare = 0.95;   // of the opening path that a protrusive one is held against
+constexpr int kGrid = 4, kShrinks = 5;  // steps to each side; times that they are made smaller
+constexpr double kShrink = 3.5, kTopReach_s = 0.12, kHalf95 = 1.959964;
+constexpr int kDraws = 2;  // pairs of opposite noise for each pair of strokes
+
+// The way out of a stroke: of any point b of the jaw, in the sagittal plane, a + M b.
+class WayOut {
+ public:
+  WayOut(const JawPath& path, std::size_t side) {
+    std::vector<double> travels;
+    for (const Vector3d& point : path.condyle_m[side]) {
+      travels.push_back(std::hypot(point.x(), point.z()));
+    }
+    const Greatest greatest = greatest_of(path.time_s, travels, 0, travels.size(), kTopReach_s);
+    travel_m_ = greatest.value;
+    Vector3d last = Vector3d::Constant(1);
+    for (std::size_t k = 0; k <= greatest.at; ++k) {
+      // Steps of half of kStep_m are fine enough.
+      const Vector3d& now = path.condyle_m[side][k];
+      if ((now - last).norm() < kStep_m / 2 && k != greatest.at) continue;
+      last = now;
+      const Eigen::Matrix3d turn =
+          rotation_of<double>(path.rotation_rad[k]) - Eigen::Matrix3d::Identity();
+      const Vector3d offset = path.middle_m[k] - turn * path.middle_at_m;
+      Pose pose;
+      pose.turn << turn.row(0), turn.row(2);
+      pose.offset_m << offset.x(), offset.z();
+      poses_.push_back(pose);
+    }
+  }
+  double travel_m() const { return travel_m_; }
+  std::vector<Vector2d> of(const Vector3d& point_m) const {
+    std::vector<Vector2d> way;
+    way.reserve(poses_.size());
+    for (const Pose& pose : poses_) way.emplace_back(pose.offset_m + pose.turn * point_m);
+    return way;
+  }
+
+ private:
+  struct Pose {
+    Eigen::Matrix<double, 2, 3> turn;
+    Vector2d offset_m;
+  };
+  std::vector<Pose> poses_;
+  double travel_m_ = 0;
+};
+
+double distance_m(const Vector2d& point, const std::vector<Vector2d>& line) {
+  double least = 1;
+  for (std::size_t k = 1; k < line.size(); ++k) {
+    const Vector2d along = line[k] - line[k - 1], from = point - line[k - 1];
+    const double square = along.squaredNorm();
+    const double share = square > 0 ? std::clamp(from.dot(along) / square, 0.0, 1.0) : 0;
+    least = std::min(least, (from - share * along).squaredNorm());
+  }
+  return std::sqrt(least);
+}
+
+double misfit_m(const WayOut& opening, const WayOut& protrusion, const Vector3d& point_m) {
+  const std::vector<Vector2d> line = opening.of(point_m), way = protrusion.of(point_m);
+  double reach_m = 0;
+  for (const Vector2d& point : line) reach_m = std::max(reach_m, point.norm());
+  double sum_m = 0, count = 0, next_m = kOnset_m, arc_m = 0;
+  for (std::size_t k = 1; k < way.size(); ++k) {
+    const double step_m = (way[k] - way[k - 1]).norm();
+    for (; next_m <= arc_m + step_m && step_m > 0; next_m += kStep_m) {
+      const Vector2d point = way[k - 1] + (next_m - arc_m) / step_m * (way[k] - way[k - 1]);
+      if (point.norm() > kCommonShare * reach_m) break;
+      sum_m += distance_m(point, line);
+      ++count;
+    }
+    arc_m += step_m;
+  }
+  return count > 0 ? sum_m / count : 1;
+}
+
+// The centre of one pair from the condylar point (m); absent at the border of the search.
+std::optional<Vector2d> centre_of(const JawPath& opened, const JawPath& protruded,
+                                  std::size_t side) {
+  const WayOut opening(opened, side), protrusion(protruded, side);
+  const Vector3d& condyle = opened.condyle_at_m[side];
+  Vector2d best = Vector2d::Zero();
+  double step_m = kReach_m / kGrid;
+  for (int i = 0; i <= kShrinks; ++i, step_m /= kShrink) {
+    const Vector2d middle = best;
+    double least_m = 1;
+    for (int x = -kGrid; x <= kGrid; ++x) {
+      for (int z = -kGrid; z <= kGrid; ++z) {
+        const Vector2d shift = middle + step_m * Vector2d(x, z);
+        const double misfit =
+            misfit_m(opening, protrusion, condyle + Vector3d(shift.x(), 0, shift.y()));
+        if (misfit >= least_m) continue;
+        least_m = misfit;
+        best = shift;
+      }
+    }
+    if (i == 0 && best.cwiseAbs().maxCoeff() > kReach_m - step_m / 2) return std::nullopt;
+  }
+  return best;
+}
+
+// A stroke whose noise is drawn anew.
+class DrawnStroke {
+ public:
+  DrawnStroke(const ReferredMotion& motion, SampleRun run, const SharedErrors& errors)
+      : fit_(motion.time_s, run.begin, run.end),
+        wide_(smooth_motion(motion, fit_.first_used(), fit_.end_used())),
+        errors_(errors) {
+    smooth_ = smooth_motion(motion, run.begin, run.end);
+    measured_ = path_of(smooth_);
+    samples_ = wide_.value;
+    once_ = fitted();
+  }
+  const JawPath& measured() const { return measured_; }
+  /// Smoothed twice, without noise of its own.
+  const JawPath& once() const { return once_; }
+  /// The same with noise; `sign`: of the noise drawn last.
+  void draw(const PoseNoise& noise, RandomGenerator& random) {
+    errors_drawn_.clear();
+    for (std::size_t k = 0; k < wide_.value.size(); ++k) {
+      Vector6 normal;
+      for (double& number : normal) number = random.normal();
+      errors_drawn_.emplace_back(noise.root * normal);
+    }
+  }
+  JawPath drawn(int sign) {
+    for (std::size_t k = 0; k < samples_.size(); ++k) {
+      samples_[k] = wide_.value[k] + sign * errors_drawn_[k];
+    }
+    return fitted();
+  }
+
+ private:
+  JawPath path_of(const SmoothMotion& motion) const {
+    JawPath path;
+    paths_of(motion, errors_.geometry, path);
+    return path;
+  }
+  JawPath fitted() {
+    SmoothMotion again{smooth_.time_s, {}, {}};
+    fit_.apply(samples_, again.value, again.slope);
+    return path_of(again);
+  }
+
+  LocalFit fit_;
+  SmoothMotion wide_, smooth_;
+  const SharedErrors& errors_;
+  std::vector<Vector6> samples_, errors_drawn_;
+  JawPath measured_, once_;
+};
+
+struct Sum {
+  double count = 0;
+  Eigen::Array2d sum = Eigen::Array2d::Zero(), squares = Eigen::Array2d::Zero();
+  void add(const Vector2d& value_m) {
+    ++count;
+    sum += value_m.array();
+    squares += value_m.array().square();
+  }
+  Eigen::Array2d mean() const { return sum / count; }
+  Eigen::Array2d variance() const {
+    return ((squares - sum.square() / count) / (count - 1)).max(0.0);
+  }
+};
+
+bool travels_far(const DrawnStroke& stroke, std::size_t side) {
+  return WayOut(stroke.measured(), side).travel_m() >= kLeastTravel_m;
+}
+
+}  // namespace
+
+std::array<UncertainValue, 2> kinematic_centre(const ReferredMotion& motion, const PoseNoise& noise,
+                                               const SharedErrors& errors,
+                                               const std::vector<SampleRun>& openings,
+                                               const std::vector<SampleRun>& protrusions,
+                                               std::size_t side, RandomGenerator& random) {
+  std::array<UncertainValue, 2> centre;
+  const auto strokes_of = [&](const std::vector<SampleRun>& runs) {
+    std::vector<DrawnStroke> strokes;
+    for (const SampleRun& run : runs) {
+      DrawnStroke stroke(motion, run, errors);
+      if (travels_far(stroke, side)) strokes.push_back(std::move(stroke));
+    }
+    return strokes;
+  };
+  std::vector<DrawnStroke> opening = strokes_of(openings), protrusion = strokes_of(protrusions);
+  const std::size_t pairs = std::min(opening.size(), protrusion.size());
+  const auto withhold = [&centre](const std::string& reason) {
+    for (UncertainValue& value : centre) value.missing = reason;
+    return centre;
+  };
+  if (pairs < kLeastPairs) {
+    return withhold(
+        fmt::format("{} pairs of an opening and a protrusion in which the condyle travels 6 mm, "
+                    "at least {} are needed, better 6",
+                    pairs, kLeastPairs));
+  }
+  Sum measured, drawn;
+  for (std::size_t i = 0; i < pairs; ++i) {
+    const auto here = centre_of(opening[i].measured(), protrusion[i].measured(), side);
+    const auto once = centre_of(opening[i].once(), protrusion[i].once(), side);
+    if (!here || !once) return withhold("it lies more than 12 mm from the condylar point");
+    measured.add(*here);
+    for (int k = 0; k < kDraws; ++k) {
+      opening[i].draw(noise, random);
+      protrusion[i].draw(noise, random);
+      for (const int sign : {1, -1}) {
+        const auto again = centre_of(opening[i].drawn(sign), protrusion[i].drawn(sign), side);
+        if (!again) return withhold("noise moves it more than 12 mm from the condylar point");
+        drawn.add(*again - *once);
+      }
+    }
+  }
+  const double count = static_cast<double>(pairs);
+  const double t = student_t_quantile(0.975, count - 1) / kHalf95;
+  const Eigen::Array2d between = t * t * measured.variance() / count;
+  const Eigen::Array2d noise_variance = drawn.variance() / count;
+  for (int i = 0; i < 2; ++i) {
+    UncertainValue& value = centre[static_cast<std::size_t>(i)];
+    const double bias_m = drawn.mean()[i];
+    value.value = 1e3 * (measured.mean()[i] - bias_m);
+    value.smoothing = 1e3 * std::abs(bias_m);
+    value.noise_sd = 1e3 * std::sqrt(std::max(between[i], noise_variance[i]));
+    // The centre stays where it is when the condylar point is elsewhere.
+    const int axis = 2 * i;
+    for (const ReadingGeometry& moved : errors.off_by_one_sd) {
+      const auto relative_mm = [&](const ReadingGeometry& geometry) {
+        const Vector3d& condyle = errors.geometry.condyle_m[side];
+        const Vector3d at = condyle + errors.geometry.head.linear() *
+                                          Vector3d(measured.mean()[0], 0, measured.mean()[1]);
+        return 1e3 * (geometry.head.linear().transpose() * (at - geometry.condyle_m[side]))[axis];
+      };
+      value.fixed.push_back(relative_mm(moved) - relative_mm(errors.geometry));
+    }
+  }
+  return centre;
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Helpers of the readings of a stroke.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "readings/path_measures.h"
+#include "readings/reading.h"
+
+namespace condyle::host {
+
+/// The readings that are being made: values go in the order of readings_of_stroke.
+class ReadingValues {
+ public:
+  ReadingValues(std::vector<double>& values, std::vector<std::string>* why)
+      : values_(values), why_(why) {
+    values_.clear();
+    if (why_ != nullptr) why_->clear();
+  }
+  template <class Reason>
+  void add(double value, const Reason& reason) {
+    values_.push_back(value);
+    if (why_ != nullptr) why_->push_back(std::isfinite(value) ? std::string() : reason());
+  }
+  void add(double value) {
+    add(value, [] { return std::string("it could not be computed"); });
+  }
+
+ private:
+  std::vector<double>& values_;
+  std::vector<std::string>* why_;
+};
+
+/// A reading of a stroke of some kind, and its side.
+struct StrokeReading {
+  std::string_view name;
+  Side side = Side::none;
+};
+
+/// Smoothing of a stroke's greatest values (s).
+inline constexpr double kTopReach_s = 0.12;
+
+inline std::vector<double> sizes_of(const Points& points) {
+  std::vector<double> sizes;
+  sizes.reserve(points.size());
+  for (const Eigen::Vector3d& point : points) sizes.push_back(point.norm());
+  return sizes;
+}
+
+inline std::vector<double> coordinate_of(const Points& points, int axis, double sign) {
+  std::vector<double> values;
+  values.reserve(points.size());
+  for (const Eigen::Vector3d& point : points) values.push_back(sign * point[axis]);
+  return values;
+}
+
+inline double greatest_mm(const JawPath& path, const std::vector<double>& values_m) {
+  return greatest_of(path.time_s, values_m, 0, values_m.size(), kTopReach_s).value * 1e3;
+}
+
+}  // namespace condyle::host

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulation/kinematic/true_axes.h"
+
+#include <Eigen/LU>
+#include <cmath>
+
+namespace condyle::host {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using namespace truth;
+
+// The point of Y = 0 that a motion with the angular velocity (or axis of turning) `omega` and the
+// velocity (or displacement) field field(p) = field(0) + A p moves along `omega` alone.
+Vector3d standing_point(const Vector3d& omega, const Vector3d& at_origin, const Matrix3d& A) {
+  // Cross product of omega and the field is 0: its x and z components, linear in x and z.
+  Matrix3d cross;
+  cross << 0, -omega.z(), omega.y(), omega.z(), 0, -omega.x(), -omega.y(), omega.x(), 0;
+  const Matrix3d C = cross * A;
+  const Vector3d c = cross * at_origin;
+  Eigen::Matrix2d left;
+  left << C(0, 0), C(0, 2), C(2, 0), C(2, 2);
+  const Eigen::Vector2d solution = left.inverse() * -Eigen::Vector2d(c.x(), c.z());
+  return {solution.x(), 0, solution.y()};
+}
+
+Vector3d axis_of(const Matrix3d& R) {
+  return {R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1)};
+}
+
+// From pose a to pose b, p -> R p + t.
+Vector3d finite_crossing_mm(const JawPose& a, const JawPose& b) {
+  const Matrix3d R = b.rotation * a.rotation.transpose();
+  const Vector3d t = b.translation_m - R * a.translation_m;
+  return 1e3 * standing_point(axis_of(R), t, R - Matrix3d::Identity());
+}
+
+struct Mean {
+  std::vector<Vector3d> points;
+  std::vector<double> weights;
+  void give(const std::string& name, std::vector<TrueAxisValue>& into) const {
+    Vector3d mean = Vector3d::Zero();
+    double total = 0, squares = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      mean += weights[i] * points[i];
+      total += weights[i];
+    }
+    mean /= total;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      squares += weights[i] * (points[i] - mean).squaredNorm() / total;
+    }
+    into.push_back({name + "_x_mm", mean.x()});
+    into.push_back({name + "_z_mm", mean.z()});
+    into.push_back({name + "_spread_mm", std::sqrt(squares)});
+  }
+};
+
+}  // namespace
+
+std::vector<TrueAxisValue> true_axes(const KinematicJaw& jaw, const Span& out) {
+  std::vector<TrueAxisValue> values;
+  const auto angle_deg = [&](double t) { return opening_angle_deg(jaw.pose_at(t).rotation); };
+  const double widest_s = greatest_at_s(angle_deg, out), widest_deg = angle_deg(widest_s);
+  if (widest_deg >= 5) {
+    const Vector3d whole_mm = finite_crossing_mm(JawPose{}, jaw.pose_at(widest_s));
+    values.push_back({"helical_axis_x_mm", whole_mm.x()});
+    values.push_back({"helical_axis_z_mm", whole_mm.z()});
+  }
+  if (widest_deg >= 20) {
+    Mean finite;
+    JawPose from;
+    for (int quarter = 1; quarter <= 4; ++quarter) {
+      const auto at_s = first_passage_s(angle_deg, out, widest_deg * quarter / 4);
+      const JawPose to = jaw.pose_at(quarter < 4 && at_s ? *at_s : widest_s);
+      finite.points.push_back(finite_crossing_mm(from, to));
+      finite.weights.push_back(1);
+      from = to;
+    }
+    finite.give("finite_axes", values);
+  }
+  constexpr double h_s = 1e-4;
+  Mean instantaneous;
+  const auto spin = [&](double t) {
+    return Matrix3d((jaw.pose_at(t + h_s).rotation - jaw.pose_at(t - h_s).rotation) / (2 * h_s) *
+                    jaw.pose_at(t).rotation.transpose());
+  };
+  const auto rate = [&](double t) { return (axis_of(spin(t)) / 2).norm(); };
+  const double fast = greatest(rate, out) / 2;
+  at_instants(out, [&](double t) {
+    if (rate(t) < fast) return;
+    const Matrix3d W = spin(t);
+    const Vector3d drift =
+        (jaw.pose_at(t + h_s).translation_m - jaw.pose_at(t - h_s).translation_m) / (2 * h_s);
+    instantaneous.points.push_back(
+        1e3 * standing_point(axis_of(W) / 2, drift - W * jaw.pose_at(t).translation_m, W));
+    instantaneous.weights.push_back(rate(t));
+  });
+  instantaneous.give("instantaneous_axis", values);
+  return values;
+}
+
+}  // namespace condyle::host
