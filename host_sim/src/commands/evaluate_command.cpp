@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <memory>
 
 #include "commands/commands.h"
@@ -14,6 +13,7 @@
 #include "hosted/files/text_file.h"
 #include "options/analysis_options.h"
 #include "options/command_line.h"
+#include "options/shard_option.h"
 #include "output/output_file.h"
 #include "output/progress.h"
 #include "simulation/scenario_file.h"
@@ -32,25 +32,13 @@ struct EvaluateOptions {
   DriveStatement drive;
 };
 
-// I of N.
-EvaluationShard parse_shard(const std::string& text, std::uint64_t runs) {
-  EvaluationShard shard;
-  const std::size_t slash = text.find('/');
-  const auto number = [&](std::size_t begin, std::size_t end, std::uint64_t& value) {
-    const char* const last = text.data() + std::min(end, text.size());
-    const auto [stop, error] = std::from_chars(text.data() + begin, last, value);
-    return error == std::errc() && stop == last;
-  };
-  if (slash == std::string::npos || !number(0, slash, shard.number) ||
-      !number(slash + 1, text.size(), shard.count) || shard.number < 1 ||
-      shard.number > shard.count) {
-    throw InputError("--shard " + text, "is not a shard", "give I/N, I from 1 to N, as in 1/4");
-  }
-  if (shard.count > runs) {
+EvaluationShard shard_of(const std::string& text, std::uint64_t runs) {
+  const auto [number, count] = parse_shard(text);
+  if (count > runs) {
     throw InputError("--shard " + text, fmt::format("leaves shards without any of {} runs", runs),
                      "use at most as many shards as runs");
   }
-  return shard;
+  return {number, count};
 }
 
 EstimatorSettings choose_settings(const EvaluateOptions& options, const Scenario& scenario) {
@@ -92,7 +80,7 @@ MonteCarloControl control_of_signals() {
 
 int evaluate_one_shard(const EvaluateOptions& options, const Scenario& scenario,
                        const EstimatorSettings& settings) {
-  const EvaluationShard shard = parse_shard(options.shard, options.plan.runs);
+  const EvaluationShard shard = shard_of(options.shard, options.plan.runs);
   if (options.out.empty() || !options.figures.empty()) {
     throw InputError("--shard", options.out.empty() ? "has no file for its runs" : "draws nothing",
                      "give --out FILE without --figures; condyle evaluate merge joins the files");
