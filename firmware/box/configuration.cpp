@@ -53,6 +53,7 @@ class Reader {
     read_companions();
     read_estimator();
     read_pose();
+    read_cycles();
     read_recording();
     read_udp();
     read_http();
@@ -158,6 +159,15 @@ class Reader {
                        "leave out estimate, or node in [estimator]");
     }
     result_.pose = choice;
+  }
+
+  void read_cycles() {
+    bool is_wanted = false;
+    toml_.boolean("cycles", "find", is_wanted);
+    std::size_t closing = 0;
+    toml_.choice("cycles", "closing", closing, {"positive", "negative"});
+    if (is_wanted)
+      result_.cycles = {.followed = result_.followed.axis, .closes_upward = closing == 0};
   }
 
   void read_node() {

@@ -13,6 +13,7 @@
 #include "condyle/estimator/sensors/recommended_parameters.h"
 #include "condyle/hal/log/session_log.h"
 #include "hosted/devices/source_spec.h"
+#include "hosted/estimates/followed_cycles.h"
 #include "hosted/estimates/pose_choice.h"
 
 namespace condyle::box {
@@ -41,6 +42,8 @@ struct Configuration {
   TimeNs node_late_ns = 100'000'000;  ///< a later estimate counts as late
 
   std::optional<host::PoseChoice> pose;  ///< empty: the whole pose is not estimated
+
+  std::optional<host::CycleChoice> cycles;  ///< empty: chewing cycles are not found
 
   int priority = 50;         ///< SCHED_FIFO; 0: an ordinary thread
   bool locks_memory = true;  ///< if permitted; not in the file

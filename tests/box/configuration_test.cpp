@@ -52,6 +52,7 @@ TEST_F(ConfigurationFile, TheOneShippedIsTheDefaults) {
   EXPECT_EQ(same.followed.axis, shipped.followed.axis);
   EXPECT_EQ(same.lag, shipped.lag);
   EXPECT_EQ(same.pose.has_value(), shipped.pose.has_value());
+  EXPECT_EQ(same.cycles.has_value(), shipped.cycles.has_value());
   EXPECT_EQ(same.priority, shipped.priority);
   EXPECT_EQ(same.node_baud, shipped.node_baud);
   EXPECT_EQ(same.node_late_ns, shipped.node_late_ns);
@@ -61,6 +62,15 @@ TEST_F(ConfigurationFile, TheOneShippedIsTheDefaults) {
   EXPECT_EQ(same.http_address, shipped.http_address);
   EXPECT_EQ(same.http_port, shipped.http_port);
   EXPECT_EQ(same.most_listeners, shipped.most_listeners);
+}
+
+TEST_F(ConfigurationFile, TakesTheDirectionInWhichTheJawCloses) {
+  EXPECT_FALSE(load(source_).cycles.has_value());
+  const auto cycles =
+      load(source_ + "axis = \"y\"\n[cycles]\nfind = true\nclosing = \"negative\"\n").cycles;
+  ASSERT_TRUE(cycles.has_value());
+  EXPECT_EQ(cycles->followed, Axis::y);
+  EXPECT_FALSE(cycles->closes_upward);
 }
 
 TEST_F(ConfigurationFile, TakesThePoseAndPointsOfTheJaw) {

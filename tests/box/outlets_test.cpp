@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <atomic>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -112,6 +113,73 @@ TEST(EstimateLine, HasThePoseAndItsPoints) {
   EXPECT_EQ(json["incisor_covariances_m2"], nlohmann::json::array({0.0, 0.0, 0.0}));
   EXPECT_TRUE(json["incisor_velocity_m_s"][0].is_null());
   EXPECT_EQ(json["angular_velocity_provenance"], "");
+}
+
+TEST(EstimateLine, HasTheCycleThatEndsWithIt) {
+  EXPECT_FALSE(nlohmann::json::parse(estimate_line({})).contains("cycle"));
+  host::FoundCycle found;
+  found.cycle.begin_ns = 1'000'000'000;
+  found.cycle.turn_ns = 1'400'000'000;
+  found.cycle.end_ns = 1'750'000'000;
+  found.cycle.duration_s = {0.1 + 0.2, 0.01, Provenance::measured};
+  found.number = 3;
+  found.sequence = 2;
+  const nlohmann::json json = nlohmann::json::parse(estimate_line({}, {}, found))["cycle"];
+  EXPECT_EQ(json["cycle"], 3);
+  EXPECT_EQ(json["sequence"], 2);
+  EXPECT_EQ(json["turn_s"].get<double>(), 1.4);
+  EXPECT_EQ(json["duration_s"].get<double>(), 0.1 + 0.2);
+  EXPECT_EQ(json["duration_sd_s"].get<double>(), 0.01);
+  EXPECT_TRUE(json["height_m"].is_null());
+  EXPECT_EQ(json["height_provenance"], "");
+  EXPECT_EQ(json["rejected"], "");
+  found.number = 0;
+  found.cycle.verdict = CycleVerdict::too_short;
+  const nlohmann::json rejected = nlohmann::json::parse(estimate_line({}, {}, found))["cycle"];
+  EXPECT_TRUE(rejected["cycle"].is_null());
+  EXPECT_EQ(rejected["rejected"], "it lasts 0.75 s");
+}
+
+// From each run the cycles of its own estimates.
+TEST(Publisher, FindsTheCyclesOfARun) {
+  hal::ManualClock clock;
+  EstimateHistory history(1000);
+  Publisher publisher(history, "", 0, clock, {}, host::CycleChoice{Axis::z, false});
+  const auto ring = std::make_unique<EstimateRing>();
+  for (std::uint64_t run = 1; run <= 2; ++run) {
+    for (int i = 0; i < 400; ++i) {
+      BoxEstimate box;
+      box.run = run;
+      box.number = static_cast<std::uint64_t>(i + 1);
+      RecommendedEstimate<double>& estimate = box.estimate;
+      estimate.is_ready = estimate.time_valid = true;
+      estimate.time_ns = 10'000'000 * TimeNs{i};
+      estimate.axis_count = 1;
+      const double phase = 2 * M_PI * 0.01 * i;  // opens towards positive positions
+      AxisEstimate<double>& axis = estimate.axes[0];
+      axis.position_m = {0.01 * (1 - std::cos(phase)), 1e-5, Provenance::measured};
+      axis.velocity_m_s = {0.01 * 2 * M_PI * std::sin(phase), 1e-3, Provenance::measured};
+      axis.innovation_m = 0;
+      ASSERT_TRUE(ring->push(box));
+    }
+  }
+  publisher.start(*ring, [] {});
+  publisher.stop();
+  std::vector<nlohmann::json> cycles;
+  for (std::uint64_t place = 0;;) {
+    const EstimateHistory::Line line = history.after(place);
+    if (line.number == 0) break;
+    place = line.number;
+    const nlohmann::json json = nlohmann::json::parse(*line.text);
+    if (json.contains("cycle")) cycles.push_back(json);
+  }
+  ASSERT_EQ(cycles.size(), 6U);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(cycles[i]["run"], i / 3 + 1);
+    EXPECT_EQ(cycles[i]["cycle"]["cycle"], i % 3 + 1);
+    EXPECT_NEAR(cycles[i]["cycle"]["turn_s"].get<double>(), static_cast<double>(i % 3) + 0.5, 0.01);
+    EXPECT_NEAR(cycles[i]["cycle"]["duration_s"].get<double>(), 1, 0.05);
+  }
 }
 
 TEST(BoxLog, SaysTheSameThingSeldom) {

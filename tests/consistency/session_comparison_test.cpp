@@ -176,7 +176,7 @@ TEST(SessionComparison, AChangeMustExceedWhatTheDriveMayMake) {
       mass_kg += 0.01;
     }
     const QuantityComparison mass = compare_sessions(sessions).quantities.back();
-    ASSERT_STREQ(mass.column, "mass");
+    ASSERT_EQ(mass.column, "mass");
     ASSERT_EQ(mass.changes.size(), 1U);
     EXPECT_NEAR(mass.changes[0].change, 0.013, 1e-12);
     EXPECT_EQ(mass.changes[0].exceeds(), stated_sd < 0.01);

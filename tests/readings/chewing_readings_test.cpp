@@ -47,7 +47,8 @@ TEST(CycleReadings, EqualTheTruthOnExactPoses) {
     cycle.end = sample_at(path, cycles[i].end_s);
     cycle.begin_s = cycles[i].begin_s;
     std::vector<double> values;
-    read_cycle(cycle, 0, 1e-6, true, path, values, nullptr);
+    const GreatestAt greatest(path.time_s, kCycleTopReach_s);
+    read_cycle(cycle, 0, 1e-6, true, path, greatest, values, nullptr);
     for (const TrueCycleValue& expected : truth.cycles()[i].values) {
       const auto name = std::find(names.begin(), names.end(), expected.reading);
       ASSERT_NE(name, names.end()) << expected.reading;

@@ -161,7 +161,7 @@ TEST(Landmarks, AlsoByAPointWithoutAPointer) {
   PointerScene scene(4, 0);
   scene.plan.pointer.clear();
   scene.plan.calibration_s.reset();
-  scene.plan.point = "M";
+  scene.plan.point = scene.points.names.back();
   const TakenLandmarks taken = scene.take();
   const Isometry3d head = stated_head(scene, taken.landmarks);
   for (std::size_t i = 0; i < Landmarks::kPoints; ++i) {

@@ -2,8 +2,10 @@
 // `condyle report`: the numbers of `condyle analyse`, nothing from elsewhere, and text as text.
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -35,6 +37,11 @@ std::string element(const std::string& page, const std::string& opening, const s
   return page.substr(content, page.find(end, content) - content);
 }
 
+nlohmann::json data_of(const std::string& page) {
+  return nlohmann::json::parse(
+      element(page, "<script type=\"application/json\" id=\"condyle-report-1\">", "</script>"));
+}
+
 class Report : public testing::Test {
  protected:
   void SetUp() override {
@@ -63,9 +70,7 @@ TEST_F(Report, HoldsTheReadingsOfAnalyse) {
   const auto reported = run_condyle(words);
   ASSERT_EQ(reported.exit_code, 0) << reported.errors;
   const std::string page = text_of(path("report.html"));
-  const std::string data =
-      element(page, "<script type=\"application/json\" id=\"condyle-report-1\">", "</script>");
-  EXPECT_EQ(nlohmann::json::parse(data).at("readings"), nlohmann::json::parse(analysed.output));
+  EXPECT_EQ(data_of(page).at("readings"), nlohmann::json::parse(analysed.output));
   EXPECT_LE(page.size(), 1'500'000U);
 }
 
@@ -104,6 +109,163 @@ TEST_F(Report, LeavesNoFileAfterAnError) {
   const auto result = run_condyle({"report", path("missing.csv"), "--out", path("report.html")});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_FALSE(std::filesystem::exists(path("report.html")));
+}
+
+// The fields of a CSV file without quotes, by the names of its columns.
+std::vector<std::map<std::string, std::string>> rows_of(const std::string& path) {
+  std::ifstream file(path);
+  const auto fields = [](const std::string& line) {
+    std::vector<std::string> words;
+    std::istringstream text(line);
+    for (std::string word; std::getline(text, word, ',');) words.push_back(word);
+    return words;
+  };
+  std::string line;
+  std::getline(file, line);
+  const auto names = fields(line);
+  std::vector<std::map<std::string, std::string>> rows;
+  while (std::getline(file, line)) {
+    const auto words = fields(line);
+    auto& row = rows.emplace_back();
+    for (std::size_t i = 0; i < names.size() && i < words.size(); ++i) row[names[i]] = words[i];
+  }
+  return rows;
+}
+
+TEST_F(Report, ComparesSessionsAsCompareDoes) {
+  for (int i = 1; i <= 4; ++i) {
+    ASSERT_EQ(
+        run_condyle({"simulate", source_path("/host_sim/scenarios/clinical_session.toml"), "--seed",
+                     std::to_string(i), "--out", path("s" + std::to_string(i) + ".csv")})
+            .exit_code,
+        0);
+  }
+  const std::vector<std::string> sessions = {
+      "--session", "before=" + path("s1.csv") + "," + path("s2.csv"), "--session",
+      "<b>after=" + path("s3.csv") + "," + path("s4.csv")};
+  std::vector<std::string> words = {"compare", "--out", path("sessions.csv")};
+  words.insert(words.end(), sessions.begin(), sessions.end());
+  ASSERT_EQ(run_condyle(words).exit_code, 0);
+  words = {"report",
+           "--out",
+           path("report.html"),
+           "--landmarks",
+           path("session.landmarks.toml"),
+           "--tasks",
+           path("session.tasks.csv")};
+  words.insert(words.end(), sessions.begin(), sessions.end());
+  const auto result = run_condyle(words);
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const std::string page = text_of(path("report.html"));
+  EXPECT_THAT(page, Not(HasSubstr("<b>after")));
+
+  const auto data = data_of(page);
+  std::map<std::string, nlohmann::json> motion;
+  for (const auto& quantity : data.at("sessions").at("motion")) {
+    motion[quantity.at("column")] = quantity;
+  }
+  const auto rows = rows_of(path("sessions.csv"));
+  EXPECT_FALSE(rows.empty());
+  for (const auto& row : rows) {
+    const auto& change = motion.at(row.at("quantity")).at("changes").at(0);
+    for (const char* name : {"mean_from", "mean_to", "change", "smallest_change", "probability"}) {
+      EXPECT_NEAR(change.at(name).get<double>(), std::stod(row.at(name)),
+                  1e-6 * (1e-6 + std::abs(std::stod(row.at(name)))))
+          << row.at("quantity") << " " << name;
+    }
+  }
+
+  // A compared reading has the values of the recordings' own readings.
+  std::size_t compared = 0;
+  for (const auto& quantity : data.at("sessions").at("readings")) {
+    if (quantity.at("quantity") != "opening, opening_mm") continue;
+    ++compared;
+    std::vector<double> expected;
+    for (const auto& recording : data.at("readings").at("recordings")) {
+      for (const auto& reading : recording.at("readings")) {
+        if (reading.at("reading") == "opening_mm" && reading.at("stroke").is_null()) {
+          expected.push_back(reading.at("value"));
+        }
+      }
+    }
+    ASSERT_EQ(expected.size(), 4U);
+    const auto& values = quantity.at("values");
+    EXPECT_EQ(values.at(0).get<std::vector<double>>(),
+              std::vector<double>(expected.begin(), expected.begin() + 2));
+    EXPECT_EQ(values.at(1).get<std::vector<double>>(),
+              std::vector<double>(expected.begin() + 2, expected.end()));
+    EXPECT_TRUE(quantity.at("changes").at(0).at("smallest_change").get<double>() > 0);
+  }
+  EXPECT_EQ(compared, 1U);
+}
+
+TEST_F(Report, ShowsFrictionAndMassOfReplay) {
+  ASSERT_EQ(run_condyle({"simulate", source_path("/host_sim/scenarios/point_mass.toml"), "--out",
+                         path("driven.csv")})
+                .exit_code,
+            0);
+  const std::vector<std::string> drive = {"--drive", path("driven.drive.csv"), "--drive-missing",
+                                          "0",       "--drive-delay-sd-ms",    "0.5"};
+  // The report's lag of 50 ms at 60 samples a second.
+  std::vector<std::string> words = {"replay", path("driven.csv"), "--lag", "3", "--json"};
+  words.insert(words.end(), drive.begin(), drive.end());
+  const auto replayed = run_condyle(words);
+  ASSERT_EQ(replayed.exit_code, 0) << replayed.errors;
+  words = {"report", path("driven.csv"), "--out", path("report.html")};
+  words.insert(words.end(), drive.begin(), drive.end());
+  const auto reported = run_condyle(words);
+  ASSERT_EQ(reported.exit_code, 0) << reported.errors;
+  const std::string page = text_of(path("report.html"));
+  const auto identified = data_of(page).at("recordings").at(0).at("estimates").at("identified");
+  EXPECT_EQ(identified, nlohmann::json::parse(replayed.output).at("identified"));
+  EXPECT_EQ(identified.at("mass_kg").at("provenance"), "measured");
+  EXPECT_THAT(page, HasSubstr("class=\"known\""));
+
+  // Without the statement the mass is not known: the page shows the prior alone, as assumed.
+  words = {"report", path("driven.csv"), "--drive", path("driven.drive.csv"),
+           "--out",  path("report.html")};
+  ASSERT_EQ(run_condyle(words).exit_code, 0);
+  const std::string unknown = text_of(path("report.html"));
+  EXPECT_THAT(unknown, Not(HasSubstr("class=\"known\"")));
+  EXPECT_THAT(unknown, HasSubstr("--drive-missing SHARE"));
+  EXPECT_THAT(unknown, Not(HasSubstr("data-chart=\"mass\"")));
+}
+
+TEST_F(Report, OfAMinuteAt200HzIsSmall) {
+  std::ofstream(path("minute.toml"))
+      << "[kinematic]\n[rest]\nduration_s = 3\n[opening]\nstrokes = 3\n[chewing]\n"
+         "duration_s = 46\n[facebow]\nrate_Hz = 200\nnoise_m = 0.00002\nnoise_rad = 0.0008\n"
+         "[landmarks]\ncondyle_sd_mm = 1\nincisor_sd_mm = 0.5\nplane_sd_mm = 1\n";
+  ASSERT_EQ(run_condyle({"simulate", path("minute.toml"), "--out", path("minute.csv")}).exit_code,
+            0);
+  const auto result =
+      run_condyle({"report", path("minute.csv"), "--landmarks", path("minute.landmarks.toml"),
+                   "--tasks", path("minute.tasks.csv"), "--out", path("report.html")});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const std::string page = text_of(path("report.html"));
+  const auto data = data_of(page);
+  EXPECT_GT(data.at("readings").at("recordings").at(0).at("duration_s").get<double>(), 59);
+  EXPECT_LE(page.size(), 1'500'000U);
+}
+
+TEST_F(Report, RefusesSessionsAndDrivesThatDoNotFit) {
+  const std::string session = path("session.csv");
+  const std::vector<std::pair<std::vector<std::string>, const char*>> cases = {
+      {{}, "has no recording"},
+      {{"--session", "a=" + session}, "one session cannot be compared"},
+      {{session, "--session", "a=" + session, "--session", "b=" + session},
+       "cannot be combined with recordings outside a session"},
+      {{session, "--drive-missing", "0"}, "has no drive"},
+      {{session, path("other.csv"), "--drive", path("x.csv")}, "belongs to one recording"}};
+  for (const auto& [words, message] : cases) {
+    std::vector<std::string> all = {"report"};
+    all.insert(all.end(), words.begin(), words.end());
+    all.insert(all.end(), {"--out", path("report.html")});
+    const auto result = run_condyle(all);
+    EXPECT_EQ(result.exit_code, 2) << message;
+    EXPECT_THAT(result.errors, HasSubstr(message));
+    EXPECT_FALSE(std::filesystem::exists(path("report.html"))) << message;
+  }
 }
 
 }  // namespace

@@ -31,9 +31,9 @@ void Document::run(const Make& make) {
   }
   std::unique_lock lock(mutex_);
   if (!has_begun_) {
-    head_ = {500, "application/json", "", Head::kUnknown};
-    has_begun_ = true;
     pieces_.push_back(answer_json({500, problem}));
+    head_ = {500, "application/json", "", pieces_.back().size()};
+    has_begun_ = true;
   } else if (!problem.empty()) {
     is_broken_ = true;
   }

@@ -73,9 +73,27 @@ Json pose_json(const PoseEstimate<double>& pose, const host::PoseChoice& choice)
   return json;
 }
 
+Json cycle_json(const host::FoundCycle& found) {
+  const MotionCycle<double>& cycle = found.cycle;
+  Json json;
+  json["sequence"] = found.sequence;
+  json["cycle"] = found.number > 0 ? Json(found.number) : Json();
+  json["begin_s"] = seconds(cycle.begin_ns);
+  json["turn_s"] = seconds(cycle.turn_ns);
+  json["end_s"] = seconds(cycle.end_ns);
+  json["begins_after_pause"] = cycle.begins_after_pause;
+  json["ends_with_pause"] = cycle.ends_with_pause;
+  host::visit_cycle(cycle, [&json](host::QuantityName name, const Quantity<double>& quantity) {
+    add_quantity(json, name, quantity);
+  });
+  json["rejected"] = host::rejection_text(cycle);
+  return json;
+}
+
 }  // namespace
 
-std::string estimate_line(const BoxEstimate& box, const host::PoseChoice& pose) {
+std::string estimate_line(const BoxEstimate& box, const host::PoseChoice& pose,
+                          const std::optional<host::FoundCycle>& cycle) {
   const RecommendedEstimate<double>& estimate = box.estimate;
   Json json;
   json["run"] = box.run;
@@ -113,6 +131,7 @@ std::string estimate_line(const BoxEstimate& box, const host::PoseChoice& pose) 
     json["impedance"] = impedance;
   }
   if (box.has_pose) json["pose"] = pose_json(box.pose, pose);
+  if (cycle) json["cycle"] = cycle_json(*cycle);
   json["events"] = events_json(estimate.events);
   return json.dump();
 }

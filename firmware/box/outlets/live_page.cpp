@@ -32,8 +32,8 @@ WebPage make_page() {
                       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
                       "<title>condyle live</title>\n<link rel=\"icon\" href=\"data:,\">\n"
                       "<style>{}</style>\n</head>\n<body>\n{}"
-                      "<details><summary>Licence of uPlot, which draws the charts</summary>"
-                      "<pre>{}</pre></details>\n<script>{}</script>\n</body>\n</html>\n",
+                      "<footer><details><summary>Licence of uPlot, which draws the charts</summary>"
+                      "<pre>{}</pre></details></footer>\n<script>{}</script>\n</body>\n</html>\n",
                       kPageStyle, kPageBody, markup_as_text(kPageLicence), kPageScript),
           fmt::format("default-src 'none'; script-src '{}'; style-src '{}'; connect-src 'self'; "
                       "img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",

@@ -45,8 +45,9 @@ int connected_socket(const std::string& address, std::uint16_t port) {
 }  // namespace
 
 Publisher::Publisher(EstimateHistory& history, const std::string& address, std::uint16_t port,
-                     hal::Clock& clock, host::PoseChoice pose)
-    : history_(history), clock_(clock), pose_(std::move(pose)) {
+                     hal::Clock& clock, host::PoseChoice pose,
+                     std::optional<host::CycleChoice> cycles)
+    : history_(history), clock_(clock), pose_(std::move(pose)), cycle_choice_(cycles) {
   if (port != 0) socket_ = connected_socket(address, port);
 }
 
@@ -81,7 +82,7 @@ bool Publisher::take_some() {
   BoxEstimate estimate;
   for (int i = 0; i < kMostBetweenTicks; ++i) {
     if (!ring_->pop(estimate)) return true;
-    std::string line = estimate_line(estimate, pose_);
+    std::string line = estimate_line(estimate, pose_, cycle_at(estimate));
     if (socket_ >= 0) {
       const bool is_sent = ::send(socket_, line.data(), line.size(), MSG_DONTWAIT | MSG_NOSIGNAL) ==
                            static_cast<ssize_t>(line.size());
@@ -91,6 +92,16 @@ bool Publisher::take_some() {
     ++published_;
   }
   return false;
+}
+
+// Each run, and each connection of a microcontroller, has a fresh estimator.
+std::optional<host::FoundCycle> Publisher::cycle_at(const BoxEstimate& estimate) {
+  if (!cycle_choice_ || estimate.node.state == NodeMark::State::away) return std::nullopt;
+  if (!cycles_ || estimate.run != run_) cycles_.emplace(*cycle_choice_);
+  if (estimate.node.connection != connection_) cycles_->restart();
+  run_ = estimate.run;
+  connection_ = estimate.node.connection;
+  return cycles_->add(estimate.estimate);
 }
 
 PublisherCounts Publisher::counts() const {

@@ -4,12 +4,14 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include "box/outlets/estimate_history.h"
 #include "box/realtime/box_estimate.h"
 #include "condyle/hal/clock.h"
+#include "hosted/estimates/followed_cycles.h"
 #include "hosted/estimates/pose_choice.h"
 
 namespace condyle::box {
@@ -25,9 +27,10 @@ struct PublisherCounts {
 class Publisher {
  public:
   /// `port` 0 sends nothing. Throws an InputError if `address` cannot be sent to. `pose`: what is
-  /// shown of the whole pose.
+  /// shown of the whole pose. `cycles`: if given, chewing cycles are found and sent as they end.
   Publisher(EstimateHistory& history, const std::string& address, std::uint16_t port,
-            hal::Clock& clock, host::PoseChoice pose = {});
+            hal::Clock& clock, host::PoseChoice pose = {},
+            std::optional<host::CycleChoice> cycles = {});
   ~Publisher();
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
@@ -42,10 +45,14 @@ class Publisher {
 
  private:
   bool take_some();  // true when none are left
+  std::optional<host::FoundCycle> cycle_at(const BoxEstimate& estimate);
 
   EstimateHistory& history_;
   hal::Clock& clock_;
   const host::PoseChoice pose_;
+  const std::optional<host::CycleChoice> cycle_choice_;
+  std::optional<host::FollowedCycles> cycles_;  // of the run
+  std::uint64_t run_ = 0, connection_ = 0;      // of the last estimate
   int socket_ = -1;
   EstimateRing* ring_ = nullptr;
   std::function<void()> tick_;

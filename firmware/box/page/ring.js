@@ -48,9 +48,11 @@ export class Ring {
   }
 }
 
-/** Arrays for `columns` columns of a chart: two points each, times in [0]. */
+const kPoints = 3;  // of a column: one for a gap, the lowest and the highest
+
+/** Arrays for `columns` columns of a chart, times in [0]. null: a gap; undefined: no point. */
 export function chart_arrays(columns, series) {
-  return Array.from({length: series + 1}, () => new Array(2 * columns).fill(null));
+  return Array.from({length: series + 1}, () => new Array(kPoints * columns).fill(null));
 }
 
 function clear_from(data, at, end_s, step) {
@@ -82,21 +84,19 @@ function all_samples(ring, chosen, k, end_s, data) {
 
 // Many samples: the lowest and the highest of each column, in the order in which they came.
 function extremes(ring, chosen, k, begin_s, width_s, data) {
-  const columns = data[0].length / 2;
-  for (let c = 0; c < columns; ++c) {
-    data[0][2 * c] = begin_s + (c + 0.25) * width_s;
-    data[0][2 * c + 1] = begin_s + (c + 0.75) * width_s;
-  }
+  const columns = data[0].length / kPoints;
+  for (let i = 0; i < data[0].length; ++i) data[0][i] = begin_s + (i + 0.5) / kPoints * width_s;
   const first = k;
   for (let s = 0; s < chosen.length; ++s) {
     const values = ring.values[chosen[s]];
     const out = data[s + 1];
+    const fill = (c, value) => out.fill(value, kPoints * c, kPoints * (c + 1));
     let c = -1;
     for (k = first; k < ring.size;) {
       const place = ring.place(k);
       const column = Math.min(columns - 1, Math.floor((ring.time[place] - begin_s) / width_s));
       // Empty columns: a gap, or only fewer samples than columns.
-      for (++c; c < column; ++c) out[2 * c] = out[2 * c + 1] = ring.breaks[place] ? null : undefined;
+      for (++c; c < column; ++c) fill(c, ring.breaks[place] ? null : undefined);
       let has_gap = false;
       let low = Infinity;
       let high = -Infinity;
@@ -118,16 +118,17 @@ function extremes(ring, chosen, k, begin_s, width_s, data) {
       }
       const is_there = high >= low;
       const [a, b] = low_k < high_k ? [low, high] : [high, low];
-      out[2 * column] = has_gap || !is_there ? null : a;
-      out[2 * column + 1] = is_there ? b : null;
+      out[kPoints * column] = has_gap || !is_there ? null : undefined;
+      out[kPoints * column + 1] = is_there ? a : null;
+      out[kPoints * column + 2] = is_there ? b : null;
     }
-    for (++c; c < columns; ++c) out[2 * c] = out[2 * c + 1] = null;
+    for (++c; c < columns; ++c) fill(c, null);
   }
 }
 
 /** Fills `data` with the series `chosen` of the time from `end_s - span_s` to `end_s`. */
 export function fill_chart(ring, chosen, end_s, span_s, data) {
-  const columns = data[0].length / 2;
+  const columns = data[0].length / kPoints;
   const width_s = span_s / columns;
   // Columns stand still in time, so that extremes do not flicker.
   const begin_s = (Math.floor((end_s - span_s) / width_s) + 1) * width_s;

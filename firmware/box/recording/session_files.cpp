@@ -37,9 +37,13 @@ class File {
   int descriptor_;
 };
 
+void send_json(Document& document, int status, std::string json) {
+  document.begin({status, "application/json", "", json.size()});
+  document.give(std::move(json));
+}
+
 void refuse(Document& document, int status, const std::string& words) {
-  document.begin({status, "application/json", "", Document::Head::kUnknown});
-  document.give(answer_json({status, words}));
+  send_json(document, status, answer_json({status, words}));
 }
 
 void refuse_missing(Document& document) {
@@ -120,8 +124,7 @@ Document::Make SessionFiles::list(const std::string& recorded) const {
       json["sessions"].push_back(
           {{"name", name}, {"bytes", size}, {"recording", name == recorded}});
     }
-    document.begin({200, "application/json", "", Document::Head::kUnknown});
-    document.give(json.dump() + "\n");
+    send_json(document, 200, json.dump() + "\n");
   };
 }
 

@@ -37,7 +37,7 @@ Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
       files_(configuration_.folder, configuration_.make_report),
       history_(kHistoryLines),
       publisher_(history_, configuration_.udp_address, configuration_.udp_port, clock,
-                 configuration_.pose.value_or(host::PoseChoice())),
+                 configuration_.pose.value_or(host::PoseChoice()), configuration_.cycles),
       http_(configuration_, history_, service(), log) {
   if (!is_available(facebow_.profile().kind, configuration_.followed)) {
     throw host::InputError("[facebow] point", "the facebow has one point", "leave it out");

@@ -55,7 +55,7 @@ std::string test_latency(const Configuration& configuration, double duration_s, 
   const auto engine = std::make_unique<Engine>(source, facebow.profile(), configuration, clock);
   EstimateHistory history(1);
   Publisher publisher(history, configuration.udp_address, configuration.udp_port, clock,
-                      configuration.pose.value_or(host::PoseChoice()));
+                      configuration.pose.value_or(host::PoseChoice()), configuration.cycles);
   publisher.start(engine->outlet().ring(), [] {});
   engine->start();
   while (engine->scheduling().empty()) clock.sleep_until(clock.now_ns() + 1'000'000);

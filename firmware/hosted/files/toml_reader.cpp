@@ -136,8 +136,10 @@ struct TomlReader::Document {
     std::string mend = fmt::format("keys of [{}] are {}", section, fmt::join(keys, ", "));
     if (section.empty()) {
       const std::vector<std::string> sections = section_names();
-      mend = fmt::format("keys here are {}; sections are {}", fmt::join(keys, ", "),
-                         fmt::join(sections, ", "));
+      mend =
+          fmt::format("{}sections are {}",
+                      keys.empty() ? "" : fmt::format("keys here are {}; ", fmt::join(keys, ", ")),
+                      fmt::join(sections, ", "));
       keys.insert(keys.end(), sections.begin(), sections.end());
     }
     const std::string nearest = nearest_word(std::string(name.str()), keys);

@@ -115,14 +115,14 @@ std::string summary_of(const TakenLandmarks& taken) {
   if (taken.tip) {
     const Eigen::Vector3d mm = taken.tip->tip_m * 1e3;
     text += fmt::format(
-        "tip         {:.2f} {:.2f} {:.2f} mm in the pointer's frame, sd {:.2f} mm; it misfits by "
-        "{:.2f} mm, the pointer turned by {:.0f} deg\n",
+        "tip         {:.2f} {:.2f} {:.2f} mm in the pointer's frame, sd {:.3f} mm; it misfits by "
+        "{:.3f} mm, the pointer turned by {:.0f} deg\n",
         mm.x(), mm.y(), mm.z(), taken.tip->sd_m * 1e3, taken.tip->residual_rms_m * 1e3,
         taken.tip->turn_rad * 180 / std::numbers::pi);
   }
   for (std::size_t i = 0; i < Landmarks::kPoints; ++i) {
     const Eigen::Vector3d mm = taken.landmarks.point_m[i] * 1e3;
-    text += fmt::format("{:<15} {:8.2f} {:8.2f} {:8.2f} mm, sd {:.2f} mm, scatter {:.2f} mm\n",
+    text += fmt::format("{:<15} {:8.2f} {:8.2f} {:8.2f} mm, sd {:.3f} mm, scatter {:.3f} mm\n",
                         Landmarks::kNames[i], mm.x(), mm.y(), mm.z(), taken.landmarks.sd_m[i] * 1e3,
                         taken.taken[i].scatter_m * 1e3);
   }
@@ -189,7 +189,7 @@ Command add_landmarks(CommandLine app) {
                   "incisor_lower, plane_left, plane_right or plane_front; repeatable. In a session "
                   "log a marker with such a name begins 0.5 s")
       .values_each(3);
-  add_body_options(command, options->jaw, options->head);
+  add_body_options(command, options->jaw, options->head, "not tracked if not given");
   command
       .add_option("--reference-s", options->reference_s,
                   "BEGIN END of a rest in the reference position; with --jaw or --head")
@@ -203,8 +203,7 @@ Command add_landmarks(CommandLine app) {
       .one_of({"kinematic", "hinge", "palpated", "arbitrary"})
       .show_default();
   command.add_option("--plane", options->plane, "The reference plane")
-      .one_of({"Frankfurt", "Camper", "axis-orbital", "not stated"})
-      .show_default();
+      .one_of({"Frankfurt", "Camper", "axis-orbital"});
   add_reading_options(command, options->reading);
   command.group("Output")
       .add_option("-o,--out=FILE", options->out, "TOML file for the landmarks")

@@ -2,6 +2,7 @@
 // The live page on this computer, by the service of the measurement box.
 #include <fmt/format.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -68,6 +69,18 @@ SourceSpec parse_live_source(const std::string& text) {
   return spec;
 }
 
+// Counts the reports that threads of their own are making.
+class ReportUnderWay {
+ public:
+  explicit ReportUnderWay(std::atomic<int>& count) : count_(count) { ++count_; }
+  ~ReportUnderWay() { --count_; }
+  ReportUnderWay(const ReportUnderWay&) = delete;
+  ReportUnderWay& operator=(const ReportUnderWay&) = delete;
+
+ private:
+  std::atomic<int>& count_;
+};
+
 std::string make_report(const std::string& log, const std::string& landmarks) {
   ReportChoice choice;
   choice.analysis.landmarks = landmarks;
@@ -77,7 +90,8 @@ std::string make_report(const std::string& log, const std::string& landmarks) {
 }
 
 box::Configuration configuration_of(const LiveOptions& options, const SourceSpec& spec,
-                                    SampleKind kind) {
+                                    SampleKind kind,
+                                    const std::shared_ptr<std::atomic<int>>& reports) {
   box::Configuration configuration;
   configuration.facebow = {"facebow", spec.kind, spec.file, options.serial};
   configuration.followed = options.choice.followed;
@@ -97,7 +111,8 @@ box::Configuration configuration_of(const LiveOptions& options, const SourceSpec
   configuration.http_port = static_cast<std::uint16_t>(options.port);
   configuration.priority = 0;
   configuration.locks_memory = false;
-  configuration.make_report = [landmarks = options.landmarks](const std::string& log) {
+  configuration.make_report = [landmarks = options.landmarks, reports](const std::string& log) {
+    const ReportUnderWay under_way(*reports);
     return make_report(log, landmarks);
   };
   return configuration;
@@ -109,7 +124,8 @@ int show_live(const LiveOptions& options) {
   hal::SteadyClock clock;
   const SampleKind kind = ConfiguredFacebow(spec, options.serial, clock).profile().kind;
   options.choice.check(options.source, kind);
-  const box::Configuration configuration = configuration_of(options, spec, kind);
+  const auto reports = std::make_shared<std::atomic<int>>(0);
+  const box::Configuration configuration = configuration_of(options, spec, kind, reports);
   const SessionsFolder folder(options.sessions);
   box::BoxLog log(clock, stderr, box::BoxLog::Reader::person);
   box::Box service(configuration, clock, log);
@@ -123,6 +139,7 @@ int show_live(const LiveOptions& options) {
            (options.duration_s > 0 && seconds(clock.now_ns() - begin_ns) >= options.duration_s);
   });
   if (service.is_held_by_disk()) std::_Exit(kExitBadInput);
+  if (*reports > 0) std::_Exit(kExitOk);  // nobody waits for them
   return kExitOk;
 }
 

@@ -36,6 +36,7 @@ struct RecordOptions {
   std::string serial;
   FollowedChoice choice;
   PoseOptions pose;
+  CycleOptions cycles;
   double duration_s = 0, idle_s = 0;
   std::uint64_t samples = 0;
 };
@@ -110,15 +111,19 @@ class Monitor {
 struct LiveFiles {
   std::unique_ptr<LiveEstimates> estimates;
   std::unique_ptr<LivePoses> poses;
+  std::unique_ptr<LiveCycles> cycles;
 
   void finish() {
     if (estimates) estimates->finish();
     if (poses) poses->finish();
+    if (cycles) cycles->finish();
   }
   // Why a file is not complete; empty if all are.
   std::string problem() const {
-    const std::string problem = estimates ? estimates->problem() : "";
-    return problem.empty() && poses ? poses->problem() : problem;
+    std::string problem = estimates ? estimates->problem() : "";
+    if (problem.empty() && poses) problem = poses->problem();
+    if (problem.empty() && cycles) problem = cycles->problem();
+    return problem;
   }
 };
 
@@ -161,6 +166,7 @@ std::string summary(const RecordOptions& options, const hal::DeviceProfile& prof
   };
   live_line("estimates", options.estimates, files.estimates);
   live_line("poses", options.pose.file, files.poses);
+  live_line("cycles", options.cycles.file, files.cycles);
   return report.text();
 }
 
@@ -186,6 +192,10 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
   firmware::RunCounts counts;
   firmware::LatencyHistogram latency;
   Monitor monitor(facebow, devices.front(), companions, clock);
+  FollowedCycles cycles(options.cycles.choice(options.choice.followed.axis));
+  const auto take_cycle = [&](const std::optional<FoundCycle>& cycle) {
+    if (cycle) files.cycles->add(*cycle);
+  };
   const auto run = [&](auto sensor) {
     (void)firmware::run(
         facebow, clock, sensor, settings, counts,
@@ -194,6 +204,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
           if (files.estimates && estimate.is_ready) {
             files.estimates->add(row_of(estimate, options.choice.followed.axis));
           }
+          if (files.cycles) take_cycle(cycles.add(estimate));
           if constexpr (firmware::kHasPose<std::remove_cvref_t<decltype(estimate)>>) {
             if (estimate.pose.is_ready) files.poses->add(estimate.pose);
           }
@@ -216,6 +227,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
           run(Sensor(arguments...));
         }
       });
+  if (files.cycles) take_cycle(cycles.finish());
   monitor.end_line();
   const TimeNs elapsed_ns = monitor.elapsed_ns();
   facebow.close();
@@ -256,7 +268,8 @@ int record(const RecordOptions& options) {
     companions.push_back(split_serial(text));
     inputs.push_back(companions.back().first);
   }
-  refuse_same_files(inputs, {options.out, options.estimates, options.pose.file});
+  refuse_same_files(inputs,
+                    {options.out, options.estimates, options.pose.file, options.cycles.file});
   if (options.companions.size() >= hal::kMaxSessionSources) {
     throw InputError("--companion", "too many devices for one log",
                      fmt::format("give at most {}", hal::kMaxSessionSources - 1));
@@ -297,6 +310,9 @@ int record(const RecordOptions& options) {
   }
   if (!options.pose.file.empty()) {
     files.poses = std::make_unique<LivePoses>(options.pose.file, pose);
+  }
+  if (!options.cycles.file.empty()) {
+    files.cycles = std::make_unique<LiveCycles>(options.cycles.file);
   }
   hal::SessionLogWriter log;
   const hal::SessionLogFailure failure = log.open(options.out, header);
@@ -342,6 +358,7 @@ Command add_record(CommandLine app) {
                      "TOML file with parameters of the recommended estimator");
   add_followed_options(command, options->choice);
   add_pose_options(command, options->pose);
+  add_cycle_options(command, options->cycles);
   command.add_option("--duration-s", options->duration_s, "Stop after this time; 0: never")
       .number_in({0, 1e7})
       .show_default();

@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <type_traits>
 
 #include "commands/commands.h"
 #include "condyle/estimator/sensors/published_sensor.h"
@@ -17,6 +18,7 @@
 #include "hosted/files/input_error.h"
 #include "options/analysis_options.h"
 #include "options/command_line.h"
+#include "output/cycles_file.h"
 #include "output/deferred_problem.h"
 #include "output/device_values.h"
 #include "output/estimates_file.h"
@@ -42,6 +44,7 @@ struct ReplayOptions : RecordingChoice {
   std::string drive;  // a recording of its own
   DriveStatement drive_stated;
   PoseOptions pose;
+  CycleOptions cycles;
 };
 
 // The recording, and what is followed in it.
@@ -94,6 +97,15 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
     poses = std::make_unique<PoseFile>(options.pose.file, options.pose.choice());
   }
   PoseSummary pose_summary;
+  std::unique_ptr<CyclesFile> cycles;
+  if (!options.cycles.file.empty()) cycles = std::make_unique<CyclesFile>(options.cycles.file);
+  FollowedCycles followed_cycles(options.cycles.choice(options.followed.axis));
+  CyclesSummary cycles_summary;
+  const auto take_cycle = [&](const std::optional<FoundCycle>& cycle) {
+    if (!cycle) return;
+    cycles->write_row(*cycle);
+    cycles_summary.add(*cycle);
+  };
   FigureData figure_data;
   firmware::RunCounts counts;
   {
@@ -111,6 +123,9 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
               pose_summary.add(estimate.pose);
             }
           }
+          if constexpr (std::is_base_of_v<RecommendedEstimate<double>, typename Sensor::Estimate>) {
+            if (cycles) take_cycle(followed_cycles.add(estimate));
+          }
           progress.show(facebow.progress());
         },
         [&] { return stop_requested() || !facebow.problem().empty(); });
@@ -121,6 +136,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
     }
   }
 
+  if (cycles) take_cycle(followed_cycles.finish());
   const std::vector<std::string> drive_notes = summary.drive_notes();
   // Write and close everything before renaming anything.
   const std::string name = recording_name(options.recording);
@@ -135,17 +151,19 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
         write_device_values(options.recording, options.reading.profile, options.values, values);
     for (const auto& file : values) {
       refuse_same_files({options.recording, options.estimator.parameters, options.reading.profile,
-                         options.out, options.pose.file},
+                         options.out, options.pose.file, options.cycles.file},
                         {file->path()});
     }
   }
   if (estimates) estimates->close();
   if (poses) poses->close();
+  if (cycles) cycles->close();
   if (stop_requested()) {
     return report_stop();
   }
   if (estimates) estimates->commit();
   if (poses) poses->commit();
+  if (cycles) cycles->commit();
   for (const auto& figure : figures) figure->commit();
   for (const auto& file : values) file->commit();
 
@@ -164,6 +182,10 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   if (poses) line("pose", pose_summary.text());
   if (estimates) line("estimates", options.out);
   if (poses) line("poses", options.pose.file);
+  if (cycles) {
+    line("cycles", cycles_summary.text());
+    line("cycles", options.cycles.file);
+  }
   for (const auto& figure : figures) {
     if (figure->path().ends_with(".png")) line("figure", figure->path() + " (and .svg)");
   }
@@ -253,7 +275,7 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
 int replay(const ReplayOptions& options) {
   refuse_same_files(
       {options.recording, options.estimator.parameters, options.reading.profile, options.drive},
-      {options.out, options.pose.file});
+      {options.out, options.pose.file, options.cycles.file});
   static_cast<void>(options.pose.choice());  // to report bad points before the work
   hal::SteadyClock clock;
   ReplayFacebow facebow(options.recording, options.reading, options.speed, clock);
@@ -264,6 +286,7 @@ int replay(const ReplayOptions& options) {
   options.estimator.refuse_if_published("--lag", options.estimator.lag > 0);
   options.estimator.refuse_if_published("--jaw-point-mm", !options.jaw_point_mm.empty());
   options.estimator.refuse_if_published("--pose", !options.pose.file.empty());
+  options.estimator.refuse_if_published("--cycles", !options.cycles.file.empty());
   if (!options.pose.file.empty()) {
     refuse_without_pose(options.recording, info.kind, "leave out --pose");
   }
@@ -307,6 +330,7 @@ Command add_replay(CommandLine app) {
   add_estimator_options(command, options->estimator);
   add_recording_options(command, *options);
   add_pose_options(command, options->pose);
+  add_cycle_options(command, options->cycles);
   command.add_option("--speed", options->speed, "0 as fast as possible, 1 real time")
       .number_in({0, 1e6})
       .show_default();

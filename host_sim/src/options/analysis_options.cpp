@@ -127,6 +127,20 @@ void add_pose_options(CommandLine line, PoseOptions& options) {
       .needs(pose);
 }
 
+void add_cycle_options(CommandLine line, CycleOptions& options) {
+  const CommandLine command = line.group("Chewing cycles");
+  const Option cycles = command.add_option(
+      "--cycles=FILE", options.file,
+      "CSV file for the chewing cycles of the followed point, as they end; follow the axis along "
+      "which the jaw opens and closes");
+  command
+      .add_option("--closing", options.closing,
+                  "Direction of the followed axis in which the jaw closes")
+      .one_of({"positive", "negative"})
+      .show_default()
+      .needs(cycles);
+}
+
 void add_drive_options(CommandLine line, DriveStatement& drive) {
   const CommandLine command = line.group("Measured drive");
   command

@@ -5,6 +5,7 @@
 
 #include "estimation/drive_statement.h"
 #include "estimation/estimator_choice.h"
+#include "hosted/estimates/followed_cycles.h"
 #include "hosted/estimates/pose_choice.h"
 #include "options/command_line.h"
 #include "recordings/recording_choice.h"
@@ -44,6 +45,18 @@ struct PoseOptions {
 
 /// --pose, --pose-point and --twist-axis.
 void add_pose_options(CommandLine command, PoseOptions& options);
+
+/// What `add_cycle_options` fills.
+struct CycleOptions {
+  std::string file;  ///< empty: cycles are not found
+  std::string closing = "positive";
+
+  /// The choice for the axis that is followed.
+  CycleChoice choice(Axis followed) const { return {followed, closing == "positive"}; }
+};
+
+/// --cycles and --closing.
+void add_cycle_options(CommandLine command, CycleOptions& options);
 
 /// --drive-missing and the other properties of a measured drive.
 void add_drive_options(CommandLine command, DriveStatement& drive);

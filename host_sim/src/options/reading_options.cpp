@@ -38,13 +38,13 @@ BodyChoice bodies_of(const std::string& jaw, const std::string& head) {
   return bodies;
 }
 
-void add_body_options(CommandLine command, std::string& jaw, std::string& head) {
-  command.add_option(
-      "--jaw=A,B,C", jaw,
-      "Points of a CSV file on the lower jaw, three or more; all others if not given");
+void add_body_options(CommandLine command, std::string& jaw, std::string& head,
+                      const std::string& without_jaw) {
+  command.add_option("--jaw=A,B,C", jaw,
+                     "Points of a CSV file on the lower jaw, three or more; " + without_jaw);
   command.add_option("--head=D,E,F", head,
-                     "Points of a CSV file on the head, three or more: the jaw is read relative to "
-                     "it");
+                     "Points of a CSV file on the head, three or more; the jaw is taken relative "
+                     "to it");
 }
 
 void add_readings_options(CommandLine command, ReadingOptions& options) {
@@ -60,7 +60,8 @@ void add_readings_options(CommandLine command, ReadingOptions& options) {
       .add_option("--reference-s", options.reference,
                   "BEGIN END of a rest in the reference position; found if not given")
       .values(2);
-  add_body_options(command, options.jaw_names, options.head_names);
+  add_body_options(command, options.jaw_names, options.head_names,
+                   "all that are not the head's if not given");
   command
       .add_option("--moving", options.moving_body,
                   "Body that the recording tracks: lower jaw, or head seen from the lower jaw")

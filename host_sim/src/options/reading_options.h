@@ -23,8 +23,9 @@ struct ReadingOptions : AnalysisChoice {
   AnalysisChoice choice() const;
 };
 
-/// --jaw and --head, as typed in `jaw` and `head`.
-void add_body_options(CommandLine command, std::string& jaw, std::string& head);
+/// --jaw and --head, as typed, into `jaw` and `head`. `without_jaw`: what is done without --jaw.
+void add_body_options(CommandLine command, std::string& jaw, std::string& head,
+                      const std::string& without_jaw);
 /// The bodies that they name. Throws InputError.
 BodyChoice bodies_of(const std::string& jaw, const std::string& head);
 

@@ -99,5 +99,6 @@ std::string LiveFile<File>::problem() const {
 
 template class LiveFile<EstimatesFile>;
 template class LiveFile<PoseFile>;
+template class LiveFile<CyclesFile>;
 
 }  // namespace condyle::host

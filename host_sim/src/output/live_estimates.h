@@ -10,13 +10,15 @@
 #include <thread>
 #include <utility>
 
+#include "output/cycles_file.h"
 #include "output/estimates_file.h"
 #include "output/pose_file.h"
 
 namespace condyle::host {
 
 /// A thread writes. Rows are dropped and counted if a slow reader leaves no room. An error of the
-/// file ends the writing, not the recording. `File`: EstimatesFile or PoseFile.
+/// file ends the writing, not the recording. `File`: EstimatesFile, PoseFile
+/// or CyclesFile.
 template <class File>
 class LiveFile {
  public:
@@ -58,8 +60,10 @@ class LiveFile {
 
 extern template class LiveFile<EstimatesFile>;
 extern template class LiveFile<PoseFile>;
+extern template class LiveFile<CyclesFile>;
 
 using LiveEstimates = LiveFile<EstimatesFile>;
 using LivePoses = LiveFile<PoseFile>;
+using LiveCycles = LiveFile<CyclesFile>;
 
 }  // namespace condyle::host

@@ -193,12 +193,13 @@ BodyPoses fit_body(const NamedPoints& points, const std::vector<std::string>& wa
   refuse_if_short(residuals_m.size(), points.counts, name);
   const double tolerance_m = residual_tolerance_m(residuals_m);
   result.body.residual_m = usual_residual_m(residuals_m);
+  result.problem = rigidity_problem(result, points.time_s, body);
+  if (!result.problem.empty()) return result;  // then nothing of it is trusted
   for (BodyFit& fit : result.fits) {
     if (!fit.is_fitted || fit.residual_rms_m <= tolerance_m) continue;
     fit.is_fitted = false;
     ++result.not_rigid;
   }
-  result.problem = rigidity_problem(result, points.time_s, body);
   return result;
 }
 

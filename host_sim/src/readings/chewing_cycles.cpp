@@ -297,6 +297,7 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
   add_cycle_shape(marks, path, z, rates, values, why);
   if (has_landmarks) {
     values.push_back((greatest.of(z, begin, end + 1).value + deepest.value) * 1e3);
+    if (why != nullptr) why->emplace_back();
     for (const int axis : {1, 0}) {
       double range = 0;
       for (const double sign : {1.0, -1.0}) {

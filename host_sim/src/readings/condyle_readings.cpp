@@ -18,6 +18,8 @@ constexpr double kNone = JawReading::kNone;
 constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
 constexpr double kOnset_m = 0.3e-3;  // travel of a condyle that has left the fossa
 constexpr double kChord_m = 0.5e-3;  // of a path's length
+// Paths that are nearer to each other coincide.
+constexpr double kLeastSeparation_mm = 0.05;
 constexpr std::size_t kSeparations = 8, kEnds = 20;
 constexpr double kLeastTravelShare = 0.2, kMostTravelShare = 0.9;  // of separations
 constexpr double kSlopeFrom = 0.2, kSlopeTo = 0.8;                 // the middle 60 % of the travel
@@ -244,8 +246,9 @@ void finish_separations(const std::vector<StrokeReading>& names,
         count.value = kNone;
         count.missing = separation.missing;
       }
-      // Beyond its interval, about 2 sd.
-      if (!(std::abs(separation.value) > separation.half_interval())) continue;
+      // Beyond its interval, about 2 sd, and large enough to mean anything.
+      const double least_mm = std::max(separation.half_interval(), kLeastSeparation_mm);
+      if (!(std::abs(separation.value) > least_mm)) continue;
       const int sign = separation.value > 0 ? 1 : -1;
       if (last != 0 && sign != last) count.value += 1;
       last = sign;

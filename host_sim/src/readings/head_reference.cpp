@@ -98,6 +98,9 @@ void widen_by_head_motion(const PoseTrack& track, SampleRun rest, Landmarks& lan
         "state a rest of the head with --reference-s, or take the landmarks with condyle "
         "landmarks --head, which states where the head was");
   }
+  notes.emplace_back(
+      "the landmarks do not state where the head was: they are assumed to hold with the head where "
+      "it is in the reference position");
   if (greatest_m > kNotedHeadMotion_m) {
     notes.push_back(fmt::format(
         "the head moves during the reference position: the landmarks are uncertain by {:.1f} mm "

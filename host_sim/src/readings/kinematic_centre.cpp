@@ -124,13 +124,16 @@ std::optional<Vector2d> centre_of(const JawPath& opened, const JawPath& protrude
 class DrawnStroke {
  public:
   DrawnStroke(const ReferredMotion& motion, SampleRun run, const SharedErrors& errors)
-      : fit_(motion.time_s, run.begin, run.end),
-        wide_(smooth_motion(motion, fit_.first_used(), fit_.end_used())),
-        errors_(errors) {
-    smooth_ = smooth_motion(motion, run.begin, run.end);
-    measured_ = path_of(smooth_);
-    samples_ = wide_.value;
-    once_ = fitted();
+      : fit_(motion.time_s, run.begin, run.end), first_(fit_.used().begin), errors_(errors) {
+    const auto time = motion.time_s.begin();
+    time_s_.assign(time + static_cast<std::ptrdiff_t>(run.begin),
+                   time + static_cast<std::ptrdiff_t>(run.end));
+    measured_ = fitted(motion.motion, 0);
+    const LocalFit wide(motion.time_s, first_, fit_.used().end);
+    std::vector<Vector6> slopes;
+    wide.apply(motion.motion, 0, smoothed_, slopes);
+    samples_ = smoothed_;
+    once_ = fitted(samples_, first_);
   }
   const JawPath& measured() const { return measured_; }
   /// Smoothed twice, without noise of its own.
@@ -138,7 +141,7 @@ class DrawnStroke {
   /// The same with noise; `sign`: of the noise drawn last.
   void draw(const PoseNoise& noise, RandomGenerator& random) {
     errors_drawn_.clear();
-    for (std::size_t k = 0; k < wide_.value.size(); ++k) {
+    for (std::size_t k = 0; k < smoothed_.size(); ++k) {
       Vector6 normal;
       for (double& number : normal) number = random.normal();
       errors_drawn_.emplace_back(noise.root * normal);
@@ -146,27 +149,26 @@ class DrawnStroke {
   }
   JawPath drawn(int sign) {
     for (std::size_t k = 0; k < samples_.size(); ++k) {
-      samples_[k] = wide_.value[k] + sign * errors_drawn_[k];
+      samples_[k] = smoothed_[k] + sign * errors_drawn_[k];
     }
-    return fitted();
+    return fitted(samples_, first_);
   }
 
  private:
-  JawPath path_of(const SmoothMotion& motion) const {
+  // Of the `samples` from number `first` on, smoothed.
+  JawPath fitted(const std::vector<Vector6>& samples, std::size_t first) const {
+    SmoothMotion smooth{time_s_, {}, {}};
+    fit_.apply(samples, first, smooth.value, smooth.slope);
     JawPath path;
-    paths_of(motion, errors_.geometry, path);
+    paths_of(smooth, errors_.geometry, path);
     return path;
-  }
-  JawPath fitted() {
-    SmoothMotion again{smooth_.time_s, {}, {}};
-    fit_.apply(samples_, again.value, again.slope);
-    return path_of(again);
   }
 
   LocalFit fit_;
-  SmoothMotion wide_, smooth_;
+  std::size_t first_;  // of the samples that it uses
   const SharedErrors& errors_;
-  std::vector<Vector6> samples_, errors_drawn_;
+  std::vector<double> time_s_;
+  std::vector<Vector6> smoothed_, samples_, errors_drawn_;
   JawPath measured_, once_;
 };
 

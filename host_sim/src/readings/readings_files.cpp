@@ -75,8 +75,7 @@ std::string readings_json(const std::vector<Analysis>& analyses) {
         {"rate_Hz", analysis.rate_Hz},
         {"reference_s", {analysis.reference_begin_s, analysis.reference_end_s}},
         {"reference", analysis.is_reference_found ? "found" : "stated"},
-        {"rotation_noise_sd_deg",
-         analysis.noise.rotation_sd_rad() / kDegree},
+        {"rotation_noise_sd_deg", analysis.noise.rotation_sd_rad() / kDegree},
         {"position_noise_sd_mm",
          std::sqrt(analysis.noise.covariance.topLeftCorner<3, 3>().trace() / 3) * 1e3},
         {"samples", analysis.counts.samples},
@@ -162,7 +161,7 @@ std::string average_cycle_csv(const std::vector<Analysis>& analyses) {
   for (const Analysis& analysis : analyses) {
     for (const AverageCycle& average : analysis.average_cycles) {
       const std::string begin =
-          fmt::format("{},{},{}", field(analysis.recording), average.side, average.cycles);
+          fmt::format("{},{},{}", csv_field(analysis.recording), average.side, average.cycles);
       if (!average.withheld.empty()) {
         text += fmt::format("{},,,{},{}\n", begin, std::string(9, ','),
                             without_commas(average.withheld));

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostPoses = 16'384;
+constexpr std::size_t kMostPoses = 8'192;
 
 struct ChartText {
   const char *key, *title, *unit;

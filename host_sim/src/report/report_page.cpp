@@ -130,7 +130,7 @@ std::string paths(const ReportSection& section) {
   text += "</div>\n";
   text += paragraph("Dashed: chord of each angle at its travel. Grey: its 95 % interval.");
   text +=
-      "<h3>The jaw</h3>\n<div class=\"screen\"><canvas class=\"jaw\" tabindex=\"0\" "
+      "<h3>The jaw</h3>\n<div><canvas class=\"jaw\" tabindex=\"0\" "
       "aria-label=\"The jaw in three dimensions; arrow keys turn it\"></canvas></div>\n";
   text += paragraph("The lines between the condyles and the incisor are a sketch.");
   return text;
@@ -199,7 +199,7 @@ std::string head() {
 
 std::string report_page(const std::vector<ReportSection>& sections, const std::string& landmarks,
                         const SessionOverlay* overlay) {
-  std::string text = head() + "<body>\n<h1>Jaw motion report</h1>\n";
+  std::string text = head() + "<body>\n<header>\n<h1>Jaw motion report</h1>\n";
   text += fmt::format(
       "<div class=\"banner\"><strong>Research use only; not a diagnosis.</strong> condyle {}. "
       "Every "
@@ -208,7 +208,7 @@ std::string report_page(const std::vector<ReportSection>& sections, const std::s
   text += provenance_key();
   text +=
       "<p class=\"screen\"><label><input type=\"checkbox\" id=\"decimal-comma\"> Decimal comma in "
-      "saved tables</label></p>\n";
+      "saved tables</label></p>\n</header>\n";
   if (sections.size() > 1) {
     text += "<nav aria-label=\"Recordings\"><ul>\n";
     if (overlay != nullptr) text += "<li><a href=\"#sessions\">Sessions</a></li>\n";
@@ -225,8 +225,8 @@ std::string report_page(const std::vector<ReportSection>& sections, const std::s
   }
   text += definitions_table(sections) + "</main>\n";
   text += fmt::format(
-      "<details><summary>Licence of uPlot, which draws the charts</summary><pre>{}"
-      "</pre></details>\n",
+      "<footer><details><summary>Licence of uPlot, which draws the charts</summary><pre>{}"
+      "</pre></details></footer>\n",
       html_lines(kPageLicence));
   text += fmt::format("<script type=\"application/json\" id=\"condyle-report-1\">{}</script>\n",
                       report_data(sections, overlay));

@@ -48,8 +48,9 @@ std::string provenance_key() {
   return fmt::format(
       "<p>{} measured: follows from the recording. {} derived: also rests on a named assumption. "
       "{} "
-      "withheld: not known.</p>\n",
-      provenance_mark("measured"), provenance_mark("derived"), provenance_mark("withheld"));
+      "assumed: a prior, not the subject. {} withheld: not known.</p>\n",
+      provenance_mark("measured"), provenance_mark("derived"), provenance_mark("assumed"),
+      provenance_mark("withheld"));
 }
 
 std::string task_key(const Analysis& analysis) {
@@ -108,13 +109,14 @@ std::string cycles_table(const Analysis& analysis, const std::string& prefix) {
   if (analysis.cycles.empty()) return {};
   const auto names = readings_of_cycle(analysis.has_landmarks);
   std::string text = fmt::format(
-      "<div class=\"scroll\"><table data-csv=\"{}_cycles\"><thead><tr><th scope=\"col\">cycle</th>"
+      "<div class=\"scroll\" tabindex=\"0\"><table class=\"numbers\" "
+      "data-csv=\"{}_cycles\"><thead><tr><th scope=\"col\">cycle</th>"
       "<th scope=\"col\">begin (s)</th>",
       prefix);
   for (const auto name : names) text += fmt::format("<th scope=\"col\">{}</th>", name);
   text += "<th scope=\"col\">not taken</th></tr></thead>\n<tbody>\n";
   for (const AnalysedCycle& cycle : analysis.cycles) {
-    text += fmt::format("<tr><td class=\"n\">{}</td><td class=\"n\">{:.2f}</td>",
+    text += fmt::format("<tr><td>{}<td>{:.2f}",
                         cycle.number > 0 ? std::to_string(cycle.number) : "", cycle.cycle.begin_s);
     for (std::size_t i = 0; i < names.size(); ++i) {
       std::string value;
@@ -124,9 +126,9 @@ std::string cycles_table(const Analysis& analysis, const std::string& prefix) {
         value = fmt::format("{} \u00b1 {}", rounded(cycle.values[i].value, digits),
                             rounded(half, digits));
       }
-      text += fmt::format("<td class=\"n\">{}</td>", value);
+      text += fmt::format("<td>{}", value);
     }
-    text += fmt::format("<td>{}</td></tr>\n", html_text(cycle.cycle.rejected));
+    text += fmt::format("<td>{}\n", html_text(cycle.cycle.rejected));
   }
   return "<details><summary>Chewing cycles</summary>\n<h3>Chewing cycles</h3>\n" + text +
          "</tbody></table></div></details>\n";

@@ -4,7 +4,7 @@ import uPlot from 'uplot';
 import {nearest, times, values} from './data.js';
 
 const kHeight = 190;  // px
-const kPrintedWidth = 660;  // of an A4 page
+const kPrintedWidth = 1000;  // px; the style fits it to the paper
 
 // Distinguishable in greyscale too: by darkness and by dashes.
 const kCurves = [
@@ -17,8 +17,11 @@ const kTask = {
   border: '#f3dbe3', rest: '#f4efcf',
 };
 
-function digits(value) {
-  return value == null ? '' : Number(value.toPrecision(4)).toString();
+// `value`, with as many digits as its interval supports.
+function digits(value, half) {
+  if (!(half > 0)) return Number(value.toPrecision(4)).toString();
+  const decimals = Math.max(0, 1 - Math.floor(Math.log10(half)));
+  return `${value.toFixed(decimals)} \u00b1 ${half.toFixed(decimals)}`;
 }
 
 function shadeTasks(u, tasks) {
@@ -98,8 +101,8 @@ class ChartLevels {
   text(curve, v, k) {
     if (v == null || k == null) return 'none';
     const {low, high, half} = this.now.curves[curve];
-    if (half[k] == null) return `${digits(v)} ${this.chart.unit}`;
-    return `${digits(v)} \u00b1 ${digits(half[k] + (high[k] - low[k]) / 2)} ${this.chart.unit}`;
+    const halfOfAll = half[k] == null ? 0 : half[k] + (high[k] - low[k]) / 2;
+    return `${digits(v, halfOfAll)} ${this.chart.unit}`;
   }
 }
 

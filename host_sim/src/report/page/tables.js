@@ -2,7 +2,7 @@
 
 function cell(element, comma) {
   const text = element.textContent.trim();
-  const isNumber = comma && element.classList.contains('n');
+  const isNumber = comma && element.matches('td.n, table.numbers td');
   const words = isNumber ? text.replace(/(\d)\.(\d)/g, '$1,$2') : text;
   return /[",;\n]/.test(words) ? `"${words.replace(/"/g, '""')}"` : words;
 }

@@ -15,7 +15,7 @@
 //   sd of an instant   sd(v)/|a|, a the slope of v before it; of a middle 0.1 of the closed time;
 //            of a departure or an arrival 8 ms, and a quarter of the way beyond the passage
 // A cycle is not taken, but given with the reason, if it has a gap of more than 0.1 s between
-// samples, lasts less than 0.25 s or more than 3 s, or is lower than d.
+// samples, or lasts less than 0.25 s or more than 3 s. What is lower than d is no cycle.
 //
 // These are the definitions of the analysis of a whole recording (condyle analyse), except for what
 // is not known yet at the end of a cycle:
@@ -33,11 +33,11 @@
 namespace condyle {
 
 /// Why a cycle is not taken.
-enum class CycleVerdict : std::uint8_t { taken, gap, too_short, too_long, too_low };
+enum class CycleVerdict : std::uint8_t { taken, gap, too_short, too_long };
 
 /// As a word, for files and messages; empty if it is taken.
 constexpr const char* verdict_name(CycleVerdict verdict) {
-  constexpr const char* names[] = {"", "gap", "too short", "too long", "too low"};
+  constexpr const char* names[] = {"", "gap", "too short", "too long"};
   return names[static_cast<int>(verdict)];
 }
 
@@ -217,8 +217,6 @@ void MotionCycles<Scalar>::give(double pause_s, Cycle& ended) {
     ended.verdict = CycleVerdict::too_short;
   } else if (duration_s > Scalar(kLongest_s)) {
     ended.verdict = CycleVerdict::too_long;
-  } else if (height_m < least_m()) {
-    ended.verdict = CycleVerdict::too_low;
   }
   if (ended.verdict != CycleVerdict::taken) return;
   const auto square = [](Scalar x) { return x * x; };
