@@ -269,6 +269,75 @@ TEST(Evaluate, FrictionAndMassRespondOnlyToAMeasuredDrive) {
   }
 }
 
+// Any sharding, in any order, with and without a drive: the bytes of one computer.
+TEST(Evaluate, ShardsMergeToTheBytesOfOneRun) {
+  const TemporaryFolder folder;
+  const auto without_names = [](std::string text, const std::string& name) {
+    for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name)) {
+      text.erase(at, name.size());
+    }
+    return text;
+  };
+  const std::vector<std::vector<std::string>> choices = {
+      {scenario("point_mass"), "--runs", "7", "--friction-factors", "1,3"},
+      {scenario("point_mass"), "--runs", "5", "--estimator", "published"},
+      {scenario("chin_load"), "--runs", "4", "--drive-missing", "0", "--lag", "3"}};
+  for (const auto& choice : choices) {
+    const auto run = [&](std::vector<std::string> more) {
+      more.insert(more.begin(), choice.begin(), choice.end());
+      more.insert(more.begin(), "evaluate");
+      const CommandResult result = run_condyle(more);
+      EXPECT_EQ(result.exit_code, 0) << result.errors;
+      return result;
+    };
+    const std::string one = folder / "one.csv", merged = folder / "merged.csv";
+    const CommandResult whole = run({"--out", one});
+    for (const int count : {1, 3, 4}) {
+      std::vector<std::string> merge = {"evaluate", "merge", "--out", merged};
+      for (int shard = count; shard > 0; --shard) {
+        merge.push_back(folder / ("shard" + std::to_string(shard)));
+        run({"--shard", std::to_string(shard) + "/" + std::to_string(count), "--out",
+             merge.back()});
+        EXPECT_THAT(read_file(merge.back()), Not(HasSubstr(folder.path().string())));
+      }
+      const CommandResult result = run_condyle(merge);
+      ASSERT_EQ(result.exit_code, 0) << result.errors;
+      EXPECT_EQ(read_file(merged), read_file(one));
+      EXPECT_EQ(without_names(result.output, merged), without_names(whole.output, one));
+    }
+  }
+}
+
+TEST(Evaluate, MergesNothingThatDoesNotBelongTogether) {
+  const TemporaryFolder folder;
+  const auto shard = [&](const std::string& name, const char* part, const char* seed) {
+    const CommandResult result =
+        run_condyle({"evaluate", scenario("point_mass"), "--runs", "4", "--seed", seed, "--shard",
+                     part, "--out", folder / name});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    return folder / name;
+  };
+  const std::string first = shard("a", "1/2", "1"), second = shard("b", "2/2", "1"),
+                    other = shard("c", "2/2", "9");
+  const auto expect_refused = [&](std::vector<std::string> files, const char* words) {
+    files.insert(files.begin(), {"evaluate", "merge", "--out", folder / "merged.csv"});
+    const CommandResult result = run_condyle(files);
+    EXPECT_EQ(result.exit_code, 2) << result.output;
+    EXPECT_THAT(result.errors, HasSubstr(words));
+    EXPECT_FALSE(std::filesystem::exists(folder / "merged.csv"));
+  };
+  expect_refused({first}, "one of 2 shards");
+  expect_refused({first, first}, "is shard 1, as is");
+  expect_refused({first, other}, "belongs to another evaluation");
+  expect_refused({}, "no file is given");
+  // Damage at any place is found, or changes nothing that is merged.
+  const std::string text = read_file(second);
+  expect_refused({first, folder.write("cut", text.substr(0, text.size() / 2))}, "damaged");
+  expect_refused({first, folder.write("more", text + "1 2\n")}, "more runs");
+  expect_refused({first, folder.write("none", "")}, "is not a shard");
+  expect_refused({scenario("chewing"), first}, "is not a shard");
+}
+
 TEST(Evaluate, StopsWhenInterrupted) {
   const CommandResult result = run_condyle({"evaluate", scenario("chewing"), "--runs", "100000"},
                                            {.interrupt = Interrupt::once_it_can_be});

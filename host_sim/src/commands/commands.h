@@ -35,6 +35,7 @@ Command add_replay(CommandLine app);
 Command add_simulate(CommandLine app);
 /// `condyle evaluate`
 Command add_evaluate(CommandLine app);
+Command add_study(CommandLine app);
 /// `condyle friction`
 Command add_friction(CommandLine app);
 /// `condyle observability`

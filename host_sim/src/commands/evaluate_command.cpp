@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "commands/commands.h"
 #include "evaluation/estimator_evaluation.h"
 #include "evaluation/evaluation_figures.h"
+#include "evaluation/evaluation_shard.h"
 #include "evaluation/evaluation_text.h"
 #include "hosted/files/input_error.h"
+#include "hosted/files/text_file.h"
 #include "options/analysis_options.h"
 #include "options/command_line.h"
+#include "options/shard_option.h"
 #include "output/output_file.h"
 #include "output/progress.h"
 #include "simulation/scenario_file.h"
@@ -23,8 +27,19 @@ struct EvaluateOptions {
   std::string out;
   std::string figures;
   EvaluationPlan plan;
+  std::string shard;
+  std::vector<std::string> shards;
   DriveStatement drive;
 };
+
+EvaluationShard shard_of(const std::string& text, std::uint64_t runs) {
+  const auto [number, count] = parse_shard(text);
+  if (count > runs) {
+    throw InputError("--shard " + text, fmt::format("leaves shards without any of {} runs", runs),
+                     "use at most as many shards as runs");
+  }
+  return {number, count};
+}
 
 EstimatorSettings choose_settings(const EvaluateOptions& options, const Scenario& scenario) {
   const EstimatorChoice& estimator = options.estimator;
@@ -56,6 +71,70 @@ std::string describe(const EstimatorSettings& settings) {
                      recommended.parameters.assumed_mass_kg);
 }
 
+// A signal ends the runs.
+MonteCarloControl control_of_signals() {
+  MonteCarloControl control;
+  control.stop = [] { return stop_requested(); };
+  return control;
+}
+
+int evaluate_one_shard(const EvaluateOptions& options, const Scenario& scenario,
+                       const EstimatorSettings& settings) {
+  const EvaluationShard shard = shard_of(options.shard, options.plan.runs);
+  if (options.out.empty() || !options.figures.empty()) {
+    throw InputError("--shard", options.out.empty() ? "has no file for its runs" : "draws nothing",
+                     "give --out FILE without --figures; condyle evaluate merge joins the files");
+  }
+  OutputFile file(options.out);
+  const EvaluationSetup setup{scenario.name, read_text_file(options.scenario), describe(settings),
+                              settings, options.plan};
+  file.write(shard_header(setup, shard));
+  hal::SteadyClock clock;
+  {
+    Progress progress("evaluating", clock, 1);
+    evaluate_shard(
+        scenario, settings, options.plan, shard,
+        [&](const EvaluationRun& run) { file.write(run_line(run)); },
+        [&](double share) { progress.show(share); }, control_of_signals());
+  }
+  if (stop_requested()) return report_stop();
+  file.close();
+  file.commit();
+  print_output(fmt::format(
+      "shard {} of {}: runs {} to {} of {} from seed {}, {}; simulated subjects, research use "
+      "only\n"
+      "{}\n",
+      shard.number, shard.count, shard.begin(options.plan.runs) + 1, shard.end(options.plan.runs),
+      scenario.name, options.plan.first_seed, describe(settings), options.out));
+  return kExitOk;
+}
+
+std::string report_of(const std::string& scenario, const std::string& estimator,
+                      const EvaluationPlan& plan, const Evaluation& evaluation) {
+  return fmt::format("{} runs of {} from seed {}, {}; simulated subjects, research use only\n\n",
+                     plan.runs, scenario, plan.first_seed, estimator) +
+         evaluation_text(evaluation);
+}
+
+int merge(const std::vector<std::string>& shards, const std::string& out) {
+  if (shards.empty()) {
+    throw InputError("condyle evaluate merge", "no file is given",
+                     "give the files of condyle evaluate --shard");
+  }
+  refuse_same_files(shards, {out});
+  std::vector<std::unique_ptr<OutputFile>> files;
+  if (!out.empty()) files.push_back(std::make_unique<OutputFile>(out));
+  const MergedEvaluation merged = merge_shards(shards);
+  if (!files.empty()) {
+    files[0]->write(evaluation_csv(merged.evaluation));
+    files[0]->close();
+  }
+  std::string text = report_of(merged.scenario, merged.estimator, merged.plan, merged.evaluation);
+  text += commit_all(files);
+  print_output(text);
+  return kExitOk;
+}
+
 int evaluate(const EvaluateOptions& options) {
   const Scenario scenario = load_scenario(options.scenario);
   const std::size_t variants =
@@ -67,6 +146,7 @@ int evaluate(const EvaluateOptions& options) {
   }
   refuse_same_files({options.scenario, options.estimator.parameters}, {options.out});
   const EstimatorSettings settings = choose_settings(options, scenario);
+  if (!options.shard.empty()) return evaluate_one_shard(options, scenario, settings);
   std::unique_ptr<OutputFolder> folder;
   if (!options.figures.empty()) folder = std::make_unique<OutputFolder>(options.figures);
   std::vector<std::unique_ptr<OutputFile>> files;
@@ -76,10 +156,9 @@ int evaluate(const EvaluateOptions& options) {
   Evaluation evaluation;
   {
     Progress progress("evaluating", clock, 1);
-    MonteCarloControl control;
-    control.stop = [] { return stop_requested(); };
     evaluation = evaluate_estimator(
-        scenario, settings, options.plan, [&](double share) { progress.show(share); }, control);
+        scenario, settings, options.plan, [&](double share) { progress.show(share); },
+        control_of_signals());
   }
   if (stop_requested()) {
     return report_stop();
@@ -94,10 +173,7 @@ int evaluate(const EvaluateOptions& options) {
       files.push_back(std::move(file));
     }
   }
-  std::string text =
-      fmt::format("{} runs of {} from seed {}, {}; simulated subjects, research use only\n\n",
-                  options.plan.runs, scenario.name, options.plan.first_seed, describe(settings));
-  text += evaluation_text(evaluation);
+  std::string text = report_of(scenario.name, describe(settings), options.plan, evaluation);
   text += commit_all(files);
   print_output(text);
   return kExitOk;
@@ -115,8 +191,14 @@ Command add_evaluate(CommandLine app) {
   command.add_example(
       "condyle evaluate point_mass.toml --runs 10 --estimator published --friction-factors 1,22",
       "Show that the published friction does not follow the true one.");
-  command.add_option("SCENARIO", options->scenario, "TOML file; host_sim/scenarios has examples")
+  command.add_example("condyle evaluate merge shard1.txt shard2.txt -o errors.csv",
+                      "Join the files of --shard 1/2 and 2/2: the bytes of one computer.");
+  command
+      .add_option("SCENARIO", options->scenario,
+                  "TOML file; host_sim/scenarios has examples. The word merge joins shards")
       .required();
+  command.add_option("FILE", options->shards,
+                     "With merge: the files of evaluate --shard, in any order");
   add_estimator_options(command, options->estimator);
   add_drive_options(command, options->drive);
   command.add_option("--runs", options->plan.runs, "Number of runs")
@@ -133,10 +215,19 @@ Command add_evaluate(CommandLine app) {
                   "Factors of the subject's mass and inertia, one variant for each")
       .separated_by(',')
       .number_in({1e-3, 1e3});
+  command.add_option("--shard=I/N", options->shard,
+                     "Only the I-th of N parts of the runs; --out then takes them for merge");
   command.group("Output").add_option("-o,--out=FILE", options->out, "CSV file for the table");
   command.group("Output").add_option("--figures=FOLDER", options->figures,
                                      "Folder for figures (SVG and PNG)");
-  return [options] { return evaluate(*options); };
+  return [options] {
+    if (options->scenario == "merge") return merge(options->shards, options->out);
+    if (!options->shards.empty()) {
+      throw InputError(options->shards[0], "is one argument too many",
+                       "give one scenario, or merge and the files of its shards");
+    }
+    return evaluate(*options);
+  };
 }
 
 }  // namespace condyle::host

@@ -39,6 +39,7 @@ Commands add_commands(CommandLine line) {
   commands.emplace_back("report", add_report(line));
 #endif
   commands.emplace_back("landmarks", add_landmarks(line));
+  commands.emplace_back("study", add_study(line));
   commands.emplace_back("replay", add_replay(line));
   commands.emplace_back("compare", add_compare(line));
   commands.emplace_back("tune", add_tune(line));

@@ -36,6 +36,13 @@ class RunSquares {
   /// A value that is not finite and non-negative is counted as unusable.
   void add(double normalised_square);
 
+  /// Calls `visit` with each number that it consists of, for files.
+  template <class Visit>
+  void visit_numbers(Visit&& visit) {
+    square_.visit_numbers(visit);
+    visit(unusable_);
+  }
+
  private:
   friend class ConsistencyStatistics;
   Moments square_;

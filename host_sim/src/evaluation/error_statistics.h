@@ -35,6 +35,15 @@ class RunErrors {
   /// The same for an estimate whose reported interval differs.
   void add(double error, double standard_deviation, bool covered);
 
+  /// Calls `visit` with each number that it consists of, for files.
+  template <class Visit>
+  void visit_numbers(Visit&& visit) {
+    for (Moments* moments : {&error_, &square_, &covered_, &normalised_square_}) {
+      moments->visit_numbers(visit);
+    }
+    visit(unusable_);
+  }
+
  private:
   friend class ErrorStatistics;
   Moments error_, square_, covered_, normalised_square_;

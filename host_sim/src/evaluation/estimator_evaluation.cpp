@@ -69,7 +69,9 @@ void add_identified(const IdentifiedRun& run, Evaluation& evaluation) {
   add_identified(last.mass_kg, run.mass_kg, evaluation.identified_mass);
 }
 
-void add_run(EvaluationRun&& run, Evaluation& evaluation) {
+}  // namespace
+
+void add_run(const EvaluationRun& run, Evaluation& evaluation) {
   if (run.identified) add_identified(*run.identified, evaluation);
   for (std::size_t i = 0; i < kEvaluatedQuantities; ++i) {
     evaluation.errors[i].add_run(run.errors[i]);
@@ -94,43 +96,55 @@ void add_run(EvaluationRun&& run, Evaluation& evaluation) {
   if (run.verdict) ++evaluation.verdicts[static_cast<std::size_t>(*run.verdict)];
 }
 
-}  // namespace
-
-Evaluation evaluate_estimator(const Scenario& scenario, const EstimatorSettings& settings,
-                              const EvaluationPlan& plan, const EvaluationProgress& progress,
-                              MonteCarloControl control) {
+Evaluation empty_evaluation(const EstimatorSettings& settings) {
   Evaluation evaluation;
-  const auto* published = std::get_if<PublishedParameters>(&settings);
-  if (published != nullptr) {
+  if (const auto* published = std::get_if<PublishedParameters>(&settings)) {
     evaluation.bound = bound_of_stage_1(*published);
   } else {
     evaluation.bound.fill(kNan);
   }
+  return evaluation;
+}
+
+void refuse_nothing_compared(const std::string& scenario, const Evaluation& evaluation) {
+  if (evaluation.is_computed(kPositionError)) return;
+  throw InputError(scenario, "no sample of any run could be compared with the truth",
+                   "raise duration_s or rate_Hz, or lose fewer samples");
+}
+
+void evaluate_shard(const Scenario& scenario, const EstimatorSettings& settings,
+                    const EvaluationPlan& plan, const EvaluationShard& shard,
+                    const std::function<void(const EvaluationRun&)>& take,
+                    const EvaluationProgress& progress, MonteCarloControl control) {
   const std::uint64_t variants = plan.friction_factors.size() * plan.mass_factors.size();
+  const std::uint64_t first = shard.begin(plan.runs), runs = shard.end(plan.runs) - first;
   std::atomic<std::uint64_t> instants = 0;  // simulated, in all runs
   const auto should_stop = [&] {
     ++instants;
     return control.stop && control.stop();
   };
   const auto show_progress = [&] {
-    const double all =
-        static_cast<double>(plan.runs) * scenario.duration_s * scenario.facebow.rate_Hz;
+    const double all = static_cast<double>(runs) * scenario.duration_s * scenario.facebow.rate_Hz;
     if (progress) progress(std::min(1.0, static_cast<double>(instants) / all));
   };
   control.while_waiting = show_progress;
   run_monte_carlo(
-      plan.runs, 0,
+      runs, first,
       [&](std::uint64_t index) {
         return evaluate_run(vary(scenario, plan, static_cast<std::size_t>(index % variants)),
                             plan.first_seed + index / variants, settings, should_stop);
       },
-      [&](EvaluationRun&& run) { add_run(std::move(run), evaluation); },
-      [&](std::uint64_t, std::uint64_t) { show_progress(); }, control);
-  const bool stopped = control.stop && control.stop();
-  if (!stopped && !evaluation.is_computed(kPositionError)) {
-    throw InputError(scenario.name, "no sample of any run could be compared with the truth",
-                     "raise duration_s or rate_Hz, or lose fewer samples");
-  }
+      take, [&](std::uint64_t, std::uint64_t) { show_progress(); }, control);
+}
+
+Evaluation evaluate_estimator(const Scenario& scenario, const EstimatorSettings& settings,
+                              const EvaluationPlan& plan, const EvaluationProgress& progress,
+                              MonteCarloControl control) {
+  Evaluation evaluation = empty_evaluation(settings);
+  evaluate_shard(
+      scenario, settings, plan, {}, [&](const EvaluationRun& run) { add_run(run, evaluation); },
+      progress, control);
+  if (!control.stop || !control.stop()) refuse_nothing_compared(scenario.name, evaluation);
   return evaluation;
 }
 

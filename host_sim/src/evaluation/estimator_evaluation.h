@@ -5,8 +5,10 @@
 // reached only if the motion follows that model.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "evaluation/evaluation_run.h"
@@ -66,6 +68,32 @@ struct Evaluation {
 
 /// Receives the share of the work that is done, 0 to 1, on the calling thread.
 using EvaluationProgress = std::function<void(double share)>;
+
+/// A block of the runs of a plan: shard `number` of `count`, from 1.
+struct EvaluationShard {
+  std::uint64_t number = 1, count = 1;
+  /// The first of its runs, and the one after its last, of `runs`.
+  std::uint64_t begin(std::uint64_t runs) const { return part(number - 1, runs); }
+  std::uint64_t end(std::uint64_t runs) const { return part(number, runs); }
+
+ private:
+  std::uint64_t part(std::uint64_t shards, std::uint64_t runs) const {
+    return runs / count * shards + std::min(shards, runs % count);
+  }
+};
+
+/// The evaluation before its first run.
+Evaluation empty_evaluation(const EstimatorSettings& settings);
+/// Adds a run. The runs must come in their order.
+void add_run(const EvaluationRun& run, Evaluation& evaluation);
+/// Throws InputError, in the name of `scenario`, if no sample of any run was compared.
+void refuse_nothing_compared(const std::string& scenario, const Evaluation& evaluation);
+
+/// Calls `take` with each run of the shard, in order; otherwise as evaluate_estimator.
+void evaluate_shard(const Scenario& scenario, const EstimatorSettings& settings,
+                    const EvaluationPlan& plan, const EvaluationShard& shard,
+                    const std::function<void(const EvaluationRun&)>& take,
+                    const EvaluationProgress& progress = {}, MonteCarloControl control = {});
 
 /// All runs of `plan`, on all cores; the result does not depend on their number. `control` as in
 /// run_monte_carlo; every thread calls its `stop`. Throws InputError if no sample of any run could

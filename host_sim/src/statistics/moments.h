@@ -37,6 +37,14 @@ class Moments {
 
   Moments() = default;
 
+  /// Calls `visit` with each number that it consists of, for files.
+  template <class Visit>
+  void visit_numbers(Visit&& visit) {
+    visit(count_);
+    visit(mean_);
+    visit(squares_);
+  }
+
  private:
   Moments(std::uint64_t count, double mean, double squares)
       : count_(count), mean_(mean), squares_(squares) {}
