@@ -18,6 +18,8 @@ constexpr double kNone = JawReading::kNone;
 constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
 constexpr double kOnset_m = 0.3e-3;  // travel of a condyle that has left the fossa
 constexpr double kChord_m = 0.5e-3;  // of a path's length
+// Of the spread of instantaneous axes, on motion without noise.
+constexpr double kSpreadError_mm = 0.1;
 // Paths that are nearer to each other coincide.
 constexpr double kLeastSeparation_mm = 0.05;
 constexpr std::size_t kSeparations = 8, kEnds = 20;
@@ -260,6 +262,11 @@ void finish_separations(const std::vector<StrokeReading>& names,
     mean.smoothing = std::hypot(mean.smoothing, closure_mm);
   }
   values.resize(names.size());
+  // The spread of axes is never negative, so that smoothing always adds to it.
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (!names[i].name.ends_with("_spread_mm")) continue;
+    values[i].smoothing = std::hypot(values[i].smoothing, kSpreadError_mm);
+  }
 }
 
 void withhold_condyles(const std::vector<StrokeReading>& names, const std::string& why,

@@ -21,7 +21,8 @@ void add_condyles(TaskKind kind, const JawPath& path, ReadingValues& out);
 /// at several travels, and how far the condyle ends from where it began (mm).
 void add_separations(TaskKind kind, const JawPath& path, ReadingValues& out);
 /// Counts the crossings from these, which follow the values of `names`, and removes them. The
-/// interval of the condylar_separation_mm before each count takes in what the way back missed.
+/// interval of the condylar_separation_mm before each count takes in what the way back missed, that
+/// of a spread of axes the error of the method.
 void finish_separations(const std::vector<StrokeReading>& names,
                         std::vector<UncertainValue>& values);
 
