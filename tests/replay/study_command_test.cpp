@@ -105,7 +105,9 @@ TEST_F(Study, HasAFolderForEachRecordingWithoutPathsTimesOrNames) {
   ASSERT_EQ(gethostname(host, sizeof(host) - 1), 0);
   for (const auto& [name, bytes] : whole_) {
     EXPECT_THAT(bytes, Not(HasSubstr(folder_->path().string()))) << name;
-    if (std::string(host).size() > 3) EXPECT_THAT(bytes, Not(HasSubstr(host))) << name;
+    if (std::string(host).size() > 3) {
+      EXPECT_THAT(bytes, Not(HasSubstr(host))) << name;
+    }
   }
 }
 
@@ -160,8 +162,11 @@ TEST_F(Study, GoesOnAfterKills) {
     int status = 0;
     ASSERT_EQ(waitpid(process, &status, 0), process);
     is_done = WIFEXITED(status);
-    if (is_done) EXPECT_EQ(WEXITSTATUS(status), 0);
-    if (!is_done) EXPECT_EQ(WTERMSIG(status), SIGALRM);
+    if (is_done) {
+      EXPECT_EQ(WEXITSTATUS(status), 0);
+    } else {
+      EXPECT_EQ(WTERMSIG(status), SIGALRM);
+    }
   }
   expect_same("killed");
 }
