@@ -205,8 +205,7 @@ void describe_path(const ReferredMotion& motion, const ReadingGeometry& geometry
 // Why readings that need rotation are withheld; empty: they are not.
 std::string rotation_problem(const PoseTrack& track, const Analysis& analysis) {
   if (!track.has_rotation) return "the recording has one point, which shows no rotation";
-  const double sd_deg =
-      analysis.noise.rotation_sd_rad() / kDegree;
+  const double sd_deg = analysis.noise.rotation_sd_rad() / kDegree;
   if (analysis.largest_rotation_deg < 3 * sd_deg) {
     return fmt::format("the jaw turns by {:.2f} deg, its noise has {:.2f} deg (sd)",
                        analysis.largest_rotation_deg, sd_deg);
