@@ -65,10 +65,17 @@ SampleRun reference_of(const PoseTrack& track, const AnalysisChoice& choice,
                      "state one with --reference-s BEGIN END");
   }
   if (choice.reference_s) {
-    const Vector3d first = track.pose[run.begin].translation();
+    // Means of a tenth of the samples each, so that noise does not look like motion.
+    const std::size_t count = run.end - run.begin, block = std::max<std::size_t>(count / 10, 1);
+    std::vector<Vector3d> means_m;
+    for (std::size_t k = run.begin; k + block <= run.end; k += block) {
+      Vector3d sum_m = Vector3d::Zero();
+      for (std::size_t i = k; i < k + block; ++i) sum_m += track.pose[i].translation();
+      means_m.emplace_back(sum_m / static_cast<double>(block));
+    }
     std::vector<double> distances_m;
-    for (std::size_t k = run.begin; k < run.end; ++k) {
-      distances_m.push_back((track.pose[k].translation() - first).norm());
+    for (const Vector3d& mean_m : means_m) {
+      distances_m.push_back((mean_m - means_m.front()).norm());
     }
     const auto middle = distances_m.begin() + static_cast<std::ptrdiff_t>(distances_m.size() / 2);
     std::nth_element(distances_m.begin(), middle, distances_m.end());
