@@ -201,6 +201,16 @@ TEST(Help, ItsExamplesRun) {
                   .exit_code,
               0);
   }
+  std::filesystem::create_directory(home / "dataset");
+  std::filesystem::copy(home / "session.csv", home / "dataset");
+  std::ofstream(home / "dataset/recordings.csv")
+      << "recording,subject,session,task\nsession.csv,01,1,clinical\n";
+  for (const std::string number : {"1", "2"}) {
+    ASSERT_EQ(run_condyle({"evaluate", home / "point_mass.toml", "--runs", "2", "--shard",
+                           number + "/2", "--out", home / ("shard" + number + ".txt")})
+                  .exit_code,
+              0);
+  }
   for (const auto& command : all_commands()) {
     const bool needs_device = command[0] == "inspect" || command[0] == "doctor" ||
                               command[0] == "record" || command[0] == "session" ||
