@@ -11,6 +11,7 @@
 
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
+#include "recordings/c3d.h"
 #include "recordings/device_recording.h"
 #include "recordings/named_points.h"
 #include "recordings/recording_files.h"
@@ -22,7 +23,7 @@ namespace {
 
 constexpr std::string_view kFormats =
     "condyle reads CSV with named columns (time_s,position_m), ArtiSynth probe text, Zebris XML "
-    "exports, SSFF, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
+    "exports, SSFF, C3D, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
 
 // Control characters that are not in the text formats; bytes from 0x80 on may be UTF-8.
 bool is_text(std::string_view start) {
@@ -145,8 +146,9 @@ enum class PointUse { one_or_three, any, described };
 std::unique_ptr<Recording> chosen(std::unique_ptr<NamedPointsRecording> recording,
                                   const RecordingOptions& options, PointUse use,
                                   const std::string& path) {
-  if (use == PointUse::described) return recording;
-  const PointCount count = use == PointUse::any ? PointCount::any : PointCount::one_or_three;
+  if (use == PointUse::described && options.markers.empty()) return recording;
+  const PointCount count =
+      use == PointUse::one_or_three ? PointCount::one_or_three : PointCount::any;
   return with_markers(std::move(recording), options.markers, count, path);
 }
 
@@ -189,6 +191,11 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
     only_for(!options.markers.empty(), "--marker", kNamed);
     return open_ssff(std::move(reader), options);
+  }
+  if (looks_like_c3d(start)) {
+    only_for(options.movement != 1, "--movement", "Zebris XML");
+    only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
+    return chosen(open_c3d(std::move(reader), options), options, use, path);
   }
   if (!is_text(start)) {
     throw InputError(path, "has an unknown binary format", std::string(kFormats));
