@@ -35,7 +35,9 @@ struct RecordStart {
   std::size_t body = 0;   // after the pointer
   std::size_t next = 0;   // by the pointer; 0: this is the last
   bool is_end = false;    // of the section
-  bool is_valid = false;  // otherwise there is no record
+  bool is_valid = false;  // otherwise there is neither record nor end
+
+  bool is_record() const { return is_valid && !is_end; }
 };
 
 RecordStart record_at(std::string_view section, std::size_t place, C3dProcessor processor) {
@@ -134,8 +136,8 @@ C3dParameters::C3dParameters(std::string_view section, C3dProcessor processor,
         parameter.bytes = section.substr(end, size);
         end += size;
         // A pointer into the values, to a record, means that the writer's lengths are wrong.
-        const bool is_cut = record.next != 0 && record.next < end &&
-                            record_at(section, record.next, processor).is_valid;
+        const bool is_cut = record.next > place && record.next < end &&
+                            record_at(section, record.next, processor).is_record();
         if (!is_cut) {
           records.emplace_back(record.group, std::pair(name, std::move(parameter)));
         }
@@ -148,16 +150,16 @@ C3dParameters::C3dParameters(std::string_view section, C3dProcessor processor,
     }
     last = name;
     if (record.next == 0) break;
-    // A wrong pointer is passed over by the record's own lengths, with its description.
+    // A wrong pointer, to no record or to an end where a record follows, is passed over by the
+    // record's own lengths, with its description.
+    const std::size_t text = record.group < 0 ? record.body : end;
+    const std::size_t after =
+        text < section.size() ? text + 1 + byte_at(section.data(), text) : section.size();
+    const RecordStart pointed = record_at(section, record.next, processor),
+                      follows = record_at(section, after, processor);
     std::size_t next = record.next;
-    if (next <= place || !record_at(section, next, processor).is_valid) {
-      const std::size_t own = end < section.size() ? end + 1 + byte_at(section.data(), end) : 0;
-      const std::size_t after =
-          record.group < 0
-              ? record.body + 1 +
-                    (record.body < section.size() ? byte_at(section.data(), record.body) : 0)
-              : own;
-      if (after <= place || !record_at(section, after, processor).is_valid) {
+    if (next <= place || !pointed.is_valid || (pointed.is_end && follows.is_record())) {
+      if (!follows.is_valid) {
         stop("is damaged");
         break;
       }
