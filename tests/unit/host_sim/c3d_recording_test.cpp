@@ -283,7 +283,7 @@ TEST(C3dRecording, PassesOverAWrongPointer) {
   std::string bytes = one_marker().bytes();
   const std::size_t used = bytes.find("USED");
   ASSERT_NE(used, std::string::npos);
-  bytes[used + 4] = '\x7f';
+  bytes[used + 4] = '\x51';
   const TemporaryFolder folder;
   const Read result = read(folder.write("file.c3d", bytes));
   EXPECT_EQ(result.names, std::vector<std::string>{"jaw"});
