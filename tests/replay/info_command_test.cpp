@@ -54,9 +54,9 @@ TEST_F(Info, ShowsWhatAFileHolds) {
   EXPECT_EQ(json["analog"][1]["unit"], "V");
   EXPECT_EQ(json["analog"][1]["rate_Hz"], 200);
   const auto text = run_condyle({"info", path_});
-  EXPECT_THAT(text.output,
-              AllOf(HasSubstr("2 markers"), HasSubstr("missing in 10 samples, 1 gap, longest 10"),
-                    HasSubstr("force  N, 200 Hz")));
+  EXPECT_THAT(text.output, AllOf(HasSubstr("2 markers"),
+                                 HasSubstr("missing in 10 of 200 samples, 1 gap, longest 10"),
+                                 HasSubstr("force  N, 200 Hz")));
 }
 
 TEST_F(Info, ShowsACsvFile) {
