@@ -192,11 +192,12 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
     only_for(!options.markers.empty(), "--marker", kNamed);
     return open_ssff(std::move(reader), options);
   }
-  if (looks_like_c3d(start)) {
+  if (looks_like_c3d(*reader)) {
     only_for(options.movement != 1, "--movement", "Zebris XML");
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
     return chosen(open_c3d(std::move(reader), options), options, use, path);
   }
+  start = reader->peek(4096);
   if (!is_text(start)) {
     throw InputError(path, "has an unknown binary format", std::string(kFormats));
   }
