@@ -87,7 +87,7 @@ TEST_F(Info, TakesAnAnalogueChannelAsDrive) {
   const auto driven =
       run_condyle({"replay", path_, "--marker", "left cheek", "--drive", "analog:force"});
   EXPECT_EQ(driven.exit_code, 0) << driven.errors;
-  EXPECT_THAT(driven.output, HasSubstr("analogue channel force at 200 Hz: 400 samples"));
+  EXPECT_THAT(driven.output, HasSubstr("analogue channel force at 200 Hz: 399 samples"));
   const auto volts =
       run_condyle({"replay", path_, "--marker", "left cheek", "--drive", "analog:masseter"});
   EXPECT_EQ(volts.exit_code, 2);

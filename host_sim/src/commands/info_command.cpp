@@ -168,8 +168,9 @@ Command add_info(CommandLine app) {
   const CommandLine command =
       app.add_command("info", "Show what a recording holds, before anything is computed from it",
                       "Analyse recordings");
-  command.add_example("condyle info jaw.c3d",
+  command.add_example("condyle info jaw.csv",
                       "Show format, markers, analogue channels, gaps and ranges.");
+  command.add_example("condyle info jaw.csv --json", "Print the same for programs.");
   command.add_option("RECORDING", options->recording, "As for replay").required();
   add_reading_options(command.group("What is read"), options->reading);
   command.add_flag("--json", options->as_json, "Print JSON, for programs");
