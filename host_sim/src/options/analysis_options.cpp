@@ -59,6 +59,10 @@ void add_reading_options(CommandLine command, RecordingOptions& reading) {
       .add_option("--ignore-column", reading.ignored_columns,
                   "CSV column to ignore; may be given several times")
       .one_value_each();
+  command
+      .add_option("--marker", reading.markers,
+                  "Marker to read, by name; three of one rigid body give its pose")
+      .one_value_each();
   command.add_option("--profile=FILE", reading.profile,
                      fmt::format("{}; a capture needs it, a session log has one", kProfileMeaning));
   const auto take_unit = [&reading](const std::string& unit) {

@@ -23,7 +23,7 @@ enum class JawPoints { no, yes };
 void add_followed_options(CommandLine command, FollowedChoice& choice,
                           JawPoints jaw_points = JawPoints::yes);
 
-/// --ignore-column, --profile, --unit and --movement.
+/// --ignore-column, --marker, --profile, --unit and --movement.
 void add_reading_options(CommandLine command, RecordingOptions& reading);
 
 /// The options of the two functions above, and --faults.

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "hosted/files/input_error.h"
+#include "recordings/point_list.h"
 
 namespace condyle::host {
 namespace {
@@ -26,21 +27,6 @@ bool is_point_name(std::string_view name) {
 std::optional<std::size_t> fixed_index(std::string_view name) {
   if (name.size() != 2 || name[0] != 'p' || name[1] < '1' || name[1] > '3') return std::nullopt;
   return static_cast<std::size_t>(name[1] - '1');
-}
-
-// The first names, so that a file with very many columns gives a short message.
-template <typename Points, typename Text>
-std::string list(const Points& points, std::string_view separator, Text text) {
-  constexpr std::size_t kMostListed = 12;
-  std::string words;
-  for (std::size_t i = 0; i < std::min(points.size(), kMostListed); ++i) {
-    if (i > 0) words += separator;
-    words += text(points[i]);
-  }
-  if (points.size() > kMostListed) {
-    words += fmt::format(" and {} more", points.size() - kMostListed);
-  }
-  return words;
 }
 
 }  // namespace
@@ -93,11 +79,13 @@ SampleKind CsvPoints::kind(const std::string& place, bool takes_any_number) cons
     throw InputError(
         place,
         fmt::format("has {} points: {}", points_.size(),
-                    list(points_, ", ", [](const Point& point) { return point.name; })),
-        fmt::format("leave out all but three, for example with {}",
-                    list(surplus, " ", [](const Point& point) {
-                      return fmt::format("--ignore-column '{}_*'", point.name);
-                    })));
+                    short_list(points_, ", ", [](const Point& point) { return point.name; })),
+        fmt::format(
+            "leave out all but three, for example with {}, or choose one or three with --marker "
+            "NAME",
+            short_list(surplus, " ", [](const Point& point) {
+              return fmt::format("--ignore-column '{}_*'", point.name);
+            })));
   }
   std::vector<std::string> lacking;
   for (const Point& point : points_) {
@@ -107,17 +95,19 @@ SampleKind CsvPoints::kind(const std::string& place, bool takes_any_number) cons
   }
   const std::vector<const Point*> numbered = by_number();
   if (lacking.empty() && points_.size() >= kMostPoints) return SampleKind::three_points;
+  if (lacking.empty() && takes_any_number) return SampleKind::one_point;  // or a choice among two
   if (lacking.empty() && points_.size() == 1 && numbered[0] != nullptr) {
     return SampleKind::one_point;
   }
   if (lacking.empty()) {
     lacking.push_back(points_.size() == 1 ? "p1" : "a third point");
   }
-  throw InputError(place,
-                   fmt::format("the position columns are not a complete set: {} {} missing",
-                               list(lacking, ", ", [](const std::string& name) { return name; }),
-                               lacking.size() == 1 ? "is" : "are"),
-                   "give x, y, z of one point or of three, such as p1_x_mm to p3_z_mm");
+  throw InputError(
+      place,
+      fmt::format("the position columns are not a complete set: {} {} missing",
+                  short_list(lacking, ", ", [](const std::string& name) { return name; }),
+                  lacking.size() == 1 ? "is" : "are"),
+      "give x, y, z of one point or of three, such as p1_x_mm to p3_z_mm");
 }
 
 std::vector<std::string> CsvPoints::names() const {
@@ -129,11 +119,9 @@ std::vector<std::string> CsvPoints::names() const {
 }
 
 std::size_t CsvPoints::coordinate(const PointColumn& column) const {
-  const std::vector<const Point*> numbered = by_number();
-  const auto point = std::find_if(numbered.begin(), numbered.end(), [&](const Point* known) {
-    return known != nullptr && known->name == column.point;
-  });
-  return 3 * static_cast<std::size_t>(point - numbered.begin()) + column.axis;
+  const std::vector<std::string> all = names();
+  const auto point = std::find(all.begin(), all.end(), column.point);
+  return 3 * static_cast<std::size_t>(point - all.begin()) + column.axis;
 }
 
 std::string CsvPoints::note() const {

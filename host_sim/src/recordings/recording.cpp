@@ -11,6 +11,7 @@
 
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
+#include "recordings/c3d.h"
 #include "recordings/device_recording.h"
 #include "recordings/named_points.h"
 #include "recordings/recording_files.h"
@@ -22,7 +23,7 @@ namespace {
 
 constexpr std::string_view kFormats =
     "condyle reads CSV with named columns (time_s,position_m), ArtiSynth probe text, Zebris XML "
-    "exports, SSFF, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
+    "exports, SSFF, C3D, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
 
 // Control characters that are not in the text formats; bytes from 0x80 on may be UTF-8.
 bool is_text(std::string_view start) {
@@ -141,8 +142,20 @@ SourceSpec recording_source(const std::string& text) {
 
 namespace {
 
+// What the caller does with points that have names.
+enum class PointUse { one_or_three, any, described };
+
+std::unique_ptr<Recording> chosen(std::unique_ptr<NamedPointsRecording> recording,
+                                  const RecordingOptions& options, PointUse use,
+                                  const std::string& path) {
+  if (use == PointUse::described && options.markers.empty()) return recording;
+  const PointCount count =
+      use == PointUse::one_or_three ? PointCount::one_or_three : PointCount::any;
+  return with_markers(std::move(recording), options.markers, count, path);
+}
+
 std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOptions& options,
-                                     bool takes_any_number) {
+                                     PointUse use) {
   auto reader = std::make_unique<ByteReader>(path);
   std::string_view start = reader->peek(4096);
   if (start.substr(0, 2) == "\xff\xfe" || start.substr(0, 2) == "\xfe\xff") {
@@ -158,6 +171,7 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
       throw InputError(path, fmt::format("{} applies only to {}", option, format), "leave it out");
     }
   };
+  constexpr const char* kNamed = "formats whose points have names";
   const ReportFile report_file = report_file_of(start);
   const bool is_log = report_file == ReportFile::session_log;
   const bool is_capture = report_file == ReportFile::capture;
@@ -170,20 +184,29 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
   if (is_log || is_capture) {
     only_for(options.movement != 1, "--movement", "Zebris XML");
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
+    only_for(!options.markers.empty(), "--marker", kNamed);
     only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns state no unit");
     return is_log ? open_session_log(path, options) : open_capture(path, options);
   }
   if (start.substr(0, 4) == "SSFF") {
     only_for(options.movement != 1, "--movement", "Zebris XML");
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
+    only_for(!options.markers.empty(), "--marker", kNamed);
     return open_ssff(std::move(reader), options);
   }
+  if (looks_like_c3d(*reader)) {
+    only_for(options.movement != 1, "--movement", "Zebris XML");
+    only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
+    return chosen(open_c3d(std::move(reader), options), options, use, path);
+  }
+  start = reader->peek(4096);
   if (!is_text(start)) {
     throw InputError(path, "has an unknown binary format", std::string(kFormats));
   }
   const std::size_t first = start.find_first_not_of(" \t\r\n");
   if (first != std::string_view::npos && start[first] == '<') {
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
+    only_for(!options.markers.empty(), "--marker", kNamed);
     return open_zebris_xml(std::move(reader), options);
   }
   only_for(options.movement != 1, "--movement", "Zebris XML");
@@ -192,15 +215,20 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
   }
   if (looks_like_probe_text(start)) {
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
+    only_for(!options.markers.empty(), "--marker", kNamed);
     return open_probe_text(std::move(reader), options);
   }
   only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns state no unit");
-  if (takes_any_number) return open_csv_points(std::move(reader), options);
-  return open_csv(std::move(reader), options);
+  if (use == PointUse::one_or_three && options.markers.empty()) {
+    return open_csv(std::move(reader), options);
+  }
+  auto points = open_csv_points(std::move(reader), options);
+  if (points->names().empty() && options.markers.empty()) return points;
+  return chosen(std::move(points), options, use, path);
 }
 
 std::unique_ptr<Recording> open_source(const std::string& source, const RecordingOptions& options,
-                                       bool takes_any_number) {
+                                       PointUse use) {
   const SourceSpec spec = recording_source(source);
   switch (spec.kind) {
     case SourceKind::file:
@@ -219,24 +247,29 @@ std::unique_ptr<Recording> open_source(const std::string& source, const Recordin
                        "give a recording, or a simulated subject with sim:SCENARIO.toml");
   }
   if (recording_files(source).size() > 1) return open_joined(source, options);
-  return open_file(spec.file, options, takes_any_number);
+  return open_file(spec.file, options, use);
 }
 
 }  // namespace
 
 std::unique_ptr<Recording> open_recording(const std::string& source,
                                           const RecordingOptions& options) {
-  return open_source(source, options, false);
+  return open_source(source, options, PointUse::one_or_three);
 }
 
 std::unique_ptr<Recording> open_with_all_points(const std::string& source,
                                                 const RecordingOptions& options) {
-  return open_source(source, options, true);
+  return open_source(source, options, PointUse::any);
+}
+
+std::unique_ptr<Recording> open_to_describe(const std::string& source,
+                                            const RecordingOptions& options) {
+  return open_source(source, options, PointUse::described);
 }
 
 std::unique_ptr<Recording> open_recording_file(const std::string& path,
                                                const RecordingOptions& options) {
-  return open_file(path, options, false);
+  return open_file(path, options, PointUse::one_or_three);
 }
 
 }  // namespace condyle::host

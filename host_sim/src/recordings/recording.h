@@ -28,8 +28,31 @@ struct RecordingOptions {
   std::optional<double> units_per_metre;     ///< 1000: mm; for formats that do not state their unit
   int movement = 1;                          ///< which movement of a Zebris XML file, from 1
   std::string profile;                       ///< TOML file with the profile of a device
-  bool reads_drive_alone = false;            ///< drive without position; CSV only
-  std::string drive_column = "drive_N";      ///< name of the drive's column; CSV only
+  std::vector<std::string> markers;          ///< points to read, by name; empty: not chosen
+  bool reads_drive_alone = false;            ///< drive without position; CSV and analogue channels
+  std::string drive_column = "drive_N";      ///< name of the drive's column or analogue channel
+};
+
+/// A channel that a file of points has beside them, at its own rate.
+struct AnalogChannel {
+  std::string name, unit;  ///< as in the file; the unit may be empty
+  double rate_Hz = 0;
+};
+
+/// An instant that a file names.
+struct NamedInstant {
+  double time_s = 0;  ///< on the recording's clock
+  std::string name;
+};
+
+/// What a file states about itself; `condyle info` shows it. Texts are as in the file.
+struct FileStatement {
+  std::string maker;  ///< program or instrument that wrote it; empty: not stated
+  std::string unit;   ///< of its positions; empty: not stated
+  std::optional<std::uint64_t> frames;
+  std::optional<double> rate_Hz;
+  std::vector<AnalogChannel> channels;
+  std::vector<NamedInstant> events;
 };
 
 /// Properties of a recording.
@@ -41,6 +64,7 @@ struct RecordingInfo {
   bool is_of_device = false;              ///< replayed as live: the profile's rate determines gaps
   std::string parameters_toml;            ///< of the live estimator; may be empty
   std::vector<std::string> notes;         ///< notes for the user on how it was read
+  FileStatement stated;                   ///< by the file, where its format has such statements
 };
 
 /// A recording being read. Problems of the file are InputErrors.
