@@ -16,6 +16,7 @@
 #include "recordings/recording_files.h"
 #include "recordings/recording_formats.h"
 #include "recordings/simulated_recording.h"
+#include "recordings/text_fields.h"
 
 namespace condyle::host {
 namespace {
@@ -93,8 +94,11 @@ bool RowReader::next(std::string_view& row) {
     std::uint64_t lines = 0;
     do {
       if (!reader_.next_line(line)) return false;
+      const std::string_view text = trim(line);
+      if (has_comments_ && (text.starts_with('#') || text.starts_with('%'))) continue;
       ++lines;
-    } while (trim(line).empty());
+      if (!is_blank_row(text, separator_)) break;
+    } while (true);
     held_ = line;
     blank_rows_ = lines - 1;
   }
@@ -177,6 +181,13 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
     throw InputError(path, "is not a CSV file",
                      "give the drive as CSV with time_s and drive_N, or as a session log");
   }
+  const bool is_ssff = start.starts_with("SSFF");
+  const std::size_t first = start.find_first_not_of(" \t\r\n");
+  const bool is_xml = first != std::string_view::npos && start[first] == '<';
+  if (is_log || is_capture || is_ssff || is_xml || looks_like_probe_text(start)) {
+    only_for(!options.columns.empty(), "--columns", "CSV");
+    only_for(options.rate_Hz.has_value(), "--rate-Hz", "files whose rows have no time");
+  }
   if (is_log || is_capture) {
     only_for(options.movement != 1, "--movement", "Zebris XML");
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
@@ -184,7 +195,7 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
     only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns state no unit");
     return is_log ? open_session_log(path, options) : open_capture(path, options);
   }
-  if (start.substr(0, 4) == "SSFF") {
+  if (is_ssff) {
     only_for(options.movement != 1, "--movement", "Zebris XML");
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
     only_for(!options.markers.empty(), "--marker", kNamed);
@@ -193,8 +204,7 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
   if (!is_text(start)) {
     throw InputError(path, "has an unknown binary format", std::string(kFormats));
   }
-  const std::size_t first = start.find_first_not_of(" \t\r\n");
-  if (first != std::string_view::npos && start[first] == '<') {
+  if (is_xml) {
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
     only_for(!options.markers.empty(), "--marker", kNamed);
     return open_zebris_xml(std::move(reader), options);
@@ -208,7 +218,6 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
     only_for(!options.markers.empty(), "--marker", kNamed);
     return open_probe_text(std::move(reader), options);
   }
-  only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns state no unit");
   if (use == PointUse::one_or_three && options.markers.empty()) {
     return open_csv(std::move(reader), options);
   }
