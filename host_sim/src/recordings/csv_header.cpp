@@ -95,6 +95,14 @@ CsvHeader read_csv_header(const TableStart& start) {
     }
   }
   if (!header.has_names) {
+    // Some programs end each row with a separator.
+    const bool ends_empty =
+        fields.size() > 1 && std::all_of(looked.begin(), looked.end(), [&](std::string_view line) {
+          return is_blank_row(line, header.style.separator) || trim(line).empty() ||
+                 line.ends_with(header.style.separator) ||
+                 line.ends_with(std::string{header.style.separator, '\r'});
+        });
+    if (ends_empty && fields.back().empty()) fields.pop_back();
     for (std::size_t i = 0; i < fields.size(); ++i) header.names.push_back(std::to_string(i + 1));
   }
   const auto split_next = [&] {

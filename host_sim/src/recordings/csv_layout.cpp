@@ -33,7 +33,7 @@ class CsvReading {
         values_(first_values(start, header_)),
         problems_(fmt::format("{}:{}", path, header_.line)) {}
 
-  CsvLayout layout() {
+  TableFile layout() {
     refuse_without_names();
     mapped_ = mapped_columns(options_.columns, header_.names);
     for (std::size_t i = 0; i < header_.names.size(); ++i) add_column(i);
@@ -377,12 +377,12 @@ class CsvReading {
   std::vector<ColumnMeaning> meanings_;
   std::vector<std::string> unread_, warnings_;
   std::string single_;
-  CsvLayout layout_;
+  TableFile layout_;
 };
 
 }  // namespace
 
-CsvLayout csv_layout(const TableStart& start, const std::string& path,
+TableFile csv_layout(const TableStart& start, const std::string& path,
                      const RecordingOptions& options, bool takes_any_number) {
   return CsvReading(start, path, options, takes_any_number).layout();
 }

@@ -9,15 +9,9 @@
 
 namespace condyle::host {
 
-/// A CSV file, understood.
-struct CsvLayout {
-  TableLayout table;
-  RecordingInfo info;
-};
-
 /// Throws InputError with all problems of the header at once, and for a unit that neither the file
 /// nor `options` nor the values tell. `path`: of the file. `takes_any_number`: of points.
-CsvLayout csv_layout(const TableStart& start, const std::string& path,
+TableFile csv_layout(const TableStart& start, const std::string& path,
                      const RecordingOptions& options, bool takes_any_number);
 
 }  // namespace condyle::host

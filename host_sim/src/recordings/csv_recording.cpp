@@ -8,9 +8,8 @@ namespace {
 
 std::unique_ptr<NamedPointsRecording> open(std::unique_ptr<ByteReader> reader,
                                            const RecordingOptions& options, bool takes_any_number) {
-  CsvLayout layout = csv_layout(start_of(*reader), reader->path(), options, takes_any_number);
-  return open_table(std::move(reader), std::move(layout.table), std::move(layout.info),
-                    options.faults);
+  TableFile file = csv_layout(start_of(*reader), reader->path(), options, takes_any_number);
+  return open_table(std::move(reader), std::move(file), options.faults);
 }
 
 }  // namespace

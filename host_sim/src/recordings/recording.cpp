@@ -12,6 +12,7 @@
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "recordings/device_recording.h"
+#include "recordings/maker_tables.h"
 #include "recordings/named_points.h"
 #include "recordings/recording_files.h"
 #include "recordings/recording_formats.h"
@@ -22,7 +23,8 @@ namespace condyle::host {
 namespace {
 
 constexpr std::string_view kFormats =
-    "condyle reads CSV with named columns (time_s,position_m), ArtiSynth probe text, Zebris XML "
+    "condyle reads CSV with named columns (time_s,position_m), TRC, TSV of Qualisys, CSV of Vicon "
+    "and Motive, text of NDI, positions of Carstens, Motion-BIDS, ArtiSynth probe text, Zebris XML "
     "exports, SSFF, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
 
 // Control characters that are not in the text formats; bytes from 0x80 on may be UTF-8.
@@ -184,7 +186,8 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
   const bool is_ssff = start.starts_with("SSFF");
   const std::size_t first = start.find_first_not_of(" \t\r\n");
   const bool is_xml = first != std::string_view::npos && start[first] == '<';
-  if (is_log || is_capture || is_ssff || is_xml || looks_like_probe_text(start)) {
+  if (is_log || is_capture || is_ssff || is_xml || looks_like_probe_text(start) ||
+      start.starts_with("AG50xDATA_V")) {
     only_for(!options.columns.empty(), "--columns", "CSV");
     only_for(options.rate_Hz.has_value(), "--rate-Hz", "files whose rows have no time");
   }
@@ -200,6 +203,11 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
     only_for(!options.markers.empty(), "--marker", kNamed);
     return open_ssff(std::move(reader), options);
+  }
+  if (start.starts_with("AG50xDATA_V")) {
+    only_for(options.movement != 1, "--movement", "Zebris XML");
+    only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
+    return chosen(open_carstens(std::move(reader), options), options, use, path);
   }
   if (!is_text(start)) {
     throw InputError(path, "has an unknown binary format", std::string(kFormats));
@@ -217,6 +225,11 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
     only_for(!options.markers.empty(), "--marker", kNamed);
     return open_probe_text(std::move(reader), options);
+  }
+  if (!options.reads_drive_alone) {
+    if (auto table = open_maker_table(reader, options)) {
+      return chosen(std::move(table), options, use, path);
+    }
   }
   if (use == PointUse::one_or_three && options.markers.empty()) {
     return open_csv(std::move(reader), options);

@@ -17,13 +17,12 @@ using Role = TableColumn::Role;
 
 class TableRecording final : public NamedPointsRecording {
  public:
-  TableRecording(std::unique_ptr<ByteReader> reader, TableLayout layout, RecordingInfo info,
-                 FaultPolicy faults)
+  TableRecording(std::unique_ptr<ByteReader> reader, TableFile file, FaultPolicy faults)
       : reader_(std::move(reader)),
-        rows_(*reader_, layout.style.separator, layout.has_comments),
+        rows_(*reader_, file.table.style.separator, file.table.has_comments),
         rule_(faults),
-        layout_(std::move(layout)),
-        info_(std::move(info)) {
+        layout_(std::move(file.table)),
+        info_(std::move(file.info)) {
     std::string_view line;
     for (std::size_t i = 0; i < layout_.header_lines; ++i) reader_->next_line(line);
     points_m_.resize(3, static_cast<Eigen::Index>(layout_.names.size()));
@@ -35,7 +34,11 @@ class TableRecording final : public NamedPointsRecording {
 
   bool next(Sample& sample) override {
     std::string_view row;
-    if (!rows_.next(row)) return false;
+    if (has_ended_ || !rows_.next(row)) return false;
+    if (row.empty() && layout_.ends_at_blank_row) {
+      has_ended_ = true;
+      return false;
+    }
     sample = Sample{};
     sample.kind = info_.kind;
     sample.sequence = sequence_++;
@@ -206,6 +209,7 @@ class TableRecording final : public NamedPointsRecording {
   std::vector<std::string_view> fields_;  // of the row being read
   Eigen::Matrix3Xd points_m_;             // of the sample last returned, one a column
   std::uint64_t sequence_ = 0;
+  bool has_ended_ = false;
   TimeNs start_ns_ = 0;
   std::optional<double> first_frame_;
   double frame_ = 0;  // since the first
@@ -213,11 +217,9 @@ class TableRecording final : public NamedPointsRecording {
 
 }  // namespace
 
-std::unique_ptr<NamedPointsRecording> open_table(std::unique_ptr<ByteReader> reader,
-                                                 TableLayout layout, RecordingInfo info,
+std::unique_ptr<NamedPointsRecording> open_table(std::unique_ptr<ByteReader> reader, TableFile file,
                                                  FaultPolicy faults) {
-  return std::make_unique<TableRecording>(std::move(reader), std::move(layout), std::move(info),
-                                          faults);
+  return std::make_unique<TableRecording>(std::move(reader), std::move(file), faults);
 }
 
 TableStart start_of(ByteReader& reader) {

@@ -40,11 +40,17 @@ struct TableLayout {
   std::optional<double> rate_Hz;       ///< if the rows have no time of their own
   bool has_ragged_rows = false;        ///< rows may lack fields, or have more, at their end
   bool has_zeros_for_missing = false;  ///< the maker writes 0 0 0 for a point that it did not see
+  bool ends_at_blank_row = false;      ///< what follows a blank row is not of the table
 };
 
-/// The table in `reader`, from its first line. `info`: format, kind, notes and statements.
-std::unique_ptr<NamedPointsRecording> open_table(std::unique_ptr<ByteReader> reader,
-                                                 TableLayout layout, RecordingInfo info,
+/// A file that is a table, understood.
+struct TableFile {
+  TableLayout table;
+  RecordingInfo info;  ///< format, kind, notes and statements
+};
+
+/// The table in `reader`, from the first line of its header.
+std::unique_ptr<NamedPointsRecording> open_table(std::unique_ptr<ByteReader> reader, TableFile file,
                                                  FaultPolicy faults);
 
 /// The lines at the beginning of a file that are looked at to recognise its header.
