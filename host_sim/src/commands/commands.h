@@ -27,6 +27,8 @@ using Command = std::function<int()>;
 Command add_analyse(CommandLine app);
 /// `condyle report`, if it was built
 Command add_report(CommandLine app);
+/// `condyle info`
+Command add_info(CommandLine app);
 /// `condyle landmarks`
 Command add_landmarks(CommandLine app);
 /// `condyle replay`

@@ -38,6 +38,7 @@ Commands add_commands(CommandLine line) {
 #ifdef CONDYLE_HAS_REPORT
   commands.emplace_back("report", add_report(line));
 #endif
+  commands.emplace_back("info", add_info(line));
   commands.emplace_back("landmarks", add_landmarks(line));
   commands.emplace_back("replay", add_replay(line));
   commands.emplace_back("compare", add_compare(line));

@@ -13,7 +13,7 @@
 namespace condyle::host {
 
 /// A recording whose points have names. Until `with_markers` chooses among them, its samples need
-/// no coordinates and its info no kind.
+/// no coordinates, and its kind is three_points for any number of points.
 class NamedPointsRecording : public Recording {
  public:
   /// In the order of `points_m`; as in the file, so that two may be equal and one empty.

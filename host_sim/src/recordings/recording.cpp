@@ -11,6 +11,7 @@
 
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
+#include "recordings/c3d.h"
 #include "recordings/device_recording.h"
 #include "recordings/maker_tables.h"
 #include "recordings/named_points.h"
@@ -23,9 +24,9 @@ namespace condyle::host {
 namespace {
 
 constexpr std::string_view kFormats =
-    "condyle reads CSV with named columns (time_s,position_m), TRC, TSV of Qualisys, CSV of Vicon "
-    "and Motive, text of NDI, positions of Carstens, Motion-BIDS, ArtiSynth probe text, Zebris XML "
-    "exports, SSFF, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
+    "condyle reads CSV with named columns (time_s,position_m), C3D, TRC, TSV of Qualisys, CSV of "
+    "Vicon and Motive, text of NDI, positions of Carstens, Motion-BIDS, ArtiSynth probe text, "
+    "Zebris XML exports, SSFF, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
 
 // Control characters that are not in the text formats; bytes from 0x80 on may be UTF-8.
 bool is_text(std::string_view start) {
@@ -151,8 +152,9 @@ enum class PointUse { one_or_three, any, described };
 std::unique_ptr<Recording> chosen(std::unique_ptr<NamedPointsRecording> recording,
                                   const RecordingOptions& options, PointUse use,
                                   const std::string& path) {
-  if (use == PointUse::described) return recording;
-  const PointCount count = use == PointUse::any ? PointCount::any : PointCount::one_or_three;
+  if (use == PointUse::described && options.markers.empty()) return recording;
+  const PointCount count =
+      use == PointUse::one_or_three ? PointCount::one_or_three : PointCount::any;
   return with_markers(std::move(recording), options.markers, count, path);
 }
 
@@ -187,7 +189,7 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
   const std::size_t first = start.find_first_not_of(" \t\r\n");
   const bool is_xml = first != std::string_view::npos && start[first] == '<';
   if (is_log || is_capture || is_ssff || is_xml || looks_like_probe_text(start) ||
-      start.starts_with("AG50xDATA_V")) {
+      start.starts_with("AG50xDATA_V") || looks_like_c3d(start)) {
     only_for(!options.columns.empty(), "--columns", "CSV");
     only_for(options.rate_Hz.has_value(), "--rate-Hz", "files whose rows have no time");
   }
@@ -204,10 +206,12 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
     only_for(!options.markers.empty(), "--marker", kNamed);
     return open_ssff(std::move(reader), options);
   }
-  if (start.starts_with("AG50xDATA_V")) {
+  if (start.starts_with("AG50xDATA_V") || looks_like_c3d(start)) {
     only_for(options.movement != 1, "--movement", "Zebris XML");
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
-    return chosen(open_carstens(std::move(reader), options), options, use, path);
+    auto points = start.starts_with("AG50xDATA_V") ? open_carstens(std::move(reader), options)
+                                                   : open_c3d(std::move(reader), options);
+    return chosen(std::move(points), options, use, path);
   }
   if (!is_text(start)) {
     throw InputError(path, "has an unknown binary format", std::string(kFormats));
