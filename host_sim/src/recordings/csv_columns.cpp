@@ -6,66 +6,38 @@
 #include <cctype>
 
 #include "hosted/files/number_text.h"
+#include "recordings/file_units.h"
 
 namespace condyle::host {
 namespace {
 
 using Quantity = ColumnMeaning::Quantity;
 
-enum class UnitKind { length, time, force, other };
-
 struct Unit {
   std::string_view name;
-  UnitKind kind;
-  double each;  // in SI units
+  double each;  // in seconds
 };
 
 // Names in lower case; "\xb5" is the micro sign of Latin-1, "\xc2\xb5" and "\xce\xbc" of UTF-8.
-constexpr Unit kUnits[] = {
-    {"m", UnitKind::length, 1},
-    {"meter", UnitKind::length, 1},
-    {"meters", UnitKind::length, 1},
-    {"metre", UnitKind::length, 1},
-    {"metres", UnitKind::length, 1},
-    {"cm", UnitKind::length, 1e-2},
-    {"centimeters", UnitKind::length, 1e-2},
-    {"centimetres", UnitKind::length, 1e-2},
-    {"mm", UnitKind::length, 1e-3},
-    {"millimeter", UnitKind::length, 1e-3},
-    {"millimeters", UnitKind::length, 1e-3},
-    {"millimetre", UnitKind::length, 1e-3},
-    {"millimetres", UnitKind::length, 1e-3},
-    {"um", UnitKind::length, 1e-6},
-    {"\xb5m", UnitKind::length, 1e-6},
-    {"\xc2\xb5m", UnitKind::length, 1e-6},
-    {"\xce\xbcm", UnitKind::length, 1e-6},
-    {"s", UnitKind::time, 1},
-    {"sec", UnitKind::time, 1},
-    {"secs", UnitKind::time, 1},
-    {"second", UnitKind::time, 1},
-    {"seconds", UnitKind::time, 1},
-    {"ms", UnitKind::time, 1e-3},
-    {"msec", UnitKind::time, 1e-3},
-    {"millisecond", UnitKind::time, 1e-3},
-    {"milliseconds", UnitKind::time, 1e-3},
-    {"us", UnitKind::time, 1e-6},
-    {"\xb5s", UnitKind::time, 1e-6},
-    {"\xc2\xb5s", UnitKind::time, 1e-6},
-    {"\xce\xbcs", UnitKind::time, 1e-6},
-    {"microseconds", UnitKind::time, 1e-6},
-    {"ns", UnitKind::time, 1e-9},
-    {"nanoseconds", UnitKind::time, 1e-9},
-    {"n", UnitKind::force, 1},
-    {"deg", UnitKind::other, 0},
-    {"rad", UnitKind::other, 0},
-    {"v", UnitKind::other, 0},
-    {"mv", UnitKind::other, 0},
-    {"uv", UnitKind::other, 0},
-    {"hz", UnitKind::other, 0},
-    {"mm/s", UnitKind::other, 0},
-    {"m/s", UnitKind::other, 0},
-    {"px", UnitKind::other, 0},
-};
+constexpr Unit kTimes[] = {{"s", 1},
+                           {"sec", 1},
+                           {"secs", 1},
+                           {"second", 1},
+                           {"seconds", 1},
+                           {"ms", 1e-3},
+                           {"msec", 1e-3},
+                           {"millisecond", 1e-3},
+                           {"us", 1e-6},
+                           {"milliseconds", 1e-3},
+                           {"\xb5s", 1e-6},
+                           {"\xc2\xb5s", 1e-6},
+                           {"\xce\xbcs", 1e-6},
+                           {"microseconds", 1e-6},
+                           {"ns", 1e-9},
+                           {"nanoseconds", 1e-9}};
+// Units of what is neither a time nor a place.
+constexpr std::string_view kOtherUnits[] = {"deg", "rad",  "v",   "mv", "uv",
+                                            "hz",  "mm/s", "m/s", "px", "%"};
 
 std::string lower(std::string_view text) {
   std::string result(text);
@@ -81,11 +53,18 @@ std::string_view without_brackets(std::string_view text) {
   return text;
 }
 
-const Unit* unit_of(std::string_view text) {
+// Seconds in one of `unit`; 0: not a time.
+double seconds_in(std::string_view unit) {
+  const std::string name = lower(without_brackets(unit));
+  const auto found = std::find_if(std::begin(kTimes), std::end(kTimes),
+                                  [&](const Unit& known) { return known.name == name; });
+  return found == std::end(kTimes) ? 0 : found->each;
+}
+
+bool is_unit(std::string_view text) {
   const std::string name = lower(without_brackets(text));
-  const auto found = std::find_if(std::begin(kUnits), std::end(kUnits),
-                                  [&](const Unit& unit) { return unit.name == name; });
-  return found == std::end(kUnits) ? nullptr : found;
+  return seconds_in(text) > 0 || metres_in(text) > 0 || newtons_in(name).has_value() ||
+         std::find(std::begin(kOtherUnits), std::end(kOtherUnits), name) != std::end(kOtherUnits);
 }
 
 template <std::size_t count>
@@ -121,7 +100,7 @@ std::string_view take_unit(std::string_view& name) {
   const std::string_view unit = trim(name.substr(joint + 1));
   // Capitals of one letter are part of a name, except newtons.
   const bool is_capital = unit.size() == 1 && unit[0] >= 'A' && unit[0] <= 'Z' && unit[0] != 'N';
-  if (is_capital || unit_of(unit) == nullptr) return {};
+  if (is_capital || !is_unit(unit)) return {};
   name = trim(name.substr(0, joint));
   while (name.ends_with(',') || name.ends_with('_')) name.remove_suffix(1);
   return unit;
@@ -167,7 +146,7 @@ bool find_coordinate(std::string_view name, ColumnMeaning& meaning) {
 }
 
 void find_quantity(std::string_view name, ColumnMeaning& meaning) {
-  constexpr std::array<std::string_view, 12> kTimes{
+  constexpr std::array<std::string_view, 12> kTimeWords{
       "time", "t",     "timestamp", "time stamp", "time_stamp",   "elapsed",
       "zeit", "temps", "tiempo",    "tempo",      "elapsed time", "seconds"};
   constexpr std::array<std::string_view, 10> kFrames{
@@ -176,7 +155,7 @@ void find_quantity(std::string_view name, ColumnMeaning& meaning) {
   constexpr std::array<std::string_view, 3> kSubFrames{"sub frame", "subframe", "sub_frame"};
   constexpr std::array<std::string_view, 3> kAxes{"position", "pos", "displacement"};
   const std::string word = lower(without_joints(name));
-  if (is_one_of(word, kTimes)) {
+  if (is_one_of(word, kTimeWords)) {
     meaning.quantity = Quantity::time;
     if (word == "seconds" && meaning.unit.empty()) meaning.unit = "s";
   } else if (is_one_of(word, kFrames)) {
@@ -203,12 +182,12 @@ std::optional<std::size_t> axis_of(std::string_view text) {
 }
 
 double metres_in(std::string_view unit) {
-  const Unit* const known = unit_of(unit);
-  return known != nullptr && known->kind == UnitKind::length ? known->each : 0;
+  const std::optional<LengthUnit> known = length_unit(without_brackets(unit));
+  return known ? 1 / known->per_metre : 0;
 }
 
 bool is_unit_or_empty(std::string_view text) {
-  return trim(text).empty() || unit_of(text) != nullptr;
+  return trim(text).empty() || is_unit(text);
 }
 
 ColumnMeaning meaning_of(std::string_view name, std::string_view unit_below,
@@ -228,14 +207,12 @@ ColumnMeaning meaning_of(std::string_view name, std::string_view unit_below,
     if (meaning.quantity == Quantity::point && is_other_quantity(meaning.point)) return {};
     return meaning;
   }
-  const Unit* const known = unit_of(meaning.unit);
   const bool is_time = meaning.quantity == Quantity::time;
   const bool is_length =
       meaning.quantity == Quantity::point || meaning.quantity == Quantity::one_axis;
   if (is_time || is_length) {
-    const UnitKind wanted = is_time ? UnitKind::time : UnitKind::length;
-    meaning.has_bad_unit = known == nullptr || known->kind != wanted;
-    if (!meaning.has_bad_unit) meaning.each = known->each;
+    meaning.each = is_time ? seconds_in(meaning.unit) : metres_in(meaning.unit);
+    meaning.has_bad_unit = meaning.each == 0;
   }
   return meaning;
 }

@@ -327,7 +327,7 @@ class CsvReading {
       const ColumnMeaning& meaning = meanings_[i];
       TableColumn column;
       column.name = header_.names[i];
-      column.each = meaning.each;
+      if (meaning.each > 0) column.per_SI_unit = 1 / meaning.each;
       switch (meaning.quantity) {
         case Quantity::time:
           column.role = Role::time;

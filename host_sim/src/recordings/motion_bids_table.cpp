@@ -79,7 +79,7 @@ void read_channels(const std::string& path, const MakerFile& file, TableFile& ta
       }
       column.role = TableColumn::Role::coordinate;
       column.coordinate = 3 * point->second + *axis;
-      column.each = each > 0 ? each : 1 / *file.options.units_per_metre;
+      column.per_SI_unit = each > 0 ? 1 / each : *file.options.units_per_metre;
       table.info.stated.unit = std::string(value_of("units"));
     }
     table.table.columns.push_back(std::move(column));

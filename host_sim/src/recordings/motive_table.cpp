@@ -105,7 +105,7 @@ std::optional<TableFile> read_motive_csv(const MakerFile& file) {
       if (is_new) table.table.names.push_back(name);
       column.role = TableColumn::Role::coordinate;
       column.coordinate = 3 * point->second + *axis_of(axes[i]);
-      column.each = metres_each;
+      column.per_SI_unit = 1 / metres_each;
     }
     table.table.columns.push_back(std::move(column));
   }

@@ -81,7 +81,7 @@ std::optional<TableFile> read_ndi_text(const MakerFile& file) {
       if (points.empty() || points.back() != point) points.push_back(point);
       column.role = TableColumn::Role::coordinate;
       column.coordinate = 3 * (points.size() - 1) + meaning.axis;
-      column.each = metres_each;
+      column.per_SI_unit = 1 / metres_each;
     }
     table.table.columns.push_back(std::move(column));
   }

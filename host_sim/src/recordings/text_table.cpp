@@ -144,8 +144,8 @@ class TableRecording final : public NamedPointsRecording {
   void read_coordinate(const TableColumn& column, std::string_view text, Sample& sample) {
     double value = 0;
     const bool is_there =
-        read_value(column, text, value) && !is_missing_coordinate(value, column.each);
-    const double value_m = value * column.each;
+        read_value(column, text, value) && !is_missing_coordinate(value, 1 / column.per_SI_unit);
+    const double value_m = value / column.per_SI_unit;
     if (!is_there) sample.position_valid = false;
     if (column.coordinate < std::size(sample.coordinates) && is_there) {
       sample.coordinates[column.coordinate] = value_m;
@@ -159,10 +159,10 @@ class TableRecording final : public NamedPointsRecording {
     double value = 0;
     NumberStatus status = parse_field(text, layout_.style, value);
     if (status == NumberStatus::ok) {
-      if (column.each == 1 && !layout_.style.has_decimal_comma) {
+      if (column.per_SI_unit == 1 && !layout_.style.has_decimal_comma) {
         status = parse_time_s(text, sample.time_ns);
-      } else if (std::abs(value * column.each) <= kFurthestTime_s) {
-        sample.time_ns = nanoseconds(value * column.each);
+      } else if (std::abs(value / column.per_SI_unit) <= kFurthestTime_s) {
+        sample.time_ns = nanoseconds(value / column.per_SI_unit);
       } else {
         status = NumberStatus::overflow;
       }
@@ -233,7 +233,7 @@ TableStart start_of(ByteReader& reader) {
 void add_point_columns(TableLayout& layout, const std::string& name, double metres_each) {
   const std::size_t point = layout.names.size();
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    layout.columns.push_back({TableColumn::Role::coordinate, 3 * point + axis, metres_each,
+    layout.columns.push_back({TableColumn::Role::coordinate, 3 * point + axis, 1 / metres_each,
                               fmt::format("{} {}", name, "xyz"[axis])});
   }
   layout.names.push_back(name);

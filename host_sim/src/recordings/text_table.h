@@ -26,7 +26,7 @@ struct TableColumn {
   };
   Role role = Role::ignored;
   std::size_t coordinate = 0;  ///< 3 * point + axis; 0 of one axis
-  double each = 1;             ///< metres or seconds in one of its unit
+  double per_SI_unit = 1;      ///< 1000: mm or ms; dividing by it loses no digit
   std::string name;            ///< for messages
 };
 

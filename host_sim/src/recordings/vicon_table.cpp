@@ -50,7 +50,7 @@ std::optional<TableFile> read_vicon_csv(const MakerFile& file) {
       column.name = fmt::format("{} {}", name, axes[i]);
       column.role = TableColumn::Role::coordinate;
       column.coordinate = 3 * (table.table.names.size() - 1) + *axis;
-      column.each = file.metres_each(unit, has_units ? 3 : 0);
+      column.per_SI_unit = 1 / file.metres_each(unit, has_units ? 3 : 0);
       if (*axis == 2) name.clear();
     }
     table.table.columns.push_back(std::move(column));
