@@ -48,7 +48,11 @@ std::vector<std::string> join_axes(const std::vector<std::string>& points, const
     if (axis_of(axes[i])) {
       names.push_back(point.empty() ? std::string(axes[i]) : point + ":" + std::string(axes[i]));
     } else {
-      names.push_back(axes[i].empty() ? above : std::string(axes[i]));
+      // A unit there belongs to the name above.
+      const bool has_above = !above.empty() && is_unit_or_empty(axes[i]);
+      names.push_back(!has_above        ? std::string(axes[i])
+                      : axes[i].empty() ? above
+                                        : above + " [" + std::string(axes[i]) + "]");
     }
   }
   return names;

@@ -159,6 +159,7 @@ std::unique_ptr<NamedPointsRecording> open_maker_table(std::unique_ptr<ByteReade
                          "export the trajectories");
       }
     }
+    static_cast<void>(reader->next_line(line));
     file.first_line = static_cast<std::size_t>(reader->line_number());
     file.start = start_of(*reader);
     table = read_vicon_csv(file);

@@ -185,7 +185,7 @@ TEST(CsvAsItComes, StopsWhereTheUnitIsNotKnown) {
   // 0.3 mm in mm, or 300 mm in m: neither can be excluded.
   std::string still = "time_s,x,y,z\n";
   for (int row = 0; row < kRows; ++row) {
-    still += fmt::format("{:.3f},{:.4f},0.1,0.2\n", row * kStep_s, 0.3 * std::sin(row * 0.1));
+    still += fmt::format("{:.3f},{:.4f},0.1,0.2\n", row * kStep_s, 0.15 * std::sin(row * 0.1));
   }
   EXPECT_THAT(problem_of(still),
               AllOf(HasSubstr("can be mm or m"), HasSubstr("give --unit mm or")));

@@ -256,7 +256,7 @@ TEST(MakerTable, NamesWhatAHeaderLacks) {
   };
   EXPECT_THAT(problem_of("PathFileType\t4\n"), HasSubstr("one of its five lines"));
   EXPECT_THAT(problem_of(without(trc(), "\tUnits")), HasSubstr("--unit mm or --unit m"));
-  EXPECT_THAT(problem_of(without(trc(), "DataRate\t")), HasSubstr("recording:3: the rate"));
+  EXPECT_THAT(problem_of(without(trc(), "120.00")), HasSubstr("recording:3: the rate"));
   EXPECT_THAT(problem_of(without(qualisys("", true), "FREQUENCY\t120\n")),
               HasSubstr("lacks FREQUENCY"));
   EXPECT_THAT(problem_of(without(qualisys("", true), "MARKER_NAMES\tA\tB\n")),
