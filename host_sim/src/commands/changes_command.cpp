@@ -91,7 +91,9 @@ WatchedRecording watch(const ChangesOptions& options, const RecommendedParameter
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
                    "its median step", "check the unit of time_s");
   std::optional<DriveChannel> channel;
-  if (!options.drive.empty()) channel.emplace(options.drive, options.reading.faults);
+  if (!options.drive.empty()) {
+    channel.emplace(options.drive, options.reading.faults, options.recording);
+  }
   ReplayedDriveSensor<CycleSensor<double, kAxes>> sensor(channel ? &*channel : nullptr,
                                                          parameters.impedance.drive.delay_s,
                                                          parameters, options.point(), axis);
@@ -230,9 +232,10 @@ Command add_changes(CommandLine app) {
       .add_option("--smallest-change-Ns-m", options->smallest_change_Ns_m,
                   "Smallest lasting change that matters to you (0.05)")
       .number_in({1e-9, 1e6});
-  command.add_option("--drive=FILE", options->drive,
-                     "Total force along the followed axis, in its own file: CSV with time_s and "
-                     "drive_N, or a session log");
+  command.add_option(
+      "--drive=FILE", options->drive,
+      "Total force along the followed axis, in its own file: CSV with time_s and "
+      "drive_N, or a session log; or analog:NAME, an analogue channel of the recording");
   add_drive_options(command, options->drive_stated);
   command.add_option("--parameters=FILE", options->parameters, "TOML file, as for replay");
   add_recording_options(command, *options);

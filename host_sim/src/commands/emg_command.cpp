@@ -71,7 +71,9 @@ Command add_emg(CommandLine app) {
       "The values also as JSON.");
   command.add_option("RECORDING", options->source.recording, "As for replay").required();
   command
-      .add_option("--emg=FILE", options->source.emg, "CSV: time_s and one column for each muscle")
+      .add_option(
+          "--emg=FILE", options->source.emg,
+          "CSV: time_s and one column for each muscle; or C3D: one analogue channel for each")
       .required();
   command
       .add_option("--muscles=FILE", options->muscles,

@@ -217,7 +217,9 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
         summary);
   };
   std::optional<DriveChannel> channel;
-  if (!options.drive.empty()) channel.emplace(options.drive, options.reading.faults);
+  if (!options.drive.empty()) {
+    channel.emplace(options.drive, options.reading.faults, options.recording);
+  }
   return firmware::with_recommended_sensor<double>(
       {info.kind, channel || info.has_drive, parameters, options.estimator.lag,
        options.point(&fits), options.followed.axis},
@@ -310,9 +312,10 @@ Command add_replay(CommandLine app) {
   command.add_option("--speed", options->speed, "0 as fast as possible, 1 real time")
       .number_in({0, 1e6})
       .show_default();
-  command.add_option("--drive=FILE", options->drive,
-                     "Total force along the followed axis, in its own file: CSV with time_s and "
-                     "drive_N, or a session log");
+  command.add_option(
+      "--drive=FILE", options->drive,
+      "Total force along the followed axis, in its own file: CSV with time_s and "
+      "drive_N, or a session log; or analog:NAME, an analogue channel of the recording");
   add_drive_options(command, options->drive_stated);
   command.group("Output").add_flag("--json", options->as_json,
                                    "Print the summary as JSON, for programs");

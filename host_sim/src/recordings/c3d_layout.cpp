@@ -151,9 +151,17 @@ class LayoutReader {
   }
 
   void read_channels(const C3dParameters& parameters) {
-    const std::size_t numbers = word(kAnalogNumbers);
+    std::size_t numbers = word(kAnalogNumbers);
     if (numbers == 0) return;
     layout_.samples = std::max<std::size_t>(word(kAnalogSamples), 1);
+    const double used = parameters.count("ANALOG:USED").value_or(0);
+    if (numbers % layout_.samples != 0 && used == static_cast<double>(numbers)) {
+      note(
+          fmt::format("the header counts {} analogue numbers in a frame, which are the channels: "
+                      "read as {} channels of {} samples",
+                      numbers, numbers, layout_.samples));
+      numbers *= layout_.samples;
+    }
     if (numbers % layout_.samples != 0) {
       fail(fmt::format("states {} analogue numbers and {} samples in each frame", numbers,
                        layout_.samples),

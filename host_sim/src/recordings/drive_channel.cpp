@@ -7,11 +7,23 @@
 #include <limits>
 
 #include "hosted/files/input_error.h"
+#include "recordings/analog_channels.h"
 #include "recordings/device_recording.h"
 
 namespace condyle::host {
+namespace {
 
-DriveChannel::DriveChannel(std::string path, FaultPolicy faults) : path_(std::move(path)) {
+constexpr std::string_view kAnalog = "analog:";
+
+}  // namespace
+
+DriveChannel::DriveChannel(std::string drive, FaultPolicy faults, const std::string& recording)
+    : path_(std::move(drive)) {
+  if (path_.starts_with(kAnalog)) {
+    recording_ =
+        open_analog_drive(recording_source(recording).file, path_.substr(kAnalog.size()), faults);
+    return;
+  }
   if (report_file_at(path_) == ReportFile::session_log) {
     recording_ = open_logged_drive(path_);
     return;

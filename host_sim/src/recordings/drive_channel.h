@@ -14,9 +14,10 @@ namespace condyle::host {
 /// The samples of a drive, in order, with one sample of look-ahead.
 class DriveChannel {
  public:
-  /// Opens the drive in the file `path`: CSV with time_s and drive_N, or a session log, from which
-  /// the first device with a drive is used. Its times are on the clock of the positions.
-  DriveChannel(std::string path, FaultPolicy faults);
+  /// Opens `drive`: the path of a file, CSV with time_s and drive_N, or a session log, from which
+  /// the first device with a drive is used; or "analog:NAME", an analogue channel of the recording
+  /// at `recording`. Its times are on the clock of the positions.
+  DriveChannel(std::string drive, FaultPolicy faults, const std::string& recording = "");
 
   /// Passes all samples up to the first at or after `time_ns` to `add(time_ns, force_N)`, each
   /// once; counts samples without time or force, and leaves them out. Problems of the file are

@@ -9,12 +9,21 @@
 #include "hosted/files/byte_reader.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/number_text.h"
+#include "recordings/analog_channels.h"
 #include "recordings/recording_formats.h"
 
 namespace condyle::host {
 namespace {
 
-// Rows of the file, without their times.
+void add_row(const std::string& place, const EmgRow& row, EmgRecording& recording) {
+  if (recording.rows.size() == kMostEmgRows) {
+    throw InputError(place, fmt::format("more than {} rows of EMG", kMostEmgRows),
+                     "cut out a part, or record at a lower rate");
+  }
+  recording.rows.push_back(row);
+}
+
+// Rows of a CSV file, without their times.
 class EmgFile {
  public:
   EmgFile(const std::string& path, const MuscleFile& muscles, FaultPolicy faults)
@@ -57,11 +66,7 @@ class EmgFile {
         ++recording.missing_values;
       }
     }
-    if (recording.rows.size() == kMostEmgRows) {
-      throw InputError(place(), fmt::format("more than {} rows of EMG", kMostEmgRows),
-                       "cut out a part, or record at a lower rate");
-    }
-    recording.rows.push_back(row);
+    add_row(place(), row, recording);
     return true;
   }
 
@@ -137,13 +142,34 @@ void make_envelopes(const std::string& path, const MuscleFile& muscles, const Em
   }
 }
 
+// Rows of the analogue channels that the muscles name.
+void read_channels(AnalogReader& reader, FaultPolicy faults, EmgRecording& recording) {
+  const FaultRule rule(faults);
+  while (reader.next()) {
+    EmgRow row{.time_ns = reader.time_ns()};
+    for (std::size_t n = 0; n < reader.values().size(); ++n) {
+      row.excitation[n] = reader.values()[n];
+      if (std::isfinite(row.excitation[n])) continue;
+      rule.accept(NumberStatus::not_finite, reader.place(), reader.channels()[n].name, "nan");
+      ++recording.missing_values;
+    }
+    add_row(reader.place(), row, recording);
+  }
+}
+
 }  // namespace
 
 EmgRecording read_emg(const std::string& path, const MuscleFile& muscles,
                       const EmgReading& reading) {
   EmgRecording recording;
-  EmgFile file(path, muscles, reading.faults);
-  while (file.next(recording)) {
+  std::vector<std::string> names;
+  for (const EmgChannel& channel : muscles.channels) names.push_back(channel.column);
+  if (const auto channels = open_analog(path, names, reading.faults)) {
+    read_channels(*channels, reading.faults, recording);
+  } else {
+    EmgFile file(path, muscles, reading.faults);
+    while (file.next(recording)) {
+    }
   }
   recording.rate_Hz = median_rate_Hz(path, recording.rows);
   if (reading.is_raw) {

@@ -37,8 +37,9 @@ struct EmgRecording {
 /// Longest EMG that is read.
 inline constexpr std::size_t kMostEmgRows = 2'000'000;
 
-/// Reads the columns that `muscles` names from the CSV file `path`: time_s, and a column for each
-/// muscle; ignores other columns. Problems are InputErrors that name file, line, column and remedy.
+/// Reads what `muscles` names from the file `path`: of CSV time_s and a column for each muscle, of
+/// a recording with analogue channels a channel for each, in its unit; ignores the others. Problems
+/// are InputErrors that name file, line, column and remedy.
 EmgRecording read_emg(const std::string& path, const MuscleFile& muscles,
                       const EmgReading& reading);
 
