@@ -16,6 +16,12 @@ bool is_comment(std::string_view line) {
   return line.starts_with('#') || line.starts_with('%');
 }
 
+// "sep=;", which tells a spreadsheet the separator.
+bool is_separator_line(std::string_view line) {
+  line = trim(line);
+  return line.size() <= 5 && line.starts_with("sep=");
+}
+
 bool is_name(std::string_view field, const TextStyle& style) {
   double value = 0;
   return parse_field(field, style, value) == NumberStatus::not_a_number;
@@ -70,7 +76,7 @@ CsvHeader read_csv_header(const TableStart& start) {
     if (is_comment(lines[first])) {
       comment = trim(lines[first]);
       comment_line = first;
-    } else if (!trim(lines[first]).empty()) {
+    } else if (!trim(lines[first]).empty() && !is_separator_line(lines[first])) {
       break;
     }
   }

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <tuple>
 
 #include "hosted/files/input_error.h"
 #include "hosted/files/nearest_word.h"
@@ -139,16 +141,11 @@ class CsvReading {
   }
 
   void check_repeated() {
+    std::set<std::tuple<Quantity, std::string, std::size_t>> known;
     for (std::size_t i = 0; i < meanings_.size(); ++i) {
       const ColumnMeaning& one = meanings_[i];
       if (one.quantity == Quantity::unknown || one.quantity == Quantity::not_read) continue;
-      const bool repeated =
-          std::any_of(meanings_.begin(), meanings_.begin() + static_cast<std::ptrdiff_t>(i),
-                      [&](const ColumnMeaning& other) {
-                        return other.quantity == one.quantity && other.point == one.point &&
-                               other.axis == one.axis;
-                      });
-      if (!repeated) continue;
+      if (known.emplace(one.quantity, one.point, one.axis).second) continue;
       problems_.add(header_.names[i], "another column contains the same quantity",
                     options_.reads_drive_alone ? "take one of them out of the file"
                                                : "leave one of them out with --ignore-column");

@@ -164,7 +164,6 @@ NumberStatus parse_field(std::string_view text, const TextStyle& style, double& 
 TextStyle style_of(const std::vector<std::string_view>& lines) {
   TextStyle style;
   style.separator = separator_of(lines);
-  if (style.separator == ',') return style;
   std::vector<std::string_view> fields;
   for (const std::string_view line : lines) {
     split_fields(line, style.separator, fields);

@@ -33,7 +33,7 @@ bool is_missing_coordinate(double value, double metres_each);
 NumberStatus parse_field(std::string_view text, const TextStyle& style, double& value);
 
 /// The style of a table whose first rows are `lines`. A comma is a decimal sign if it does not
-/// separate and no number has a point.
+/// separate, or stands in quotation marks, and no number has a point.
 TextStyle style_of(const std::vector<std::string_view>& lines);
 
 /// The complete lines of `start`, the beginning of a file; also the last one if `is_whole`.

@@ -114,6 +114,7 @@ TEST(CsvAsItComes, ReadsOneMotionInEveryStyleAlike) {
       {ms, "time,x,y,z"},
       {semicolons, "Zeit (s);X (mm);Y (mm);Z (mm)"},
       {semicolons, "time;x;y;z"},
+      {semicolons, "sep=;\nZeit (s);X (mm);Y (mm);Z (mm)"},
       {tabs, "time\tx\ty\tz\ns\tmm\tmm\tmm"},
       {blanks, "time (s)  x (mm)  y (mm)  z (mm)"},
       {blanks, "t x y z"},
@@ -124,6 +125,13 @@ TEST(CsvAsItComes, ReadsOneMotionInEveryStyleAlike) {
     expect_motion(read(table(style, header)), header);
     if (testing::Test::HasFatalFailure()) return;
   }
+}
+
+TEST(CsvAsItComes, ReadsDecimalCommasInQuotationMarks) {
+  const Read r = read("\"time_s\",\"position_mm\"\n\"0,01\",\"1,5\"\n\"0,02\",\"2,5\"\n");
+  ASSERT_EQ(r.samples.size(), 2U);
+  EXPECT_EQ(r.samples[1].time_ns, 20'000'000);
+  EXPECT_DOUBLE_EQ(r.samples[1].coordinates[0], 2.5e-3);
 }
 
 TEST(CsvAsItComes, SaysWhatItRecognised) {
