@@ -27,6 +27,10 @@ std::string line(const std::string& name, const std::string& text) {
   return fmt::format("{:<12}{}\n", name, clean_line(text));
 }
 
+std::string name_text(const PointDescription& point) {
+  return point.name.empty() ? "(without a name)" : clean_line(point.name);
+}
+
 std::string kind_text(const RecordingDescription& found) {
   if (found.axes == 1) return "position along one axis";
   if (found.info.kind == SampleKind::pose) return "place and orientation of one body";
@@ -35,7 +39,7 @@ std::string kind_text(const RecordingDescription& found) {
 
 std::string point_text(const RecordingDescription& found, const PointDescription& point,
                        std::size_t width) {
-  std::string text = fmt::format("  {:<{}}", clean_line(point.name), width);
+  std::string text = fmt::format("  {:<{}}", name_text(point), width);
   if (!point.is_there(found.samples)) return text + "  never there\n";
   for (std::size_t axis = 0; axis < found.axes; ++axis) {
     text +=
@@ -44,8 +48,8 @@ std::string point_text(const RecordingDescription& found, const PointDescription
   }
   text += " mm";
   if (point.missing > 0) {
-    text += fmt::format("; missing in {} samples, {} gap{}, longest {}", point.missing, point.gaps,
-                        point.gaps == 1 ? "" : "s", point.longest_gap);
+    text += fmt::format("; missing in {} of {} samples, {} gap{}, longest {}", point.missing,
+                        found.samples, point.gaps, point.gaps == 1 ? "" : "s", point.longest_gap);
   }
   if (point.zeros > 0) text += fmt::format("; exactly 0 0 0 in {} samples", point.zeros);
   return text + "\n";
@@ -69,12 +73,13 @@ std::string description_text(const RecordingDescription& found) {
   text += line("holds", kind_text(found));
   std::size_t width = 0;
   for (const PointDescription& point : found.points) {
-    width = std::max(width, clean_line(point.name).size());
+    width = std::max(width, name_text(point).size());
   }
   for (const PointDescription& point : found.points) text += point_text(found, point, width);
   if (info.has_drive) text += line("drive", fmt::format("{} samples", found.drive));
   if (!info.stated.channels.empty()) {
-    text += line("analogue", fmt::format("{} channels", info.stated.channels.size()));
+    text += line("analogue", fmt::format("{} channel{}", info.stated.channels.size(),
+                                         info.stated.channels.size() == 1 ? "" : "s"));
   }
   for (const AnalogChannel& channel : info.stated.channels) {
     text +=
@@ -91,21 +96,16 @@ std::string description_text(const RecordingDescription& found) {
   return text;
 }
 
-// A text as JSON can hold it.
-std::string json_text(const std::string& text) {
-  return clean_line(text);
-}
-
 std::string description_json(const RecordingDescription& found, const std::string& source) {
   const RecordingInfo& info = found.info;
   const auto or_null = [](const std::string& text) {
-    return text.empty() ? Json(nullptr) : Json(json_text(text));
+    return text.empty() ? Json(nullptr) : Json(clean_line(text));
   };
   Json names = Json::array(), points = Json::array(), channels = Json::array(),
        events = Json::array(), notes = Json::array();
   const bool has_markers = found.axes == 3 && info.kind != SampleKind::pose;
   for (const PointDescription& point : found.points) {
-    if (has_markers) names.push_back(json_text(point.name));
+    if (has_markers) names.push_back(clean_line(point.name));
     Json range = nullptr;
     if (point.is_there(found.samples)) {
       range = Json::object();
@@ -114,7 +114,7 @@ std::string description_json(const RecordingDescription& found, const std::strin
             point.low_m[axis] * 1e3, point.high_m[axis] * 1e3};
       }
     }
-    points.push_back({{"name", json_text(point.name)},
+    points.push_back({{"name", clean_line(point.name)},
                       {"range_mm", range},
                       {"missing", point.missing},
                       {"gaps", point.gaps},
@@ -122,15 +122,15 @@ std::string description_json(const RecordingDescription& found, const std::strin
                       {"zeros", point.zeros}});
   }
   for (const AnalogChannel& channel : info.stated.channels) {
-    channels.push_back({{"name", json_text(channel.name)},
+    channels.push_back({{"name", clean_line(channel.name)},
                         {"unit", or_null(channel.unit)},
                         {"rate_Hz", channel.rate_Hz}});
   }
   for (const NamedInstant& event : info.stated.events) {
-    events.push_back({{"time_s", event.time_s}, {"name", json_text(event.name)}});
+    events.push_back({{"time_s", event.time_s}, {"name", clean_line(event.name)}});
   }
-  for (const std::string& note : info.notes) notes.push_back(json_text(note));
-  const Json json = {{"recording", json_text(source)},
+  for (const std::string& note : info.notes) notes.push_back(clean_line(note));
+  const Json json = {{"recording", clean_line(source)},
                      {"format", info.format},
                      {"maker", or_null(info.stated.maker)},
                      {"frames", found.samples},

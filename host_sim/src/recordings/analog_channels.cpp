@@ -91,7 +91,7 @@ std::unique_ptr<AnalogReader> open_analog(const std::string& path,
                                           const std::vector<std::string>& names,
                                           FaultPolicy faults) {
   auto reader = std::make_unique<ByteReader>(path);
-  if (!looks_like_c3d(reader->peek(4096))) return nullptr;
+  if (!looks_like_c3d(*reader)) return nullptr;
   return open_c3d_analog(std::move(reader), names, faults);
 }
 

@@ -12,8 +12,9 @@
 
 namespace condyle::host {
 
-/// True if `start`, the beginning of a file, is that of a C3D file.
-bool looks_like_c3d(std::string_view start);
+/// True if `reader`, at the beginning of a file, has the header and the parameter section of a C3D
+/// file. What was peeked before is no longer valid.
+bool looks_like_c3d(ByteReader& reader);
 
 /// The points of a C3D file.
 std::unique_ptr<NamedPointsRecording> open_c3d(std::unique_ptr<ByteReader> reader,

@@ -34,6 +34,11 @@ enum HeaderPlace : std::size_t {
   kRate = 20,
 };
 
+bool is_processor(char byte) {
+  return byte >= static_cast<char>(C3dProcessor::intel) &&
+         byte <= static_cast<char>(C3dProcessor::mips);
+}
+
 class LayoutReader {
  public:
   explicit LayoutReader(ByteReader& reader) : reader_(reader), path_(reader.path()) {}
@@ -99,12 +104,11 @@ class LayoutReader {
   }
 
   void read_processor(char byte) {
-    const auto code = static_cast<unsigned char>(byte);
-    if (code < 84 || code > 86) {
-      fail(fmt::format("states the unknown processor {}", code),
+    if (!is_processor(byte)) {
+      fail(fmt::format("states the unknown processor {}", static_cast<int>(byte)),
            "known are 84 (Intel), 85 (DEC) and 86 (MIPS); export it again");
     }
-    layout_.processor = static_cast<C3dProcessor>(code);
+    layout_.processor = static_cast<C3dProcessor>(byte);
   }
 
   void read_points(const C3dParameters& parameters) {
@@ -300,9 +304,13 @@ Eigen::Vector3d c3d_point(const C3dLayout& layout, const char* bytes) {
   return layout.has_floats ? place : Eigen::Vector3d(layout.scale * place);
 }
 
-bool looks_like_c3d(std::string_view start) {
-  // Its header has bytes that no text has.
-  return start.size() >= 4 && start[1] == kC3dKey && start[0] != 0 && start.find('\0') < kBlock;
+bool looks_like_c3d(ByteReader& reader) {
+  const std::string_view start = reader.peek(kBlock);
+  if (start.size() < kBlock || start[1] != kC3dKey) return false;
+  const std::size_t first = static_cast<unsigned char>(start[0]);
+  if (first < 2) return false;
+  const std::string_view section = reader.peek((first - 1) * kBlock + 4);
+  return section.size() == (first - 1) * kBlock + 4 && is_processor(section.back());
 }
 
 C3dLayout read_c3d_layout(ByteReader& reader) {

@@ -14,7 +14,7 @@
 namespace condyle::host {
 namespace {
 
-constexpr std::size_t kBeforeRecords = 4, kMostParameters = 10'000;
+constexpr std::size_t kBeforeRecords = 4, kShortestName = 2, kMostParameters = 10'000;
 
 std::uint32_t byte_at(const char* bytes, std::size_t index) {
   return static_cast<unsigned char>(bytes[index]);
@@ -35,7 +35,11 @@ struct RecordStart {
   std::size_t body = 0;   // after the pointer
   std::size_t next = 0;   // by the pointer; 0: this is the last
   bool is_end = false;    // of the section
-  bool is_valid = false;  // otherwise there is no record
+  bool is_valid = false;  // otherwise there is neither record nor end
+
+  bool is_plain = false;  // a record with a name that writers use
+
+  bool is_record() const { return is_valid && !is_end; }
 };
 
 RecordStart record_at(std::string_view section, std::size_t place, C3dProcessor processor) {
@@ -51,9 +55,13 @@ RecordStart record_at(std::string_view section, std::size_t place, C3dProcessor 
   const std::size_t pointer = place + 2 + static_cast<std::size_t>(std::abs(length));
   if (record.group == 0 || pointer + 2 > section.size()) return record;
   record.name = section.substr(place + 2, pointer - place - 2);
-  const bool is_text = std::all_of(record.name.begin(), record.name.end(),
-                                   [](char c) { return c >= ' ' && c < 0x7f; });
-  record.is_valid = is_text;
+  // As writers name parameters, so that values are hardly taken for a record.
+  const auto is_letter = [](char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); };
+  const auto fits = [&](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_'; };
+  record.is_valid = std::all_of(record.name.begin(), record.name.end(),
+                                [](char c) { return c >= ' ' && c < 0x7f; });
+  record.is_plain = record.name.size() >= kShortestName && is_letter(record.name[0]) &&
+                    std::all_of(record.name.begin(), record.name.end(), fits);
   record.body = pointer + 2;
   const std::size_t offset = c3d_word(processor, section.data() + pointer);
   record.next = offset == 0 ? 0 : pointer + offset;
@@ -134,8 +142,8 @@ C3dParameters::C3dParameters(std::string_view section, C3dProcessor processor,
         parameter.bytes = section.substr(end, size);
         end += size;
         // A pointer into the values, to a record, means that the writer's lengths are wrong.
-        const bool is_cut = record.next != 0 && record.next < end &&
-                            record_at(section, record.next, processor).is_valid;
+        const bool is_cut = record.next > place && record.next < end &&
+                            record_at(section, record.next, processor).is_plain;
         if (!is_cut) {
           records.emplace_back(record.group, std::pair(name, std::move(parameter)));
         }
@@ -148,16 +156,16 @@ C3dParameters::C3dParameters(std::string_view section, C3dProcessor processor,
     }
     last = name;
     if (record.next == 0) break;
-    // A wrong pointer is passed over by the record's own lengths, with its description.
+    // A wrong pointer, to no plain record where one follows, is passed over by the
+    // record's own lengths, with its description.
+    const std::size_t text = record.group < 0 ? record.body : end;
+    const std::size_t after =
+        text < section.size() ? text + 1 + byte_at(section.data(), text) : section.size();
+    const RecordStart pointed = record_at(section, record.next, processor),
+                      follows = record_at(section, after, processor);
     std::size_t next = record.next;
-    if (next <= place || !record_at(section, next, processor).is_valid) {
-      const std::size_t own = end < section.size() ? end + 1 + byte_at(section.data(), end) : 0;
-      const std::size_t after =
-          record.group < 0
-              ? record.body + 1 +
-                    (record.body < section.size() ? byte_at(section.data(), record.body) : 0)
-              : own;
-      if (after <= place || !record_at(section, after, processor).is_valid) {
+    if (next <= place || !pointed.is_valid || (!pointed.is_plain && follows.is_plain)) {
+      if (!follows.is_valid) {
         stop("is damaged");
         break;
       }

@@ -81,7 +81,8 @@ SampleKind CsvPoints::kind(const std::string& place, bool takes_any_number) cons
         fmt::format("has {} points: {}", points_.size(),
                     short_list(points_, ", ", [](const Point& point) { return point.name; })),
         fmt::format(
-            "choose one or three with --marker NAME, or leave out others, for example with {}",
+            "leave out all but three, for example with {}, or choose one or three with --marker "
+            "NAME",
             short_list(surplus, " ", [](const Point& point) {
               return fmt::format("--ignore-column '{}_*'", point.name);
             })));

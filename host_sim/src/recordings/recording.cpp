@@ -185,11 +185,14 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
     throw InputError(path, "is not a CSV file",
                      "give the drive as CSV with time_s and drive_N, or as a session log");
   }
+  const bool is_carstens = start.starts_with("AG50xDATA_V");
+  const bool is_c3d = looks_like_c3d(*reader);
+  start = reader->peek(4096);
   const bool is_ssff = start.starts_with("SSFF");
   const std::size_t first = start.find_first_not_of(" \t\r\n");
   const bool is_xml = first != std::string_view::npos && start[first] == '<';
-  if (is_log || is_capture || is_ssff || is_xml || looks_like_probe_text(start) ||
-      start.starts_with("AG50xDATA_V") || looks_like_c3d(start)) {
+  if (is_log || is_capture || is_ssff || is_xml || looks_like_probe_text(start) || is_carstens ||
+      is_c3d) {
     only_for(!options.columns.empty(), "--columns", "CSV");
     only_for(options.rate_Hz.has_value(), "--rate-Hz", "files whose rows have no time");
   }
@@ -206,11 +209,11 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
     only_for(!options.markers.empty(), "--marker", kNamed);
     return open_ssff(std::move(reader), options);
   }
-  if (start.starts_with("AG50xDATA_V") || looks_like_c3d(start)) {
+  if (is_carstens || is_c3d) {
     only_for(options.movement != 1, "--movement", "Zebris XML");
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
-    auto points = start.starts_with("AG50xDATA_V") ? open_carstens(std::move(reader), options)
-                                                   : open_c3d(std::move(reader), options);
+    auto points = is_carstens ? open_carstens(std::move(reader), options)
+                              : open_c3d(std::move(reader), options);
     return chosen(std::move(points), options, use, path);
   }
   if (!is_text(start)) {

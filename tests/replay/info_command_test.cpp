@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// `condyle info`: what a recording holds; and --marker, which chooses from it.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "support/c3d_file.h"
+#include "support/command.h"
+#include "support/temporary_folder.h"
+
+namespace condyle {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing_support::C3dContent;
+using testing_support::run_condyle;
+using testing_support::TemporaryFolder;
+
+class Info : public testing::Test {
+ protected:
+  Info() {
+    C3dContent file;
+    file.names = {"chin", "left cheek"};
+    file.channels = {"force", "masseter"};
+    file.channel_units = {"N", "V"};
+    file.channel_scale = file.channel_offset = {1, 0};
+    file.samples = 2;
+    for (int k = 0; k < 200; ++k) {
+      file.frames.push_back({{0.1 * k, -5, 300, k >= 50 && k < 60}, {1, 2, 3}});
+      file.analog.push_back({1, 2, 3, 4});
+    }
+    path_ = folder_.write("jaw.c3d", file.bytes());
+  }
+
+  TemporaryFolder folder_;
+  std::string path_;
+};
+
+TEST_F(Info, ShowsWhatAFileHolds) {
+  const auto result = run_condyle({"info", path_, "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const auto json = nlohmann::json::parse(result.output);
+  EXPECT_EQ(json["format"], "C3D");
+  EXPECT_EQ(json["frames"], 200);
+  EXPECT_EQ(json["rate_Hz"], 100);
+  EXPECT_EQ(json["unit"], "mm");
+  EXPECT_EQ(json["markers"], nlohmann::json({"chin", "left cheek"}));
+  const auto& chin = json["points"][0];
+  EXPECT_EQ(chin["missing"], 10);
+  EXPECT_EQ(chin["gaps"], 1);
+  EXPECT_EQ(chin["longest_gap"], 10);
+  EXPECT_NEAR(chin["range_mm"]["x"][1], 19.9, 1e-4);
+  EXPECT_EQ(json["analog"][1]["unit"], "V");
+  EXPECT_EQ(json["analog"][1]["rate_Hz"], 200);
+  const auto text = run_condyle({"info", path_});
+  EXPECT_THAT(text.output, AllOf(HasSubstr("2 markers"),
+                                 HasSubstr("missing in 10 of 200 samples, 1 gap, longest 10"),
+                                 HasSubstr("force  N, 200 Hz")));
+}
+
+TEST_F(Info, ShowsACsvFile) {
+  const auto result = run_condyle(
+      {"info", folder_.write("axis.csv", "time_s,position_mm\n0,1\n0.01,2\n0.02,\n0.03,4\n"),
+       "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const auto json = nlohmann::json::parse(result.output);
+  EXPECT_EQ(json["frames"], 4);
+  EXPECT_NEAR(json["rate_Hz"], 100, 1e-6);
+  EXPECT_EQ(json["points"][0]["missing"], 1);
+  EXPECT_EQ(json["markers"].size(), 0);
+}
+
+TEST_F(Info, AdvisesTheMarkerThatReplayNeeds) {
+  const auto without = run_condyle({"replay", path_});
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_THAT(without.errors, AllOf(HasSubstr("chin, left cheek"), HasSubstr("--marker NAME")));
+  const auto wrong = run_condyle({"replay", path_, "--marker", "chinn"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.errors, HasSubstr("did you mean chin?"));
+  const auto one = run_condyle({"replay", path_, "--marker", "left cheek"});
+  EXPECT_EQ(one.exit_code, 0) << one.errors;
+  EXPECT_THAT(one.output, HasSubstr("left cheek"));
+}
+
+TEST_F(Info, TakesAnAnalogueChannelAsDrive) {
+  const auto driven =
+      run_condyle({"replay", path_, "--marker", "left cheek", "--drive", "analog:force"});
+  EXPECT_EQ(driven.exit_code, 0) << driven.errors;
+  EXPECT_THAT(driven.output, HasSubstr("analogue channel force at 200 Hz: 400 samples"));
+  const auto volts =
+      run_condyle({"replay", path_, "--marker", "left cheek", "--drive", "analog:masseter"});
+  EXPECT_EQ(volts.exit_code, 2);
+  EXPECT_THAT(volts.errors, HasSubstr("no unit of force"));
+}
+
+}  // namespace
+}  // namespace condyle
