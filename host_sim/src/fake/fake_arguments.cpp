@@ -9,7 +9,7 @@ void add_arguments(CommandLine command, FakeOptions& options) {
   command.add_option(
       "--motion", options.motion,
       "Recording to send as reports, or sim:SCENARIO.toml; default: a simulated subject");
-  add_reading_options(command.group("How the motion is read"), options.reading);
+  add_reading_options(command.group("How the motion is read"), options.reading, FrameRate::no);
   command.add_flag("--no-repeat", options.stops_at_end, "Stop when the motion ends");
   command
       .add_option("--rate-Hz", options.rate_Hz,

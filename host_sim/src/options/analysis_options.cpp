@@ -54,7 +54,7 @@ void add_recording_options(CommandLine line, RecordingChoice& choice, JawPoints 
   add_reading_options(command, choice.reading);
 }
 
-void add_reading_options(CommandLine command, RecordingOptions& reading) {
+void add_reading_options(CommandLine command, RecordingOptions& reading, FrameRate frame_rate) {
   command
       .add_option("--ignore-column", reading.ignored_columns,
                   "CSV column to ignore; may be given several times")
@@ -63,6 +63,17 @@ void add_reading_options(CommandLine command, RecordingOptions& reading) {
       .add_option("--marker", reading.markers,
                   "Marker to read, by name; three of one rigid body give its pose")
       .one_value_each();
+  command
+      .add_option("--columns=NEW=OLD,...", reading.columns,
+                  "Names for the columns of a CSV file: time_s=T,position_mm=jaw")
+      .one_value_each()
+      .separated_by(',');
+  if (frame_rate == FrameRate::yes) {
+    command
+        .add_option("--rate-Hz", reading.rate_Hz,
+                    "Frames per second of a text file whose rows have no time")
+        .number_in({1e-3, 1e6});
+  }
   command.add_option("--profile=FILE", reading.profile,
                      fmt::format("{}; a capture needs it, a session log has one", kProfileMeaning));
   const auto take_unit = [&reading](const std::string& unit) {

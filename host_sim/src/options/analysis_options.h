@@ -23,8 +23,12 @@ enum class JawPoints { no, yes };
 void add_followed_options(CommandLine command, FollowedChoice& choice,
                           JawPoints jaw_points = JawPoints::yes);
 
-/// --ignore-column, --marker, --profile, --unit and --movement.
-void add_reading_options(CommandLine command, RecordingOptions& reading);
+/// Whether a command takes the frames per second of a file, or has a --rate-Hz of its own.
+enum class FrameRate { no, yes };
+
+/// --ignore-column, --marker, --columns, --rate-Hz, --profile, --unit and --movement.
+void add_reading_options(CommandLine command, RecordingOptions& reading,
+                         FrameRate frame_rate = FrameRate::yes);
 
 /// The options of the two functions above, and --faults.
 void add_recording_options(CommandLine command, RecordingChoice& choice,

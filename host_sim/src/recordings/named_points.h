@@ -40,6 +40,10 @@ std::unique_ptr<NamedPointsRecording> with_markers(std::unique_ptr<NamedPointsRe
 std::unique_ptr<NamedPointsRecording> open_csv_points(std::unique_ptr<ByteReader> reader,
                                                       const RecordingOptions& options);
 
+/// Carstens AG500 and AG501 positions with their header; the points are the channels.
+std::unique_ptr<NamedPointsRecording> open_carstens(std::unique_ptr<ByteReader> reader,
+                                                    const RecordingOptions& options);
+
 /// As open_recording, but a recording may have any number of points with names, and is then a
 /// NamedPointsRecording.
 std::unique_ptr<Recording> open_with_all_points(const std::string& source,

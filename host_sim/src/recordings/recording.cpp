@@ -13,17 +13,20 @@
 #include "hosted/files/input_error.h"
 #include "recordings/c3d.h"
 #include "recordings/device_recording.h"
+#include "recordings/maker_tables.h"
 #include "recordings/named_points.h"
 #include "recordings/recording_files.h"
 #include "recordings/recording_formats.h"
 #include "recordings/simulated_recording.h"
+#include "recordings/text_fields.h"
 
 namespace condyle::host {
 namespace {
 
 constexpr std::string_view kFormats =
-    "condyle reads CSV with named columns (time_s,position_m), ArtiSynth probe text, Zebris XML "
-    "exports, SSFF, C3D, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
+    "condyle reads CSV with named columns (time_s,position_m), C3D, TRC, TSV of Qualisys, CSV of "
+    "Vicon and Motive, text of NDI, positions of Carstens, Motion-BIDS, ArtiSynth probe text, "
+    "Zebris XML exports, SSFF, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
 
 // Control characters that are not in the text formats; bytes from 0x80 on may be UTF-8.
 bool is_text(std::string_view start) {
@@ -96,8 +99,11 @@ bool RowReader::next(std::string_view& row) {
     std::uint64_t lines = 0;
     do {
       if (!reader_.next_line(line)) return false;
+      const std::string_view text = trim(line);
+      if (has_comments_ && (text.starts_with('#') || text.starts_with('%'))) continue;
       ++lines;
-    } while (trim(line).empty());
+      if (!is_blank_row(text, separator_)) break;
+    } while (true);
     held_ = line;
     blank_rows_ = lines - 1;
   }
@@ -181,6 +187,17 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
     throw InputError(path, "is not a CSV file",
                      "give the drive as CSV with time_s and drive_N, or as a session log");
   }
+  const bool is_carstens = start.starts_with("AG50xDATA_V");
+  const bool is_c3d = looks_like_c3d(*reader);
+  start = reader->peek(4096);
+  const bool is_ssff = start.starts_with("SSFF");
+  const std::size_t first = start.find_first_not_of(" \t\r\n");
+  const bool is_xml = first != std::string_view::npos && start[first] == '<';
+  if (is_log || is_capture || is_ssff || is_xml || looks_like_probe_text(start) || is_carstens ||
+      is_c3d) {
+    only_for(!options.columns.empty(), "--columns", "CSV");
+    only_for(options.rate_Hz.has_value(), "--rate-Hz", "files whose rows have no time");
+  }
   if (is_log || is_capture) {
     only_for(options.movement != 1, "--movement", "Zebris XML");
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
@@ -188,23 +205,23 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
     only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns state no unit");
     return is_log ? open_session_log(path, options) : open_capture(path, options);
   }
-  if (start.substr(0, 4) == "SSFF") {
+  if (is_ssff) {
     only_for(options.movement != 1, "--movement", "Zebris XML");
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
     only_for(!options.markers.empty(), "--marker", kNamed);
     return open_ssff(std::move(reader), options);
   }
-  if (looks_like_c3d(*reader)) {
+  if (is_carstens || is_c3d) {
     only_for(options.movement != 1, "--movement", "Zebris XML");
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
-    return chosen(open_c3d(std::move(reader), options), options, use, path);
+    auto points = is_carstens ? open_carstens(std::move(reader), options)
+                              : open_c3d(std::move(reader), options);
+    return chosen(std::move(points), options, use, path);
   }
-  start = reader->peek(4096);
   if (!is_text(start)) {
     throw InputError(path, "has an unknown binary format", std::string(kFormats));
   }
-  const std::size_t first = start.find_first_not_of(" \t\r\n");
-  if (first != std::string_view::npos && start[first] == '<') {
+  if (is_xml) {
     only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
     only_for(!options.markers.empty(), "--marker", kNamed);
     return open_zebris_xml(std::move(reader), options);
@@ -218,7 +235,11 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
     only_for(!options.markers.empty(), "--marker", kNamed);
     return open_probe_text(std::move(reader), options);
   }
-  only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns state no unit");
+  if (!options.reads_drive_alone) {
+    if (auto table = open_maker_table(reader, options)) {
+      return chosen(std::move(table), options, use, path);
+    }
+  }
   if (use == PointUse::one_or_three && options.markers.empty()) {
     return open_csv(std::move(reader), options);
   }

@@ -25,6 +25,8 @@ struct RecordingOptions {
   FaultPolicy faults = FaultPolicy::refuse;
   std::vector<std::string> ignored_columns;  ///< CSV columns that are not read
   bool may_lack_ignored = false;             ///< one of several recordings may lack them
+  std::vector<std::string> columns;          ///< NEW=OLD: names for the columns of a CSV file
+  std::optional<double> rate_Hz;             ///< frames per second; for files without times
   std::optional<double> units_per_metre;     ///< 1000: mm; for formats that do not state their unit
   int movement = 1;                          ///< which movement of a Zebris XML file, from 1
   std::string profile;                       ///< TOML file with the profile of a device

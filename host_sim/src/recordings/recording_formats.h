@@ -35,7 +35,10 @@ std::unique_ptr<Recording> open_joined(const std::string& source, RecordingOptio
 /// are rows without values.
 class RowReader {
  public:
-  explicit RowReader(ByteReader& reader) : reader_(reader) {}
+  /// `separator`: a line of separators alone is blank too. `has_comments`: lines that begin with #
+  /// or % are not rows.
+  explicit RowReader(ByteReader& reader, char separator = ' ', bool has_comments = false)
+      : reader_(reader), separator_(separator), has_comments_(has_comments) {}
   /// Next row; false at the end. `row` is empty for a blank line, otherwise valid until the next
   /// call.
   bool next(std::string_view& row);
@@ -44,6 +47,8 @@ class RowReader {
 
  private:
   ByteReader& reader_;
+  char separator_;
+  bool has_comments_;
   std::optional<std::string_view> held_;  // valid until the reader moves on
   std::uint64_t blank_rows_ = 0;          // before the held row
   std::uint64_t line_ = 0;

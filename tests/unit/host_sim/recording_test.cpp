@@ -93,8 +93,9 @@ TEST(CsvRecording, LeavesOutAPointAsAWhole) {
   const std::string four =
       "time_s,a_x_m,a_y_m,a_z_m,b_x_m,b_y_m,b_z_m,c_x_m,c_y_m,c_z_m,a_b_x_m,a_b_y_m,a_b_z_m\n"
       "0,1,2,3,4,5,6,7,8,9,10,11,12\n";
-  EXPECT_THAT(problem_of(four), HasSubstr("recording:1: has 4 points: a, b, c, a_b; leave out all "
-                                          "but three, for example with --ignore-column 'a_b_*'"));
+  EXPECT_THAT(problem_of(four), HasSubstr("recording:1: has 4 points: a, b, c, a_b; choose one or "
+                                          "three with --marker NAME, or leave out others, for "
+                                          "example with --ignore-column 'a_b_*'"));
   EXPECT_EQ(read(four, {.ignored_columns = {"a_b_*"}}).samples[0].coordinates[8], 9);
   const Read without_a = read(four, {.ignored_columns = {"a_*"}});
   EXPECT_EQ(without_a.samples[0].coordinates[0], 4) << "a_b is another point";
@@ -139,9 +140,10 @@ TEST(CsvRecording, NamesTheHeadersProblems) {
   const auto expect = [](const char* content, const char* words) {
     EXPECT_THAT(problem_of(content), HasSubstr(words)) << content;
   };
-  expect("time_s,position\n", "recording:1: column 'position': the column is not known");
-  expect("time_s,position\n", "--ignore-column 'position'");
-  expect("time_s;position_m\n0;1\n", "not separated by commas");
+  expect("time_s,pozition\n0,1\n", "recording:1: 2 problems: column 'pozition'");
+  expect("time_s,position_m,temp\n", "recording:1: column 'temp': the column is not known");
+  expect("time_s,position_m,temp\n", "--ignore-column 'temp'");
+  expect("time_s,position\n", "the unit of the positions is not stated");
   expect("0,1\n1,2\n", "does not name the columns");
   expect("position_m\n1\n", "no column time_s");
   expect("time_s,drive_N\n0,1\n", "no position column");

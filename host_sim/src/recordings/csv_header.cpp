@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "recordings/csv_header.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "recordings/csv_columns.h"
+
+namespace condyle::host {
+namespace {
+
+using Fields = std::vector<std::string_view>;
+
+bool is_comment(std::string_view line) {
+  line = trim(line);
+  return line.starts_with('#') || line.starts_with('%');
+}
+
+// "sep=;", which tells a spreadsheet the separator.
+bool is_separator_line(std::string_view line) {
+  line = trim(line);
+  return line.size() <= 5 && line.starts_with("sep=");
+}
+
+bool is_name(std::string_view field, const TextStyle& style) {
+  double value = 0;
+  return parse_field(field, style, value) == NumberStatus::not_a_number;
+}
+
+bool has_name(const Fields& fields, const TextStyle& style) {
+  return std::any_of(fields.begin(), fields.end(),
+                     [&](std::string_view field) { return is_name(field, style); });
+}
+
+bool are_units(const Fields& fields) {
+  return std::all_of(fields.begin(), fields.end(), is_unit_or_empty) &&
+         std::any_of(fields.begin(), fields.end(),
+                     [](std::string_view field) { return !field.empty(); });
+}
+
+// "Frame, Time, X, Y, Z, X, Y, Z" below the names of points.
+bool are_axes(const Fields& fields) {
+  return std::count_if(fields.begin(), fields.end(),
+                       [](std::string_view field) { return axis_of(field).has_value(); }) >= 3;
+}
+
+// "A,,,B,," over "X,Y,Z,X,Y,Z": A:X, A:Y ...
+std::vector<std::string> join_axes(const std::vector<std::string>& points, const Fields& axes) {
+  std::vector<std::string> names;
+  std::string point;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const std::string above = i < points.size() ? points[i] : "";
+    if (!above.empty()) point = above;
+    if (axis_of(axes[i])) {
+      names.push_back(point.empty() ? std::string(axes[i]) : point + ":" + std::string(axes[i]));
+    } else {
+      // A unit there belongs to the name above.
+      const bool has_above = !above.empty() && is_unit_or_empty(axes[i]);
+      names.push_back(!has_above        ? std::string(axes[i])
+                      : axes[i].empty() ? above
+                                        : above + " [" + std::string(axes[i]) + "]");
+    }
+  }
+  return names;
+}
+
+}  // namespace
+
+CsvHeader read_csv_header(const TableStart& start) {
+  CsvHeader header;
+  const auto& lines = start.lines;
+  std::size_t first = 0;
+  std::string_view comment;
+  std::size_t comment_line = 0;
+  for (; first < lines.size(); ++first) {
+    if (is_comment(lines[first])) {
+      comment = trim(lines[first]);
+      comment_line = first;
+    } else if (!trim(lines[first]).empty() && !is_separator_line(lines[first])) {
+      break;
+    }
+  }
+  constexpr std::size_t kLooked = 100;
+  std::vector<std::string_view> looked;
+  for (std::size_t i = first; i < lines.size() && looked.size() < kLooked; ++i) {
+    if (!is_comment(lines[i])) looked.push_back(lines[i]);
+  }
+  header.style = style_of(looked);
+  header.line = first + 1;
+  header.lines = first;
+  Fields fields;
+  if (first < lines.size()) split_fields(lines[first], header.style.separator, fields);
+  header.has_names = has_name(fields, header.style);
+  if (header.has_names) {
+    header.lines = first + 1;
+    header.names.assign(fields.begin(), fields.end());
+  } else if (!comment.empty()) {
+    // The names may be a comment, with the sign that begins it.
+    Fields commented;
+    split_fields(comment.substr(1), header.style.separator, commented);
+    header.has_names = commented.size() == fields.size() && fields.size() > 1;
+    if (header.has_names) {
+      header.line = comment_line + 1;
+      header.names.assign(commented.begin(), commented.end());
+    }
+  }
+  if (!header.has_names) {
+    // Some programs end each row with a separator.
+    const bool ends_empty =
+        fields.size() > 1 && std::all_of(looked.begin(), looked.end(), [&](std::string_view line) {
+          return is_blank_row(line, header.style.separator) || trim(line).empty() ||
+                 line.ends_with(header.style.separator) ||
+                 line.ends_with(std::string{header.style.separator, '\r'});
+        });
+    if (ends_empty && fields.back().empty()) fields.pop_back();
+    for (std::size_t i = 0; i < fields.size(); ++i) header.names.push_back(std::to_string(i + 1));
+  }
+  const auto split_next = [&] {
+    fields.clear();
+    if (header.lines < lines.size()) {
+      split_fields(lines[header.lines], header.style.separator, fields);
+    }
+  };
+  split_next();
+  if (header.has_names && has_name(fields, header.style) && are_axes(fields)) {
+    header.names = join_axes(header.names, fields);
+    ++header.lines;
+    split_next();
+  }
+  if (header.has_names && are_units(fields)) {
+    header.units.assign(fields.begin(), fields.end());
+    ++header.lines;
+  }
+  // A separator at the end of the line of names is no column.
+  if (header.names.size() > 1 && header.names.back().empty()) header.names.pop_back();
+  header.units.resize(header.names.size());
+  return header;
+}
+
+std::vector<std::vector<double>> first_values(const TableStart& start, const CsvHeader& header) {
+  std::vector<std::vector<double>> values(header.names.size());
+  Fields fields;
+  constexpr std::size_t kMostRows = 5000;
+  for (std::size_t i = header.lines; i < start.lines.size() && i < header.lines + kMostRows; ++i) {
+    if (is_comment(start.lines[i]) || is_blank_row(start.lines[i], header.style.separator)) {
+      continue;
+    }
+    split_fields(start.lines[i], header.style.separator, fields);
+    for (std::size_t column = 0; column < values.size(); ++column) {
+      double value = 0;
+      const bool is_number = column < fields.size() &&
+                             parse_field(fields[column], header.style, value) == NumberStatus::ok &&
+                             !is_missing_coordinate(value, 1e-3);
+      values[column].push_back(is_number ? value : std::nan(""));
+    }
+  }
+  return values;
+}
+
+}  // namespace condyle::host

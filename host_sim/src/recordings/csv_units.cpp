@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "recordings/csv_units.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace condyle::host {
+namespace {
+
+// Fewer samples do not refute a unit that the file states.
+constexpr std::size_t kLeastSamples = 50;
+constexpr double kSlowest_Hz = 5, kFastest_Hz = 5000;
+// No file that states its unit may be beyond.
+constexpr double kAbsurd_Hz = 50'000, kAbsurdRange_m = 5;
+
+double quantile(std::vector<double>& values, double share) {
+  const auto middle =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::optional<double> median_step(const std::vector<double>& times) {
+  std::vector<double> steps;
+  double last = std::nan("");
+  for (const double time : times) {
+    if (time - last > 0) steps.push_back(time - last);
+    if (std::isfinite(time)) last = time;
+  }
+  if (steps.empty()) return std::nullopt;
+  return quantile(steps, 0.5);
+}
+
+// What the values of a column are like, outliers left out.
+struct Spread {
+  double middle = 0;  // absolute value of the median
+  double range = 0;   // from the 5 % to the 95 % quantile
+  double step = 0;    // 90 % of the steps between neighbours are at most this
+};
+
+std::optional<Spread> spread_of(const std::vector<double>& column) {
+  std::vector<double> values, steps;
+  for (const double value : column) {
+    if (!std::isfinite(value)) continue;
+    if (!values.empty()) steps.push_back(std::abs(value - values.back()));
+    values.push_back(value);
+  }
+  if (values.size() < 2) return std::nullopt;
+  Spread spread;
+  spread.middle = std::abs(quantile(values, 0.5));
+  const double low = quantile(values, 0.05);
+  spread.range = quantile(values, 0.95) - low;
+  spread.step = quantile(steps, 0.9);
+  return spread;
+}
+
+// The column that moves farthest, and the greatest distance of all.
+std::optional<Spread> widest(const std::vector<std::vector<double>>& columns) {
+  std::optional<Spread> result;
+  double farthest = 0;
+  for (const std::vector<double>& column : columns) {
+    const std::optional<Spread> spread = spread_of(column);
+    if (!spread) continue;
+    farthest = std::max(farthest, spread->middle);
+    if (!result || spread->range > result->range) result = spread;
+  }
+  if (result) result->middle = farthest;
+  return result;
+}
+
+std::size_t count(const std::vector<double>& values) {
+  return static_cast<std::size_t>(std::count_if(values.begin(), values.end(),
+                                                [](double value) { return std::isfinite(value); }));
+}
+
+std::string rate_text(double rate_Hz) {
+  return rate_Hz >= 1000 ? fmt::format("{:.3g} kHz", rate_Hz / 1000)
+                         : fmt::format("{:.3g} Hz", rate_Hz);
+}
+
+}  // namespace
+
+UnitGuess guess_time_unit(const std::vector<double>& times) {
+  constexpr std::array<std::pair<const char*, double>, 4> kUnits{
+      {{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}};
+  UnitGuess guess;
+  const std::optional<double> step = median_step(times);
+  if (!step) {
+    guess.reason = "its values do not increase";
+    return guess;
+  }
+  guess.is_count = *step == 1 && std::all_of(times.begin(), times.end(), [](double time) {
+    return !std::isfinite(time) || time == std::floor(time);
+  });
+  if (guess.is_count) {
+    guess.reason = "its steps of 1 can be seconds, milliseconds or frames";
+    return guess;
+  }
+  std::vector<std::string> others;
+  for (const auto& [unit, each] : kUnits) {
+    const double rate_Hz = 1 / (*step * each);
+    if (rate_Hz >= kSlowest_Hz && rate_Hz <= kFastest_Hz) {
+      guess.unit = unit;
+      guess.each = each;
+      guess.reason = fmt::format("a step of {:g} {} is {}", *step, unit, rate_text(rate_Hz));
+    } else if (each >= 1e-3) {
+      others.push_back(fmt::format("in {} {}", unit, rate_text(rate_Hz)));
+    }
+  }
+  if (guess.each > 0) {
+    for (const std::string& other : others) guess.reason += fmt::format(", {}", other);
+  } else {
+    guess.reason = fmt::format("its step of {:g} makes no usual rate in s, ms, us or ns", *step);
+  }
+  return guess;
+}
+
+UnitGuess guess_length_unit(const std::vector<std::vector<double>>& columns) {
+  // A jaw with its head moves by 0.5 mm to 0.5 m; a tracker is at most 10 m away.
+  constexpr double kLeastRange_m = 0.5e-3, kMostRange_m = 0.5, kMostOfJaw_m = 0.15,
+                   kFarthest_m = 10;
+  constexpr double kMostNoise = 0.1;  // of the range
+  UnitGuess guess;
+  const std::optional<Spread> spread = widest(columns);
+  if (!spread) {
+    guess.reason = "its values do not tell";
+    return guess;
+  }
+  const bool may_be_mm = spread->range >= kLeastRange_m * 1e3 || spread->middle > kFarthest_m;
+  const bool may_be_m = spread->range <= kMostRange_m && spread->middle <= kFarthest_m;
+  if (may_be_mm && !may_be_m) {
+    guess.unit = "mm";
+    guess.each = 1e-3;
+    guess.reason =
+        fmt::format("in m they would move by {:.3g} m at {:.3g} m", spread->range, spread->middle);
+    if (spread->range > 5e3) {
+      guess.each = 0;
+      guess.reason =
+          fmt::format("they move by {:.3g}, too far for a jaw in mm or m", spread->range);
+    }
+    return guess;
+  }
+  const bool is_motion = spread->range > 0 && spread->step < kMostNoise * spread->range;
+  if (may_be_m && !may_be_mm && is_motion && spread->range >= 2e-3 &&
+      spread->range <= kMostOfJaw_m) {
+    guess.unit = "m";
+    guess.each = 1;
+    guess.reason = fmt::format("in mm they would move by {:.2g} mm", spread->range);
+    return guess;
+  }
+  guess.reason = fmt::format("they move by {:.3g}, which can be mm or m", spread->range);
+  return guess;
+}
+
+std::string problem_of_times(const std::vector<double>& times, double each) {
+  const std::optional<double> step = median_step(times);
+  if (!step || count(times) < kLeastSamples) return "";
+  const double rate_Hz = 1 / (*step * each);
+  if (rate_Hz <= kAbsurd_Hz) return "";
+  return fmt::format("its steps of {:.3g} s are {}, which no jaw is recorded at", *step * each,
+                     rate_text(rate_Hz));
+}
+
+std::string problem_of_places(const std::vector<std::vector<double>>& columns, double each) {
+  const std::optional<Spread> spread = widest(columns);
+  if (!spread || columns.empty() || count(columns[0]) < kLeastSamples) return "";
+  const double range_m = spread->range * each;
+  if (range_m <= kAbsurdRange_m) return "";
+  return fmt::format("the positions move by {:.3g} m, which no jaw does", range_m);
+}
+
+}  // namespace condyle::host

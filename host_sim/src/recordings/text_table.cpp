@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "recordings/text_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hosted/files/input_error.h"
+#include "recordings/recording_formats.h"
+
+namespace condyle::host {
+namespace {
+
+using Role = TableColumn::Role;
+
+class TableRecording final : public NamedPointsRecording {
+ public:
+  TableRecording(std::unique_ptr<ByteReader> reader, TableFile file, FaultPolicy faults)
+      : reader_(std::move(reader)),
+        rows_(*reader_, file.table.style.separator, file.table.has_comments),
+        rule_(faults),
+        layout_(std::move(file.table)),
+        info_(std::move(file.info)) {
+    std::string_view line;
+    for (std::size_t i = 0; i < layout_.header_lines; ++i) reader_->next_line(line);
+    points_m_.resize(3, static_cast<Eigen::Index>(layout_.names.size()));
+    if (layout_.rate_Hz) {
+      info_.stated.rate_Hz = layout_.rate_Hz;
+      if (*layout_.rate_Hz <= 1e9) info_.nominal_step_ns = nanoseconds(1 / *layout_.rate_Hz);
+    }
+  }
+
+  bool next(Sample& sample) override {
+    std::string_view row;
+    if (has_ended_ || !rows_.next(row)) return false;
+    if (row.empty() && layout_.ends_at_blank_row) {
+      has_ended_ = true;
+      return false;
+    }
+    sample = Sample{};
+    sample.kind = info_.kind;
+    sample.sequence = sequence_++;
+    sample.drive_valid = info_.has_drive;
+    points_m_.setConstant(std::numeric_limits<double>::quiet_NaN());
+    if (row.empty()) {
+      rule_.accept(NumberStatus::empty, place(), layout_.columns[0].name, "");
+      sample.position_valid = sample.drive_valid = false;
+      sample.time_valid = layout_.rate_Hz.has_value() && !has_frames();
+      if (sample.time_valid) set_time(static_cast<double>(sample.sequence), sample);
+      return true;
+    }
+    parse_row(row, sample);
+    return true;
+  }
+
+  const std::vector<std::string>& names() const override { return layout_.names; }
+  const Eigen::Matrix3Xd& points_m() const override { return points_m_; }
+  const RecordingInfo& info() const override { return info_; }
+  std::string place() const override { return fmt::format("{}:{}", reader_->path(), rows_.line()); }
+  double progress() const override { return reader_->progress(); }
+
+ private:
+  bool has_frames() const {
+    return std::any_of(layout_.columns.begin(), layout_.columns.end(),
+                       [](const TableColumn& column) { return column.role == Role::frame; });
+  }
+
+  void check_width() {
+    const std::size_t columns = layout_.columns.size();
+    if (fields_.size() == columns) return;
+    // Some programs end each row, or only the header, with a separator.
+    if (fields_.size() == columns + 1 && fields_.back().empty()) return;
+    if (layout_.has_ragged_rows) {
+      fields_.resize(columns);
+      return;
+    }
+    const bool is_longer = fields_.size() > columns;
+    throw InputError(
+        fmt::format("{}: column {}", place(),
+                    layout_.columns[std::min(fields_.size(), columns - 1)].name),
+        fmt::format("the row has {} columns, the header names {}", fields_.size(), columns),
+        is_longer && layout_.style.separator == ','
+            ? "write decimals with a decimal point, not a comma"
+            : fmt::format("complete the row{}", layout_.style.separator == ','
+                                                    ? "; numbers take a decimal point, not a comma"
+                                                    : ""));
+  }
+
+  void parse_row(std::string_view line, Sample& sample) {
+    split_fields(line, layout_.style.separator, fields_);
+    check_width();
+    bool has_frame = false;
+    for (std::size_t i = 0; i < layout_.columns.size(); ++i) {
+      const TableColumn& column = layout_.columns[i];
+      double value = 0;
+      switch (column.role) {
+        case Role::ignored:
+          break;
+        case Role::time:
+          read_time(column, fields_[i], sample);
+          break;
+        case Role::first_time:
+          if (sample.sequence == 0) read_time(column, fields_[i], sample);
+          if (sample.sequence == 0 && sample.time_valid) start_ns_ = sample.time_ns;
+          break;
+        case Role::frame:
+          has_frame = read_frame(column, fields_[i], value);
+          if (!has_frame) sample.time_valid = false;
+          if (has_frame && !first_frame_) first_frame_ = value;
+          if (has_frame) frame_ = value - *first_frame_;
+          break;
+        case Role::coordinate:
+          read_coordinate(column, fields_[i], sample);
+          break;
+        case Role::drive:
+          if (!read_value(column, fields_[i], sample.drive_N)) sample.drive_valid = false;
+          break;
+      }
+    }
+    if (layout_.rate_Hz) {
+      if (has_frame) {
+        set_time(frame_, sample);
+      } else if (!has_frames()) {
+        sample.time_valid = true;
+        set_time(static_cast<double>(sample.sequence), sample);
+      }
+    }
+    if (!layout_.names.empty()) drop_unseen(sample);
+    if (info_.kind == SampleKind::one_axis || layout_.names.size() <= 3) {
+      if (is_out_of_range(sample.kind, sample.coordinates)) sample.position_valid = false;
+    }
+  }
+
+  // False, for a missing value; an InputError for text that is no number.
+  bool read_value(const TableColumn& column, std::string_view text, double& value) {
+    const NumberStatus status = parse_field(text, layout_.style, value);
+    if (status == NumberStatus::ok) return true;
+    if (status != NumberStatus::empty) rule_.accept(status, place(), column.name, text);
+    return false;
+  }
+
+  void read_coordinate(const TableColumn& column, std::string_view text, Sample& sample) {
+    double value = 0;
+    const bool is_there =
+        read_value(column, text, value) && !is_missing_coordinate(value, 1 / column.per_SI_unit);
+    const double value_m = value / column.per_SI_unit;
+    if (!is_there) sample.position_valid = false;
+    if (column.coordinate < std::size(sample.coordinates) && is_there) {
+      sample.coordinates[column.coordinate] = value_m;
+    }
+    if (layout_.names.empty() || !is_there || std::abs(value_m) > kFarthestPosition_m) return;
+    points_m_(static_cast<Eigen::Index>(column.coordinate % 3),
+              static_cast<Eigen::Index>(column.coordinate / 3)) = value_m;
+  }
+
+  void read_time(const TableColumn& column, std::string_view text, Sample& sample) {
+    double value = 0;
+    NumberStatus status = parse_field(text, layout_.style, value);
+    if (status == NumberStatus::ok) {
+      if (column.per_SI_unit == 1 && !layout_.style.has_decimal_comma) {
+        status = parse_time_s(text, sample.time_ns);
+      } else if (std::abs(value / column.per_SI_unit) <= kFurthestTime_s) {
+        sample.time_ns = nanoseconds(value / column.per_SI_unit);
+      } else {
+        status = NumberStatus::overflow;
+      }
+    }
+    sample.time_valid =
+        status == NumberStatus::ok || rule_.accept(status, place(), column.name, text);
+  }
+
+  bool read_frame(const TableColumn& column, std::string_view text, double& value) {
+    const NumberStatus status = parse_field(text, layout_.style, value);
+    if (status != NumberStatus::ok) return rule_.accept(status, place(), column.name, text);
+    constexpr double kMost = 1e15;
+    if (std::abs(value) > kMost || value != std::floor(value)) {
+      throw InputError(fmt::format("{}: column {}", place(), column.name),
+                       fmt::format("{} is not a frame number", quote(text)),
+                       "frames are whole numbers");
+    }
+    return true;
+  }
+
+  void set_time(double frame, Sample& sample) {
+    const double since_start_s = frame / *layout_.rate_Hz;
+    if (!(std::abs(seconds(start_ns_) + since_start_s) <= kFurthestTime_s)) {
+      throw InputError(place(), fmt::format("its frame is {:.3g} s after the first", since_start_s),
+                       "check the frame numbers and the rate");
+    }
+    sample.time_ns = start_ns_ + nanoseconds(since_start_s);
+  }
+
+  void drop_unseen(Sample& sample) {
+    for (Eigen::Index point = 0; layout_.has_zeros_for_missing && point < points_m_.cols();
+         ++point) {
+      if (!points_m_.col(point).isZero(0)) continue;
+      points_m_.col(point).setConstant(std::numeric_limits<double>::quiet_NaN());
+      sample.position_valid = false;
+    }
+  }
+
+  std::unique_ptr<ByteReader> reader_;
+  RowReader rows_;
+  FaultRule rule_;
+  TableLayout layout_;
+  RecordingInfo info_;
+  std::vector<std::string_view> fields_;  // of the row being read
+  Eigen::Matrix3Xd points_m_;             // of the sample last returned, one a column
+  std::uint64_t sequence_ = 0;
+  bool has_ended_ = false;
+  TimeNs start_ns_ = 0;
+  std::optional<double> first_frame_;
+  double frame_ = 0;  // since the first
+};
+
+}  // namespace
+
+std::unique_ptr<NamedPointsRecording> open_table(std::unique_ptr<ByteReader> reader, TableFile file,
+                                                 FaultPolicy faults) {
+  return std::make_unique<TableRecording>(std::move(reader), std::move(file), faults);
+}
+
+TableStart start_of(ByteReader& reader) {
+  TableStart start;
+  const std::string_view bytes = reader.peek(ByteReader::kLongestLine);
+  start.is_whole = bytes.size() < ByteReader::kLongestLine;
+  start.lines = lines_of(bytes, start.is_whole);
+  return start;
+}
+
+void add_point_columns(TableLayout& layout, const std::string& name, double metres_each) {
+  const std::size_t point = layout.names.size();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    layout.columns.push_back({TableColumn::Role::coordinate, 3 * point + axis, 1 / metres_each,
+                              fmt::format("{} {}", name, "xyz"[axis])});
+  }
+  layout.names.push_back(name);
+}
+
+}  // namespace condyle::host
