@@ -127,7 +127,7 @@ TEST(EstimateLine, HasTheCycleThatEndsWithIt) {
   const nlohmann::json json = nlohmann::json::parse(estimate_line({}, {}, found))["cycle"];
   EXPECT_EQ(json["cycle"], 3);
   EXPECT_EQ(json["sequence"], 2);
-  EXPECT_EQ(json["turn_s"].get<double>(), 1.4);
+  EXPECT_DOUBLE_EQ(json["turn_s"].get<double>(), 1.4);
   EXPECT_EQ(json["duration_s"].get<double>(), 0.1 + 0.2);
   EXPECT_EQ(json["duration_sd_s"].get<double>(), 0.01);
   EXPECT_TRUE(json["height_m"].is_null());

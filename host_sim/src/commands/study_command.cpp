@@ -99,6 +99,16 @@ std::string words_of(const StudyOptions& options) {
   add("--jaw", options.jaw_names);
   add("--head", options.head_names);
   add("--profile", options.reading.profile);
+  for (const std::string& column : options.reading.columns) add("--columns", column);
+  for (const std::string& marker : options.reading.markers) add("--marker", marker);
+  for (const std::string& column : options.reading.ignored_columns) add("--ignore-column", column);
+  if (options.reading.rate_Hz) words += fmt::format("--rate-Hz {} ", *options.reading.rate_Hz);
+  if (options.reading.units_per_metre) {
+    add("--unit", *options.reading.units_per_metre > 1 ? "mm" : "m");
+  }
+  if (options.reading.movement != 1) {
+    words += fmt::format("--movement {} ", options.reading.movement);
+  }
   if (options.moving_body != "lower") add("--moving", options.moving_body);
   if (!options.reference.empty()) {
     words += fmt::format("--reference-s {} {} ", options.reference[0], options.reference[1]);
