@@ -93,9 +93,8 @@ TEST(CsvRecording, LeavesOutAPointAsAWhole) {
   const std::string four =
       "time_s,a_x_m,a_y_m,a_z_m,b_x_m,b_y_m,b_z_m,c_x_m,c_y_m,c_z_m,a_b_x_m,a_b_y_m,a_b_z_m\n"
       "0,1,2,3,4,5,6,7,8,9,10,11,12\n";
-  EXPECT_THAT(problem_of(four), HasSubstr("recording:1: has 4 points: a, b, c, a_b; choose one or "
-                                          "three with --marker NAME, or leave out others, for "
-                                          "example with --ignore-column 'a_b_*'"));
+  EXPECT_THAT(problem_of(four), HasSubstr("recording:1: has 4 points: a, b, c, a_b; leave out all "
+                                          "but three, for example with --ignore-column 'a_b_*'"));
   EXPECT_EQ(read(four, {.ignored_columns = {"a_b_*"}}).samples[0].coordinates[8], 9);
   const Read without_a = read(four, {.ignored_columns = {"a_*"}});
   EXPECT_EQ(without_a.samples[0].coordinates[0], 4) << "a_b is another point";
