@@ -108,10 +108,6 @@ class AdviceTest : public testing::Test {
                           std::regex("leave it out with --ignore-column '([^']*)'"))) {
       words.insert(words.end(), {"--ignore-column", found[1]});
     } else if (std::regex_search(errors, found,
-                                 std::regex("column ([a-z_]+): another column .*"
-                                            "leave one of them out with"))) {
-      words.insert(words.end(), {"--ignore-column", found[1]});
-    } else if (std::regex_search(errors, found,
                                  std::regex("for example with --ignore-column '([^']*)'"))) {
       words.insert(words.end(), {"--ignore-column", found[1]});
     } else if (errors.find("--faults event") != std::string::npos) {
@@ -171,8 +167,8 @@ class AdviceTest : public testing::Test {
 
 TEST_F(AdviceTest, OfRowsThatCannotBeUsed) {
   const std::string header = "time_s,position_m\n";
-  expect_of_all(csv("r.csv", header, "", "0.7,\n"), {}, "the value is missing");
-  expect_of_all(csv("r.csv", header, "", "0.7,nan\n"), {}, "is not a finite number");
+  expect_of_all(csv("r.csv", header, "", ",0.001\n"), {}, "the value is missing");
+  expect_of_all(csv("r.csv", header, "", "nan,0.001\n"), {}, "the value is missing");
 }
 
 // They count missing values without being asked to, and have no --faults.

@@ -147,8 +147,10 @@ class CsvReading {
       if (one.quantity == Quantity::unknown || one.quantity == Quantity::not_read) continue;
       if (known.emplace(one.quantity, one.point, one.axis).second) continue;
       problems_.add(header_.names[i], "another column contains the same quantity",
-                    options_.reads_drive_alone ? "take one of them out of the file"
-                                               : "leave one of them out with --ignore-column");
+                    options_.reads_drive_alone
+                        ? "take one of them out of the file"
+                        : fmt::format("leave one of them out, for example with --ignore-column {}",
+                                      quote(header_.names[i])));
     }
   }
 

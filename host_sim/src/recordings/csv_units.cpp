@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "condyle/estimator/sample.h"
+
 namespace condyle::host {
 namespace {
 
@@ -165,11 +167,25 @@ std::string problem_of_times(const std::vector<double>& times, double each) {
 }
 
 std::string problem_of_places(const std::vector<std::vector<double>>& columns, double each) {
-  const std::optional<Spread> spread = widest(columns);
-  if (!spread || columns.empty() || count(columns[0]) < kLeastSamples) return "";
-  const double range_m = spread->range * each;
-  if (range_m <= kAbsurdRange_m) return "";
-  return fmt::format("the positions move by {:.3g} m, which no jaw does", range_m);
+  if (columns.empty() || count(columns[0]) < kLeastSamples) return "";
+  // Single values out of range are missing ones; the others tell the unit.
+  std::vector<std::vector<double>> near = columns;
+  double farthest_m = 0;
+  for (std::vector<double>& column : near) {
+    const std::size_t all = count(column);
+    for (double& value : column) {
+      if (std::abs(value * each) <= kFarthestPosition_m) continue;
+      farthest_m = std::max(farthest_m, std::abs(value * each));
+      value = std::nan("");
+    }
+    if (2 * count(column) < all) {
+      return fmt::format("most positions are beyond {:g} m, up to {:.3g} m, where no jaw is",
+                         kFarthestPosition_m, farthest_m);
+    }
+  }
+  const std::optional<Spread> spread = widest(near);
+  if (!spread || spread->range * each <= kAbsurdRange_m) return "";
+  return fmt::format("the positions move by {:.3g} m, which no jaw does", spread->range * each);
 }
 
 }  // namespace condyle::host

@@ -210,7 +210,7 @@ TEST(CsvAsItComes, RefusesWhatNoJawDoes) {
   const Style fast{.per_second = 1e-3}, far{.per_metre = 1e6};
   EXPECT_THAT(problem_of(table(fast, "Time (s),x (mm),y (mm),z (mm)")),
               HasSubstr("200 kHz, which no jaw is recorded at"));
-  EXPECT_THAT(problem_of(table(far, "time_s,x_mm,y_mm,z_mm")), HasSubstr("which no jaw does"));
+  EXPECT_THAT(problem_of(table(far, "time_s,x_mm,y_mm,z_mm")), HasSubstr("no jaw "));
 }
 
 TEST(CsvAsItComes, NamesAllProblemsOfAHeaderAtOnce) {

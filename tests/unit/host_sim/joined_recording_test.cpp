@@ -104,7 +104,7 @@ TEST_F(JoinedRecording, LacksAPositionThatOneFileLacks) {
   EXPECT_TRUE(read[1].position_valid);
   EXPECT_FALSE(read[1].time_valid);
   EXPECT_THAT(problem_of(joined(first_, gap, second_)),
-              HasSubstr("gap.csv:2: column p1_y_mm: the value is missing"));
+              HasSubstr("gap.csv:3: column time_s: the value is missing"));
 }
 
 TEST_F(JoinedRecording, NamesItsProblems) {
