@@ -126,7 +126,7 @@ std::string run_group_level(const std::string& out, const std::vector<StudyRecor
                     [](const StudyOutcome& outcome) { return !outcome.problem.empty(); });
   ReportText text(12);
   text.line("recordings", fmt::format("{}, {} with problems", tables.outcomes.size(), problems));
-  text.line("readings", fmt::format("{} of tasks and sides", tables.readings.size()));
+  text.line("readings", fmt::format("{} kinds, by task and side", tables.readings.size()));
   return text.text() + "\nfiles\n" + commit_all(files);
 }
 
