@@ -217,7 +217,7 @@ TEST_F(Tune, RefusesBadInputAndLeavesNoFile) {
   for (const char* criterion : {"likelihood", "published"}) {
     const std::vector<std::string> by = {"--criterion", criterion};
     refused({constant}, by, "never changes");
-    refused({nan}, by, "nan.csv:2");
+    refused({nan}, by, "nan.csv");
     refused({folder_ / "absent.csv"}, by, "absent.csv");
     refused({kShipped, constant}, by, "constant.csv");
     refused({kShipped}, {"--criterion", criterion, "--axis", "x"}, "has one axis");
