@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "box/configuration.h"
-#include "box/recording/session_files.h"
+#include "box/recording/session_file_name.h"
 
 namespace condyle::box {
 namespace {

@@ -19,8 +19,7 @@
 namespace condyle::box {
 namespace {
 
-constexpr std::size_t kMostListed = 200, kBlock = 128 * 1024, kLongestName = 128;
-constexpr std::string_view kEnd = ".mcap";
+constexpr std::size_t kMostListed = 200, kBlock = 128 * 1024;
 
 // An open file.
 class File {
@@ -80,17 +79,6 @@ void send_file(Document& document, const std::string& folder, const std::string&
 }
 
 }  // namespace
-
-bool is_session_file(std::string_view name) {
-  if (name.size() > kLongestName || !name.ends_with(kEnd) || name.size() == kEnd.size()) {
-    return false;
-  }
-  name.remove_suffix(kEnd.size());
-  return std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
-           c == '_';
-  });
-}
 
 Document::Make SessionFiles::list(const std::string& recorded) const {
   return [folder = folder_, has_reports = static_cast<bool>(make_report_),
@@ -154,7 +142,7 @@ Document::Make SessionFiles::report(const std::string& name, const std::string& 
       return refuse(document, 422, error.what());
     }
     document.begin({200, "text/html; charset=utf-8",
-                    name.substr(0, name.size() - kEnd.size()) + ".html", page.size()});
+                    name.substr(0, name.size() - kSessionFileEnd.size()) + ".html", page.size()});
     document.give(std::move(page));
   };
 }

@@ -3,14 +3,11 @@
 
 #include <functional>
 #include <string>
-#include <string_view>
 
 #include "box/outlets/document.h"
+#include "box/recording/session_file_name.h"
 
 namespace condyle::box {
-
-/// True for the names that the box gives to session logs: letters, digits, - and _, then .mcap.
-bool is_session_file(std::string_view name);
 
 /// The session logs in the folder of the recordings, as documents: JSON of the format
 /// condyle-box-sessions-1, logs, and their reports. They may wait for the disk. They hold what they
