@@ -41,8 +41,16 @@ void check(const box::HttpRequest& request, const box::HttpAccess& access) {
   require(request.origin.empty() || request.origin == "http://" + request.host ||
           request.origin == "https://" + request.host);
   if (!access.token.empty()) require(request.authorization == "Bearer " + access.token);
-  const bool is_read =
-      routing.action == box::HttpAction::status || routing.action == box::HttpAction::estimates;
+  const bool is_file =
+      routing.action == box::HttpAction::log || routing.action == box::HttpAction::report;
+  const bool is_read = is_file || routing.action == box::HttpAction::status ||
+                       routing.action == box::HttpAction::estimates ||
+                       routing.action == box::HttpAction::sessions;
+  // The name of a file in the folder, and of no other.
+  if (is_file) {
+    require(routing.text.ends_with(".mcap") && routing.text.find('/') == std::string::npos &&
+            !routing.text.starts_with("."));
+  }
   require(request.method == (is_read ? "GET" : "POST"));
   if (!is_read) require(request.content_type.starts_with("application/json"));
   require(routing.text.size() <= box::kLongestBody);
