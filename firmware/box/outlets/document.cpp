@@ -16,7 +16,7 @@ constexpr std::size_t kMostWaiting = 4;  // pieces
 
 }  // namespace
 
-// Detached: nobody may wait for a disk that hangs. What it uses, it owns.
+// Detached, so that no thread waits for a disk that hangs. It owns what it uses.
 void Document::start(Make make, std::function<void()> wake) {
   wake_ = std::move(wake);
   std::thread([self = shared_from_this(), make = std::move(make)] { self->run(make); }).detach();

@@ -31,7 +31,7 @@ class Document : public std::enable_shared_from_this<Document> {
 
   // For the making thread.
   void begin(const Head& head);
-  /// Waits while the reader is behind. False: nobody reads on.
+  /// Waits while the reader is behind. False: the reader has gone.
   bool give(std::string bytes);
 
   // For the reading thread.
@@ -40,7 +40,7 @@ class Document : public std::enable_shared_from_this<Document> {
   enum class Taken { some, none_yet, all, broken };
   /// The next bytes, at most `size`.
   Taken take(char* buffer, std::size_t size, std::size_t& taken);
-  /// Nobody reads on.
+  /// The reader has gone.
   void abandon();
 
  private:

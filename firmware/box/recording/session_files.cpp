@@ -46,7 +46,7 @@ void refuse(Document& document, int status, const std::string& words) {
 }
 
 void refuse_missing(Document& document) {
-  refuse(document, 404, "there is no such session log");
+  refuse(document, 404, "this session log does not exist");
 }
 
 bool is_regular(const std::string& path) {

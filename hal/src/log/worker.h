@@ -65,7 +65,7 @@ class Worker {
       changed_.wait(lock, [this] { return job_ || ends_; });
       if (!job_) return;
       lock.unlock();
-      job_();  // nobody replaces it meanwhile
+      job_();  // not replaced while it runs
       lock.lock();
       job_ = nullptr;
       changed_.notify_all();

@@ -15,7 +15,7 @@
 //   sd of an instant   sd(v)/|a|, a the slope of v before it; of a middle 0.1 of the closed time;
 //            of a departure or an arrival 8 ms, and a quarter of the way beyond the passage
 // A cycle is not taken, but given with the reason, if it has a gap of more than 0.1 s between
-// samples, or lasts less than 0.25 s or more than 3 s. What is lower than d is no cycle.
+// samples, or lasts less than 0.25 s or more than 3 s. Movements lower than d are not cycles.
 //
 // These are the definitions of the analysis of a whole recording (condyle analyse), except for what
 // is not known yet at the end of a cycle:
