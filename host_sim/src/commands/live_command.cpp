@@ -139,7 +139,7 @@ int show_live(const LiveOptions& options) {
            (options.duration_s > 0 && seconds(clock.now_ns() - begin_ns) >= options.duration_s);
   });
   if (service.is_held_by_disk()) std::_Exit(kExitBadInput);
-  if (*reports > 0) std::_Exit(kExitOk);  // nobody waits for them
+  if (*reports > 0) std::_Exit(kExitOk);  // their readers have gone
   return kExitOk;
 }
 

@@ -36,7 +36,7 @@ std::string rigidity_problem(const BodyPoses& body, const std::vector<double>& t
   const double noise_m = std::sqrt(noise.covariance.topLeftCorner<3, 3>().trace() / 3);
   // n points of noise s, each coordinate: the residual is s sqrt(3 - 6/n), the middle's noise
   // s / sqrt(n), and so the residual sqrt(3) sqrt(n - 2) times that; more than three times that for
-  // 90 % of the samples is no noise.
+  // 90 % of the samples is not noise.
   const auto points = static_cast<double>(body.body.shape_m.cols());
   if (body.body.residual_m <= std::max(kMostResidual_m, 6 * noise_m * std::sqrt(points - 2))) {
     return "";

@@ -232,7 +232,7 @@ class LandmarkTaker {
           "give an interval in which it is held still on the landmark");
     }
     result_.landmarks.point_m[landmark] = touch.mean_m;
-    // Not divided by the number of samples: a trembling hand is no white noise.
+    // Not divided by the number of samples: a trembling hand is not white noise.
     result_.landmarks.sd_m[landmark] =
         std::hypot(plan_.touch_sd_mm * kMillimetre, touch.scatter_m, tip_sd_m_);
     result_.taken[landmark] = {touch.scatter_m, places_m.size(), at_s[0], at_s[1]};

@@ -22,12 +22,13 @@ class AnalogDrive final : public Recording {
     const AnalogChannel& channel = reader_->channels()[0];
     const auto newtons = newtons_in(channel.unit);
     if (!newtons) {
-      throw InputError(path,
-                       channel.unit.empty()
-                           ? fmt::format("states no unit of the channel {}", channel.name)
-                           : fmt::format("states the channel {} in {}, which is no unit of force",
-                                         channel.name, channel.unit),
-                       "give the drive as CSV with time_s and drive_N");
+      throw InputError(
+          path,
+          channel.unit.empty()
+              ? fmt::format("states no unit of the channel {}", channel.name)
+              : fmt::format("states the channel {} in {}, which is not a unit of force",
+                            channel.name, channel.unit),
+          "give the drive as CSV with time_s and drive_N");
     }
     newtons_ = *newtons;
     info_.format = fmt::format("analogue channel {} at {:g} Hz", channel.name, channel.rate_Hz);

@@ -324,7 +324,7 @@ TEST(C3dRecording, GivesAnAnalogueForceAsDrive) {
     }
     return "no error";
   };
-  EXPECT_THAT(problem("masseter"), HasSubstr("in V, which is no unit of force"));
+  EXPECT_THAT(problem("masseter"), HasSubstr("in V, which is not a unit of force"));
   EXPECT_THAT(problem("Force X"), HasSubstr("did you mean Force Z?"));
 }
 
