@@ -117,7 +117,7 @@ std::string plot(const ReadingKey& key, const StudyReading& reading) {
   std::sort(sessions.begin(), sessions.end());
   const double margin = high > low ? 0.05 * (high - low) : 1;
   low -= margin, high += margin;
-  constexpr double kWidth = 260, kHeight = 150, kLeft = 52, kBottom = 20, kTop = 8;
+  constexpr double kWidth = 260, kHeight = 150, kLeft = 66, kBottom = 20, kTop = 8;
   const auto x_of = [&](const std::string& session) {
     const auto at = std::find(sessions.begin(), sessions.end(), session) - sessions.begin();
     return kLeft + (static_cast<double>(at) + 0.5) / static_cast<double>(sessions.size()) *
