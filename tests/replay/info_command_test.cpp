@@ -91,7 +91,7 @@ TEST_F(Info, TakesAnAnalogueChannelAsDrive) {
   const auto volts =
       run_condyle({"replay", path_, "--marker", "left cheek", "--drive", "analog:masseter"});
   EXPECT_EQ(volts.exit_code, 2);
-  EXPECT_THAT(volts.errors, HasSubstr("no unit of force"));
+  EXPECT_THAT(volts.errors, HasSubstr("not a unit of force"));
 }
 
 }  // namespace
