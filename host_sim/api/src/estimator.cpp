@@ -37,6 +37,7 @@ struct condyle_estimator {
 
 namespace {
 
+const TableForm kForm;  // as the file is without options
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // Exact for times of a decimal text, as they are read back.
@@ -196,7 +197,7 @@ void run_all(condyle_estimator& estimator, std::size_t count, const double* time
   const auto write = [&](const EstimateRow& row) {
     ColumnValues values(columns, rows++);
     values.write(row.time_ns ? time_in_s(*row.time_ns) : kNone);
-    EstimateColumns<ColumnValues>(values).visit(row, axes, has_drive);
+    EstimateColumns<ColumnValues>(values, kForm).visit(row, axes, has_drive);
   };
   for (std::size_t i = 0; i < count; ++i) {
     GivenSample given;
@@ -257,7 +258,7 @@ condyle_status condyle_estimator_create(int kind, int has_drive, double step_s,
     auto made = std::make_unique<condyle_estimator>(choice);
     made->columns = {"time_s"};
     ColumnNames names{made->columns};
-    EstimateColumns<ColumnNames>(names).visit({}, axis_count_of(choice), has_impedance(choice));
+    EstimateColumns<ColumnNames>(names, kForm).visit({}, axis_count_of(choice), has_impedance(choice));
     *estimator = made.release();
     return CONDYLE_OK;
   });

@@ -10,62 +10,77 @@ namespace {
 
 // Collects the names.
 struct Header {
+  const TableForm& form;
   std::string line = "time_s";
 
   template <class Name>
   void number(const Name& name, double) {
-    (line += ',') += name();
+    (line += form.separator()) += name();
   }
   template <class Name>
   void provenance(const Name& name, Provenance) {
-    (line += ',') += name();
+    (line += form.separator()) += name();
   }
   template <class Name>
   void limit(const Name& name, ImpedanceLimit) {
-    (line += ',') += name();
+    (line += form.separator()) += name();
   }
   template <class Name>
   void events(const Name& name, EventSet) {
-    (line += ',') += name();
+    (line += form.separator()) += name();
   }
 };
 
 // Appends the values of the columns.
 struct RowText {
+  const TableForm& form;
   std::string& line;
 
   template <class Name>
   void number(const Name&, double value) {
-    append_number(line += ',', value);
+    const std::size_t begin = line.size();
+    append_number(line += form.separator(), value);
+    form.localise(line, begin);
   }
   template <class Name>
   void provenance(const Name&, Provenance provenance) {
-    (line += ',') += provenance_name(provenance);
+    (line += form.separator()) += provenance_name(provenance);
   }
   template <class Name>
   void limit(const Name&, ImpedanceLimit limit) {
-    (line += ',') += limit_name(limit);
+    (line += form.separator()) += limit_name(limit);
   }
   template <class Name>
   void events(const Name&, EventSet events) {
-    append_events(line += ',', events);
+    append_events(line += form.separator(), events);
   }
 };
 
 }  // namespace
 
-EstimatesFile::EstimatesFile(const std::string& path, int axis_count, bool has_impedance)
-    : file_(path), axis_count_(axis_count), has_impedance_(has_impedance) {
-  Header header;
-  EstimateColumns<Header>(header).visit({}, axis_count, has_impedance);
+EstimatesFile::EstimatesFile(const std::string& path, int axis_count, bool has_impedance,
+                             const TableForm& form)
+    : file_(path), axis_count_(axis_count), has_impedance_(has_impedance), form_(form) {
+  if (form.resample_Hz) resampled_.emplace(*form.resample_Hz);
+  Header header{form_};
+  EstimateColumns<Header>(header, form_).visit({}, axis_count, has_impedance);
   file_.write(header.line + '\n');
 }
 
 void EstimatesFile::write_row(const EstimateRow& row) {
+  if (resampled_) {
+    resampled_->add(row, [this](const EstimateRow& instant) { write(instant); });
+  } else {
+    write(row);
+  }
+}
+
+void EstimatesFile::write(const EstimateRow& row) {
   row_.clear();
   if (row.time_ns) append_time_s(row_, *row.time_ns);
-  RowText fields{row_};
-  EstimateColumns<RowText>(fields).visit(row, axis_count_, has_impedance_);
+  form_.localise(row_, 0);
+  RowText fields{form_, row_};
+  EstimateColumns<RowText>(fields, form_).visit(row, axis_count_, has_impedance_);
   row_ += '\n';
   file_.write(row_);
 }
