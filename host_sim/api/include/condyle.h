@@ -17,6 +17,7 @@
 #ifndef CONDYLE_H
 #define CONDYLE_H
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -57,6 +58,8 @@ typedef enum condyle_provenance {
 
 /* A time that is not known. */
 #define CONDYLE_NO_TIME INT64_MIN
+/* A sample without a drive. */
+#define CONDYLE_NO_DRIVE ((double)NAN)
 
 /* Version of the library, such as "0.1.0". */
 CONDYLE_API const char *condyle_version(void);
