@@ -97,7 +97,7 @@ std::string average_cycle_plot(const Analysis& analysis) {
       "set xlabel 'left (mm)'\nset ylabel 'up (mm)'\nset xrange [*:*] noreverse\nunset key\n"
       "plot $cycles using 1:2 with lines lw 0.6 lc rgb '#c0c0c0' notitle{}\n"
       "set size noratio\nset title 'vertical, mean with 95 % band' font ',11'\n"
-      "set xlabel 'time from closed (s)'\nset key bottom right\nplot {}\nunset multiplot\n",
+      "set xlabel 'time from closed (s)'\nset key below\nplot {}\nunset multiplot\n",
       gnuplot_quoted(fmt::format("Average chewing cycle: {}; research use only",
                                  recording_name(analysis.recording))),
       frontal, vertical);
