@@ -92,7 +92,8 @@ std::string time_svg(const std::vector<const AverageCycle*>& shown) {
                        kTop + kHeight * (high_mm - z_mm) / (high_mm - low_mm));
   };
   std::string text = fmt::format(
-      "<svg class=\"plane times\" role=\"img\" aria-label=\"average cycle over time\" viewBox=\"0 0 "
+      "<svg class=\"plane times\" role=\"img\" aria-label=\"average cycle over time\" viewBox=\"0 "
+      "0 "
       "{:.0f} {:.0f}\">",
       kLeft + kWidth + 12, kTop + kHeight + 34);
   const double step_mm = high_mm - low_mm > 12 ? 5 : 2;

@@ -78,8 +78,8 @@ std::string identity_html(const ReportSection& section, const std::string& landm
   if (section.identity.session) {
     const SessionIdentity& session = *section.identity.session;
     add("subject", session.subject_code.empty() ? "no code given" : session.subject_code);
-    add("session", fmt::format("begun {} UTC, recorded by condyle {}", session.begin_utc,
-                               session.recorder));
+    add("session",
+        fmt::format("begun {} UTC, recorded by condyle {}", session.begin_utc, session.recorder));
     for (const std::string& device : session.devices) add("device", device);
   }
   if (section.analysis) {

@@ -107,9 +107,8 @@ std::string charts(const ReportSection& section) {
 std::string paths(const ReportSection& section) {
   const Analysis& analysis = *section.analysis;
   if (!analysis.unusable.empty() || analysis.path.time_s.empty()) return {};
-  std::string text = analysis.has_landmarks
-                         ? "<h3>Path of the lower incisor</h3>\n"
-                         : "<h3>Path of point 1</h3>\n";
+  std::string text = analysis.has_landmarks ? "<h3>Path of the lower incisor</h3>\n"
+                                            : "<h3>Path of point 1</h3>\n";
   text += "<div class=\"tasks\"><div class=\"row\">";
   const auto incisor = task_paths(analysis, analysis.path.incisor_m);
   for (const PlaneDrawing& drawing : incisor_drawings(analysis.has_landmarks)) {

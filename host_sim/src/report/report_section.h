@@ -40,7 +40,7 @@ struct ReportSection {
   ImpedanceParameters impedance_parameters;
   std::optional<RecommendedParameters> parameters;  ///< of the estimates; none: no estimates
   int lag = 0;                                      ///< of the estimates (samples)
-  std::vector<std::string> warnings;  ///< about the estimates
+  std::vector<std::string> warnings;                ///< about the estimates
   std::string recording, format;
   std::vector<std::string> notes;
   /// Subtracted from the times of charts: 0, or the first time of a clock with a distant origin.

@@ -52,14 +52,15 @@ std::string histogram(const SampleTimes& times) {
         kLeft + width * static_cast<double>(i), bottom - height, width, height);
   }
   for (int steps = 0; steps <= static_cast<int>(SampleTimes::kWidest); ++steps) {
-    text += fmt::format(
-        "<text x=\"{:.1f}\" y=\"{:.0f}\" text-anchor=\"middle\">{:.4g}</text>",
-        kLeft + kWidth * steps / SampleTimes::kWidest, bottom + 15, 1e3 * steps * times.usual_step_s);
+    text += fmt::format("<text x=\"{:.1f}\" y=\"{:.0f}\" text-anchor=\"middle\">{:.4g}</text>",
+                        kLeft + kWidth * steps / SampleTimes::kWidest, bottom + 15,
+                        1e3 * steps * times.usual_step_s);
   }
-  return text + fmt::format(
-                    "<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"end\">step between usable samples "
-                    "(ms)</text></svg>",
-                    kLeft + kWidth, bottom + 32);
+  return text +
+         fmt::format(
+             "<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"end\">step between usable samples "
+             "(ms)</text></svg>",
+             kLeft + kWidth, bottom + 32);
 }
 
 std::string strip(const SampleTimes& times, double origin_s) {
@@ -67,7 +68,8 @@ std::string strip(const SampleTimes& times, double origin_s) {
   const double span_s = times.end_s - times.begin_s;
   const auto x = [&](double time_s) { return kLeft + kWidth * (time_s - times.begin_s) / span_s; };
   std::string text = fmt::format(
-      "<svg class=\"quality strip\" role=\"img\" aria-label=\"gaps over time\" viewBox=\"0 0 {:.0f} "
+      "<svg class=\"quality strip\" role=\"img\" aria-label=\"gaps over time\" viewBox=\"0 0 "
+      "{:.0f} "
       "{:.0f}\"><rect class=\"there\" x=\"{:.0f}\" y=\"4\" width=\"{:.0f}\" height=\"{:.0f}\"/>",
       kWidth + 2 * kLeft, kHeight + 26, kLeft, kWidth, kHeight);
   double drawn = -1;  // up to here, so that thousands of gaps make at most one mark a pixel
@@ -75,15 +77,16 @@ std::string strip(const SampleTimes& times, double origin_s) {
     const double begin = std::max(x(gap.begin_s), drawn), end = std::max(x(gap.end_s), begin + 1);
     if (x(gap.end_s) <= drawn) continue;
     drawn = end;
-    text += fmt::format(
-        "<rect class=\"gap\" x=\"{:.1f}\" y=\"1\" width=\"{:.1f}\" height=\"{:.0f}\"/>", begin,
-        end - begin, kHeight + 6);
+    text +=
+        fmt::format("<rect class=\"gap\" x=\"{:.1f}\" y=\"1\" width=\"{:.1f}\" height=\"{:.0f}\"/>",
+                    begin, end - begin, kHeight + 6);
   }
   for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
     const char* const anchor = share == 0 ? "start" : share == 1 ? "end" : "middle";
-    text += fmt::format(
-        "<text x=\"{:.1f}\" y=\"{:.0f}\" text-anchor=\"{}\">{:.1f}{}</text>", kLeft + kWidth * share,
-        kHeight + 22, anchor, without_minus_zero(times.begin_s + share * span_s - origin_s), share == 1 ? " s" : "");
+    text += fmt::format("<text x=\"{:.1f}\" y=\"{:.0f}\" text-anchor=\"{}\">{:.1f}{}</text>",
+                        kLeft + kWidth * share, kHeight + 22, anchor,
+                        without_minus_zero(times.begin_s + share * span_s - origin_s),
+                        share == 1 ? " s" : "");
   }
   return text + "</svg>";
 }
@@ -109,7 +112,8 @@ SampleTimes sample_times(const std::vector<double>& time_s) {
   for (std::size_t k = 1; k < time_s.size(); ++k) {
     const double step_s = time_s[k] - time_s[k - 1];
     // A usual step lies in the middle of its bin.
-    const auto bin = static_cast<std::size_t>(step_s / times.usual_step_s / SampleTimes::kBin + 0.5);
+    const auto bin =
+        static_cast<std::size_t>(step_s / times.usual_step_s / SampleTimes::kBin + 0.5);
     if (bin < times.heights.size()) {
       ++times.heights[bin];
     } else {
@@ -129,17 +133,18 @@ std::string sample_times_html(const std::vector<double>& time_s, double origin_s
   if (!(times.usual_step_s > 0)) return {};
   std::string text = "<h3>Times of the samples</h3>\n<figure>" + strip(times, origin_s);
   const double span_s = times.end_s - times.begin_s;
-  text += times.gaps.empty()
-              ? "<figcaption>no gap between usable samples</figcaption>"
-              : fmt::format(
-                    "<figcaption>{} longer than {:g} usual steps without a usable sample: {:.3g} s in "
-                    "all, {:.2g} % of the time; the longest {:.3g} s</figcaption>",
-                    number_text(times.gaps.size(), "gap"), SampleTimes::kGap, times.missing_s,
-                    100 * times.missing_s / span_s, times.longest_gap_s);
+  text +=
+      times.gaps.empty()
+          ? "<figcaption>no gap between usable samples</figcaption>"
+          : fmt::format(
+                "<figcaption>{} longer than {:g} usual steps without a usable sample: {:.3g} s in "
+                "all, {:.2g} % of the time; the longest {:.3g} s</figcaption>",
+                number_text(times.gaps.size(), "gap"), SampleTimes::kGap, times.missing_s,
+                100 * times.missing_s / span_s, times.longest_gap_s);
   text += "</figure>\n<figure class=\"half\">" + histogram(times);
-  text += fmt::format(
-      "<figcaption>usual step {:.4g} ms; 95 % of the steps from {:.4g} to {:.4g} ms", 
-      1e3 * times.usual_step_s, 1e3 * times.low_step_s, 1e3 * times.high_step_s);
+  text +=
+      fmt::format("<figcaption>usual step {:.4g} ms; 95 % of the steps from {:.4g} to {:.4g} ms",
+                  1e3 * times.usual_step_s, 1e3 * times.low_step_s, 1e3 * times.high_step_s);
   if (times.longer > 0) {
     text += fmt::format("; not drawn: {} of more than {:.4g} ms", number_text(times.longer, "step"),
                         1e3 * SampleTimes::kWidest * times.usual_step_s);
