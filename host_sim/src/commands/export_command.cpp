@@ -35,8 +35,8 @@ std::string summary(const ExportData& data, const ExportFormat& format,
   for (const ExportSeries& series : data.series) {
     std::size_t there = 0;
     for (std::size_t k = 0; k < data.samples(); ++k) there += series.is_there(k) ? 1U : 0U;
-    text.line("", fmt::format("{} ({}): {} measured, {} missing", series.name, series.quantity,
-                              there, data.samples() - there));
+    text.line("", fmt::format("{} ({}): {} {}, {} missing", series.name, series.quantity, there,
+                              provenance_name(series.provenance), data.samples() - there));
   }
   for (const std::string& note : notes) text.line("note", note);
   return text.text();

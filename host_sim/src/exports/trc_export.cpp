@@ -60,8 +60,7 @@ Exported export_trc(const ExportData& data, const ExportChoice& choice, const st
   for (std::size_t frame = 0; frame < even.frames; ++frame) {
     const bool has_sample = k < data.samples() && even.frame_of[k] == frame;
     row = fmt::format("{}\t", frame + 1);
-    append_time_s(row,
-                  data.time_ns[0] + nanoseconds(static_cast<double>(frame) / even.rate_Hz));
+    append_time_s(row, data.time_ns[0] + nanoseconds(static_cast<double>(frame) / even.rate_Hz));
     for (const ExportSeries* point : points) {
       const bool is_there = has_sample && point->is_there(k);
       bool is_zero = is_there;

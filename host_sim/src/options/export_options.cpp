@@ -12,9 +12,10 @@ void add_export_options(CommandLine command, const std::string& usual_unit,
       .one_of({"mm", "m"})
       .show_default(usual_unit);
   command
-      .add_option("--resample-Hz", options.resample_Hz,
-                  "Write this many samples per second, on straight lines between the samples, never "
-                  "across a gap; nothing is filtered before")
+      .add_option(
+          "--resample-Hz", options.resample_Hz,
+          "Write this many samples per second, on straight lines between the samples, never "
+          "across a gap; nothing is filtered before")
       .number_in({1e-3, 1e6});
   command.add_flag("--decimal-comma", options.has_decimal_comma,
                    "Write decimal commas, and semicolons between columns");

@@ -15,9 +15,8 @@ struct ExportOptions {
   bool has_decimal_comma = false;
 };
 
-/// --out-unit, --resample-Hz and --decimal-comma; --unit is that of what is read. `usual_unit`: what
-/// is written without --out-unit.
-void add_export_options(CommandLine command, const std::string& usual_unit,
-                        ExportOptions& options);
+/// --out-unit, --resample-Hz and --decimal-comma; --unit is that of what is read. `usual_unit`:
+/// what is written without --out-unit.
+void add_export_options(CommandLine command, const std::string& usual_unit, ExportOptions& options);
 
 }  // namespace condyle::host
