@@ -66,8 +66,8 @@ inline ReadPoints read_points(const std::string& path, const host::RecordingOpti
 
 /// Writes `data` and moves the files to their names.
 inline host::Exported write_export(host::Exporter write, const host::ExportData& data,
-                                   const std::string& path, const host::ExportChoice& choice = {}) {
-  host::Exported exported = write(data, choice, path);
+                                   const std::string& path, const host::TableForm& form = {}) {
+  host::Exported exported = write(data, form, path);
   host::commit_all(exported.files);
   return exported;
 }

@@ -10,7 +10,7 @@
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "options/analysis_options.h"
-#include "options/export_options.h"
+#include "options/table_options.h"
 #include "output/progress.h"
 #include "output/report_text.h"
 
@@ -20,7 +20,7 @@ namespace {
 struct ExportCommandOptions {
   std::string recording, out, format;
   RecordingOptions reading;
-  ExportOptions writing;
+  TableForm form;
 };
 
 std::string summary(const ExportData& data, const ExportFormat& format,
@@ -44,7 +44,7 @@ std::string summary(const ExportData& data, const ExportFormat& format,
 
 int run(const ExportCommandOptions& options) {
   const ExportFormat& format = export_format(options.format, options.out);
-  if (options.writing.has_decimal_comma && !format.takes_decimal_comma) {
+  if (options.form.has_decimal_comma && !format.takes_decimal_comma) {
     throw InputError("--decimal-comma", fmt::format("is given, and {} has points", format.name),
                      "leave it out, or write CSV");
   }
@@ -59,11 +59,8 @@ int run(const ExportCommandOptions& options) {
     });
   }
   if (stop_requested()) return report_stop();
-  if (options.writing.resample_Hz) resample(data, *options.writing.resample_Hz);
-  Exported written = format.write(data,
-                                  {.units_per_metre = options.writing.units_per_metre,
-                                   .has_decimal_comma = options.writing.has_decimal_comma},
-                                  options.out);
+  if (options.form.resample_Hz) resample(data, *options.form.resample_Hz);
+  Exported written = format.write(data, options.form, options.out);
   if (stop_requested()) return report_stop();
   std::vector<std::string> notes = data.info.notes;
   notes.insert(notes.end(), data.notes.begin(), data.notes.end());
@@ -87,15 +84,16 @@ Command add_export(CommandLine app) {
   command.add_option("RECORDING", options->recording, "As for replay; all points are taken")
       .required();
   const CommandLine output = command.group("Output");
-  output.add_option("-o,--out=FILE", options->out, "The file; its ending chooses the format")
-      .required();
+  const Option out =
+      output.add_option("-o,--out=FILE", options->out, "The file; its ending chooses the format")
+          .required();
   std::string formats;
   for (const ExportFormat& format : export_formats()) {
     formats += (formats.empty() ? "" : ", ") + std::string(format.name);
   }
   output.add_option("--format", options->format,
                     "One of " + formats + ", if the ending of the file does not say");
-  add_export_options(output, "as usual for the format", options->writing);
+  add_table_options(command, options->form, out, "as is usual for the format");
   const CommandLine reading = command.group("What is read");
   const auto take_faults = [options](const std::string& policy) {
     options->reading.faults = policy == "event" ? FaultPolicy::event : FaultPolicy::refuse;

@@ -42,14 +42,14 @@ std::string header(const ExportData& data, const std::vector<const ExportSeries*
 
 }  // namespace
 
-Exported export_trc(const ExportData& data, const ExportChoice& choice, const std::string& out) {
+Exported export_trc(const ExportData& data, const TableForm& form, const std::string& out) {
   const std::vector<const ExportSeries*> points = data.points();
   if (points.empty()) {
     throw InputError(data.source, "has no points in space, which TRC holds",
                      "export to CSV or MAT");
   }
   const EvenTimes even = even_times(data);
-  const double per_metre = choice.units_per_metre.value_or(1000);
+  const double per_metre = form.lengths_per_m(1000);
   Exported result;
   result.files.push_back(std::make_unique<OutputFile>(out));
   OutputFile& file = *result.files.back();

@@ -69,8 +69,7 @@ RC_GTEST_PROP(Export, IsReadBackAtOneRate, ()) {
     const double rate_Hz = *rc::gen::inRange(2, 2000) / 2.0;
     const ExportData data = random_points(rate_Hz, true);
     const bool in_metres = *rc::gen::inRange(0, 2) == 0;
-    const auto units = in_metres ? std::optional<double>(1) : std::nullopt;
-    write_export(format.write, data, folder / format.name, {.units_per_metre = units});
+    write_export(format.write, data, folder / format.name, {.states_unit = in_metres});
     const ReadPoints read = read_points(folder / format.name);
     RC_ASSERT(read.info.stated.unit == (in_metres ? "m" : "mm"));
     RC_ASSERT(std::abs(*read.info.stated.rate_Hz - rate_Hz) <= kFloat * rate_Hz);
