@@ -26,14 +26,14 @@ constexpr std::size_t kLongestName = 100;
 
 class CsvReading {
  public:
-  CsvReading(const TableStart& start, const std::string& path, const RecordingOptions& options,
-             bool takes_any_number)
+  CsvReading(CsvHeader header, std::vector<std::vector<double>> values, const std::string& path,
+             const RecordingOptions& options, bool takes_any_number)
       : path_(path),
         options_(options),
         takes_any_number_(takes_any_number),
-        header_(read_csv_header(start)),
-        values_(first_values(start, header_)),
-        problems_(fmt::format("{}:{}", path, header_.line)) {}
+        header_(std::move(header)),
+        values_(std::move(values)),
+        problems_(place()) {}
 
   TableFile layout() {
     refuse_without_names();
@@ -60,9 +60,15 @@ class CsvReading {
   }
 
  private:
-  std::string place() const { return fmt::format("{}:{}", path_, header_.line); }
+  std::string place() const {
+    return header_.line > 0 ? fmt::format("{}:{}", path_, header_.line) : path_;
+  }
   std::string place(std::size_t column) const {
     return fmt::format("{}: column {}", place(), quote(header_.names[column]));
+  }
+  std::string no_names() const {
+    return header_.is_text ? "the first line does not name the columns"
+                           : "the columns of the matrix have no names";
   }
   bool has(Quantity quantity) const {
     return std::any_of(meanings_.begin(), meanings_.end(),
@@ -80,9 +86,10 @@ class CsvReading {
     const bool has_shape = columns >= 3 && (columns % 3 != 0 || options_.rate_Hz);
     if (options_.reads_drive_alone || !has_shape) {
       throw InputError(
-          place(), "the first line does not name the columns",
-          fmt::format("add a first line such as time_s,position_m, give --columns time_s=1, or "
+          place(), no_names(),
+          fmt::format("{}give --columns time_s=1, or "
                       "--rate-Hz if the columns are x, y, z of points; {}",
+                      header_.is_text ? "add a first line such as time_s,position_m, " : "",
                       kColumns));
     }
   }
@@ -104,8 +111,11 @@ class CsvReading {
     if (is_ignored || is_replaced) {
       meaning = {};
       meaning.quantity = Quantity::not_read;
+    } else if (!header_.is_text && meaning.has_bad_unit && meaning.quantity != Quantity::time) {
+      meaning = {};
+      unread_.push_back(name);
     } else if (meaning.quantity == Quantity::unknown && header_.has_names) {
-      if (mapped_.empty()) {
+      if (mapped_.empty() && header_.is_text) {
         problems_.add_unknown(name, options_);
       } else {
         unread_.push_back(name);
@@ -207,10 +217,11 @@ class CsvReading {
       }
     }
     if (!has_time && !options_.rate_Hz) {
-      throw InputError(place(), "the first line does not name the columns, and none is a time",
-                       fmt::format("give --rate-Hz with the frames per second, or add a first line "
-                                   "such as time_s,position_m; {}",
-                                   kColumns));
+      throw InputError(
+          place(), no_names() + ", and none is a time",
+          fmt::format("give --rate-Hz with the frames per second{}; {}",
+                      header_.is_text ? ", or add a first line such as time_s,position_m" : "",
+                      kColumns));
     }
   }
 
@@ -383,7 +394,17 @@ class CsvReading {
 
 TableFile csv_layout(const TableStart& start, const std::string& path,
                      const RecordingOptions& options, bool takes_any_number) {
-  return CsvReading(start, path, options, takes_any_number).layout();
+  CsvHeader header = read_csv_header(start);
+  std::vector<std::vector<double>> values = first_values(start, header);
+  return CsvReading(std::move(header), std::move(values), path, options, takes_any_number).layout();
+}
+
+TableFile column_layout(CsvHeader header, std::vector<std::vector<double>> values,
+                        const std::string& path, const RecordingOptions& options,
+                        bool takes_any_number) {
+  header.is_text = false;
+  header.line = header.lines = 0;
+  return CsvReading(std::move(header), std::move(values), path, options, takes_any_number).layout();
 }
 
 }  // namespace condyle::host
