@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <tuple>
 
@@ -20,7 +21,6 @@ namespace condyle::host {
 namespace {
 
 using Quantity = ColumnMeaning::Quantity;
-using Role = TableColumn::Role;
 
 constexpr std::size_t kLongestName = 100;
 
@@ -100,6 +100,7 @@ class CsvReading {
     ColumnMeaning meaning = given ? meaning_of(*given, "", options_.drive_column)
                                   : meaning_of(name, header_.units[i], options_.drive_column);
     if (!header_.has_names && !given) meaning = {};
+    if (name.empty() && is_counter_or_empty(values_[i])) meaning.quantity = Quantity::not_read;
     const bool is_ignored =
         std::any_of(options_.ignored_columns.begin(), options_.ignored_columns.end(),
                     [&](const std::string& other) {
@@ -261,18 +262,20 @@ class CsvReading {
   }
 
   void decide_length() {
-    std::vector<std::vector<double>> places, stated;
+    std::map<std::string, std::vector<std::vector<double>>> places;
+    std::vector<std::vector<double>> stated;
     double each = 0;
     std::size_t first = 0;
     for (std::size_t i = meanings_.size(); i-- > 0;) {
       const bool is_place =
           meanings_[i].quantity == Quantity::point || meanings_[i].quantity == Quantity::one_axis;
       if (!is_place) continue;
-      (meanings_[i].each > 0 ? stated : places).push_back(values_[i]);
       if (meanings_[i].each > 0) {
+        stated.push_back(values_[i]);
         each = meanings_[i].each;
         layout_.info.stated.unit = meanings_[i].unit;
       } else {
+        places[meanings_[i].point].push_back(values_[i]);
         first = i;
       }
     }
@@ -322,10 +325,9 @@ class CsvReading {
       places[0]->quantity = Quantity::one_axis;
       places.clear();
     }
-    const auto column_of = [](const ColumnMeaning& meaning) {
-      return PointColumn{meaning.point, meaning.axis, {}};
-    };
-    for (const ColumnMeaning* meaning : places) points.add(column_of(*meaning));
+    for (const ColumnMeaning* meaning : places) {
+      points.add({meaning->point, meaning->axis, {}});
+    }
     if (!places.empty()) {
       layout_.info.kind = points.kind(place(), takes_any_number_);
       layout_.table.names = points.names();
@@ -334,34 +336,10 @@ class CsvReading {
       }
     }
     for (std::size_t i = 0; i < meanings_.size(); ++i) {
-      const ColumnMeaning& meaning = meanings_[i];
-      TableColumn column;
-      column.name = header_.names[i];
-      if (meaning.each > 0) column.per_SI_unit = 1 / meaning.each;
-      switch (meaning.quantity) {
-        case Quantity::time:
-          column.role = Role::time;
-          break;
-        case Quantity::frame:
-          if (options_.rate_Hz) column.role = Role::frame;
-          break;
-        case Quantity::one_axis:
-          column.role = Role::coordinate;
-          break;
-        case Quantity::point:
-          column.role = Role::coordinate;
-          column.coordinate = points.coordinate(column_of(meaning));
-          break;
-        case Quantity::drive:
-          column.role = Role::drive;
-          layout_.info.has_drive = true;
-          break;
-        case Quantity::unknown:
-        case Quantity::not_read:
-          break;
-      }
-      layout_.table.columns.push_back(std::move(column));
+      layout_.table.columns.push_back(
+          table_column(meanings_[i], header_.names[i], points, options_.rate_Hz.has_value()));
     }
+    layout_.info.has_drive = has(Quantity::drive);
     layout_.table.rate_Hz = options_.rate_Hz;
   }
 
