@@ -152,20 +152,33 @@ bool has_usable_size(const matvar_t* array, std::uint64_t& bytes, int depth) {
   }
   if (is_struct) count *= Mat_VarGetNumberOfFields(const_cast<matvar_t*>(array));
   const auto* const parts = static_cast<matvar_t* const*>(array->data);
-  if (parts == nullptr) return true;
+  if (parts == nullptr || array->nbytes / sizeof(matvar_t*) < count) return true;
   for (std::uint64_t i = 0; i < count; ++i) {
     if (!has_usable_size(parts[i], bytes, depth + 1)) return false;
   }
   return true;
 }
 
+// Whether a struct or a cell array has all its parts; in a damaged file it may have fewer.
+bool has_parts(const matvar_t* array) {
+  if (array->data == nullptr || array->rank < 2) return false;
+  std::uint64_t count = 1;
+  for (int i = 0; i < array->rank; ++i) count *= array->dims[i];
+  if (array->class_type == MAT_C_STRUCT) {
+    const unsigned fields = Mat_VarGetNumberOfFields(const_cast<matvar_t*>(array));
+    if (fields == 0 || Mat_VarGetStructFieldnames(array) == nullptr) return false;
+    count *= fields;
+  }
+  return count > 0 && count <= array->nbytes / sizeof(matvar_t*);
+}
+
 }  // namespace
 
 bool MatArray::is_struct() const {
-  return array_ != nullptr && array_->class_type == MAT_C_STRUCT && array_->data != nullptr;
+  return array_ != nullptr && array_->class_type == MAT_C_STRUCT && has_parts(array_);
 }
 bool MatArray::is_cell() const {
-  return array_ != nullptr && array_->class_type == MAT_C_CELL && array_->data != nullptr;
+  return array_ != nullptr && array_->class_type == MAT_C_CELL && has_parts(array_);
 }
 bool MatArray::is_text() const {
   return array_ != nullptr && array_->class_type == MAT_C_CHAR;

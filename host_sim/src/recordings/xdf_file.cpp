@@ -22,8 +22,9 @@ constexpr std::size_t kMostXml = 8U << 20U, kMostChannels = 10'000, kMostStreams
 
 std::optional<XdfFormat> format_of(std::string_view name) {
   constexpr std::pair<std::string_view, XdfFormat> kFormats[] = {
-      {"float32", XdfFormat::float32}, {"double64", XdfFormat::double64}, {"int8", XdfFormat::int8},
-      {"int16", XdfFormat::int16},     {"int32", XdfFormat::int32},       {"int64", XdfFormat::int64},
+      {"float32", XdfFormat::float32}, {"double64", XdfFormat::double64},
+      {"int8", XdfFormat::int8},       {"int16", XdfFormat::int16},
+      {"int32", XdfFormat::int32},     {"int64", XdfFormat::int64},
       {"string", XdfFormat::text}};
   for (const auto& [text, format] : kFormats) {
     if (text == name) return format;
@@ -261,8 +262,8 @@ XdfClock::XdfClock(const std::vector<XdfOffset>& offsets) {
     }
     drift_ = squares > 0 ? products / squares : 0;
     for (std::size_t i = 0; i < offsets.size(); ++i) {
-      const double error_s = std::abs(offsets[i].offset_s - at_middle_s_ -
-                                      drift_ * (offsets[i].time_s - middle_s_));
+      const double error_s =
+          std::abs(offsets[i].offset_s - at_middle_s_ - drift_ * (offsets[i].time_s - middle_s_));
       weights[i] = error_s > kLate_s ? kLate_s / error_s : 1;
     }
   }

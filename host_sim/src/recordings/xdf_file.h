@@ -73,10 +73,10 @@ class XdfReader {
 
   ByteReader reader_;
   std::vector<XdfStream> streams_;
-  std::vector<double> last_time_s_;    // of each stream; NaN: none
-  std::uint64_t left_ = 0;             // bytes of the chunk
-  std::uint64_t samples_left_ = 0;     // of the chunk
-  std::size_t stream_ = 0;             // of the chunk
+  std::vector<double> last_time_s_;  // of each stream; NaN: none
+  std::uint64_t left_ = 0;           // bytes of the chunk
+  std::uint64_t samples_left_ = 0;   // of the chunk
+  std::size_t stream_ = 0;           // of the chunk
   bool is_cut_ = false;
 };
 
