@@ -11,6 +11,7 @@
 
 #include "call.h"
 #include "estimator_run.h"
+#include "hosted/files/number_text.h"
 #include "options/analysis_options.h"
 #include "output/estimate_columns.h"
 #include "recordings/csv_units.h"
