@@ -142,8 +142,8 @@ condyle_estimate estimate_of(const EstimateRow& row, std::optional<TimeNs> last_
   estimate.followed.position_m = value_of(row.position_m, ImpedanceLimit::none);
   estimate.followed.velocity_m_s = value_of(row.velocity_m_s, ImpedanceLimit::none);
   for (int axis = 0; axis < 3; ++axis) {
-    estimate.axes[axis] = row.axis_count == 0 && axis == 0 ? estimate.followed
-                                                           : axis_of(row.axes[axis]);
+    estimate.axes[axis] =
+        row.axis_count == 0 && axis == 0 ? estimate.followed : axis_of(row.axes[axis]);
   }
   estimate.force_N = value_of(row.force_N, ImpedanceLimit::none);
   const bool identifies = row.has_impedance;
@@ -259,7 +259,8 @@ condyle_status condyle_estimator_create(int kind, int has_drive, double step_s,
     auto made = std::make_unique<condyle_estimator>(choice);
     made->columns = {"time_s"};
     ColumnNames names{made->columns};
-    EstimateColumns<ColumnNames>(names, kForm).visit({}, axis_count_of(choice), has_impedance(choice));
+    EstimateColumns<ColumnNames>(names, kForm)
+        .visit({}, axis_count_of(choice), has_impedance(choice));
     *estimator = made.release();
     return CONDYLE_OK;
   });
@@ -344,8 +345,7 @@ condyle_status condyle_estimator_run(condyle_estimator* estimator, size_t count,
            "the estimator has been given samples; make a new one");
     demand((time_s != nullptr) != (time_ns != nullptr),
            "give either time_s or time_ns, and NULL for the other");
-    demand(position != nullptr && columns != nullptr,
-           "position or columns is NULL; give arrays");
+    demand(position != nullptr && columns != nullptr, "position or columns is NULL; give arrays");
     demand(coordinate_count == condyle::coordinate_count(estimator->choice.kind),
            "coordinate_count is not that of the estimator's kind; see condyle_coordinate_count");
     demand(column_count == estimator->columns.size(),

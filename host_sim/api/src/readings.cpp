@@ -18,7 +18,7 @@ struct condyle_readings {
   struct Words {
     std::string name, unit, definition;
   };
-  std::vector<Words> words;  // of each reading
+  std::vector<Words> words;                  // of each reading
   std::map<std::string, std::string> files;  // as far as they were asked for
 
   const Analysis& analysis() const { return analyses.front(); }
@@ -39,8 +39,8 @@ std::string text_of(const std::string& name, const std::vector<Analysis>& analys
 
 }  // namespace
 
-condyle_status condyle_analyse(const char* source, const char* const* options,
-                               size_t option_count, condyle_readings** readings) {
+condyle_status condyle_analyse(const char* source, const char* const* options, size_t option_count,
+                               condyle_readings** readings) {
   return guarded(__func__, [&] {
     demand(readings != nullptr, "readings is NULL; give the address of a pointer");
     *readings = nullptr;

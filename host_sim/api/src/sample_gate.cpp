@@ -21,14 +21,14 @@ void SampleGate::take_time(const GivenSample& given, Sample& sample) const {
     sample.time_valid = std::abs(*given.time_s) <= kFurthestTime_s;  // false for NaN
     if (sample.time_valid) sample.time_ns = nanoseconds(*given.time_s);
   } else {
-    constexpr TimeNs kFurthest_ns =
-        static_cast<TimeNs>(kFurthestTime_s) * kNanosecondsPerSecond;
+    constexpr TimeNs kFurthest_ns = static_cast<TimeNs>(kFurthestTime_s) * kNanosecondsPerSecond;
     sample.time_valid = given.time_ns >= -kFurthest_ns && given.time_ns <= kFurthest_ns;
     if (sample.time_valid) sample.time_ns = given.time_ns;
   }
   if (!refuses()) return;
   if (!sample.time_valid) {
-    const bool is_missing = given.time_s ? std::isnan(*given.time_s) : given.time_ns == CONDYLE_NO_TIME;
+    const bool is_missing =
+        given.time_s ? std::isnan(*given.time_s) : given.time_ns == CONDYLE_NO_TIME;
     refuse("time", is_missing ? "is missing"
                               : fmt::format("is not within {:.2g} s of zero", kFurthestTime_s));
   }
