@@ -42,11 +42,9 @@ class Equality(unittest.TestCase):
         self.folder = Path(folder.name)
 
     def simulated(self, scenario, seconds):
-        text = (SOURCE / f"host_sim/scenarios/{scenario}.toml").read_text(encoding="utf-8")
+        """The first seconds of a simulated recording."""
         path = self.folder / f"{scenario}.csv"
-        words = [SOURCE / f"host_sim/scenarios/{scenario}.toml", "--out", path]
-        run("simulate", *words)
-        self.assertTrue(text)
+        run("simulate", SOURCE / f"host_sim/scenarios/{scenario}.toml", "--out", path)
         lines = path.read_text(encoding="utf-8").splitlines()
         begin = next(i for i, line in enumerate(lines) if line.startswith("time_s"))
         kept = [line for line in lines[begin + 1:] if float(line.split(",")[0]) <= seconds]
@@ -93,9 +91,13 @@ class Equality(unittest.TestCase):
         self.assert_same(CHEWING, {"estimator": "published"}, ["--estimator", "published"])
 
     def test_drive(self):
-        recording = self.simulated("chewing", 20)
-        if condyle.read(recording).drive_N is None:
-            self.fail("the scenario has no drive")
+        recording = self.folder / "driven.csv"
+        samples = condyle.read(CHEWING)
+        drive_N = 0.3 * np.sin(samples.time_s) + 2 * samples.position_m
+        drive_N[100:110] = np.nan
+        rows = zip(samples.time_s.tolist(), samples.position_m.tolist(), drive_N.tolist())
+        recording.write_text("time_s,position_m,drive_N\n" + "".join(
+            f"{t!r},{x!r},{'' if math.isnan(f) else repr(f)}\n" for t, x, f in rows))
         estimates = self.assert_same(recording, {"drive_missing": 0}, ["--drive-missing", "0"])
         summary = json.loads(run("replay", recording, "--drive-missing", "0", "--json"))
         self.assertIsNotNone(estimates.friction_Ns_m_of_all)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
@@ -107,7 +108,7 @@ def _times(time: Any) -> Tuple[Any, Any, int]:
 def coordinates_of(position: Any, kind: Optional[str], unit: str) -> Tuple[np.ndarray, int]:
     """Rows of coordinates for the library, and the index of their kind."""
     array = np.asarray(position, dtype=np.float64)
-    rows = array.reshape(len(array), -1) if array.ndim else array.reshape(1, 1)
+    rows = array.reshape(array.shape[0] if array.ndim else 1, math.prod(array.shape[1:]))
     if kind is not None and kind not in KINDS:
         raise InputError(f"kind: must be one of {', '.join(KINDS)}, not {kind!r}")
     index = KINDS.index(kind) if kind is not None else -1
