@@ -12,6 +12,12 @@ namespace condyle::host {
 const std::vector<ExportFormat>& export_formats() {
   static const std::vector<ExportFormat> formats{
       {"c3d", {".c3d"}, "points, analogue channels and events at one rate", false, export_c3d},
+      {"mcap",
+       {".mcap"},
+       "messages of ROS 2 with pose, transforms and estimates, for Foxglove and PlotJuggler",
+       false,
+       export_mcap,
+       true},
       {"trc", {".trc"}, "points at one rate, for OpenSim", false, export_trc},
   };
   return formats;
@@ -23,12 +29,11 @@ const ExportFormat& export_format(const std::string& name, const std::string& ou
   std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   });
-  const auto found =
-      std::find_if(formats.begin(), formats.end(), [&](const ExportFormat& format) {
-        if (!name.empty()) return name == format.name;
-        return std::any_of(format.endings.begin(), format.endings.end(),
-                           [&](const char* ending) { return lower.ends_with(ending); });
-      });
+  const auto found = std::find_if(formats.begin(), formats.end(), [&](const ExportFormat& format) {
+    if (!name.empty()) return name == format.name;
+    return std::any_of(format.endings.begin(), format.endings.end(),
+                       [&](const char* ending) { return lower.ends_with(ending); });
+  });
   if (found != formats.end()) return *found;
   std::string names;
   for (const ExportFormat& format : formats) {

@@ -7,6 +7,7 @@
 // that is missing in ExportData stays missing in the file; if the format cannot say so, refuse.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +22,7 @@ namespace condyle::host {
 struct ExportChoice {
   std::optional<double> units_per_metre;  ///< 1000: mm; none: as is usual for the format
   bool has_decimal_comma = false;         ///< text tables only
+  std::function<bool()> is_stopped = [] { return false; };
 };
 
 /// What a format wrote.
@@ -41,6 +43,7 @@ struct ExportFormat {
   const char* meaning;               ///< one line for the help
   bool takes_decimal_comma;
   Exporter write;
+  bool takes_estimates = false;
 };
 
 /// All formats, the usual one of each ending first.
@@ -51,6 +54,8 @@ const ExportFormat& export_format(const std::string& name, const std::string& ou
 
 /// C3D: points, channels and events at one rate.
 Exported export_c3d(const ExportData& data, const ExportChoice& choice, const std::string& out);
+/// MCAP: everything, with estimates.
+Exported export_mcap(const ExportData& data, const ExportChoice& choice, const std::string& out);
 /// TRC: points at one rate.
 Exported export_trc(const ExportData& data, const ExportChoice& choice, const std::string& out);
 
