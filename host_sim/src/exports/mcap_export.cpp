@@ -122,7 +122,8 @@ class McapFile {
 
   void add_channels() {
     const auto facts = [](const ExportSeries& series) {
-      hal::McapPairs pairs = {{"provenance", provenance_name(series.provenance)},
+      hal::McapPairs pairs = {{"name", series.name},
+                              {"provenance", provenance_name(series.provenance)},
                               {"unit", series.unit}};
       if (!series.assumption.empty()) pairs.emplace_back("assumption", series.assumption);
       return pairs;

@@ -57,6 +57,7 @@ class CdrReader {
   }
   bool ok() const { return ok_; }
 
+  std::uint8_t number8() { return static_cast<std::uint8_t>(take(1)); }
   std::uint32_t number32() { return static_cast<std::uint32_t>(take(4)); }
   double number64() { return std::bit_cast<double>(take(8)); }
   std::string_view text() {
