@@ -11,7 +11,7 @@
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "options/analysis_options.h"
-#include "options/export_options.h"
+#include "options/table_options.h"
 #include "output/progress.h"
 #include "output/report_text.h"
 
@@ -21,7 +21,7 @@ namespace {
 struct ExportCommandOptions {
   std::string recording, out, format;
   RecordingChoice reading;
-  ExportOptions writing;
+  TableForm form;
 };
 
 std::string summary(const ExportData& data, const ExportFormat& format,
@@ -36,8 +36,8 @@ std::string summary(const ExportData& data, const ExportFormat& format,
   for (const ExportSeries& series : data.series) {
     std::size_t there = 0;
     for (std::size_t k = 0; k < data.samples(); ++k) there += series.is_there(k) ? 1U : 0U;
-    text.line("", fmt::format("{} ({}): {} measured, {} missing", series.name, series.quantity,
-                              there, data.samples() - there));
+    text.line("", fmt::format("{} ({}): {} {}, {} missing", series.name, series.quantity, there,
+                              provenance_name(series.provenance), data.samples() - there));
   }
   for (const std::string& note : notes) text.line("note", note);
   return text.text();
@@ -47,7 +47,7 @@ std::string summary(const ExportData& data, const ExportFormat& format,
 void add_estimates(const ExportCommandOptions& options, ExportData& data) {
   try {
     data.estimates = std::make_shared<ExportEstimates>(options.recording, options.reading,
-                                                       options.writing.resample_Hz);
+                                                       options.form.resample_Hz, stop_requested);
   } catch (const InputError& error) {
     data.notes.push_back(fmt::format("no estimates: {}", error.what()));
   }
@@ -55,7 +55,7 @@ void add_estimates(const ExportCommandOptions& options, ExportData& data) {
 
 int run(const ExportCommandOptions& options) {
   const ExportFormat& format = export_format(options.format, options.out);
-  if (options.writing.has_decimal_comma && !format.takes_decimal_comma) {
+  if (options.form.has_decimal_comma && !format.takes_decimal_comma) {
     throw InputError("--decimal-comma", fmt::format("is given, and {} has points", format.name),
                      "leave it out, or write CSV");
   }
@@ -70,13 +70,9 @@ int run(const ExportCommandOptions& options) {
     });
   }
   if (stop_requested()) return report_stop();
-  if (options.writing.resample_Hz) resample(data, *options.writing.resample_Hz);
+  if (options.form.resample_Hz) resample(data, *options.form.resample_Hz);
   if (format.takes_estimates) add_estimates(options, data);
-  Exported written = format.write(data,
-                                  {.units_per_metre = options.writing.units_per_metre,
-                                   .has_decimal_comma = options.writing.has_decimal_comma,
-                                   .is_stopped = stop_requested},
-                                  options.out);
+  Exported written = format.write(data, options.form, options.out);
   if (stop_requested()) return report_stop();
   std::vector<std::string> notes = data.info.notes;
   notes.insert(notes.end(), data.notes.begin(), data.notes.end());
@@ -100,15 +96,16 @@ Command add_export(CommandLine app) {
   command.add_option("RECORDING", options->recording, "As for replay; all points are taken")
       .required();
   const CommandLine output = command.group("Output");
-  output.add_option("-o,--out=FILE", options->out, "The file; its ending chooses the format")
-      .required();
+  const Option out =
+      output.add_option("-o,--out=FILE", options->out, "The file; its ending chooses the format")
+          .required();
   std::string formats;
   for (const ExportFormat& format : export_formats()) {
     formats += (formats.empty() ? "" : ", ") + std::string(format.name);
   }
   output.add_option("--format", options->format,
                     "One of " + formats + ", if the ending of the file does not say");
-  add_export_options(output, "as usual for the format", options->writing);
+  add_table_options(command, options->form, out, "as is usual for the format");
   add_recording_options(command, options->reading);
   return [options] { return run(*options); };
 }

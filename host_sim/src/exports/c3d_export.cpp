@@ -37,11 +37,11 @@ struct Analog {
 
 class C3dFile {
  public:
-  C3dFile(const ExportData& data, const ExportChoice& choice, Exported& result)
+  C3dFile(const ExportData& data, const TableForm& form, Exported& result)
       : data_(data),
         result_(result),
         points_(data.points()),
-        per_metre_(choice.units_per_metre.value_or(1000)),
+        per_metre_(form.lengths_per_m(1000)),
         even_(even_times(data)) {
     refuse_if(points_.size() > kMostNumber, "has more than 65535 points");
     add_series();
@@ -283,9 +283,9 @@ class C3dFile {
 
 }  // namespace
 
-Exported export_c3d(const ExportData& data, const ExportChoice& choice, const std::string& out) {
+Exported export_c3d(const ExportData& data, const TableForm& form, const std::string& out) {
   Exported result;
-  C3dFile c3d(data, choice, result);
+  C3dFile c3d(data, form, result);
   result.files.push_back(std::make_unique<OutputFile>(out));
   c3d.write(*result.files.back());
   result.files.back()->close();

@@ -147,9 +147,10 @@ void note_even_times(const ExportData& data, const EvenTimes& even, bool keeps_s
                                 empty, empty == 1 ? "" : "s"));
   }
   if (even.largest_shift_s > 1e-6) {
-    notes.push_back(fmt::format("the format has even times at {:g} Hz: samples moved by up to "
-                                "{:.3g} ms",
-                                even.rate_Hz, even.largest_shift_s * 1e3));
+    notes.push_back(
+        fmt::format("the format has even times at {:g} Hz: samples moved by up to "
+                    "{:.3g} ms",
+                    even.rate_Hz, even.largest_shift_s * 1e3));
   }
   if (!keeps_start && data.time_ns[0] != 0) {
     notes.push_back(fmt::format("times begin at 0, which is {:.6f} s of the recording",

@@ -45,9 +45,9 @@ std::vector<std::string> distinct_names(const std::vector<std::string>& names,
     distinct.push_back(std::move(name));
   }
   if (changed > 0) {
-    notes.push_back(fmt::format(
-        "{} point{} without a name, or with one that another has, got a new one", changed,
-        changed == 1 ? "" : "s"));
+    notes.push_back(
+        fmt::format("{} point{} without a name, or with one that another has, got a new one",
+                    changed, changed == 1 ? "" : "s"));
   }
   return distinct;
 }
@@ -70,11 +70,8 @@ class SeriesReader {
     }
     points_ = data_.series.size();
     if (info.has_drive) {
-      data_.series.push_back({.name = "drive",
-                              .quantity = "force",
-                              .components = {""},
-                              .unit = "N",
-                              .values = {}});
+      data_.series.push_back(
+          {.name = "drive", .quantity = "force", .components = {""}, .unit = "N", .values = {}});
     }
   }
 
@@ -110,8 +107,8 @@ class SeriesReader {
   void finish() {
     const auto note = [&](std::uint64_t count, const char* what) {
       if (count == 0) return;
-      data_.notes.push_back(fmt::format("{} sample{} {} left out: {}", count,
-                                        count == 1 ? "" : "s", count == 1 ? "is" : "are", what));
+      data_.notes.push_back(fmt::format("{} sample{} {} left out: {}", count, count == 1 ? "" : "s",
+                                        count == 1 ? "is" : "are", what));
     };
     note(without_time_, "without a time");
     note(not_later_, "not later than the one before");

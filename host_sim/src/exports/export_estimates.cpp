@@ -13,10 +13,12 @@
 namespace condyle::host {
 
 ExportEstimates::ExportEstimates(const std::string& source, RecordingChoice choice,
-                                 std::optional<double> resample_Hz)
+                                 std::optional<double> resample_Hz,
+                                 std::function<bool()> is_stopped)
     : source_(source),
       choice_(std::move(choice)),
       resample_Hz_(resample_Hz),
+      is_stopped_(std::move(is_stopped)),
       facebow_(source, choice_.reading, 0, clock_) {
   if (facebow_.open() != hal::Status::ok) throw InputError(facebow_.problem());
   info_ = facebow_.info();
@@ -26,8 +28,7 @@ ExportEstimates::ExportEstimates(const std::string& source, RecordingChoice choi
                    source_, "its median step", "check the unit of time_s");
 }
 
-void ExportEstimates::run(const std::function<void(const EstimateRow&)>& take,
-                          const std::function<bool()>& is_stopped) {
+void ExportEstimates::run(const std::function<void(const EstimateRow&)>& take) {
   std::optional<ResampledRows> resampled;
   if (resample_Hz_) resampled.emplace(*resample_Hz_);
   firmware::with_recommended_sensor<double>(
@@ -42,7 +43,7 @@ void ExportEstimates::run(const std::function<void(const EstimateRow&)>& take,
                 const EstimateRow row = row_of(estimate, choice_.followed.axis);
                 resampled ? resampled->add(row, take) : take(row);
               },
-              [&] { return is_stopped() || !facebow_.problem().empty(); }));
+              [&] { return is_stopped_() || !facebow_.problem().empty(); }));
         };
         if constexpr (firmware::kIdentifying<Sensor>) {
           DriveChannel* const own_drive = nullptr;

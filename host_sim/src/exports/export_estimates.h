@@ -21,7 +21,7 @@ class ExportEstimates {
   /// Without delay, with default parameters or those that the recording holds. `resample_Hz`: see
   /// ResampledRows. Throws InputError if the recording has no single point to follow.
   ExportEstimates(const std::string& source, RecordingChoice choice,
-                  std::optional<double> resample_Hz);
+                  std::optional<double> resample_Hz, std::function<bool()> is_stopped);
 
   int axis_count() const { return info_.kind == SampleKind::one_axis ? 1 : 3; }
   bool has_impedance() const { return info_.has_drive; }
@@ -29,14 +29,14 @@ class ExportEstimates {
   std::string followed() const { return choice_.text(info_.kind); }
   double assumed_mass_kg() const { return parameters_.assumed_mass_kg; }
 
-  /// Passes each row to `take`, until `is_stopped`.
-  void run(const std::function<void(const EstimateRow&)>& take,
-           const std::function<bool()>& is_stopped);
+  /// Passes each row to `take`, until `is_stopped`; once.
+  void run(const std::function<void(const EstimateRow&)>& take);
 
  private:
   std::string source_;
   RecordingChoice choice_;
   std::optional<double> resample_Hz_;
+  std::function<bool()> is_stopped_;
   hal::SteadyClock clock_;
   ReplayFacebow facebow_;
   RecordingInfo info_;

@@ -7,23 +7,15 @@
 // that is missing in ExportData stays missing in the file; if the format cannot say so, refuse.
 #pragma once
 
-#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "exports/export_data.h"
 #include "output/output_file.h"
+#include "output/table_form.h"
 
 namespace condyle::host {
-
-/// How it is written.
-struct ExportChoice {
-  std::optional<double> units_per_metre;  ///< 1000: mm; none: as is usual for the format
-  bool has_decimal_comma = false;         ///< text tables only
-  std::function<bool()> is_stopped = [] { return false; };
-};
 
 /// What a format wrote.
 struct Exported {
@@ -31,9 +23,9 @@ struct Exported {
   std::vector<std::string> notes;                  ///< on what the format does not hold
 };
 
-/// Writes `data` to the file, or into the folder, `out`. Throws InputError if the format cannot
-/// hold it.
-using Exporter = Exported (*)(const ExportData& data, const ExportChoice& choice,
+/// Writes `data`, already resampled, to the file, or into the folder, `out`. Throws InputError if
+/// the format cannot hold it.
+using Exporter = Exported (*)(const ExportData& data, const TableForm& form,
                               const std::string& out);
 
 /// A format.
@@ -53,10 +45,10 @@ const std::vector<ExportFormat>& export_formats();
 const ExportFormat& export_format(const std::string& name, const std::string& out);
 
 /// C3D: points, channels and events at one rate.
-Exported export_c3d(const ExportData& data, const ExportChoice& choice, const std::string& out);
+Exported export_c3d(const ExportData& data, const TableForm& form, const std::string& out);
 /// MCAP: everything, with estimates.
-Exported export_mcap(const ExportData& data, const ExportChoice& choice, const std::string& out);
+Exported export_mcap(const ExportData& data, const TableForm& form, const std::string& out);
 /// TRC: points at one rate.
-Exported export_trc(const ExportData& data, const ExportChoice& choice, const std::string& out);
+Exported export_trc(const ExportData& data, const TableForm& form, const std::string& out);
 
 }  // namespace condyle::host

@@ -54,9 +54,9 @@ std::string note_on_left_out(const ExportData& data, bool holds_channels, bool h
   if (!holds_events && !data.events.empty()) {
     left_out.push_back(fmt::format("{} events", data.events.size()));
   }
-  return left_out.empty() ? std::string()
-                          : "the format does not hold, and the file lacks: " +
-                                list_of_points(left_out);
+  return left_out.empty()
+             ? std::string()
+             : "the format does not hold, and the file lacks: " + list_of_points(left_out);
 }
 
 }  // namespace condyle::host

@@ -45,9 +45,9 @@ class McapFile {
     add_channels();
   }
 
-  void write(const std::function<bool()>& is_stopped) {
+  void write() {
     if (data_.estimates) {
-      data_.estimates->run([this](const EstimateRow& row) { add_estimate(row); }, is_stopped);
+      data_.estimates->run([this](const EstimateRow& row) { add_estimate(row); });
     }
     add_until(std::numeric_limits<TimeNs>::max());
     flush(true);
@@ -289,14 +289,14 @@ class McapFile {
 
 }  // namespace
 
-Exported export_mcap(const ExportData& data, const ExportChoice& choice, const std::string& out) {
-  if (choice.units_per_metre.value_or(1) != 1) {
+Exported export_mcap(const ExportData& data, const TableForm& form, const std::string& out) {
+  if (form.is_in_mm) {
     throw InputError("--out-unit mm", "is given, and messages of ROS 2 are in metres",
                      "leave it out");
   }
   Exported result;
   result.files.push_back(std::make_unique<OutputFile>(out));
-  McapFile(data, *result.files.back()).write(choice.is_stopped);
+  McapFile(data, *result.files.back()).write();
   result.files.back()->close();
   return result;
 }

@@ -42,14 +42,14 @@ std::string header(const ExportData& data, const std::vector<const ExportSeries*
 
 }  // namespace
 
-Exported export_trc(const ExportData& data, const ExportChoice& choice, const std::string& out) {
+Exported export_trc(const ExportData& data, const TableForm& form, const std::string& out) {
   const std::vector<const ExportSeries*> points = data.points();
   if (points.empty()) {
     throw InputError(data.source, "has no points in space, which TRC holds",
                      "export to CSV or MAT");
   }
   const EvenTimes even = even_times(data);
-  const double per_metre = choice.units_per_metre.value_or(1000);
+  const double per_metre = form.lengths_per_m(1000);
   Exported result;
   result.files.push_back(std::make_unique<OutputFile>(out));
   OutputFile& file = *result.files.back();
@@ -60,8 +60,7 @@ Exported export_trc(const ExportData& data, const ExportChoice& choice, const st
   for (std::size_t frame = 0; frame < even.frames; ++frame) {
     const bool has_sample = k < data.samples() && even.frame_of[k] == frame;
     row = fmt::format("{}\t", frame + 1);
-    append_time_s(row,
-                  data.time_ns[0] + nanoseconds(static_cast<double>(frame) / even.rate_Hz));
+    append_time_s(row, data.time_ns[0] + nanoseconds(static_cast<double>(frame) / even.rate_Hz));
     for (const ExportSeries* point : points) {
       const bool is_there = has_sample && point->is_there(k);
       bool is_zero = is_there;
