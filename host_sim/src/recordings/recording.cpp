@@ -28,13 +28,8 @@ namespace {
 
 constexpr std::string_view kFormats =
     "condyle reads CSV with named columns (time_s,position_m), C3D, TRC, TSV of Qualisys, CSV of "
-<<<<<<< HEAD
-    "Vicon and Motive, text of NDI, positions of Carstens, Motion-BIDS, ArtiSynth probe text, "
-    "Zebris XML exports, SSFF, session logs and exports (MCAP) and captures of USB traffic (pcap, "
-=======
     "Vicon and Motive, text of NDI, positions of Carstens, Motion-BIDS, MAT, XDF, ArtiSynth probe "
     "text, Zebris XML exports, SSFF, session logs (MCAP) and captures of USB traffic (pcap, "
->>>>>>> main
     "pcapng)";
 
 // Control characters that are not in the text formats; bytes from 0x80 on may be UTF-8.
