@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "hosted/files/input_error.h"
 #include "hosted/files/text_file.h"
 #include "hosted/files/toml_reader.h"
+#include "hosted/lsl/stream_search.h"
 
 namespace condyle::box {
 namespace {
@@ -77,18 +79,32 @@ class Reader {
     const auto spec = host::parse_source(has_colon ? text : text + ":");
     if (!spec || spec->kind == Kind::sim) {
       throw InputError(toml_.place(section, "source"), "\"" + text + "\" is not a source",
-                       "write hid:PROFILE, usb:PROFILE, file:LOG or synth:PROFILE");
+                       "write hid:PROFILE, usb:PROFILE, file:LOG, synth:PROFILE or lsl:NAME");
     }
     if (spec->file.empty()) {
-      throw InputError(toml_.place(section, "source"), "\"" + text + "\" does not name a file",
-                       "write the file after the colon");
+      throw InputError(toml_.place(section, "source"), "\"" + text + "\" does not name a file or stream",
+                       "write it after the colon");
     }
     source.kind = spec->kind;
-    source.file = file(spec->file);
+    source.file = spec->kind == Kind::lsl ? spec->file : file(spec->file);
+    read_stream(section, source);
     toml_.text(section, "serial", source.serial);
-    if (!source.serial.empty() && (source.kind == Kind::file || source.kind == Kind::synth)) {
+    if (!source.serial.empty() && source.kind != Kind::hid && source.kind != Kind::usb) {
       throw InputError(toml_.place(section, "serial"), "only devices have a serial number",
                        "leave it out");
+    }
+  }
+
+  void read_stream(const std::string& section, SourceSettings& source) {
+    if (source.kind != SourceSettings::Kind::lsl) return;
+    (void)host::lsl::parse_stream_place(source.file);
+    std::string channels;
+    if (toml_.text(section, "channels", channels)) {
+      source.stream.channels = host::lsl::split_channels(channels);
+    }
+    std::size_t unit = 0;
+    if (toml_.choice(section, "unit", unit, {"m", "cm", "mm", "um"})) {
+      source.stream.unit = std::array{"m", "cm", "mm", "um"}[unit];
     }
   }
 

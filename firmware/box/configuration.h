@@ -15,6 +15,7 @@
 #include "hosted/devices/source_spec.h"
 #include "hosted/estimates/followed_cycles.h"
 #include "hosted/estimates/pose_choice.h"
+#include "hosted/lsl/stream_layout.h"
 
 namespace condyle::box {
 
@@ -26,6 +27,7 @@ struct SourceSettings {
   Kind kind = Kind::synth;
   std::string file;
   std::string serial;  ///< of a device; empty: any device
+  host::lsl::StreamChoice stream;  ///< what the channels of a stream are
 };
 
 /// All settings, with their defaults.

@@ -49,7 +49,7 @@ std::string histogram_text(const char* name, const firmware::LatencyHistogram& h
 std::string test_latency(const Configuration& configuration, double duration_s, hal::Clock& clock,
                          const std::function<bool()>& should_stop) {
   const SourceSettings& settings = configuration.facebow;
-  host::ConfiguredFacebow facebow({settings.kind, settings.file}, settings.serial, clock);
+  host::ConfiguredFacebow facebow({settings.kind, settings.file}, settings.serial, clock, settings.stream);
   facebow.find(should_stop);
   ReconnectingSource source(facebow.source(), clock);
   const auto engine = std::make_unique<Engine>(source, facebow.profile(), configuration, clock);

@@ -9,7 +9,7 @@
 namespace condyle::host {
 
 ConfiguredFacebow::ConfiguredFacebow(const SourceSpec& spec, const std::string& serial,
-                                     hal::Clock& clock)
+                                     hal::Clock& clock, const lsl::StreamChoice& choice)
     : name_(spec.file) {
   switch (spec.kind) {
     case SourceKind::file:
@@ -36,6 +36,12 @@ ConfiguredFacebow::ConfiguredFacebow(const SourceSpec& spec, const std::string& 
       profile_text_ = device_->profile_text;
       profile_ = device_->profile;
       break;
+    case SourceKind::lsl:
+      device_ = std::make_unique<SessionDevice>(
+          make_session_stream(spec.file, choice, clock, [] { return false; }));
+      profile_text_ = device_->profile_text;
+      profile_ = device_->profile;
+      break;
     case SourceKind::sim:
       throw InputError("sim:" + spec.file, "a simulated subject does not send reports",
                        "name a device or a session log");
@@ -54,7 +60,7 @@ void ConfiguredFacebow::find(const std::function<bool()>& stop) {
 }
 
 hal::ReportSource& ConfiguredFacebow::source() {
-  if (device_) return device_->device->source();
+  if (device_) return device_->source();
   if (log_) return *log_;
   return *synthetic_;
 }

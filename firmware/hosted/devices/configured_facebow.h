@@ -17,9 +17,10 @@ namespace condyle::host {
 class ConfiguredFacebow {
  public:
   /// Reads the profile or the log's header; throws an InputError if that cannot be used. The device
-  /// may still be absent. A session log is played at its recorded speed. `serial`: of a device;
+  /// may still be absent, but not a stream, which `choice` is for. A session log is played at its recorded speed. `serial`: of a device;
   /// empty: any device. A simulated subject is refused, because it gives samples, not reports.
-  ConfiguredFacebow(const SourceSpec& spec, const std::string& serial, hal::Clock& clock);
+  ConfiguredFacebow(const SourceSpec& spec, const std::string& serial, hal::Clock& clock,
+                    const lsl::StreamChoice& choice = {});
 
   /// Looks for the device, completes the profile from its descriptor, and from then on accepts only
   /// its serial number. Throws an InputError if the device is absent or access is denied.
@@ -30,7 +31,7 @@ class ConfiguredFacebow {
   const hal::DeviceProfile& profile() const { return profile_; }
   const std::string& profile_text() const { return profile_text_; }
   const std::vector<std::uint8_t>& descriptor() const { return descriptor_; }
-  /// The device, or null for other sources.
+  /// The device or stream, or null for other sources.
   const SessionDevice* device() const { return device_.get(); }
   /// The synthetic facebow, or null for other sources.
   const SyntheticSource* synthetic() const { return synthetic_.get(); }

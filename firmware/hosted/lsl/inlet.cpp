@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hosted/lsl/inlet.h"
 
+#include <fmt/format.h>
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -315,6 +316,23 @@ hal::Status Inlet::read(TimeNs deadline_ns, hal::RawReport& report) {
     if (items[0].revents != 0) receive(clock_.now_ns());
     if (ready == 0 && clock_.now_ns() >= deadline_ns) return hal::Status::timeout;
   }
+}
+
+std::string clock_text(const Inlet& inlet) {
+  const ClockOffset& offset = inlet.clock_offset();
+  const InletCounts& counts = inlet.inlet_counts();
+  if (!offset.is_known()) return "the sender's clock was not measured";
+  std::string text = fmt::format(
+      "the sender's clock was measured {} times, the last time within {:.3g} ms", counts.waves,
+      offset.uncertainty_s() * 1e3);
+  if (counts.failed_waves > 0) {
+    text += fmt::format("; {} measurements failed", counts.failed_waves);
+  }
+  if (offset.steps() > 0) text += fmt::format("; it stepped {} times", offset.steps());
+  if (counts.untimed > 0) {
+    text += fmt::format("; {} samples without a usable time were dropped", counts.untimed);
+  }
+  return text;
 }
 
 void Inlet::close() {

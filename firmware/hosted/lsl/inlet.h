@@ -94,4 +94,7 @@ class Inlet final : public hal::ReportSource {
   std::string problem_;
 };
 
+/// How the sender's clock relates to this machine's, for a summary.
+std::string clock_text(const Inlet& inlet);
+
 }  // namespace condyle::host::lsl

@@ -197,6 +197,18 @@ std::string profile_of(const StreamInfo& info, const Coordinates& coordinates,
 
 }  // namespace
 
+std::vector<std::string> split_channels(const std::string& text) {
+  std::vector<std::string> channels;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::size_t first = text.find_first_not_of(' ', begin);
+    const std::size_t last = text.find_last_not_of(' ', end == 0 ? 0 : end - 1);
+    channels.push_back(first < end ? text.substr(first, last + 1 - first) : "");
+    begin = end + 1;
+  }
+  return channels;
+}
+
 StreamLayout layout_of_stream(const StreamInfo& info, const StreamChoice& choice,
                               const std::string& where) {
   if (info.format == ChannelFormat::string) {

@@ -30,6 +30,9 @@ struct StreamChoice {
   std::string unit;  ///< "m", "cm", "mm" or "um"; empty: as the stream says
 };
 
+/// The channels in "jaw_x, jaw_y, 7".
+std::vector<std::string> split_channels(const std::string& text);
+
 /// How the samples of a stream are stored and read.
 struct StreamLayout {
   std::string profile_toml;          ///< of the reports

@@ -18,6 +18,7 @@
 #include "hosted/files/text_file.h"
 #include "options/analysis_options.h"
 #include "options/command_line.h"
+#include "options/stream_options.h"
 #include "report/report_page.h"
 
 namespace condyle::host {
@@ -30,6 +31,7 @@ struct LiveOptions {
   std::string sessions = "sessions";
   std::vector<std::string> jaw_points;
   FollowedChoice choice;
+  lsl::StreamChoice stream;
   int port = 0;
   double duration_s = 0;
 };
@@ -60,7 +62,7 @@ class SessionsFolder {
 SourceSpec parse_live_source(const std::string& text) {
   const SourceSpec spec = source_of(text);
   if (spec.file.empty()) {
-    throw InputError(text, "does not name a file", "write the file after the colon");
+    throw InputError(text, "does not name a file or stream", "write it after the colon");
   }
   if (spec.kind == SourceKind::sim) {
     throw InputError(text, "a simulated subject does not send reports",
@@ -93,7 +95,7 @@ box::Configuration configuration_of(const LiveOptions& options, const SourceSpec
                                     SampleKind kind,
                                     const std::shared_ptr<std::atomic<int>>& reports) {
   box::Configuration configuration;
-  configuration.facebow = {"facebow", spec.kind, spec.file, options.serial};
+  configuration.facebow = {"facebow", spec.kind, spec.file, options.serial, options.stream};
   configuration.followed = options.choice.followed;
   if (kind == SampleKind::three_points || kind == SampleKind::pose) {
     PoseOptions pose;
@@ -120,9 +122,11 @@ box::Configuration configuration_of(const LiveOptions& options, const SourceSpec
 
 int show_live(const LiveOptions& options) {
   const SourceSpec spec = parse_live_source(options.source);
+  refuse_without_stream(options.stream, spec.kind == SourceKind::lsl);
   if (!options.landmarks.empty()) static_cast<void>(load_landmarks(options.landmarks));
   hal::SteadyClock clock;
-  const SampleKind kind = ConfiguredFacebow(spec, options.serial, clock).profile().kind;
+  const SampleKind kind = 
+      ConfiguredFacebow(spec, options.serial, clock, options.stream).profile().kind;
   options.choice.check(options.source, kind);
   const auto reports = std::make_shared<std::atomic<int>>(0);
   const box::Configuration configuration = configuration_of(options, spec, kind, reports);
@@ -155,13 +159,14 @@ Command add_live(CommandLine app) {
   command
       .add_option("SOURCE", options->source,
                   "hid:PROFILE or usb:PROFILE, a device; file:LOG, a session log; synth:PROFILE, a "
-                  "jaw that chews")
+                  "jaw that chews; lsl:NAME, a stream of the Lab Streaming Layer")
       .required();
   command.add_option("--port", options->port, "Port of the page on 127.0.0.1; 0: any free one")
       .within(0, kHighestPort)
       .show_default();
   command.add_option("--sessions=FOLDER", options->sessions, "Folder for the recorded sessions")
       .show_default();
+  add_stream_options(command, options->stream);
   command.add_option("--serial", options->serial, "Serial number, if several are plugged in");
   command.add_option("--parameters=FILE", options->parameters,
                      "TOML file with parameters of the recommended estimator");

@@ -18,11 +18,13 @@
 #include "hosted/devices/device_text.h"
 #include "hosted/devices/run_settings.h"
 #include "hosted/devices/session_device.h"
+#include "hosted/devices/source_spec.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/text_file.h"
 #include "hosted/files/wall_clock.h"
 #include "options/analysis_options.h"
 #include "options/command_line.h"
+#include "options/stream_options.h"
 #include "output/live_estimates.h"
 #include "output/report_text.h"
 
@@ -31,10 +33,11 @@ namespace {
 
 struct RecordOptions {
   std::vector<std::string> companions;  // profiles
-  std::string profile, out, estimates, parameters, subject;
+  std::string source, profile, out, estimates, parameters, subject;
   std::string backend = "hidapi";
   std::string serial;
   FollowedChoice choice;
+  lsl::StreamChoice stream;
   PoseOptions pose;
   CycleOptions cycles;
   double duration_s = 0, idle_s = 0;
@@ -135,16 +138,18 @@ std::string latency_text(const firmware::LatencyHistogram& latency) {
                      us(latency.largest_ns()));
 }
 
-std::string summary(const RecordOptions& options, const hal::DeviceProfile& profile,
+std::string summary(const RecordOptions& options, const SessionDevice& device,
                     const hal::DeviceFacebow& facebow, const hal::SessionLogStatus& log,
                     const std::vector<std::unique_ptr<RecordedCompanion>>& companions,
                     const LiveFiles& files, const firmware::LatencyHistogram& latency,
                     TimeNs elapsed_ns) {
+  const hal::DeviceProfile& profile = device.profile;
   ReportText report(12);
   const auto line = [&report](const char* label, const std::string& words) {
     report.line(label, words);
   };
-  line("device", fmt::format("{}, through {}", profile.name, options.backend));
+  line("device", device.inlet ? profile.name : fmt::format("{}, through {}", profile.name, options.backend));
+  if (device.inlet) line("clock", lsl::clock_text(*device.inlet));
   line("duration", fmt::format("{:.3f} s", seconds(elapsed_ns)));
   line("reports", reports_text(profile, facebow.counts(), facebow.transport_counts()));
   if (profile.device_time) line("clock", clock_text(facebow.clock_fit()));
@@ -174,7 +179,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
                    const RecommendedParameters& parameters, hal::SessionLogWriter& log,
                    LiveFiles& files, hal::Clock& clock) {
   const hal::DeviceProfile& profile = devices.front().profile;
-  hal::RecordedSource source(devices.front().device->source(), log, 0, clock);
+  hal::RecordedSource source(devices.front().source(), log, 0, clock);
   hal::DeviceFacebow facebow(source, hal::layout_of(profile));
   // The device was found a moment ago, so any failure is treated like an unplugging: wait for it.
   bool has_failed = false;
@@ -235,7 +240,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
   const hal::SessionLogFailure failure = log.close();
   files.finish();
   print_output(
-      summary(options, profile, facebow, log.status(), companions, files, latency, elapsed_ns));
+      summary(options, devices.front(), facebow, log.status(), companions, files, latency, elapsed_ns));
   if (failure != hal::SessionLogFailure::none) {
     print_error(fmt::format("{}: recording stopped: {}; the part already on the disk is intact",
                             options.out, hal::session_log_failure_name(failure)));
@@ -251,6 +256,29 @@ std::pair<std::string, std::string> split_serial(const std::string& text) {
   const std::size_t at = text.rfind('@');
   if (at == std::string::npos || std::filesystem::exists(text)) return {text, ""};
   return {text.substr(0, at), text.substr(at + 1)};
+}
+
+// The facebow that SOURCE or --profile names.
+SessionDevice facebow_of(const RecordOptions& options, hal::Clock& clock) {
+  if (options.source.empty() == options.profile.empty()) {
+    throw InputError(options.source.empty() ? "the facebow is not named"
+                                            : "SOURCE and --profile both name the facebow",
+                     "", "give --profile FILE, or lsl:NAME for a stream");
+  }
+  const auto spec = parse_source(options.source);
+  const bool is_stream = spec && spec->kind == SourceKind::lsl;
+  refuse_without_stream(options.stream, is_stream);
+  if (options.source.empty()) {
+    return make_session_device(options.profile, options.serial, options.backend, clock);
+  }
+  if (is_stream) {
+    return make_session_stream(spec->file, options.stream, clock, stop_requested);
+  }
+  if (spec && (spec->kind == SourceKind::hid || spec->kind == SourceKind::usb)) {
+    return make_session_device(spec->file, options.serial, backend_of(spec->kind), clock);
+  }
+  throw InputError(options.source, "is not a source that can be recorded",
+                   "write hid:PROFILE, usb:PROFILE or lsl:NAME");
 }
 
 int record(const RecordOptions& options) {
@@ -276,16 +304,17 @@ int record(const RecordOptions& options) {
   }
   hal::SteadyClock clock;
   std::vector<SessionDevice> devices;
-  devices.push_back(make_session_device(options.profile, options.serial, options.backend, clock));
-  require_position(devices.front().profile, options.profile);
+  devices.push_back(facebow_of(options, clock));
+  const std::string& name = devices.front().name;
+  require_position(devices.front().profile, name);
   for (const auto& [file, serial] : companions) {
     devices.push_back(make_session_device(file, serial, options.backend, clock));
   }
   reject_duplicate_devices(devices);
   const SampleKind kind = devices.front().profile.kind;
-  options.choice.check(options.profile, kind);
+  options.choice.check(name, kind);
   const PoseChoice pose = options.pose.choice();
-  if (!options.pose.file.empty()) refuse_without_pose(options.profile, kind, "leave out --pose");
+  if (!options.pose.file.empty()) refuse_without_pose(name, kind, "leave out --pose");
   for (SessionDevice& device : devices) probe_device(device, stop_requested);
 
   hal::SessionHeader header;
@@ -339,7 +368,10 @@ Command add_record(CommandLine app) {
       "condyle record --profile bow.toml --out session.mcap --estimates live.csv --companion "
       "force.toml",
       "Also write live estimates, and record a force sensor beside the facebow.");
-  command.add_option("--profile=FILE", options->profile, kProfileMeaning).required();
+  command.add_option("SOURCE", options->source,
+                     "lsl:NAME, a stream of the Lab Streaming Layer; hid:PROFILE or usb:PROFILE, "
+                     "a device");
+  command.add_option("--profile=FILE", options->profile, kProfileMeaning);
   command.group("Output")
       .add_option("-o,--out=FILE", options->out, "Session log to write (MCAP); must not exist")
       .required();
@@ -352,6 +384,7 @@ Command add_record(CommandLine app) {
                   "Profile of an instrument to record beside the facebow, such as a force sensor; "
                   "FILE@SERIAL if several are plugged in; may be given several times")
       .one_value_each();
+  add_stream_options(command, options->stream);
   command.add_option("--subject", options->subject, "Pseudonymous code of the subject");
   command.add_option("--estimates=FILE", options->estimates, "CSV file for the estimates");
   command.add_option("--parameters=FILE", options->parameters,

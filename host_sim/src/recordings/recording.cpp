@@ -263,6 +263,9 @@ std::unique_ptr<Recording> open_source(const std::string& source, const Recordin
           fmt::format("record it first: condyle record --profile '{}' --backend {} --out "
                       "session.mcap",
                       spec.file, backend_of(spec.kind)));
+    case SourceKind::lsl:
+      throw InputError(source, "is a stream, not a recording",
+                       "record it first: condyle record '" + source + "' --out session.mcap");
     case SourceKind::synth:
       throw InputError(source, "is a synthetic device, which never ends",
                        "give a recording, or a simulated subject with sim:SCENARIO.toml");
