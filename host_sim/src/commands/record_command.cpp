@@ -261,9 +261,10 @@ std::pair<std::string, std::string> split_serial(const std::string& text) {
 // The facebow that SOURCE or --profile names.
 SessionDevice facebow_of(const RecordOptions& options, hal::Clock& clock) {
   if (options.source.empty() == options.profile.empty()) {
-    throw InputError(options.source.empty() ? "the facebow is not named"
-                                            : "SOURCE and --profile both name the facebow",
-                     "", "give --profile FILE, or lsl:NAME for a stream");
+    throw InputError(options.source.empty() ? "SOURCE" : options.source,
+                     options.source.empty() ? "the facebow is not named"
+                                            : "--profile names a second facebow",
+                     "give either --profile FILE or a source, such as lsl:NAME");
   }
   const auto spec = parse_source(options.source);
   const bool is_stream = spec && spec->kind == SourceKind::lsl;
