@@ -54,6 +54,8 @@ class ClockOffset {
   int answers() const { return answers_; }
   /// The offset to add to `stamp_s` of the sender's clock; call it for each sample in order.
   double at(double stamp_s);
+  /// The one that was used last.
+  double in_use_s() const { return in_use_s_; }
   /// Half the round trip of the best probe: the offset is wrong by this at most (s).
   double uncertainty_s() const { return uncertainty_s_; }
   /// Changes that were taken at once.
