@@ -16,6 +16,7 @@
 #include "hosted/files/input_error.h"
 #include "hosted/files/text_file.h"
 #include "hosted/files/toml_reader.h"
+#include "hosted/lsl/estimate_stream.h"
 #include "hosted/lsl/stream_search.h"
 
 namespace condyle::box {
@@ -58,6 +59,7 @@ class Reader {
     read_cycles();
     read_recording();
     read_udp();
+    read_lsl();
     read_http();
     toml_.finish();
     return result_;
@@ -238,6 +240,20 @@ class Reader {
   void read_udp() {
     read_address("udp", result_.udp_address);
     read_port("udp", result_.udp_port);
+  }
+
+  void read_lsl() {
+    std::string name, address = "127.0.0.1";
+    toml_.text("lsl", "name", name);
+    toml_.text("lsl", "address", address);
+    if (!host::lsl::parse_ipv4(address)) {
+      throw InputError(toml_.place("lsl", "address"),
+                       "\"" + address + "\" is not a numeric IPv4 address",
+                       "write an address of this computer, such as 127.0.0.1");
+    }
+    if (name.empty()) return;
+    result_.lsl_out = name + "@" + address;
+    host::lsl::check_outlet_place(result_.lsl_out);
   }
 
   void read_http() {

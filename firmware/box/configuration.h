@@ -59,6 +59,7 @@ struct Configuration {
 
   std::string udp_address = "127.0.0.1";
   std::uint16_t udp_port = 0;  ///< 0: nothing is sent
+  std::string lsl_out;  ///< NAME@ADDRESS of the streams of estimates and markers; empty: none
   std::string http_address = "127.0.0.1";
   std::uint16_t http_port = 8750;     ///< 0: any that is free
   std::string token;                  ///< empty: no token is required

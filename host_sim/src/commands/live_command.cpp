@@ -32,6 +32,7 @@ struct LiveOptions {
   std::vector<std::string> jaw_points;
   FollowedChoice choice;
   lsl::StreamChoice stream;
+  std::string lsl_out;
   int port = 0;
   double duration_s = 0;
 };
@@ -109,6 +110,7 @@ box::Configuration configuration_of(const LiveOptions& options, const SourceSpec
     configuration.parameters =
         parse_recommended_parameters(options.parameters, configuration.parameters_toml);
   }
+  configuration.lsl_out = options.lsl_out;
   configuration.folder = options.sessions;
   configuration.http_port = static_cast<std::uint16_t>(options.port);
   configuration.priority = 0;
@@ -122,6 +124,7 @@ box::Configuration configuration_of(const LiveOptions& options, const SourceSpec
 
 int show_live(const LiveOptions& options) {
   const SourceSpec spec = parse_live_source(options.source);
+  if (!options.lsl_out.empty()) lsl::check_outlet_place(options.lsl_out);
   refuse_without_stream(options.stream, spec.kind == SourceKind::lsl);
   if (!options.landmarks.empty()) static_cast<void>(load_landmarks(options.landmarks));
   hal::SteadyClock clock;
@@ -167,6 +170,7 @@ Command add_live(CommandLine app) {
   command.add_option("--sessions=FOLDER", options->sessions, "Folder for the recorded sessions")
       .show_default();
   add_stream_options(command, options->stream);
+  add_stream_outlet_option(command, options->lsl_out);
   command.add_option("--serial", options->serial, "Serial number, if several are plugged in");
   command.add_option("--parameters=FILE", options->parameters,
                      "TOML file with parameters of the recommended estimator");

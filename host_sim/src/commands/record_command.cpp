@@ -22,6 +22,7 @@
 #include "hosted/files/input_error.h"
 #include "hosted/files/text_file.h"
 #include "hosted/files/wall_clock.h"
+#include "hosted/lsl/estimate_stream.h"
 #include "options/analysis_options.h"
 #include "options/command_line.h"
 #include "options/stream_options.h"
@@ -38,6 +39,7 @@ struct RecordOptions {
   std::string serial;
   FollowedChoice choice;
   lsl::StreamChoice stream;
+  std::string lsl_out;
   PoseOptions pose;
   CycleOptions cycles;
   double duration_s = 0, idle_s = 0;
@@ -115,11 +117,13 @@ struct LiveFiles {
   std::unique_ptr<LiveEstimates> estimates;
   std::unique_ptr<LivePoses> poses;
   std::unique_ptr<LiveCycles> cycles;
+  std::unique_ptr<lsl::EstimateStream> stream;
 
   void finish() {
     if (estimates) estimates->finish();
     if (poses) poses->finish();
     if (cycles) cycles->finish();
+    if (stream) stream->finish();
   }
   // Why a file is not complete; empty if all are.
   std::string problem() const {
@@ -172,6 +176,7 @@ std::string summary(const RecordOptions& options, const SessionDevice& device,
   live_line("estimates", options.estimates, files.estimates);
   live_line("poses", options.pose.file, files.poses);
   live_line("cycles", options.cycles.file, files.cycles);
+  if (files.stream) line("stream", files.stream->summary());
   return report.text();
 }
 
@@ -201,6 +206,13 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
   const auto take_cycle = [&](const std::optional<FoundCycle>& cycle) {
     if (cycle) files.cycles->add(*cycle);
   };
+  std::uint64_t disconnections = 0;
+  const auto mark_disconnections = [&] {
+    if (!files.stream || facebow.transport_counts().disconnections == disconnections) return;
+    disconnections = facebow.transport_counts().disconnections;
+    files.stream->mark("facebow disconnected");
+  };
+  if (files.stream) files.stream->mark("recording started");
   const auto run = [&](auto sensor) {
     (void)firmware::run(
         facebow, clock, sensor, settings, counts,
@@ -209,6 +221,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
           if (files.estimates && estimate.is_ready) {
             files.estimates->add(row_of(estimate, options.choice.followed.axis));
           }
+          if (files.stream && estimate.is_ready) files.stream->add(estimate);
           if (files.cycles) take_cycle(cycles.add(estimate));
           if constexpr (firmware::kHasPose<std::remove_cvref_t<decltype(estimate)>>) {
             if (estimate.pose.is_ready) files.poses->add(estimate.pose);
@@ -216,6 +229,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
         },
         [&] {
           monitor.look();
+          mark_disconnections();
           return stop_requested() || log.status().failure != hal::SessionLogFailure::none ||
                  (options.samples > 0 && counts.samples >= options.samples) ||
                  (options.idle_s > 0 && seconds(monitor.idle_ns()) >= options.idle_s) ||
@@ -236,6 +250,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
   monitor.end_line();
   const TimeNs elapsed_ns = monitor.elapsed_ns();
   facebow.close();
+  if (files.stream) files.stream->mark("recording stopped");
   for (const auto& companion : companions) companion->companion.stop();
   const hal::SessionLogFailure failure = log.close();
   files.finish();
@@ -344,6 +359,14 @@ int record(const RecordOptions& options) {
   if (!options.cycles.file.empty()) {
     files.cycles = std::make_unique<LiveCycles>(options.cycles.file);
   }
+  if (!options.lsl_out.empty()) {
+    lsl::check_outlet_place(options.lsl_out);
+    const hal::DeviceProfile& profile = devices.front().profile;
+    files.stream = std::make_unique<lsl::EstimateStream>(
+        lsl::EstimateStreamSettings{options.lsl_out, kind == SampleKind::one_axis ? 1 : 3,
+                                    profile.drive_N.has_value(), profile.rate_Hz},
+        clock);
+  }
   hal::SessionLogWriter log;
   const hal::SessionLogFailure failure = log.open(options.out, header);
   if (failure == hal::SessionLogFailure::bad_header) {
@@ -386,6 +409,7 @@ Command add_record(CommandLine app) {
                   "FILE@SERIAL if several are plugged in; may be given several times")
       .one_value_each();
   add_stream_options(command, options->stream);
+  add_stream_outlet_option(command, options->lsl_out);
   command.add_option("--subject", options->subject, "Pseudonymous code of the subject");
   command.add_option("--estimates=FILE", options->estimates, "CSV file for the estimates");
   command.add_option("--parameters=FILE", options->parameters,

@@ -17,6 +17,13 @@ void add_stream_options(CommandLine line, lsl::StreamChoice& choice) {
       .one_of({"m", "cm", "mm", "um"});
 }
 
+void add_stream_outlet_option(CommandLine line, std::string& place) {
+  line.group("Streams").add_option(
+      "--lsl-out=NAME[@ADDRESS]", place,
+      "Offer estimates and markers as the LSL streams NAME and NAME-markers, at an IPv4 address of "
+      "this computer; default: 127.0.0.1, this computer only");
+}
+
 void refuse_without_stream(const lsl::StreamChoice& choice, bool is_stream) {
   if (is_stream) return;
   const char* const option =
