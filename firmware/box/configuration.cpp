@@ -77,6 +77,7 @@ class Reader {
                        "give one, such as source = \"hid:facebow.toml\"");
     }
     using Kind = SourceSettings::Kind;
+    if ((source.stream = host::parse_stream(text))) return read_stream(section, source);
     const bool has_colon = text.find(':') != std::string::npos;
     const auto spec = host::parse_source(has_colon ? text : text + ":");
     if (!spec || spec->kind == Kind::sim) {
@@ -88,25 +89,24 @@ class Reader {
                        "write it after the colon");
     }
     source.kind = spec->kind;
-    source.file = spec->kind == Kind::lsl ? spec->file : file(spec->file);
-    read_stream(section, source);
+    source.file = file(spec->file);
     toml_.text(section, "serial", source.serial);
-    if (!source.serial.empty() && source.kind != Kind::hid && source.kind != Kind::usb) {
+    if (!source.serial.empty() && (source.kind == Kind::file || source.kind == Kind::synth)) {
       throw InputError(toml_.place(section, "serial"), "only devices have a serial number",
                        "leave it out");
     }
   }
 
   void read_stream(const std::string& section, SourceSettings& source) {
-    if (source.kind != SourceSettings::Kind::lsl) return;
-    (void)host::lsl::parse_stream_place(source.file);
+    (void)host::lsl::parse_stream_place(source.stream->place);
+    host::lsl::StreamChoice& choice = source.stream->choice;
     std::string channels;
     if (toml_.text(section, "channels", channels)) {
-      source.stream.channels = host::lsl::split_channels(channels);
+      choice.channels = host::lsl::split_channels(channels);
     }
     std::size_t unit = 0;
     if (toml_.choice(section, "unit", unit, {"m", "cm", "mm", "um"})) {
-      source.stream.unit = std::array{"m", "cm", "mm", "um"}[unit];
+      choice.unit = std::array{"m", "cm", "mm", "um"}[unit];
     }
   }
 
@@ -121,8 +121,8 @@ class Reader {
       SourceSettings companion;
       companion.name = name;
       read_source("companion." + name, companion);
-      if (companion.kind != SourceSettings::Kind::hid &&
-          companion.kind != SourceSettings::Kind::usb) {
+      if (companion.stream || (companion.kind != SourceSettings::Kind::hid &&
+                               companion.kind != SourceSettings::Kind::usb)) {
         throw InputError(toml_.place("companion." + name, "source"), "a companion must be a device",
                          "use hid: or usb:");
       }

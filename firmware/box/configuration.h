@@ -13,9 +13,9 @@
 #include "condyle/estimator/sensors/recommended_parameters.h"
 #include "condyle/hal/log/session_log.h"
 #include "hosted/devices/source_spec.h"
+#include "hosted/devices/stream_spec.h"
 #include "hosted/estimates/followed_cycles.h"
 #include "hosted/estimates/pose_choice.h"
-#include "hosted/lsl/stream_layout.h"
 
 namespace condyle::box {
 
@@ -27,7 +27,7 @@ struct SourceSettings {
   Kind kind = Kind::synth;
   std::string file;
   std::string serial;  ///< of a device; empty: any device
-  host::lsl::StreamChoice stream;  ///< what the channels of a stream are
+  std::optional<host::StreamSpec> stream;  ///< instead of kind and file
 };
 
 /// All settings, with their defaults.

@@ -22,6 +22,11 @@ constexpr std::chrono::seconds kDiskPatience{10};
 
 }  // namespace
 
+host::ConfiguredFacebow configured(const SourceSettings& settings, hal::Clock& clock) {
+  if (settings.stream) return {*settings.stream, clock};
+  return {{settings.kind, settings.file}, settings.serial, clock};
+}
+
 Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
          std::function<TimeNs()> wall_ns)
     : configuration_(configuration),
@@ -29,8 +34,7 @@ Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
       log_(log),
       wall_ns_(std::move(wall_ns)),
       begin_ns_(clock.now_ns()),
-      facebow_({configuration_.facebow.kind, configuration_.facebow.file},
-               configuration_.facebow.serial, clock, configuration_.facebow.stream),
+      facebow_(configured(configuration_.facebow, clock)),
       device_name_(facebow_.profile().name),
       nominal_rate_Hz_(facebow_.profile().rate_Hz),
       keeper_(configuration_, facebow_, clock, log, wall_ns_),
@@ -229,7 +233,9 @@ void Box::feed_watchdog(TimeNs now_ns) {
 BoxStatus Box::status() const {
   BoxStatus status;
   status.running_ns = clock_.now_ns() - begin_ns_;
-  status.source = host::source_kind_name(configuration_.facebow.kind);
+  status.source = configuration_.facebow.stream
+                      ? "lsl"
+                      : host::source_kind_name(configuration_.facebow.kind);
   status.device = device_name_;
   status.nominal_rate_Hz = nominal_rate_Hz_;
   status.records = !configuration_.folder.empty();

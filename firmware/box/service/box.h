@@ -24,6 +24,9 @@
 
 namespace condyle::box {
 
+/// The facebow that `settings` name; throws an InputError.
+host::ConfiguredFacebow configured(const SourceSettings& settings, hal::Clock& clock);
+
 /// The service: one facebow, its estimates, its outlets, its recordings.
 class Box {
  public:

@@ -9,7 +9,7 @@
 namespace condyle::host {
 
 ConfiguredFacebow::ConfiguredFacebow(const SourceSpec& spec, const std::string& serial,
-                                     hal::Clock& clock, const lsl::StreamChoice& choice)
+                                     hal::Clock& clock)
     : name_(spec.file) {
   switch (spec.kind) {
     case SourceKind::file:
@@ -36,17 +36,19 @@ ConfiguredFacebow::ConfiguredFacebow(const SourceSpec& spec, const std::string& 
       profile_text_ = device_->profile_text;
       profile_ = device_->profile;
       break;
-    case SourceKind::lsl:
-      device_ = std::make_unique<SessionDevice>(
-          make_session_stream(spec.file, choice, clock, [] { return false; }));
-      profile_text_ = device_->profile_text;
-      profile_ = device_->profile;
-      break;
     case SourceKind::sim:
       throw InputError("sim:" + spec.file, "a simulated subject does not send reports",
                        "name a device or a session log");
   }
   require_position(profile_, name_);
+}
+
+ConfiguredFacebow::ConfiguredFacebow(const StreamSpec& stream, hal::Clock& clock)
+    : name_("lsl:" + stream.place),
+      device_(std::make_unique<SessionDevice>(
+          make_session_stream(stream, clock, [] { return false; }))) {
+  profile_text_ = device_->profile_text;
+  profile_ = device_->profile;
 }
 
 void ConfiguredFacebow::find(const std::function<bool()>& stop) {

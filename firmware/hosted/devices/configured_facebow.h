@@ -9,6 +9,7 @@
 #include "hosted/devices/log_replay_source.h"
 #include "hosted/devices/session_device.h"
 #include "hosted/devices/source_spec.h"
+#include "hosted/devices/stream_spec.h"
 #include "hosted/devices/synthetic_source.h"
 
 namespace condyle::host {
@@ -17,10 +18,11 @@ namespace condyle::host {
 class ConfiguredFacebow {
  public:
   /// Reads the profile or the log's header; throws an InputError if that cannot be used. The device
-  /// may still be absent, but not a stream, which `choice` is for. A session log is played at its recorded speed. `serial`: of a device;
+  /// may still be absent. A session log is played at its recorded speed. `serial`: of a device;
   /// empty: any device. A simulated subject is refused, because it gives samples, not reports.
-  ConfiguredFacebow(const SourceSpec& spec, const std::string& serial, hal::Clock& clock,
-                    const lsl::StreamChoice& choice = {});
+  ConfiguredFacebow(const SourceSpec& spec, const std::string& serial, hal::Clock& clock);
+  /// A stream, which must be there; throws an InputError if it is not, or cannot be used.
+  ConfiguredFacebow(const StreamSpec& stream, hal::Clock& clock);
 
   /// Looks for the device, completes the profile from its descriptor, and from then on accepts only
   /// its serial number. Throws an InputError if the device is absent or access is denied.

@@ -28,11 +28,11 @@ SessionDevice make_session_device(const std::string& profile_path, const std::st
   return named;
 }
 
-SessionDevice make_session_stream(const std::string& place, const lsl::StreamChoice& choice,
-                                  hal::Clock& clock, const std::function<bool()>& stop) {
+SessionDevice make_session_stream(const StreamSpec& stream, hal::Clock& clock,
+                                  const std::function<bool()>& stop) {
   SessionDevice named;
-  named.name = "lsl:" + place;
-  const lsl::StreamPlace where = lsl::parse_stream_place(place);
+  named.name = "lsl:" + stream.place;
+  const lsl::StreamPlace where = lsl::parse_stream_place(stream.place);
   const lsl::InletSettings settings;
   std::vector<lsl::FoundStream> found = lsl::find_streams(where, settings.search, stop);
   if (found.empty()) {
@@ -48,7 +48,7 @@ SessionDevice make_session_stream(const std::string& place, const lsl::StreamCho
     throw InputError(named.name, "the stream cannot be read: " + problem,
                      "check the program that sends it");
   }
-  lsl::StreamLayout layout = lsl::layout_of_stream(found.front().info, choice, named.name);
+  lsl::StreamLayout layout = lsl::layout_of_stream(found.front().info, stream.choice, named.name);
   named.profile_text = std::move(layout.profile_toml);
   named.profile = parse_device_profile(named.name, named.profile_text);
   named.inlet = std::make_unique<lsl::Inlet>(where, std::move(found.front()),

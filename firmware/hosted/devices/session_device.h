@@ -10,6 +10,7 @@
 #include "condyle/hal/log/recorded_source.h"
 #include "hosted/devices/companion.h"
 #include "hosted/devices/connected_device.h"
+#include "hosted/devices/stream_spec.h"
 #include "hosted/lsl/inlet.h"
 
 namespace condyle::host {
@@ -32,11 +33,11 @@ struct SessionDevice {
 SessionDevice make_session_device(const std::string& profile_path, const std::string& serial,
                                   const std::string& backend, hal::Clock& clock);
 
-/// The stream of the Lab Streaming Layer at `place` (NAME or NAME@ADDRESS), which must be there.
+/// The stream of the Lab Streaming Layer that `stream` names, which must be there.
 /// Throws an InputError if it is not, or if it is not clear which of its channels are the position,
 /// and in which unit.
-SessionDevice make_session_stream(const std::string& place, const lsl::StreamChoice& choice,
-                                  hal::Clock& clock, const std::function<bool()>& stop);
+SessionDevice make_session_stream(const StreamSpec& stream, hal::Clock& clock,
+                                  const std::function<bool()>& stop);
 
 /// Throws an InputError if both may be the same device by ids, interfaces and serial numbers.
 void reject_duplicate_devices(const SessionDevice& first, const SessionDevice& second);

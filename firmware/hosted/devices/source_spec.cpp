@@ -8,7 +8,7 @@
 namespace condyle::host {
 
 const char* source_kind_name(SourceKind kind) {
-  constexpr std::array<const char*, 6> names = {"hid", "usb", "file", "synth", "sim", "lsl"};
+  constexpr std::array<const char*, 5> names = {"hid", "usb", "file", "synth", "sim"};
   return names[static_cast<std::size_t>(kind)];
 }
 
@@ -16,8 +16,7 @@ std::optional<SourceSpec> parse_source(std::string_view text) {
   const std::size_t colon = text.find(':');
   if (colon == std::string_view::npos) return std::nullopt;
   for (const SourceKind kind :
-       {SourceKind::hid, SourceKind::usb, SourceKind::file, SourceKind::synth, SourceKind::sim,
-        SourceKind::lsl}) {
+       {SourceKind::hid, SourceKind::usb, SourceKind::file, SourceKind::synth, SourceKind::sim}) {
     if (text.substr(0, colon) != source_kind_name(kind)) continue;
     return SourceSpec{kind, std::string(text.substr(colon + 1))};
   }

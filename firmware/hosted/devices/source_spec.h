@@ -16,7 +16,6 @@ enum class SourceKind : std::uint8_t {
   file,   ///< FILE is a recording
   synth,  ///< a synthetic device that chews endlessly; FILE is its profile
   sim,    ///< a simulated subject; FILE is a scenario
-  lsl,    ///< a stream of the Lab Streaming Layer; FILE is NAME or NAME@ADDRESS
 };
 
 /// A source, written KIND:FILE.
@@ -25,7 +24,7 @@ struct SourceSpec {
   std::string file;
 };
 
-/// "hid", "usb", "file", "synth", "sim" or "lsl".
+/// "hid", "usb", "file", "synth" or "sim".
 const char* source_kind_name(SourceKind kind);
 
 /// Parses `text`; none if it does not begin with a kind. FILE may be empty.

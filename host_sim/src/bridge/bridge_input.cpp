@@ -113,18 +113,14 @@ BridgeInput of_session_log(const std::string& path, const RecordingOptions& opti
   return input;
 }
 
-std::string how_read(const ConfiguredFacebow& facebow, SourceKind kind) {
-  if (facebow.device() == nullptr) return ", synthetic";
-  return kind == SourceKind::lsl ? "" : fmt::format(", through {}", backend_of(kind));
-}
-
 BridgeInput of_device(const SourceSpec& spec, const std::string& serial, hal::Clock& clock,
                       const std::function<bool()>& stop) {
   const auto facebow = std::make_shared<ConfiguredFacebow>(spec, serial, clock);
   facebow->find(stop);
   BridgeInput input;
   input.words = facebow->profile().name +
-                how_read(*facebow, spec.kind);
+                (facebow->device() == nullptr ? ", synthetic"
+                                              : fmt::format(", through {}", backend_of(spec.kind)));
   input.is_live = true;
   describe_by(facebow->profile(), input);
   input.problem = [] { return std::string(); };
@@ -145,7 +141,6 @@ BridgeInput open_bridge_input(const std::string& name, const std::string& serial
     case SourceKind::hid:
     case SourceKind::usb:
     case SourceKind::synth:
-    case SourceKind::lsl:
       return of_device(spec, serial, clock, stop);
     case SourceKind::file:
       if (report_file_at(spec.file) == ReportFile::session_log) {

@@ -60,16 +60,19 @@ class SessionsFolder {
   bool is_new_ = false;
 };
 
-SourceSpec parse_live_source(const std::string& text) {
-  const SourceSpec spec = source_of(text);
-  if (spec.file.empty()) {
-    throw InputError(text, "does not name a file or stream", "write it after the colon");
+box::SourceSettings parse_live_source(const LiveOptions& options) {
+  auto stream = parse_stream(options.source);
+  refuse_without_stream(options.stream, stream.has_value());
+  const SourceSpec spec = stream ? SourceSpec() : source_of(options.source);
+  if (stream ? stream->place.empty() : spec.file.empty()) {
+    throw InputError(options.source, "does not name a file or stream", "write it after the colon");
   }
   if (spec.kind == SourceKind::sim) {
-    throw InputError(text, "a simulated subject does not send reports",
+    throw InputError(options.source, "a simulated subject does not send reports",
                      "write synth:PROFILE for a jaw that chews, or file:LOG for a session log");
   }
-  return spec;
+  if (stream) stream->choice = options.stream;
+  return {"facebow", spec.kind, spec.file, options.serial, stream};
 }
 
 // Counts the reports that threads of their own are making.
@@ -92,11 +95,11 @@ std::string make_report(const std::string& log, const std::string& landmarks) {
                      landmarks, nullptr);
 }
 
-box::Configuration configuration_of(const LiveOptions& options, const SourceSpec& spec,
+box::Configuration configuration_of(const LiveOptions& options, const box::SourceSettings& source,
                                     SampleKind kind,
                                     const std::shared_ptr<std::atomic<int>>& reports) {
   box::Configuration configuration;
-  configuration.facebow = {"facebow", spec.kind, spec.file, options.serial, options.stream};
+  configuration.facebow = source;
   configuration.followed = options.choice.followed;
   if (kind == SampleKind::three_points || kind == SampleKind::pose) {
     PoseOptions pose;
@@ -123,16 +126,14 @@ box::Configuration configuration_of(const LiveOptions& options, const SourceSpec
 }
 
 int show_live(const LiveOptions& options) {
-  const SourceSpec spec = parse_live_source(options.source);
+  const box::SourceSettings source = parse_live_source(options);
   if (!options.lsl_out.empty()) lsl::check_outlet_place(options.lsl_out);
-  refuse_without_stream(options.stream, spec.kind == SourceKind::lsl);
   if (!options.landmarks.empty()) static_cast<void>(load_landmarks(options.landmarks));
   hal::SteadyClock clock;
-  const SampleKind kind = 
-      ConfiguredFacebow(spec, options.serial, clock, options.stream).profile().kind;
+  const SampleKind kind = box::configured(source, clock).profile().kind;
   options.choice.check(options.source, kind);
   const auto reports = std::make_shared<std::atomic<int>>(0);
-  const box::Configuration configuration = configuration_of(options, spec, kind, reports);
+  const box::Configuration configuration = configuration_of(options, source, kind, reports);
   const SessionsFolder folder(options.sessions);
   box::BoxLog log(clock, stderr, box::BoxLog::Reader::person);
   box::Box service(configuration, clock, log);

@@ -281,15 +281,16 @@ SessionDevice facebow_of(const RecordOptions& options, hal::Clock& clock) {
                                             : "--profile names a second facebow",
                      "give either --profile FILE or a source, such as lsl:NAME");
   }
-  const auto spec = parse_source(options.source);
-  const bool is_stream = spec && spec->kind == SourceKind::lsl;
-  refuse_without_stream(options.stream, is_stream);
+  auto stream = parse_stream(options.source);
+  refuse_without_stream(options.stream, stream.has_value());
   if (options.source.empty()) {
     return make_session_device(options.profile, options.serial, options.backend, clock);
   }
-  if (is_stream) {
-    return make_session_stream(spec->file, options.stream, clock, stop_requested);
+  if (stream) {
+    stream->choice = options.stream;
+    return make_session_stream(*stream, clock, stop_requested);
   }
+  const auto spec = parse_source(options.source);
   if (spec && (spec->kind == SourceKind::hid || spec->kind == SourceKind::usb)) {
     return make_session_device(spec->file, options.serial, backend_of(spec->kind), clock);
   }

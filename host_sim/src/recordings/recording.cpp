@@ -11,6 +11,7 @@
 
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
+#include "hosted/devices/stream_spec.h"
 #include "recordings/c3d.h"
 #include "recordings/device_recording.h"
 #include "recordings/maker_tables.h"
@@ -250,6 +251,10 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
 
 std::unique_ptr<Recording> open_source(const std::string& source, const RecordingOptions& options,
                                        PointUse use) {
+  if (parse_stream(source)) {
+    throw InputError(source, "is a stream, not a recording",
+                     "record it first: condyle record '" + source + "' --out session.mcap");
+  }
   const SourceSpec spec = recording_source(source);
   switch (spec.kind) {
     case SourceKind::file:
@@ -263,9 +268,6 @@ std::unique_ptr<Recording> open_source(const std::string& source, const Recordin
           fmt::format("record it first: condyle record --profile '{}' --backend {} --out "
                       "session.mcap",
                       spec.file, backend_of(spec.kind)));
-    case SourceKind::lsl:
-      throw InputError(source, "is a stream, not a recording",
-                       "record it first: condyle record '" + source + "' --out session.mcap");
     case SourceKind::synth:
       throw InputError(source, "is a synthetic device, which never ends",
                        "give a recording, or a simulated subject with sim:SCENARIO.toml");

@@ -12,8 +12,7 @@ namespace {
 
 TEST(SourceSpec, IsKindAndFile) {
   for (const SourceKind kind :
-       {SourceKind::hid, SourceKind::usb, SourceKind::file, SourceKind::synth, SourceKind::sim,
-        SourceKind::lsl}) {
+       {SourceKind::hid, SourceKind::usb, SourceKind::file, SourceKind::synth, SourceKind::sim}) {
     const auto spec = parse_source(source_kind_name(kind) + std::string(":a:b.toml"));
     ASSERT_TRUE(spec);
     EXPECT_EQ(spec->kind, kind);
