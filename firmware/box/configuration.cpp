@@ -85,7 +85,8 @@ class Reader {
                        "write hid:PROFILE, usb:PROFILE, file:LOG, synth:PROFILE or lsl:NAME");
     }
     if (spec->file.empty()) {
-      throw InputError(toml_.place(section, "source"), "\"" + text + "\" does not name a file or stream",
+      throw InputError(toml_.place(section, "source"),
+                       "\"" + text + "\" does not name a file or stream",
                        "write it after the colon");
     }
     source.kind = spec->kind;

@@ -26,7 +26,7 @@ struct SourceSettings {
   std::string name;  ///< "facebow", or a companion's
   Kind kind = Kind::synth;
   std::string file;
-  std::string serial;  ///< of a device; empty: any device
+  std::string serial;                      ///< of a device; empty: any device
   std::optional<host::StreamSpec> stream;  ///< instead of kind and file
 };
 

@@ -24,7 +24,8 @@ struct PublisherCounts {
 };
 
 /// Takes estimates from the ring on its own thread, sends each as a UDP datagram with one line of
-/// JSON and to a stream, if there is one, and keeps the latest. It never delays the real-time thread.
+/// JSON and to a stream, if there is one, and keeps the latest. It never delays the real-time
+/// thread.
 class Publisher {
  public:
   /// `port` 0 sends nothing. Throws an InputError if `address` cannot be sent to. `pose`: what is

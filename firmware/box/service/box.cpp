@@ -233,9 +233,8 @@ void Box::feed_watchdog(TimeNs now_ns) {
 BoxStatus Box::status() const {
   BoxStatus status;
   status.running_ns = clock_.now_ns() - begin_ns_;
-  status.source = configuration_.facebow.stream
-                      ? "lsl"
-                      : host::source_kind_name(configuration_.facebow.kind);
+  status.source =
+      configuration_.facebow.stream ? "lsl" : host::source_kind_name(configuration_.facebow.kind);
   status.device = device_name_;
   status.nominal_rate_Hz = nominal_rate_Hz_;
   status.records = !configuration_.folder.empty();

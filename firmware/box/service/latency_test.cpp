@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "box/service/box.h"
 #include "box/service/latency_test.h"
+#include "box/service/box.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

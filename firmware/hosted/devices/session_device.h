@@ -23,7 +23,7 @@ struct SessionDevice {
   hal::DeviceAddress address;
   // One of the two.
   std::unique_ptr<ConnectedDevice> device;
-  std::unique_ptr<lsl::Inlet> inlet;  ///< a stream
+  std::unique_ptr<lsl::Inlet> inlet;     ///< a stream
   std::vector<std::uint8_t> descriptor;  ///< set once it was described
 
   hal::ReportSource& source() const;

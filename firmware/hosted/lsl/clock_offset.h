@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the clock of a stream's sender lies to this machine's, measured as liblsl does it.
 //
-// A wave is 8 probes over UDP. Probe and answer give four times: t0 sent here, t1 received there, t2
-// answered there, t3 received here.
+// A wave is 8 probes over UDP. Probe and answer give four times: t0 sent here, t1 received there,
+// t2 answered there, t3 received here.
 //
 //   rtt     (t3 - t0) - (t2 - t1)             time on the way, both ways
 //   offset  -((t1 - t0) + (t2 - t3)) / 2      this clock minus the sender's; wrong by rtt/2 at most
 //
 // The offset of the probe with the least rtt counts, if at least 6 were answered. The offset in use
-// goes to a new one no faster than kSlew per second of the sender's time, so that velocities are not
-// distorted by more; a change of more than kStep_s is taken at once, and counted.
+// goes to a new one no faster than kSlew per second of the sender's time, so that velocities are
+// not distorted by more; a change of more than kStep_s is taken at once, and counted.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +31,7 @@ struct ProbeTimes {
 };
 /// Reads the answer to a probe of `wave`, which arrived at `now_s`; false if it is none. Does not
 /// allocate.
-bool parse_probe_answer(std::string_view text, std::uint32_t wave, double now_s,
-                        ProbeTimes& times);
+bool parse_probe_answer(std::string_view text, std::uint32_t wave, double now_s, ProbeTimes& times);
 
 /// Answers a probe that was received at `received_s`; empty if `text` is none.
 std::string probe_answer(std::string_view text, double received_s, double now_s);

@@ -49,9 +49,8 @@ StreamInfo estimates_info(const EstimateStreamSettings& settings) {
     add_channels(info.channels, prefix, kForceName);
   }
   if (settings.has_impedance) {
-    visit_friction_and_mass(0, 0, [&](const QuantityName& name, int) {
-      add_channels(info.channels, "", name);
-    });
+    visit_friction_and_mass(
+        0, 0, [&](const QuantityName& name, int) { add_channels(info.channels, "", name); });
   }
   info.channel_count = info.channels.size();
   return info;

@@ -17,10 +17,10 @@ namespace condyle::host::lsl {
 
 /// What the estimates of a stream hold.
 struct EstimateStreamSettings {
-  std::string place;         ///< NAME, or NAME@ADDRESS with an IPv4 address of this computer
-  int axis_count = 3;        ///< or 1
+  std::string place;           ///< NAME, or NAME@ADDRESS with an IPv4 address of this computer
+  int axis_count = 3;          ///< or 1
   bool has_impedance = false;  ///< friction and mass are identified
-  double rate_Hz = 0;        ///< nominal; 0: irregular
+  double rate_Hz = 0;          ///< nominal; 0: irregular
 };
 
 /// Each estimate is a sample of doubles: for each axis the measured position, then position,

@@ -59,8 +59,7 @@ std::uint64_t read_unsigned(std::span<const std::uint8_t> bytes, bool is_big_end
 
 void append_unsigned(Bytes& bytes, std::uint64_t value, std::size_t size, bool is_big_endian) {
   for (std::size_t i = 0; i < size; ++i) {
-    bytes.push_back(
-        static_cast<std::uint8_t>(value >> (8 * (is_big_endian ? size - 1 - i : i))));
+    bytes.push_back(static_cast<std::uint8_t>(value >> (8 * (is_big_endian ? size - 1 - i : i))));
   }
 }
 
@@ -161,8 +160,7 @@ std::string feed_answer(const std::string& uid) {
       uid, kLittleEndian);
 }
 
-std::string parse_feed_answer(std::string_view text, const std::string& uid,
-                              bool& is_big_endian) {
+std::string parse_feed_answer(std::string_view text, const std::string& uid, bool& is_big_endian) {
   const std::string_view first = next_line(text);
   int version = 0, status = 0;
   if (!first.starts_with("LSL/")) return "its answer is not LSL's";

@@ -33,7 +33,7 @@ struct FeedRequest {
   int version = 0;
   std::string uid;
   std::optional<std::size_t> value_bytes;
-  std::size_t most_buffered = 0;   ///< samples
+  std::size_t most_buffered = 0;    ///< samples
   std::size_t samples_a_chunk = 0;  ///< 0: the sender chooses
 };
 
@@ -49,9 +49,9 @@ std::string parse_feed_answer(std::string_view text, const std::string& uid, boo
 
 /// Place of a sample in the bytes of a feed.
 struct FeedSample {
-  std::optional<double> stamp_s;          ///< none: to be deduced
-  std::span<const std::uint8_t> values;   ///< as sent
-  std::size_t size = 0;                   ///< of the sample
+  std::optional<double> stamp_s;         ///< none: to be deduced
+  std::span<const std::uint8_t> values;  ///< as sent
+  std::size_t size = 0;                  ///< of the sample
 };
 enum class Scan : std::uint8_t { complete, incomplete, broken };
 

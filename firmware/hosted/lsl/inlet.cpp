@@ -29,8 +29,8 @@ void put(std::uint8_t* to, double value) {
 
 // Like probe_text, but without allocating.
 std::size_t write_probe(std::array<char, 96>& text, std::uint32_t wave, double now_s) {
-  const int size = std::snprintf(text.data(), text.size(), "LSL:timedata\r\n%u %.16g\r\n", wave,
-                                 now_s);
+  const int size =
+      std::snprintf(text.data(), text.size(), "LSL:timedata\r\n%u %.16g\r\n", wave, now_s);
   return static_cast<std::size_t>(size);
 }
 
@@ -112,8 +112,8 @@ bool Inlet::more(std::size_t& begin, TimeNs end_ns) {
 
 bool Inlet::begin_feed() {
   const TimeNs end_ns = clock_.now_ns() + settings_.search.answer_ns;
-  feed_ = tcp_connection(endpoint(stream_.address, stream_.info.data_port),
-                         settings_.search.answer_ns);
+  feed_ =
+      tcp_connection(endpoint(stream_.address, stream_.info.data_port), settings_.search.answer_ns);
   problem_ = "its data port does not answer";
   if (!feed_) return false;
   const double buffered =
@@ -140,8 +140,8 @@ bool Inlet::begin_feed() {
   if (!problem_.empty()) return false;
   begin_ = head + 4;
   for (int number = 0; number < 2; ++number) {
-    const Bytes expected = test_sample(stream_.info.format, stream_.info.channel_count, number,
-                                       is_big_endian_);
+    const Bytes expected =
+        test_sample(stream_.info.format, stream_.info.channel_count, number, is_big_endian_);
     problem_ = "its test samples do not come";
     while (end_ - begin_ < expected.size()) {
       if (!more(begin_, end_ns)) return false;
@@ -200,8 +200,8 @@ void Inlet::take_answers() {
     if (size < 0) return;
     const TimeNs now_ns = clock_.now_ns();
     ProbeTimes times;
-    if (!parse_probe_answer({text.data(), static_cast<std::size_t>(size)}, wave_,
-                            stamp_of(now_ns), times)) {
+    if (!parse_probe_answer({text.data(), static_cast<std::size_t>(size)}, wave_, stamp_of(now_ns),
+                            times)) {
       continue;
     }
     offset_.add(times);
@@ -227,8 +227,7 @@ void Inlet::service_clock(TimeNs now_ns) {
   }
   send_probe(now_ns);
   ++probes_sent_;
-  next_probe_ns_ =
-      now_ns + (probes_sent_ == kProbes ? settings_.probe_ns : settings_.probe_gap_ns);
+  next_probe_ns_ = now_ns + (probes_sent_ == kProbes ? settings_.probe_ns : settings_.probe_gap_ns);
 }
 
 void Inlet::receive(TimeNs now_ns) {
@@ -293,8 +292,8 @@ hal::Status Inlet::read(TimeNs deadline_ns, hal::RawReport& report) {
     service_clock(now_ns);
     FeedSample sample;
     const auto bytes = std::span<const std::uint8_t>(buffer_).subspan(begin_, end_ - begin_);
-    const Scan scan = scan_sample(bytes, stream_.info.format, stream_.info.channel_count,
-                                  is_big_endian_, sample);
+    const Scan scan =
+        scan_sample(bytes, stream_.info.format, stream_.info.channel_count, is_big_endian_, sample);
     if (scan == Scan::broken) {
       ++counts_.transfer_errors;
       return lose();
@@ -322,9 +321,9 @@ std::string clock_text(const Inlet& inlet) {
   const ClockOffset& offset = inlet.clock_offset();
   const InletCounts& counts = inlet.inlet_counts();
   if (!offset.is_known()) return "the sender's clock was not measured";
-  std::string text = fmt::format(
-      "the sender's clock was measured {} times, the last time within {:.3g} ms", counts.waves,
-      offset.uncertainty_s() * 1e3);
+  std::string text =
+      fmt::format("the sender's clock was measured {} times, the last time within {:.3g} ms",
+                  counts.waves, offset.uncertainty_s() * 1e3);
   if (counts.failed_waves > 0) {
     text += fmt::format("; {} measurements failed", counts.failed_waves);
   }

@@ -20,23 +20,23 @@ namespace condyle::host::lsl {
 /// How an inlet waits.
 struct InletSettings {
   SearchSettings search;
-  TimeNs reopen_ns = 300'000'000;       ///< for the first answer, when looking for a lost stream
-  TimeNs probe_ns = 128'000'000;        ///< longest wait for the answer to a probe
-  TimeNs probe_gap_ns = 64'000'000;     ///< between the probes of a later wave
-  TimeNs wave_gap_ns = 2'000'000'000;   ///< from the start of a wave to the next
-  TimeNs silence_ns = 15'000'000'000;   ///< neither samples nor answers for so long: it has gone
+  TimeNs reopen_ns = 300'000'000;      ///< for the first answer, when looking for a lost stream
+  TimeNs probe_ns = 128'000'000;       ///< longest wait for the answer to a probe
+  TimeNs probe_gap_ns = 64'000'000;    ///< between the probes of a later wave
+  TimeNs wave_gap_ns = 2'000'000'000;  ///< from the start of a wave to the next
+  TimeNs silence_ns = 15'000'000'000;  ///< neither samples nor answers for so long: it has gone
 };
 
 /// What happened to an inlet beside its TransportCounts.
 struct InletCounts {
-  std::uint64_t untimed = 0;   ///< samples dropped, because their stamp is not known or not a time
-  std::uint64_t waves = 0;     ///< measured offsets of the clocks
+  std::uint64_t untimed = 0;  ///< samples dropped, because their stamp is not known or not a time
+  std::uint64_t waves = 0;    ///< measured offsets of the clocks
   std::uint64_t failed_waves = 0;  ///< too few probes were answered
 };
 
 /// See ReportSource and stream_layout.h. One thread does all its work; reading allocates nothing. A
-/// stream that went away is looked for by name, and by its source id if it has one; it must have the
-/// same format and channels as before. A report's time is the sender's stamp plus the measured
+/// stream that went away is looked for by name, and by its source id if it has one; it must have
+/// the same format and channels as before. A report's time is the sender's stamp plus the measured
 /// offset of the clocks, so it is the instant for which the sender stamped the sample.
 class Inlet final : public hal::ReportSource {
  public:

@@ -108,8 +108,8 @@ void Outlet::open(Stream& stream, in_addr address) {
   };
   stream.listener = any_of_range(tcp_listener);
   if (stream.listener) {
-    stream.service = any_of_range(
-        [](in_addr at, std::uint16_t port) { return udp_socket(at, port); });
+    stream.service =
+        any_of_range([](in_addr at, std::uint16_t port) { return udp_socket(at, port); });
   }
   if (!stream.service) {
     throw InputError("LSL at " + address_text(address),
@@ -182,8 +182,8 @@ void Outlet::run() {
     const std::size_t first_client = items.size();
     for (const Client& client : clients_) {
       const bool is_full = client.sent < client.out.size();
-      items.push_back({client.socket.get(), static_cast<short>(is_full ? POLLIN | POLLOUT : POLLIN),
-                       0});
+      items.push_back(
+          {client.socket.get(), static_cast<short>(is_full ? POLLIN | POLLOUT : POLLIN), 0});
     }
     (void)poll(items.data(), items.size(), kPeriod_ms);
     std::uint64_t count = 0;
@@ -222,8 +222,7 @@ void Outlet::answer_datagrams(const Socket& socket, const Stream* only) {
     const double received_s = stamp_of(clock_.now_ns());
     const std::string_view datagram(text.data(), static_cast<std::size_t>(size));
     if (only != nullptr) {
-      const std::string answer =
-          probe_answer(datagram, received_s, stamp_of(clock_.now_ns()));
+      const std::string answer = probe_answer(datagram, received_s, stamp_of(clock_.now_ns()));
       if (!answer.empty()) {
         (void)sendto(socket.get(), answer.data(), answer.size(), 0,
                      reinterpret_cast<const sockaddr*>(&from), sizeof from);
@@ -262,8 +261,8 @@ void Outlet::answer_search(const Socket& socket, std::string_view text, const so
 
 void Outlet::accept_all(std::size_t stream) {
   for (;;) {
-    Socket socket(accept4(streams_[stream].listener.get(), nullptr, nullptr,
-                          SOCK_CLOEXEC | SOCK_NONBLOCK));
+    Socket socket(
+        accept4(streams_[stream].listener.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
     if (!socket) return;
     if (clients_.size() == kMostClients) {
       ++refused_;
@@ -281,8 +280,7 @@ void Outlet::accept_all(std::size_t stream) {
 
 bool Outlet::serve(Client& client, bool is_readable) {
   if (is_readable && !take_request(client)) return false;
-  if (!client.has_feed && !client.ends &&
-      clock_.now_ns() - client.begin_ns > kRequestPatience_ns) {
+  if (!client.has_feed && !client.ends && clock_.now_ns() - client.begin_ns > kRequestPatience_ns) {
     ++refused_;
     return false;
   }
@@ -361,8 +359,7 @@ void Outlet::begin_feed(Client& client) {
   const std::string answer = feed_answer(stream.info.uid);
   client.out.assign(answer.begin(), answer.end());
   for (int number = 0; number < 2; ++number) {
-    const Bytes sample =
-        test_sample(stream.info.format, stream.info.channel_count, number, false);
+    const Bytes sample = test_sample(stream.info.format, stream.info.channel_count, number, false);
     client.out.insert(client.out.end(), sample.begin(), sample.end());
   }
   client.chunk = std::clamp<std::size_t>(request->samples_a_chunk, 1, kMostKept);

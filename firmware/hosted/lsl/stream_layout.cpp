@@ -108,10 +108,10 @@ Coordinates found_by_labels(const StreamInfo& info, const std::string& where) {
   }
   if (info.channel_count == 1) return coordinates_of({0});
   throw InputError(where,
-                   points == 0 ? "which channels are the position is not clear: it has " +
-                                     labels_of(info)
-                               : fmt::format("has {} points and {} rotations: {}", points,
-                                             named.quaternions.size(), labels_of(info)),
+                   points == 0
+                       ? "which channels are the position is not clear: it has " + labels_of(info)
+                       : fmt::format("has {} points and {} rotations: {}", points,
+                                     named.quaternions.size(), labels_of(info)),
                    kHowToChoose);
 }
 
@@ -184,10 +184,9 @@ std::string profile_of(const StreamInfo& info, const Coordinates& coordinates,
     const bool is_turn = coordinates.channels.size() == 7 && i >= 3;
     if (is_turn && i == 3) toml += "[quaternion]\n" + keys;
     const auto place = std::find(stored.begin(), stored.end(), coordinates.channels[i]);
-    toml += fmt::format(
-        "[{}.{}]\noffset_bytes = {}\n", is_turn ? "quaternion" : "coordinates",
-        coordinates.names[i],
-        kReportHead + value * static_cast<std::size_t>(place - stored.begin()));
+    toml += fmt::format("[{}.{}]\noffset_bytes = {}\n", is_turn ? "quaternion" : "coordinates",
+                        coordinates.names[i],
+                        kReportHead + value * static_cast<std::size_t>(place - stored.begin()));
   }
   add_time_field(toml, "lsl_stamp", 4);
   add_time_field(toml, "lsl_offset", 12);

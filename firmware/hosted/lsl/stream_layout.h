@@ -35,8 +35,8 @@ std::vector<std::string> split_channels(const std::string& text);
 
 /// How the samples of a stream are stored and read.
 struct StreamLayout {
-  std::string profile_toml;          ///< of the reports
-  std::vector<std::size_t> stored;   ///< channels, in the order of the report
+  std::string profile_toml;         ///< of the reports
+  std::vector<std::size_t> stored;  ///< channels, in the order of the report
 };
 
 /// Throws an InputError, which begins with `where`, if channels or unit are not clear.

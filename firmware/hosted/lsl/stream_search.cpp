@@ -70,9 +70,9 @@ StreamPlace parse_stream_place(const std::string& text) {
       place = {text.substr(0, at), *address};
     }
   }
-  const bool is_usable = place.name.find_first_of("\r\n") == std::string::npos &&
-                         (place.name.find('\'') == std::string::npos ||
-                          place.name.find('"') == std::string::npos);
+  const bool is_usable =
+      place.name.find_first_of("\r\n") == std::string::npos &&
+      (place.name.find('\'') == std::string::npos || place.name.find('"') == std::string::npos);
   if (place.name.empty() || place.name.size() > 256 || !is_usable) {
     throw InputError("lsl:" + text, "is not the name of a stream",
                      "write lsl:NAME, or lsl:NAME@ADDRESS with the IPv4 address of the computer "
@@ -90,8 +90,8 @@ std::vector<FoundStream> find_streams(const StreamPlace& place, const SearchSett
   if (!socket) return found;
   const Steady::time_point begin = Steady::now();
   const std::string id = fmt::format("{}", begin.time_since_epoch().count());
-  const std::string query = fmt::format("LSL:shortinfo\r\nname={}\r\n{} {}\r\n", quoted(place),
-                                        bound_port(socket), id);
+  const std::string query =
+      fmt::format("LSL:shortinfo\r\nname={}\r\n{} {}\r\n", quoted(place), bound_port(socket), id);
   Steady::time_point end = begin + std::chrono::nanoseconds(settings.patience_ns);
   Steady::time_point next_ask = begin;
   while (!stop() && Steady::now() < end) {

@@ -152,7 +152,8 @@ std::string summary(const RecordOptions& options, const SessionDevice& device,
   const auto line = [&report](const char* label, const std::string& words) {
     report.line(label, words);
   };
-  line("device", device.inlet ? profile.name : fmt::format("{}, through {}", profile.name, options.backend));
+  line("device",
+       device.inlet ? profile.name : fmt::format("{}, through {}", profile.name, options.backend));
   if (device.inlet) line("clock", lsl::clock_text(*device.inlet));
   line("duration", fmt::format("{:.3f} s", seconds(elapsed_ns)));
   line("reports", reports_text(profile, facebow.counts(), facebow.transport_counts()));
@@ -254,8 +255,8 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
   for (const auto& companion : companions) companion->companion.stop();
   const hal::SessionLogFailure failure = log.close();
   files.finish();
-  print_output(
-      summary(options, devices.front(), facebow, log.status(), companions, files, latency, elapsed_ns));
+  print_output(summary(options, devices.front(), facebow, log.status(), companions, files, latency,
+                       elapsed_ns));
   if (failure != hal::SessionLogFailure::none) {
     print_error(fmt::format("{}: recording stopped: {}; the part already on the disk is intact",
                             options.out, hal::session_log_failure_name(failure)));
@@ -276,10 +277,10 @@ std::pair<std::string, std::string> split_serial(const std::string& text) {
 // The facebow that SOURCE or --profile names.
 SessionDevice facebow_of(const RecordOptions& options, hal::Clock& clock) {
   if (options.source.empty() == options.profile.empty()) {
-    throw InputError(options.source.empty() ? "SOURCE" : options.source,
-                     options.source.empty() ? "the facebow is not named"
-                                            : "--profile names a second facebow",
-                     "give either --profile FILE or a source, such as lsl:NAME");
+    throw InputError(
+        options.source.empty() ? "SOURCE" : options.source,
+        options.source.empty() ? "the facebow is not named" : "--profile names a second facebow",
+        "give either --profile FILE or a source, such as lsl:NAME");
   }
   auto stream = parse_stream(options.source);
   refuse_without_stream(options.stream, stream.has_value());

@@ -26,8 +26,9 @@ void add_stream_outlet_option(CommandLine line, std::string& place) {
 
 void refuse_without_stream(const lsl::StreamChoice& choice, bool is_stream) {
   if (is_stream) return;
-  const char* const option =
-      !choice.channels.empty() ? "--channels" : !choice.unit.empty() ? "--unit" : nullptr;
+  const char* const option = !choice.channels.empty() ? "--channels"
+                             : !choice.unit.empty()   ? "--unit"
+                                                      : nullptr;
   if (option == nullptr) return;
   throw InputError(option, "applies only to streams, lsl:NAME", "leave it out");
 }

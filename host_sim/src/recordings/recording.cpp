@@ -9,9 +9,9 @@
 #include <mutex>
 #include <set>
 
+#include "hosted/devices/stream_spec.h"
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
-#include "hosted/devices/stream_spec.h"
 #include "recordings/c3d.h"
 #include "recordings/device_recording.h"
 #include "recordings/maker_tables.h"

@@ -191,8 +191,8 @@ TEST(LslLoop, EstimatesAndMarkersAreStreams) {
   EXPECT_EQ(found[0].info.channel_count, 39U);
   EXPECT_EQ(found[0].info.channels[1].label, "x_position_m");
   EXPECT_EQ(found[0].info.channels[4].unit, "m/s");
-  StreamLayout layout = layout_of_stream(
-      found[0].info, {{"x_position_m", "y_position_m", "z_position_m"}, ""}, name);
+  StreamLayout layout =
+      layout_of_stream(found[0].info, {{"x_position_m", "y_position_m", "z_position_m"}, ""}, name);
   Inlet inlet(parse_stream_place(name), found[0], layout.stored, clock, patient());
   ASSERT_EQ(inlet.open(), hal::Status::ok);
   RecommendedEstimate<double> estimate;
@@ -206,8 +206,7 @@ TEST(LslLoop, EstimatesAndMarkersAreStreams) {
   hal::RawReport report;
   ASSERT_EQ(inlet.read(clock.now_ns() + 60 * kNanosecondsPerSecond, report), hal::Status::ok);
   hal::DecodedReport decoded;
-  const hal::ReportDecoder decoder(
-      hal::layout_of(parse_device_profile(name, layout.profile_toml)));
+  const hal::ReportDecoder decoder(hal::layout_of(parse_device_profile(name, layout.profile_toml)));
   ASSERT_EQ(decoder.decode(report.data(), decoded), hal::ReportFault::none);
   EXPECT_EQ(decoded.coordinates[2], 0.25);
   EXPECT_FALSE(decoded.position_valid);  // x and y are withheld
@@ -234,7 +233,9 @@ TEST(LslLoop, EstimatesAndMarkersAreStreams) {
 class HostilePeer {
  public:
   HostilePeer(const std::string& name, std::function<std::string(const StreamInfo&)> feed)
-      : info_(jaw_info(name)), feed_(std::move(feed)), service_(udp_socket(kHere, 0)),
+      : info_(jaw_info(name)),
+        feed_(std::move(feed)),
+        service_(udp_socket(kHere, 0)),
         listener_(tcp_listener(kHere, 0)) {
     info_.uid = "hostile";
     info_.data_port = bound_port(listener_);
@@ -443,9 +444,9 @@ TEST(LslHostile, AnOutletOutlivesItsPeers) {
   EXPECT_EQ(answer_to("LSL:fullinfo\r\n"), stream_info_xml(info, true));
   const Socket udp = udp_socket(kHere, 0);
   const sockaddr_in service = endpoint(kHere, info.service_port);
-  for (const char* text : {"", "x", "LSL:timedata\r\n", "LSL:shortinfo\r\n\r\n\r\n",
-                           "LSL:shortinfo\r\n//*[//*[//*]]\r\n1 1\r\n",
-                           "LSL:shortinfo\r\nname='a'\r\n99999 1\r\n"}) {
+  for (const char* text :
+       {"", "x", "LSL:timedata\r\n", "LSL:shortinfo\r\n\r\n\r\n",
+        "LSL:shortinfo\r\n//*[//*[//*]]\r\n1 1\r\n", "LSL:shortinfo\r\nname='a'\r\n99999 1\r\n"}) {
     (void)sendto(udp.get(), text, strlen(text), 0, reinterpret_cast<const sockaddr*>(&service),
                  sizeof service);
   }

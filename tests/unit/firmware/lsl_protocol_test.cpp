@@ -119,7 +119,8 @@ TEST(LslFeed, ReadsSamplesMadeByHand) {
 }
 
 TEST(LslFeed, ReadsStringsOfEachLength) {
-  const Bytes bytes = {1, 1, 2, 'h', 'i', 2, 1, 0, 'a', 4, 1, 0, 0, 0, 'b', 8, 0, 0, 0, 0, 0, 0, 0, 0};
+  const Bytes bytes = {1, 1, 2,   'h', 'i', 2, 1, 0, 'a', 4, 1, 0,
+                       0, 0, 'b', 8,   0,   0, 0, 0, 0,   0, 0, 0};
   FeedSample sample;
   ASSERT_EQ(scan_sample(bytes, ChannelFormat::string, 4, false, sample), Scan::complete);
   EXPECT_EQ(sample.size, bytes.size());
@@ -136,17 +137,17 @@ TEST(LslFeed, ReadsStringsOfEachLength) {
 
 TEST(LslFeed, TestSamplesAreThoseOfTheProtocol) {
   // The stamp 123456.789, then 4 and -5 as float32.
-  const Bytes floats = {2,    0xc9, 0x76, 0xbe, 0x9f, 0x0c, 0x24, 0xfe, 0x40,
-                        0, 0, 0x80, 0x40, 0, 0, 0xa0, 0xc0};
+  const Bytes floats = {2, 0xc9, 0x76, 0xbe, 0x9f, 0x0c, 0x24, 0xfe, 0x40,
+                        0, 0,    0x80, 0x40, 0,    0,    0xa0, 0xc0};
   EXPECT_EQ(test_sample(ChannelFormat::float32, 2, 0, false), floats);
   const auto values = [](ChannelFormat format, int number) {
     const Bytes all = test_sample(format, 2, number, false);
     return Bytes(all.begin() + 9, all.end());
   };
-  EXPECT_EQ(values(ChannelFormat::int8, 1), (Bytes{3, 0xfc}));                 // 3, -4
-  EXPECT_EQ(values(ChannelFormat::int16, 0), (Bytes{5, 1, 0xfa, 0xfe}));       // 261, -262
+  EXPECT_EQ(values(ChannelFormat::int8, 1), (Bytes{3, 0xfc}));            // 3, -4
+  EXPECT_EQ(values(ChannelFormat::int16, 0), (Bytes{5, 1, 0xfa, 0xfe}));  // 261, -262
   EXPECT_EQ(values(ChannelFormat::int32, 1),
-            (Bytes{3, 0, 1, 0, 0xfc, 0xff, 0xfe, 0xff}));                      // 65539, -65540
+            (Bytes{3, 0, 1, 0, 0xfc, 0xff, 0xfe, 0xff}));  // 65539, -65540
   EXPECT_EQ(values(ChannelFormat::string, 1), (Bytes{1, 2, '1', '0', 1, 3, '-', '1', '1'}));
   const Bytes doubles = values(ChannelFormat::double64, 0);
   std::uint64_t bits = 0;
@@ -182,9 +183,9 @@ TEST(LslFeed, ReadsRequests) {
   EXPECT_EQ(request->uid, "u-1");
   EXPECT_EQ(request->value_bytes, 8U);
   EXPECT_EQ(request->most_buffered, 500U);
-  for (const char* text : {"", "LSL:streamfeed\r\n360 0\r\n", "LSL:streamfeed/abc u\r\n\r\n",
-                           "LSL:streamfeed/100 u\r\n\r\n",
-                           "LSL:streamfeed/110 u\r\nMax-Buffer-Length: -1\r\n\r\n"}) {
+  for (const char* text :
+       {"", "LSL:streamfeed\r\n360 0\r\n", "LSL:streamfeed/abc u\r\n\r\n",
+        "LSL:streamfeed/100 u\r\n\r\n", "LSL:streamfeed/110 u\r\nMax-Buffer-Length: -1\r\n\r\n"}) {
     EXPECT_FALSE(parse_feed_request(text)) << text;
   }
 }
@@ -241,7 +242,8 @@ TEST(LslClock, SlewsSmallChangesAndStepsLargeOnes) {
 
 TEST(LslClock, IgnoresWhatIsNoAnswer) {
   ProbeTimes times;
-  for (const char* text : {"", " ", " 1", " 1 2", " 1 2 3", " 1 2 3 nan", " 1 inf 3 4", " x 2 3 4"}) {
+  for (const char* text :
+       {"", " ", " 1", " 1 2", " 1 2 3", " 1 2 3 nan", " 1 inf 3 4", " x 2 3 4"}) {
     EXPECT_FALSE(parse_probe_answer(text, 1, 5, times)) << text;
     EXPECT_EQ(probe_answer(text, 1, 2), "");
   }
