@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -30,10 +31,15 @@ Eigen::Quaterniond orientation(const ExportSeries& series, std::size_t k) {
 
 // Body-fixed rotations about x, then y, then z that make up `turn` (deg).
 Eigen::Vector3d angles_deg(const Eigen::Quaterniond& turn) {
+  constexpr double kAtLimit = 1 - 1e-12;
   const Eigen::Matrix3d r = turn.toRotationMatrix();
-  const Eigen::Vector3d angles(std::atan2(-r(1, 2), r(2, 2)),
-                               std::asin(std::clamp(r(0, 2), -1., 1.)),
-                               std::atan2(-r(0, 1), r(0, 0)));
+  Eigen::Vector3d angles(0, std::asin(std::clamp(r(0, 2), -1.0, 1.0)), 0);
+  if (std::abs(r(0, 2)) < kAtLimit) {
+    angles.x() = std::atan2(-r(1, 2), r(2, 2));
+    angles.z() = std::atan2(-r(0, 1), r(0, 0));
+  } else {  // only the sum or the difference of the other two is determined
+    angles.x() = std::atan2(r(2, 1), r(1, 1));
+  }
   return angles * (180 / std::numbers::pi);
 }
 
