@@ -14,19 +14,22 @@
 #include "recordings/c3d.h"
 #include "recordings/device_recording.h"
 #include "recordings/maker_tables.h"
+#include "recordings/mat_recording.h"
 #include "recordings/named_points.h"
 #include "recordings/recording_files.h"
 #include "recordings/recording_formats.h"
 #include "recordings/simulated_recording.h"
 #include "recordings/text_fields.h"
+#include "recordings/xdf_recording.h"
 
 namespace condyle::host {
 namespace {
 
 constexpr std::string_view kFormats =
     "condyle reads CSV with named columns (time_s,position_m), C3D, TRC, TSV of Qualisys, CSV of "
-    "Vicon and Motive, text of NDI, positions of Carstens, Motion-BIDS, ArtiSynth probe text, "
-    "Zebris XML exports, SSFF, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
+    "Vicon and Motive, text of NDI, positions of Carstens, Motion-BIDS, MAT, XDF, ArtiSynth probe "
+    "text, Zebris XML exports, SSFF, session logs (MCAP) and captures of USB traffic (pcap, "
+    "pcapng)";
 
 // Control characters that are not in the text formats; bytes from 0x80 on may be UTF-8.
 bool is_text(std::string_view start) {
@@ -183,13 +186,30 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
   const bool is_capture = report_file == ReportFile::capture;
   only_for(!options.profile.empty() && !is_log && !is_capture, "--profile",
            "session logs and captures");
-  if (options.reads_drive_alone && (is_log || is_capture || !is_text(start))) {
+  if (options.reads_drive_alone &&
+      (is_log || is_capture || (!is_text(start) && !looks_like_mat(start)))) {
     throw InputError(path, "is not a CSV file",
                      "give the drive as CSV with time_s and drive_N, or as a session log");
   }
   const bool is_carstens = start.starts_with("AG50xDATA_V");
   const bool is_c3d = looks_like_c3d(*reader);
   start = reader->peek(4096);
+  if (looks_like_mat(start)) {
+    only_for(options.movement != 1, "--movement", "Zebris XML");
+    reader.reset();
+    auto table = open_mat(path, options, use != PointUse::one_or_three || !options.markers.empty());
+    if (table->names().empty() && options.markers.empty()) return table;
+    return chosen(std::move(table), options, use, path);
+  }
+  if (start.starts_with("XDF:")) {
+    only_for(options.movement != 1, "--movement", "Zebris XML");
+    only_for(options.rate_Hz.has_value(), "--rate-Hz", "files whose rows have no time");
+    reader.reset();
+    auto stream =
+        open_xdf(path, options, use != PointUse::one_or_three || !options.markers.empty());
+    if (stream->names().empty() && options.markers.empty()) return stream;
+    return chosen(std::move(stream), options, use, path);
+  }
   const bool is_ssff = start.starts_with("SSFF");
   const std::size_t first = start.find_first_not_of(" \t\r\n");
   const bool is_xml = first != std::string_view::npos && start[first] == '<';
