@@ -10,6 +10,7 @@
 #include "hosted/files/input_error.h"
 #include "recordings/csv_columns.h"
 #include "recordings/mat_recording.h"
+#include "recordings/mat_shapes.h"
 #include "recordings/point_list.h"
 
 namespace condyle::host {
@@ -17,125 +18,18 @@ namespace {
 
 using Quantity = ColumnMeaning::Quantity;
 
-struct Named {
-  std::string name;
-  MatArray array;
-};
-
-// The variables of the file, or the fields of one struct.
-struct Group {
-  std::string prefix;  // "trial.": before the names of its arrays
-  std::vector<Named> arrays;
-
-  bool is_around(const Group& other) const {
-    return prefix.size() < other.prefix.size() && other.prefix.starts_with(prefix);
-  }
-};
-
-// Where the coordinates of an array are.
-struct Shape {
-  std::size_t points = 0, rows = 0, point_stride = 0, axis_stride = 0, row_stride = 0;
-};
-
-std::string lower_without_joints(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '_' || c == '.') continue;
-    result += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  }
-  return result;
-}
-
-template <std::size_t count>
-bool is_one_of(std::string_view name, const std::array<std::string_view, count>& words) {
-  const std::string word = lower_without_joints(name);
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
-bool is_rate(const Named& one) {
-  constexpr std::array<std::string_view, 16> kRates{"fs",
-                                                    "fps",
-                                                    "rate",
-                                                    "ratehz",
-                                                    "srate",
-                                                    "framerate",
-                                                    "framefrequency",
-                                                    "samplerate",
-                                                    "samplingrate",
-                                                    "fshz",
-                                                    "frequencyhz",
-                                                    "samplefrequency",
-                                                    "samplingfrequency",
-                                                    "sampleratehz",
-                                                    "samplingratehz",
-                                                    "frameratehz"};
-  return is_one_of(one.name, kRates) && std::isfinite(one.array.scalar());
-}
-bool is_unit(const Named& one) {
-  constexpr std::array<std::string_view, 4> kUnits{"unit", "units", "positionunit", "lengthunit"};
-  return is_one_of(one.name, kUnits) && !one.array.text().empty();
-}
-bool are_labels(const Named& one) {
-  constexpr std::array<std::string_view, 8> kLabels{"label", "labels",      "marker", "markers",
-                                                    "names", "markernames", "points", "pointnames"};
-  return is_one_of(one.name, kLabels) && !one.array.texts().empty();
-}
-
-bool is_vector(const MatArray& array) {
-  const std::vector<std::size_t> sizes = array.sizes();
-  return array.is_numeric() && sizes.size() == 2 && std::min(sizes[0], sizes[1]) == 1 &&
-         array.count() > 1;
-}
-
-std::size_t longest(const MatArray& array) {
-  const std::vector<std::size_t> sizes = array.sizes();
-  return *std::max_element(sizes.begin(), sizes.end());
-}
-
-// How `array` holds points in `rows` rows; without `rows`, its longest side has them.
-std::optional<Shape> shape_of(const MatArray& array, std::optional<std::size_t> rows) {
-  if (!array.is_numeric()) return std::nullopt;
-  const std::vector<std::size_t> sizes = array.sizes();
-  const std::size_t wanted = rows.value_or(longest(array));
-  if (wanted < 2 || sizes.size() > 3 || std::count(sizes.begin(), sizes.end(), wanted) != 1) {
-    return std::nullopt;
-  }
-  const std::array<std::size_t, 3> strides{1, sizes[0], sizes[0] * sizes[1]};
-  Shape shape;
-  shape.rows = wanted;
-  const auto row =
-      static_cast<std::size_t>(std::find(sizes.begin(), sizes.end(), wanted) - sizes.begin());
-  shape.row_stride = strides[row];
-  if (sizes.size() == 2) {
-    const std::size_t other = 1 - row;
-    if (sizes[other] == 0 || sizes[other] % 3 != 0) return std::nullopt;
-    shape.points = sizes[other] / 3;
-    shape.axis_stride = strides[other];
-    shape.point_stride = 3 * strides[other];
-    return shape;
-  }
-  const std::size_t a = row == 0 ? 1 : 0, b = row == 2 ? 1 : 2;
-  // Rotation matrices and what is not x, y, z.
-  if ((sizes[a] == 3) == (sizes[b] == 3)) return std::nullopt;
-  const std::size_t axis = sizes[a] == 3 ? a : b, point = axis == a ? b : a;
-  shape.points = sizes[point];
-  shape.axis_stride = strides[axis];
-  shape.point_stride = strides[point];
-  return shape;
-}
-
 class PlainMat {
  public:
   PlainMat(const std::vector<MatArray>& variables, const std::string& path,
            const RecordingOptions& options, bool takes_any_number)
       : path_(path), options_(options), takes_any_number_(takes_any_number) {
-    std::vector<Named> named;
+    std::vector<NamedArray> named;
     for (const MatArray& one : variables) named.push_back({one.name(), one});
     collect("", std::move(named), 0);
   }
 
   MatTable table() {
-    Group group = chosen_group();
+    MatGroup group = chosen_group();
     take_from_around(group);
     find_time(group);
     MatTable table;
@@ -153,14 +47,14 @@ class PlainMat {
   }
 
  private:
-  void collect(const std::string& prefix, std::vector<Named> arrays, int depth) {
+  void collect(const std::string& prefix, std::vector<NamedArray> arrays, int depth) {
     constexpr int kDeepest = 4;
     constexpr std::size_t kMostGroups = 1000;
     groups_.push_back({prefix, arrays});
     if (depth == kDeepest || groups_.size() >= kMostGroups) return;
-    for (const Named& one : arrays) {
+    for (const NamedArray& one : arrays) {
       if (!one.array.is_struct() || one.array.count() != 1) continue;
-      std::vector<Named> fields;
+      std::vector<NamedArray> fields;
       for (const std::string& field : one.array.fields()) {
         fields.push_back({field, one.array.field(field)});
       }
@@ -179,8 +73,8 @@ class PlainMat {
     return meaning_of(name, "", "drive_N").quantity;
   }
 
-  bool has_positions(const Group& group) const {
-    return std::any_of(group.arrays.begin(), group.arrays.end(), [&](const Named& one) {
+  bool has_positions(const MatGroup& group) const {
+    return std::any_of(group.arrays.begin(), group.arrays.end(), [&](const NamedArray& one) {
       if (is_mapped(group.prefix + one.name)) return true;
       if (options_.reads_drive_alone) return one.name == options_.drive_column;
       const Quantity quantity = quantity_of(one.name);
@@ -193,12 +87,12 @@ class PlainMat {
     });
   }
 
-  Group chosen_group() {
+  MatGroup chosen_group() {
     // --columns may name the arrays with their struct.
-    for (const Group& group : groups_) {
+    for (const MatGroup& group : groups_) {
       if (group.prefix.empty()) continue;
       bool is_named = false;
-      for (const Named& one : group.arrays) {
+      for (const NamedArray& one : group.arrays) {
         for (std::string& pair : options_.columns) {
           if (!pair.ends_with("=" + group.prefix + one.name)) continue;
           pair.replace(pair.find('=') + 1, group.prefix.size(), "");
@@ -207,13 +101,13 @@ class PlainMat {
       }
       if (is_named) return group;
     }
-    std::vector<const Group*> found;
-    for (const Group& group : groups_) {
+    std::vector<const MatGroup*> found;
+    for (const MatGroup& group : groups_) {
       if (has_positions(group)) found.push_back(&group);
     }
     if (found.empty()) fail_without_positions();
     if (found.size() > 1) {
-      const std::string names = short_list(found, ", ", [](const Group* one) {
+      const std::string names = short_list(found, ", ", [](const MatGroup* one) {
         return one->prefix.empty() ? std::string("the variables themselves")
                                    : one->prefix.substr(0, one->prefix.size() - 1);
       });
@@ -226,8 +120,8 @@ class PlainMat {
 
   [[noreturn]] void fail_without_positions() const {
     std::vector<std::string> held;
-    for (const Group& group : groups_) {
-      for (const Named& one : group.arrays) {
+    for (const MatGroup& group : groups_) {
+      for (const NamedArray& one : group.arrays) {
         if (one.array.is_numeric()) {
           held.push_back(fmt::format("{}{} ({})", group.prefix, one.name,
                                      fmt::join(one.array.sizes(), " x ")));
@@ -244,17 +138,17 @@ class PlainMat {
   }
 
   // Times, units and names may stand beside the struct with the positions.
-  void take_from_around(Group& group) const {
+  void take_from_around(MatGroup& group) const {
     const auto has = [&group](const auto& is_it) {
       return std::any_of(group.arrays.begin(), group.arrays.end(), is_it);
     };
-    const auto is_time = [](const Named& one) {
+    const auto is_time = [](const NamedArray& one) {
       return is_vector(one.array) && quantity_of(one.name) == Quantity::time;
     };
     for (auto around = groups_.rbegin(); around != groups_.rend(); ++around) {
       if (!around->is_around(group)) continue;
       const bool has_time = has(is_time), has_unit = has(is_unit), has_labels = has(are_labels);
-      for (const Named& one : around->arrays) {
+      for (const NamedArray& one : around->arrays) {
         if ((!has_time && is_time(one)) || (!has_unit && is_unit(one)) ||
             (!has_labels && are_labels(one))) {
           group.arrays.push_back(one);
@@ -263,8 +157,8 @@ class PlainMat {
     }
   }
 
-  void find_time(const Group& group) {
-    for (const Named& one : group.arrays) {
+  void find_time(const MatGroup& group) {
+    for (const NamedArray& one : group.arrays) {
       const bool is_given =
           std::any_of(options_.columns.begin(), options_.columns.end(), [&](const auto& pair) {
             return pair.ends_with("=" + one.name) &&
@@ -275,16 +169,16 @@ class PlainMat {
       if (is_given || !rows_) rows_ = one.array.count();
       if (is_given) break;
     }
-    for (const Named& one : group.arrays) {
+    for (const NamedArray& one : group.arrays) {
       if (is_unit(one) && metres_in(one.array.text()) > 0) unit_ = one.array.text();
       if (are_labels(one)) labels_ = one.array.texts();
     }
   }
 
   // A matrix alone, whose first columns are a time or a frame.
-  bool read_whole_matrix(const Group& group, MatTable& table) {
-    const Named* whole = nullptr;
-    for (const Named& one : group.arrays) {
+  bool read_whole_matrix(const MatGroup& group, MatTable& table) {
+    const NamedArray* whole = nullptr;
+    for (const NamedArray& one : group.arrays) {
       if (!one.array.is_numeric() || one.array.count() <= 1) continue;
       if (whole != nullptr) return false;
       whole = &one;
@@ -303,12 +197,12 @@ class PlainMat {
     return true;
   }
 
-  void read_named(const Group& group, MatTable& table) {
+  void read_named(const MatGroup& group, MatTable& table) {
     header_.has_names = true;
     if (!rows_) find_rows(group);
-    for (const Named& one : group.arrays) {
+    for (const NamedArray& one : group.arrays) {
       if (!one.array.is_numeric() || one.array.count() <= 1) continue;
-      const std::optional<Shape> shape = shape_of(one.array, rows_);
+      const std::optional<MatShape> shape = shape_of(one.array, rows_);
       if (is_vector(one.array) && one.array.count() == *rows_) {
         header_.names.push_back(one.name);
         const Quantity quantity = quantity_of(one.name);
@@ -325,9 +219,9 @@ class PlainMat {
   }
 
   // Without times, all positions must have the same length.
-  void find_rows(const Group& group) {
+  void find_rows(const MatGroup& group) {
     std::string first;
-    for (const Named& one : group.arrays) {
+    for (const NamedArray& one : group.arrays) {
       const Quantity quantity = quantity_of(one.name);
       const bool is_place = is_vector(one.array)
                                 ? quantity == Quantity::point || quantity == Quantity::one_axis ||
@@ -353,7 +247,7 @@ class PlainMat {
            options_.ignored_columns.end();
   }
 
-  void add_points(const Named& one, const Shape& shape, MatTable& table) {
+  void add_points(const NamedArray& one, const MatShape& shape, MatTable& table) {
     const auto ignored =
         std::find(options_.ignored_columns.begin(), options_.ignored_columns.end(), one.name);
     if (ignored != options_.ignored_columns.end()) {
@@ -400,30 +294,30 @@ class PlainMat {
     }
   }
 
-  void find_rate(const Group& group, std::size_t rows) {
-    std::vector<const Group*> order{&group};
+  void find_rate(const MatGroup& group, std::size_t rows) {
+    std::vector<const MatGroup*> order{&group};
     for (auto other = groups_.rbegin(); other != groups_.rend(); ++other) {
       if (other->is_around(group)) order.push_back(&*other);
     }
     if (!take_rate(order, rows, true)) {
       order.clear();
-      for (const Group& other : groups_) order.push_back(&other);
+      for (const MatGroup& other : groups_) order.push_back(&other);
       take_rate(order, rows, false);
     }
   }
 
   // The rate that the first of `groups` states, or the only one that all of them state.
-  bool take_rate(const std::vector<const Group*>& groups, std::size_t rows, bool first_decides) {
+  bool take_rate(const std::vector<const MatGroup*>& groups, std::size_t rows, bool first_decides) {
     std::optional<double> rate_Hz;
-    for (const Group* const group : groups) {
-      for (const Named& one : group->arrays) {
+    for (const MatGroup* const group : groups) {
+      for (const NamedArray& one : group->arrays) {
         if (!is_rate(one)) continue;
         const std::string name = group->prefix + one.name;
         const double its_Hz = one.array.scalar();
         const bool is_usable = its_Hz >= 1e-3 && its_Hz <= 1e6;
         // A rate beside arrays of another length may be theirs.
-        const auto other =
-            std::find_if(group->arrays.begin(), group->arrays.end(), [rows](const Named& beside) {
+        const auto other = std::find_if(
+            group->arrays.begin(), group->arrays.end(), [rows](const NamedArray& beside) {
               return beside.array.is_numeric() && longest(beside.array) > rows;
             });
         if (!is_usable || (rate_Hz && *rate_Hz != its_Hz) || other != group->arrays.end()) {
@@ -448,7 +342,7 @@ class PlainMat {
   std::string path_;
   RecordingOptions options_;
   bool takes_any_number_;
-  std::vector<Group> groups_;
+  std::vector<MatGroup> groups_;
   bool has_time_ = false;
   std::optional<std::size_t> rows_;
   std::string unit_, rate_note_;

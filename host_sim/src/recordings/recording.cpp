@@ -21,14 +21,16 @@
 #include "recordings/recording_formats.h"
 #include "recordings/simulated_recording.h"
 #include "recordings/text_fields.h"
+#include "recordings/xdf_recording.h"
 
 namespace condyle::host {
 namespace {
 
 constexpr std::string_view kFormats =
     "condyle reads CSV with named columns (time_s,position_m), C3D, TRC, TSV of Qualisys, CSV of "
-    "Vicon and Motive, text of NDI, positions of Carstens, Motion-BIDS, MAT, ArtiSynth probe text, "
-    "Zebris XML exports, SSFF, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
+    "Vicon and Motive, text of NDI, positions of Carstens, Motion-BIDS, MAT, XDF, ArtiSynth probe "
+    "text, Zebris XML exports, SSFF, session logs (MCAP) and captures of USB traffic (pcap, "
+    "pcapng)";
 
 // Control characters that are not in the text formats; bytes from 0x80 on may be UTF-8.
 bool is_text(std::string_view start) {
@@ -199,6 +201,15 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
     auto table = open_mat(path, options, use != PointUse::one_or_three || !options.markers.empty());
     if (table->names().empty() && options.markers.empty()) return table;
     return chosen(std::move(table), options, use, path);
+  }
+  if (start.starts_with("XDF:")) {
+    only_for(options.movement != 1, "--movement", "Zebris XML");
+    only_for(options.rate_Hz.has_value(), "--rate-Hz", "files whose rows have no time");
+    reader.reset();
+    auto stream =
+        open_xdf(path, options, use != PointUse::one_or_three || !options.markers.empty());
+    if (stream->names().empty() && options.markers.empty()) return stream;
+    return chosen(std::move(stream), options, use, path);
   }
   const bool is_ssff = start.starts_with("SSFF");
   const std::size_t first = start.find_first_not_of(" \t\r\n");
