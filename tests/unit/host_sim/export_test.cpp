@@ -77,15 +77,9 @@ RC_GTEST_PROP(Export, IsReadBackAtOneRate, ()) {
   }
 }
 
-// CSV keeps the time of each sample.
-RC_GTEST_PROP(Export, WideCsvIsReadBackInEveryForm, ()) {
-  const TemporaryFolder folder;
-  const double rate_Hz = *rc::gen::inRange(20, 500);
-  const ExportData data = random_points(rate_Hz, true);
-  const TableForm form{.has_decimal_comma = *rc::gen::inRange(0, 2) == 0,
-                       .states_unit = *rc::gen::inRange(0, 2) == 0};
-  write_export(export_wide_csv, data, folder / "jaw.csv", form);
-  const ReadPoints read = read_points(folder / "jaw.csv");
+// The time of each sample is kept.
+void expect_same_samples(const std::string& path, const ExportData& data, const TableForm& form) {
+  const ReadPoints read = read_points(path);
   RC_ASSERT(read.time_ns == data.time_ns);
   RC_ASSERT(read.info.stated.unit == (form.states_unit ? "m" : "mm"));
   const auto points = data.points();
@@ -100,6 +94,26 @@ RC_GTEST_PROP(Export, WideCsvIsReadBackInEveryForm, ()) {
       }
     }
   }
+}
+
+RC_GTEST_PROP(Export, WideCsvIsReadBackInEveryForm, ()) {
+  const TemporaryFolder folder;
+  const double rate_Hz = *rc::gen::inRange(20, 500);
+  const ExportData data = random_points(rate_Hz, true);
+  const TableForm form{.has_decimal_comma = *rc::gen::inRange(0, 2) == 0,
+                       .states_unit = *rc::gen::inRange(0, 2) == 0};
+  write_export(export_wide_csv, data, folder / "jaw.csv", form);
+  expect_same_samples(folder / "jaw.csv", data, form);
+}
+
+RC_GTEST_PROP(Export, MatIsReadBack, ()) {
+  const TemporaryFolder folder;
+  const ExportData data = random_points(*rc::gen::inRange(20, 500), true);
+  // A square matrix does not tell rows from columns.
+  RC_PRE(data.samples() > 3 * data.points().size());
+  const TableForm form{.states_unit = *rc::gen::inRange(0, 2) == 0};
+  write_export(export_mat, data, folder / "jaw.mat", form);
+  expect_same_samples(folder / "jaw.mat", data, form);
 }
 
 ExportData two_points() {
