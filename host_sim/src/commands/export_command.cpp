@@ -56,7 +56,7 @@ void add_estimates(const ExportCommandOptions& options, ExportData& data) {
 int run(const ExportCommandOptions& options) {
   const ExportFormat& format = export_format(options.format, options.out);
   if (options.form.has_decimal_comma && !format.takes_decimal_comma) {
-    throw InputError("--decimal-comma", fmt::format("is given, and {} has points", format.name),
+    throw InputError("--decimal-comma", fmt::format("does not apply to {}", format.name),
                      "leave it out, or write CSV");
   }
   refuse_same_files({options.recording}, {options.out});

@@ -50,5 +50,13 @@ Exported export_c3d(const ExportData& data, const TableForm& form, const std::st
 Exported export_mcap(const ExportData& data, const TableForm& form, const std::string& out);
 /// TRC: points at one rate.
 Exported export_trc(const ExportData& data, const TableForm& form, const std::string& out);
+/// MAT, version 5.
+Exported export_mat(const ExportData& data, const TableForm& form, const std::string& out);
+/// CSV with one value in a row.
+Exported export_long_csv(const ExportData& data, const TableForm& form, const std::string& out);
+/// CSV with one sample in a row.
+Exported export_wide_csv(const ExportData& data, const TableForm& form, const std::string& out);
+/// MOT and STO.
+Exported export_opensim(const ExportData& data, const TableForm& form, const std::string& out);
 
 }  // namespace condyle::host

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <set>
 
+#include "hosted/devices/stream_spec.h"
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "recordings/c3d.h"
@@ -280,6 +281,10 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
 
 std::unique_ptr<Recording> open_source(const std::string& source, const RecordingOptions& options,
                                        PointUse use) {
+  if (parse_stream(source)) {
+    throw InputError(source, "is a stream, not a recording",
+                     "record it first: condyle record '" + source + "' --out session.mcap");
+  }
   const SourceSpec spec = recording_source(source);
   switch (spec.kind) {
     case SourceKind::file:
