@@ -69,6 +69,9 @@ class MatCheck {
     }
   }
 
+  /// Of the variables passed, inflated.
+  std::uint64_t bytes() const { return bytes_; }
+
  private:
   std::uint32_t word(std::string_view bytes, std::size_t at) const {
     std::uint32_t value = 0;
@@ -135,8 +138,9 @@ class MatCheck {
   std::uint64_t bytes_ = 0;
 };
 
-// Whether the sizes that an array states fit into memory; libmatio allocates them.
-bool has_usable_size(const matvar_t* array, std::uint64_t& bytes, int depth) {
+// Whether the sizes that an array states fit into memory, which libmatio allocates for them, and
+// the file has as many bytes as elements. `left`: elements that the file can still have.
+bool has_usable_size(const matvar_t* array, std::uint64_t& left, int depth) {
   if (array == nullptr) return true;
   if (depth > kDeepest || array->rank < 0 || array->rank > 10) return false;
   std::uint64_t count = 1;
@@ -147,14 +151,15 @@ bool has_usable_size(const matvar_t* array, std::uint64_t& bytes, int depth) {
   }
   const bool is_struct = array->class_type == MAT_C_STRUCT;
   if (!is_struct && array->class_type != MAT_C_CELL) {
-    bytes += 8 * count;
-    return bytes <= 8 * kMostBytes;
+    if (count > left) return false;
+    left -= count;
+    return true;
   }
   if (is_struct) count *= Mat_VarGetNumberOfFields(const_cast<matvar_t*>(array));
   const auto* const parts = static_cast<matvar_t* const*>(array->data);
   if (parts == nullptr || array->nbytes / sizeof(matvar_t*) < count) return true;
   for (std::uint64_t i = 0; i < count; ++i) {
-    if (!has_usable_size(parts[i], bytes, depth + 1)) return false;
+    if (!has_usable_size(parts[i], left, depth + 1)) return false;
   }
   return true;
 }
@@ -316,13 +321,14 @@ MatFile::MatFile(const std::string& path) {
                        "save it in MATLAB with save('NAME.mat', '-v7')");
     }
   }
-  const std::size_t variables = MatCheck(path).variables();
+  MatCheck check(path);
+  const std::size_t variables = check.variables();
   file_.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
-  std::uint64_t bytes = 0;
+  std::uint64_t left = std::min(check.bytes(), kMostBytes / sizeof(double));
   while (file_) {
     std::unique_ptr<matvar_t, Freer> array(Mat_VarReadNextInfo(file_.get()));
     if (!array) break;
-    if (!has_usable_size(array.get(), bytes, 0)) {
+    if (!has_usable_size(array.get(), left, 0)) {
       throw InputError(path, "a variable is damaged or larger than 1 GiB", kCopyAgain);
     }
     // What it does not read has no data, or fewer bytes than elements; number() gives NaN there.
