@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <system_error>
 
 #include "box/configuration.h"
@@ -18,6 +19,7 @@
 #include "hosted/files/text_file.h"
 #include "options/analysis_options.h"
 #include "options/command_line.h"
+#include "recordings/played_recording.h"
 #include "report/report_page.h"
 
 namespace condyle::host {
@@ -57,6 +59,38 @@ class SessionsFolder {
   bool is_new_ = false;
 };
 
+// A folder for what is played, until the command ends.
+class PlayedFolder {
+ public:
+  PlayedFolder() {
+    std::error_code error;
+    path_ = std::filesystem::temp_directory_path(error) / "condyle-live-XXXXXX";
+    if (error || mkdtemp(path_.data()) == nullptr) {
+      throw InputError(path_, "cannot be made", "name a folder that you may write to in TMPDIR");
+    }
+  }
+  ~PlayedFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  PlayedFolder(const PlayedFolder&) = delete;
+  PlayedFolder& operator=(const PlayedFolder&) = delete;
+  std::string log() const { return path_ + "/played.mcap"; }
+
+ private:
+  std::string path_;
+};
+
+// Another recording than a session log is played from a log of the same samples in `folder`.
+SourceSpec played(const SourceSpec& spec, std::optional<PlayedFolder>& folder) {
+  if (spec.kind != SourceKind::file || is_session_log(spec.file)) return spec;
+  folder.emplace();
+  write_as_session_log(spec.file, folder->log(), stop_requested);
+  SourceSpec log = spec;
+  log.file = folder->log();
+  return log;
+}
+
 SourceSpec parse_live_source(const std::string& text) {
   const SourceSpec spec = source_of(text);
   if (spec.file.empty()) {
@@ -64,7 +98,7 @@ SourceSpec parse_live_source(const std::string& text) {
   }
   if (spec.kind == SourceKind::sim) {
     throw InputError(text, "a simulated subject does not send reports",
-                     "write synth:PROFILE for a jaw that chews, or file:LOG for a session log");
+                     "write synth:PROFILE for a jaw that chews, or file:RECORDING for a recording");
   }
   return spec;
 }
@@ -119,8 +153,10 @@ box::Configuration configuration_of(const LiveOptions& options, const SourceSpec
 }
 
 int show_live(const LiveOptions& options) {
-  const SourceSpec spec = parse_live_source(options.source);
+  const SourceSpec named = parse_live_source(options.source);
   if (!options.landmarks.empty()) static_cast<void>(load_landmarks(options.landmarks));
+  std::optional<PlayedFolder> played_folder;
+  const SourceSpec spec = played(named, played_folder);
   hal::SteadyClock clock;
   const SampleKind kind = ConfiguredFacebow(spec, options.serial, clock).profile().kind;
   options.choice.check(options.source, kind);
@@ -151,11 +187,11 @@ Command add_live(CommandLine app) {
       "live", "Show a facebow in the browser as it moves; Ctrl-C ends it", "Measure with a device");
   command.add_example("condyle live hid:bow.toml", "Open the printed address in a browser.");
   command.add_example("condyle live file:session.mcap --port 8080",
-                      "Play a session log at its recorded speed.");
+                      "Play a recording at its recorded speed.");
   command
       .add_option("SOURCE", options->source,
-                  "hid:PROFILE or usb:PROFILE, a device; file:LOG, a session log; synth:PROFILE, a "
-                  "jaw that chews")
+                  "hid:PROFILE or usb:PROFILE, a device; file:RECORDING, a session log or another "
+                  "recording; synth:PROFILE, a jaw that chews")
       .required();
   command.add_option("--port", options->port, "Port of the page on 127.0.0.1; 0: any free one")
       .within(0, kHighestPort)
