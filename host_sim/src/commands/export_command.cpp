@@ -6,6 +6,7 @@
 #include "commands/commands.h"
 #include "condyle/hal/clock.h"
 #include "exports/even_times.h"
+#include "exports/export_estimates.h"
 #include "exports/export_format.h"
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
@@ -19,7 +20,7 @@ namespace {
 
 struct ExportCommandOptions {
   std::string recording, out, format;
-  RecordingOptions reading;
+  RecordingChoice reading;
   TableForm form;
 };
 
@@ -42,10 +43,20 @@ std::string summary(const ExportData& data, const ExportFormat& format,
   return text.text();
 }
 
+// Beside the measurements, where there is one point to follow.
+void add_estimates(const ExportCommandOptions& options, ExportData& data) {
+  try {
+    data.estimates = std::make_shared<ExportEstimates>(options.recording, options.reading,
+                                                       options.form.resample_Hz, stop_requested);
+  } catch (const InputError& error) {
+    data.notes.push_back(fmt::format("no estimates: {}", error.what()));
+  }
+}
+
 int run(const ExportCommandOptions& options) {
   const ExportFormat& format = export_format(options.format, options.out);
   if (options.form.has_decimal_comma && !format.takes_decimal_comma) {
-    throw InputError("--decimal-comma", fmt::format("is given, and {} has points", format.name),
+    throw InputError("--decimal-comma", fmt::format("does not apply to {}", format.name),
                      "leave it out, or write CSV");
   }
   refuse_same_files({options.recording}, {options.out});
@@ -53,13 +64,14 @@ int run(const ExportCommandOptions& options) {
   ExportData data;
   {
     Progress progress("reading", clock);
-    data = read_export_data(options.recording, options.reading, [&](double share) {
+    data = read_export_data(options.recording, options.reading.reading, [&](double share) {
       progress.show(share);
       return stop_requested();
     });
   }
   if (stop_requested()) return report_stop();
   if (options.form.resample_Hz) resample(data, *options.form.resample_Hz);
+  if (format.takes_estimates) add_estimates(options, data);
   Exported written = format.write(data, options.form, options.out);
   if (stop_requested()) return report_stop();
   std::vector<std::string> notes = data.info.notes;
@@ -94,15 +106,7 @@ Command add_export(CommandLine app) {
   output.add_option("--format", options->format,
                     "One of " + formats + ", if the ending of the file does not say");
   add_table_options(command, options->form, out, "as is usual for the format");
-  const CommandLine reading = command.group("What is read");
-  const auto take_faults = [options](const std::string& policy) {
-    options->reading.faults = policy == "event" ? FaultPolicy::event : FaultPolicy::refuse;
-  };
-  reading
-      .on_option("--faults", take_faults, "What to do with missing, non-finite and reversed rows")
-      .one_of({"refuse", "event"})
-      .show_default("refuse");
-  add_reading_options(reading, options->reading);
+  add_recording_options(command, options->reading);
   return [options] { return run(*options); };
 }
 

@@ -56,9 +56,7 @@ std::vector<std::string> distinct_names(const std::vector<std::string>& names,
 class SeriesReader {
  public:
   SeriesReader(Recording& recording, ExportData& data)
-      : recording_(recording),
-        named_(dynamic_cast<NamedPointsRecording*>(&recording)),
-        data_(data) {
+      : named_(dynamic_cast<NamedPointsRecording*>(&recording)), data_(data) {
     const RecordingInfo& info = recording.info();
     if (named_ != nullptr && !named_->names().empty()) {
       for (const std::string& name : distinct_names(named_->names(), data.notes)) {
@@ -147,7 +145,6 @@ class SeriesReader {
     }
   }
 
-  Recording& recording_;
   NamedPointsRecording* named_;
   ExportData& data_;
   std::size_t points_ = 0;  // the first series

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,8 @@
 #include "recordings/recording.h"
 
 namespace condyle::host {
+
+class ExportEstimates;
 
 /// A quantity of a point, a body or a channel, at the times of the samples.
 struct ExportSeries {
@@ -46,9 +49,10 @@ struct ExportData {
   std::vector<TimeNs> time_ns;  ///< of the samples; rises
   std::vector<ExportSeries> series;
   std::vector<ExportChannel> channels;
-  std::vector<NamedInstant> events;  ///< on the recording's clock
-  std::optional<double> rate_Hz;     ///< after resampling: exact
-  std::vector<std::string> notes;    ///< what the user must know
+  std::vector<NamedInstant> events;            ///< on the recording's clock
+  std::optional<double> rate_Hz;               ///< after resampling: exact
+  std::shared_ptr<ExportEstimates> estimates;  ///< null: none
+  std::vector<std::string> notes;              ///< what the user must know
 
   std::size_t samples() const { return time_ns.size(); }
   std::vector<const ExportSeries*> points() const;

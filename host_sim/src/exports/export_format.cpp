@@ -12,6 +12,16 @@ namespace condyle::host {
 const std::vector<ExportFormat>& export_formats() {
   static const std::vector<ExportFormat> formats{
       {"c3d", {".c3d"}, "points, analogue channels and events at one rate", false, export_c3d},
+      {"mcap",
+       {".mcap"},
+       "messages of ROS 2 with pose, transforms and estimates, for Foxglove and PlotJuggler",
+       false,
+       export_mcap,
+       true},
+      {"csv", {".csv"}, "one value in a row, with unit and provenance", true, export_long_csv},
+      {"wide", {}, "CSV with one sample in a row, for spreadsheets", true, export_wide_csv},
+      {"sto", {".sto", ".mot"}, "motion for OpenSim", false, export_opensim},
+      {"mat", {".mat"}, "a struct of arrays, for MATLAB and Octave", false, export_mat},
       {"trc", {".trc"}, "points at one rate, for OpenSim", false, export_trc},
   };
   return formats;

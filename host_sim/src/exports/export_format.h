@@ -35,6 +35,7 @@ struct ExportFormat {
   const char* meaning;               ///< one line for the help
   bool takes_decimal_comma;
   Exporter write;
+  bool takes_estimates = false;
 };
 
 /// All formats, the usual one of each ending first.
@@ -45,7 +46,17 @@ const ExportFormat& export_format(const std::string& name, const std::string& ou
 
 /// C3D: points, channels and events at one rate.
 Exported export_c3d(const ExportData& data, const TableForm& form, const std::string& out);
+/// MCAP: everything, with estimates.
+Exported export_mcap(const ExportData& data, const TableForm& form, const std::string& out);
 /// TRC: points at one rate.
 Exported export_trc(const ExportData& data, const TableForm& form, const std::string& out);
+/// MAT, version 5.
+Exported export_mat(const ExportData& data, const TableForm& form, const std::string& out);
+/// CSV with one value in a row.
+Exported export_long_csv(const ExportData& data, const TableForm& form, const std::string& out);
+/// CSV with one sample in a row.
+Exported export_wide_csv(const ExportData& data, const TableForm& form, const std::string& out);
+/// MOT and STO.
+Exported export_opensim(const ExportData& data, const TableForm& form, const std::string& out);
 
 }  // namespace condyle::host

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cstdlib>
 #include <vector>
 
 #include "hosted/files/number_text.h"
@@ -27,11 +25,6 @@ void append_scaled(std::string& text, double value, double per_SI_unit) {
     }
   }
   append_number(text, scaled);
-}
-
-std::string with_decimal_comma(std::string text) {
-  std::replace(text.begin(), text.end(), '.', ',');
-  return text;
 }
 
 WrittenUnit written_unit(const std::string& unit, double units_per_metre) {

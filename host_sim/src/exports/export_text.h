@@ -13,9 +13,6 @@ namespace condyle::host {
 /// `value` again, to one unit of its last bit. `value` must be finite.
 void append_scaled(std::string& text, double value, double per_SI_unit);
 
-/// `text` with a comma for each point.
-std::string with_decimal_comma(std::string text);
-
 /// How values of `unit` are written where lengths are `units_per_metre`, and the unit's name.
 struct WrittenUnit {
   double per_SI_unit = 1;

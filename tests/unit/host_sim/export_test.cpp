@@ -77,6 +77,45 @@ RC_GTEST_PROP(Export, IsReadBackAtOneRate, ()) {
   }
 }
 
+// The time of each sample is kept.
+void expect_same_samples(const std::string& path, const ExportData& data, const TableForm& form) {
+  const ReadPoints read = read_points(path);
+  RC_ASSERT(read.time_ns == data.time_ns);
+  RC_ASSERT(read.info.stated.unit == (form.states_unit ? "m" : "mm"));
+  const auto points = data.points();
+  RC_ASSERT(read.names.size() == points.size());
+  for (std::size_t k = 0; k < data.samples(); ++k) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector3d place_m = read.points_m[k].col(static_cast<Eigen::Index>(i));
+      RC_ASSERT(place_m.allFinite() == points[i]->is_there(k));
+      for (std::size_t axis = 0; points[i]->is_there(k) && axis < 3; ++axis) {
+        RC_ASSERT(std::abs(place_m[static_cast<Eigen::Index>(axis)] - points[i]->at(k)[axis]) <=
+                  kDouble * std::abs(points[i]->at(k)[axis]));
+      }
+    }
+  }
+}
+
+RC_GTEST_PROP(Export, WideCsvIsReadBackInEveryForm, ()) {
+  const TemporaryFolder folder;
+  const double rate_Hz = *rc::gen::inRange(20, 500);
+  const ExportData data = random_points(rate_Hz, true);
+  const TableForm form{.has_decimal_comma = *rc::gen::inRange(0, 2) == 0,
+                       .states_unit = *rc::gen::inRange(0, 2) == 0};
+  write_export(export_wide_csv, data, folder / "jaw.csv", form);
+  expect_same_samples(folder / "jaw.csv", data, form);
+}
+
+RC_GTEST_PROP(Export, MatIsReadBack, ()) {
+  const TemporaryFolder folder;
+  const ExportData data = random_points(*rc::gen::inRange(20, 500), true);
+  // A square matrix does not tell rows from columns.
+  RC_PRE(data.samples() > 3 * data.points().size());
+  const TableForm form{.states_unit = *rc::gen::inRange(0, 2) == 0};
+  write_export(export_mat, data, folder / "jaw.mat", form);
+  expect_same_samples(folder / "jaw.mat", data, form);
+}
+
 ExportData two_points() {
   ExportData data;
   data.source = "recording";
@@ -193,6 +232,90 @@ TEST(Export, TrcHasTheHeaderThatOpenSimRequires) {
                           "\n"
                           "1\t1.5\t0\t-2\t300\t0\t-2\t300\n"
                           "2\t1.51\t1\t-2\t300\tNaN\tNaN\tNaN\n"));
+}
+
+// One sample of a point, a pose, a drive and a channel, the second sample missing.
+ExportData of_every_kind() {
+  ExportData data;
+  data.source = "recording";
+  data.time_ns = {0, 10'000'000};
+  data.series = {{.name = "left, upper",
+                  .quantity = "position",
+                  .components = {"x", "y", "z"},
+                  .unit = "m",
+                  .values = {0.0015, 0, 2, kMissing, kMissing, kMissing}},
+                 {.name = "jaw",
+                  .quantity = "orientation",
+                  .components = {"w", "x", "y", "z"},
+                  .provenance = Provenance::derived,
+                  .values = {1, 0, 0, 0, 0.5, 0.5, 0.5, 0.5}},
+                 {.name = "drive",
+                  .quantity = "force",
+                  .components = {""},
+                  .unit = "N",
+                  .values = {2.5, kMissing}}};
+  data.channels.push_back(
+      {.channel = {.name = "emg", .unit = "mV", .rate_Hz = 1000}, .first_s = 0, .values = {0.25}});
+  data.events = {{0.005, "swallow"}};
+  return data;
+}
+
+TEST(Export, LongCsvStatesUnitAndProvenanceOfEachValue) {
+  const TemporaryFolder folder;
+  write_export(export_long_csv, of_every_kind(), folder / "jaw.csv");
+  EXPECT_EQ(read_file(folder / "jaw.csv"),
+            "time_s,name,quantity,component,value,unit,provenance\n"
+            "0,\"left, upper\",position,x,1.5,mm,measured\n"
+            "0,\"left, upper\",position,y,0,mm,measured\n"
+            "0,\"left, upper\",position,z,2000,mm,measured\n"
+            "0,jaw,orientation,w,1,,derived\n"
+            "0,jaw,orientation,x,0,,derived\n"
+            "0,jaw,orientation,y,0,,derived\n"
+            "0,jaw,orientation,z,0,,derived\n"
+            "0,drive,force,,2.5,N,measured\n"
+            "0.01,\"left, upper\",position,x,,mm,missing\n"
+            "0.01,\"left, upper\",position,y,,mm,missing\n"
+            "0.01,\"left, upper\",position,z,,mm,missing\n"
+            "0.01,jaw,orientation,w,0.5,,derived\n"
+            "0.01,jaw,orientation,x,0.5,,derived\n"
+            "0.01,jaw,orientation,y,0.5,,derived\n"
+            "0.01,jaw,orientation,z,0.5,,derived\n"
+            "0.01,drive,force,,,N,missing\n"
+            "0,emg,analogue,,0.25,mV,measured\n");
+  EXPECT_EQ(read_file(folder / "jaw.events.csv"), "time_s,name\n0.005,swallow\n");
+}
+
+TEST(Export, WritesDecimalCommasAndSemicolons) {
+  const TemporaryFolder folder;
+  const Exported exported = write_export(export_wide_csv, of_every_kind(), folder / "jaw.csv",
+                                         {.has_decimal_comma = true});
+  EXPECT_EQ(read_file(folder / "jaw.csv"),
+            "time_s;\"left, upper_x_mm\";\"left, upper_y_mm\";\"left, upper_z_mm\";"
+            "jaw_qw;jaw_qx;jaw_qy;jaw_qz;drive_N\n"
+            "0;1,5;0;2000;1;0;0;0;2,5\n"
+            "0,01;;;;0,5;0,5;0,5;0,5;\n");
+  EXPECT_EQ(read_file(folder / "jaw.events.csv"), "time_s;name\n0,005;swallow\n");
+  EXPECT_THAT(exported.notes, AllOf(Contains(HasSubstr("no place for provenance")),
+                                    Contains(HasSubstr("1 analogue channel"))));
+}
+
+// The turn by 120 degrees about the diagonal takes x to y, y to z, z to x.
+TEST(Export, OpenSimTablesHoldMetresAndDegrees) {
+  const TemporaryFolder folder;
+  const Exported exported = write_export(export_opensim, of_every_kind(), folder / "jaw.mot");
+  const std::string text = read_file(folder / "jaw.mot");
+  EXPECT_THAT(text, testing::StartsWith(
+                        "jaw.mot\nversion=1\nnRows=2\nnColumns=8\ninDegrees=yes\nendheader\n"
+                        "time\tleft,_upper_x\tleft,_upper_y\tleft,_upper_z\tjaw_rx\tjaw_ry\t"
+                        "jaw_rz\tdrive\n0\t0.0015\t0\t2\t"));
+  double rx = 0, ry = 0, rz = 0;
+  ASSERT_EQ(std::sscanf(text.substr(text.find("\n0.01\t")).c_str(),
+                        "\n0.01\tNaN\tNaN\tNaN\t%lf\t%lf\t%lf\tNaN", &rx, &ry, &rz),
+            3);
+  // Rx(90) Ry(90) Rz(0): the middle angle is at its limit, where only rx + rz is determined.
+  EXPECT_NEAR(ry, 90, 1e-5);
+  EXPECT_NEAR(rx + rz, 90, 1e-5);
+  EXPECT_THAT(exported.notes, ElementsAre(HasSubstr("1 analogue channel")));
 }
 
 TEST(Export, RefusesTimesThatFollowNoRate) {
