@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Debian packages, by CPack: condyle (the command), condyle-box (the service), condyle-common (files
-# for both), libcondyle0, libcondyle-dev and python3-condyle (the interfaces for other languages). toolchain/make_packages makes them.
+# for both), libcondyle0, libcondyle-dev and python3-condyle (the interfaces for other languages).
+# toolchain/make_packages makes them.
 set(CONDYLE_MAINTAINER "The condyle authors <condyle@example.org>" CACHE STRING
   "Maintainer of the packages: NAME <ADDRESS>; the default is a placeholder")
 
