@@ -158,9 +158,7 @@ OutputFile& BidsDataset::estimated_file(const std::string& end) {
   const bool is_new = std::none_of(exported_.files.begin(), exported_.files.end(),
                                    [&](const auto& one) { return one->path() == description; });
   if (is_new && !is_there(description)) {
-    BidsJson content = description_of("Estimates of jaw motion", "derivative");
-    content["SourceDatasets"] = {{{"URL", "../.."}}};
-    write_json(file(description), content);
+    write_json(file(description), description_of("Estimates of jaw motion", "derivative"));
   }
   return file(estimated_ + end);
 }

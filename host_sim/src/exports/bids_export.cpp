@@ -154,8 +154,9 @@ class Writer {
   TimeNs latency_ns(TimeNs time_ns) const { return time_ns - data_.time_ns.front(); }
 
   std::string followed_point() const {
-    const auto points = data_.points();
-    return points[std::min(data_.estimates->point(), points.size() - 1)]->name;
+    const FollowedPoint followed = data_.estimates->point();
+    if (followed.body_point_m) return "point of the jaw";
+    return data_.points().at(static_cast<std::size_t>(followed.point - 1))->name;
   }
 
   static void append_value(std::string& row, double value, double per_SI_unit) {
