@@ -62,7 +62,7 @@ BidsLabels complete_labels(const BidsLabels& given, const std::string& source) {
     if (label.empty() && !is_required) return;
     if (label.empty()) {
       throw InputError(source, fmt::format("its name does not say the {}, and BIDS needs it", what),
-                       fmt::format("give {}, as in {} 01", option, option));
+                       fmt::format("give {} with a word of letters and digits", option));
     }
     check_bids_label(given_label.empty() ? source : option, what, label);
   };
