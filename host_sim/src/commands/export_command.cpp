@@ -105,7 +105,7 @@ Command add_export(CommandLine app) {
   command.add_option("RECORDING", options->recording, "As for replay; all points are taken")
       .required();
   command.add_example(
-      "condyle export session.csv --out dataset --format bids --subject 01 --task clinical",
+      "condyle export session.csv --out shared --format bids --subject 01 --task clinical",
       "Add it to a data set of Motion-BIDS.");
   const CommandLine output = command.group("Output");
   const Option out =
