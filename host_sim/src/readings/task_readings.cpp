@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 
@@ -134,11 +133,12 @@ class TaskReader {
       if (definition.name == "slow_close_time_s") {
         assume("the contact of the teeth is not recorded; the speed stands for it");
       }
+      if (is_place(definition.unit)) assume(context_.landmark_assumption);
       assume(context_.reference_assumption);
       if (is_fast(definition.name)) assume(context_.smoothing_assumption);
       if (is_found) {
-        reading.reason +=
-            fmt::format("{}the task was found, not stated", reading.reason.empty() ? "" : "; ");
+        reading.reason += reading.reason.empty() ? "" : "; ";
+        reading.reason += "the task was found, not stated";
       }
     }
     analysis_.readings.push_back(std::move(reading));
