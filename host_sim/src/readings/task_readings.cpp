@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -42,11 +43,8 @@ class TaskReader {
       is_found = is_found || task.is_found;
     }
     if (windows.empty()) return;
-    if (kind == TaskKind::chewing) {
-      read_chewing(windows, is_found);
-    } else {
-      read_strokes(kind, windows, is_found);
-    }
+    if (kind == TaskKind::chewing) return read_chewing(windows, is_found);
+    read_strokes(kind, windows, is_found);
   }
 
   // Condylar inclination of mediotrusion minus that of protrusion, by side.
