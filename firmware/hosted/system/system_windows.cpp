@@ -6,6 +6,7 @@
 #include <pthread.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <cwchar>
@@ -30,7 +31,7 @@ BOOL WINAPI on_console_event(DWORD event) {
 void prepare_program(void (*stop)(int)) {
   stop_program = stop;
   SetConsoleCtrlHandler(on_console_event, TRUE);
-  _set_fmode(_O_BINARY);
+  _fmode = _O_BINARY;
   for (std::FILE* const file : {stdin, stdout, stderr}) _setmode(_fileno(file), _O_BINARY);
   SetConsoleOutputCP(CP_UTF8);
 }
