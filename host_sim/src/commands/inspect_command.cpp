@@ -62,7 +62,7 @@ Command add_inspect(CommandLine app) {
       "Device to read: its ids as in 1209:0001, /dev/hidraw0, or its USB port, 1-1.4");
   command.add_option(
       "--profile=FILE", options->profile,
-      std::string(kProfileMeaning) + "; read that device, and show the decoded values");
+      fmt::format("{}; read that device, and show the decoded values", kProfileMeaning));
   command.add_option(
       "--descriptor=FILE", options->descriptor,
       "File with a report descriptor, binary or hexadecimal text, instead of a device");

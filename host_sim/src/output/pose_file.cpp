@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <numbers>
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +16,7 @@
 namespace condyle::host {
 namespace {
 
-constexpr double kDegrees = 180 / M_PI;
+constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr int kDegreesOfFreedom = 6;
 
 }  // namespace
