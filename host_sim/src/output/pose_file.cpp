@@ -3,10 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <numbers>
-
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "hosted/estimates/pose_fields.h"
 #include "hosted/files/number_text.h"
