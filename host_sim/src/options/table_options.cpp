@@ -3,12 +3,16 @@
 
 namespace condyle::host {
 
-void add_table_options(CommandLine line, TableForm& form, Option out) {
+void add_table_options(CommandLine line, TableForm& form, Option out,
+                       const std::string& usual_unit) {
   const CommandLine command = line.group("Output");
-  const auto take_unit = [&form](const std::string& unit) { form.is_in_mm = unit == "mm"; };
+  const auto take_unit = [&form](const std::string& unit) {
+    form.is_in_mm = unit == "mm";
+    form.states_unit = true;
+  };
   command.on_option("--out-unit", take_unit, "Unit of the lengths that are written")
       .one_of({"mm", "m"})
-      .show_default("m")
+      .show_default(usual_unit)
       .needs(out);
   command
       .add_option("--resample-Hz", form.resample_Hz,
