@@ -26,8 +26,8 @@ void Gnuplot::send(const std::string&) {}
 void Gnuplot::draw(const std::string&, const std::string&, int, int) {}
 
 std::vector<std::unique_ptr<OutputFile>> Gnuplot::finish() {
-  defer_problem(InputError("gnuplot", kProblem,
-                           fmt::format("{}; all other output was written", kInstead)));
+  defer_problem(
+      InputError("gnuplot", kProblem, fmt::format("{}; all other output was written", kInstead)));
   return {};
 }
 
