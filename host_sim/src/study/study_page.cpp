@@ -103,23 +103,31 @@ std::string scatter_table(const StudyTables& tables) {
 
 std::string plots(const StudyTables& tables) {
   std::string text;
-  std::size_t count = 0;
+  std::size_t count = 0, boxes = 0;
   for (const auto& [key, reading] : tables.readings) {
     if (reading.subjects < kLeastSubjects || count == kMostPlots) continue;
     text += study_plot(reading_title(key), reading.unit, sessions_of(tables, reading));
     ++count;
+    if (reading.subjects > kMostSubjectsDrawn) ++boxes;
   }
   if (count == 0) {
     return fmt::format("<p>None: no reading is shown for {} subjects or more.</p>\n",
                        kLeastSubjects);
   }
-  const std::string words = fmt::format(
-      "Each line is a subject, each point the mean of a session's recordings, each bar the mean of "
-      "their 95 % intervals. Where more than {} subjects show a reading, a box holds the middle "
-      "half of their means in a session, the line in it is the median, the bar holds the middle "
-      "95 %, and the points are the lowest and the highest subject.",
-      kMostSubjectsDrawn);
-  return fmt::format("<p>{}</p>\n<div class=\"plots\">\n{}</div>\n", words, text);
+  std::string words;
+  if (boxes < count) {
+    words =
+        "<p>Each line is a subject, each point the mean of a session's recordings, each bar the "
+        "mean of their 95 % intervals.</p>\n";
+  }
+  if (boxes > 0) {
+    words += fmt::format(
+        "<p>A reading of more than {} subjects has a box for each session. The box holds the "
+        "middle half of the subjects' means, its thick line is their median, the bar holds the "
+        "middle 95 %, and the points are the lowest and the highest subject.</p>\n",
+        kMostSubjectsDrawn);
+  }
+  return words + "<div class=\"plots\">\n" + text + "</div>\n";
 }
 
 }  // namespace
