@@ -117,8 +117,9 @@ std::string draw_lines(const Axes& axes, const std::vector<StudySession>& sessio
 std::string draw_boxes(const Axes& axes, const Columns& columns) {
   const double half_width = std::min(0.3 * axes.column_width(), 14.0);
   std::string svg;
-  for (const auto& [session, points] : columns) {
-    const double x = axes.x_of(session);
+  for (const auto& column : columns) {
+    const std::vector<Point>& points = column.second;
+    const double x = axes.x_of(column.first);
     const auto y = [&](double share) { return axes.y_of(quantile(points, share)); };
     svg += fmt::format(
         "<g stroke=\"{0}\"><path d=\"M{1:.1f} {2:.1f}V{3:.1f}\"/><rect x=\"{4:.1f}\" "
