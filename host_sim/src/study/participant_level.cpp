@@ -257,13 +257,7 @@ class Workers {
 
 // Written in place: a run that is killed meanwhile leaves no temporary file behind, every shard
 // writes the same bytes, and the next run completes them.
-void write_description(const fs::path& out) {
-  const Json description = {{"Name", "Readings of jaw motion"},
-                            {"BIDSVersion", "1.9.0"},
-                            {"DatasetType", "derivative"},
-                            {"GeneratedBy", {{{"Name", "condyle"}, {"Version", CONDYLE_VERSION}}}}};
-  const std::string text = dump(description);
-  const fs::path path = out / "dataset_description.json";
+void write_in_place(const fs::path& path, const std::string& text) {
   {
     std::ifstream file(path, std::ios::binary);
     const std::string found{std::istreambuf_iterator<char>(file), {}};
@@ -273,6 +267,16 @@ void write_description(const fs::path& out) {
   if (!(file << text << std::flush)) {
     throw InputError(path.string(), "cannot be written", "free space, or check its permissions");
   }
+}
+
+// What BIDS asks of a folder of results. It has no names for readings: validators are told so.
+void write_description(const fs::path& out) {
+  const Json description = {{"Name", "Readings of jaw motion"},
+                            {"BIDSVersion", "1.9.0"},
+                            {"DatasetType", "derivative"},
+                            {"GeneratedBy", {{{"Name", "condyle"}, {"Version", CONDYLE_VERSION}}}}};
+  write_in_place(out / "dataset_description.json", dump(description));
+  write_in_place(out / ".bidsignore", "sub-*/**\ngroup/**\n");
 }
 
 }  // namespace
