@@ -18,6 +18,8 @@ struct CsvHeader {
   bool has_names = false;          ///< otherwise the names are "1", "2" ...
   std::vector<std::string> names;  ///< of the columns
   std::vector<std::string> units;  ///< below the names; empty where there are none
+  std::vector<std::string> titles;  ///< lines above the names, which are not read
+  std::string problem;              ///< why the names are not where they are looked for
 };
 
 CsvHeader read_csv_header(const TableStart& start);

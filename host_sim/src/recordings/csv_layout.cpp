@@ -76,6 +76,12 @@ class CsvReading {
   }
 
   void refuse_without_names() {
+    if (!header_.problem.empty()) {
+      throw InputError(place(), header_.problem,
+                       fmt::format("put the names of the columns, such as time_s,position_m, in "
+                                   "the line above the numbers, and # before other lines; {}",
+                                   kColumns));
+    }
     for (const std::string& name : header_.names) {
       if (name.size() <= kLongestName) continue;
       throw InputError(place(), fmt::format("the column name {} is too long", quote(name)),
@@ -348,6 +354,11 @@ class CsvReading {
     const std::string recognised =
         recognised_text(header_, meanings_, options_, !mapped_.empty() || !warnings_.empty());
     if (!recognised.empty()) notes.push_back(recognised);
+    if (!header_.titles.empty()) {
+      notes.push_back(fmt::format(
+          "line {} names the columns; not read above it: {}", header_.line,
+          short_list(header_.titles, ", ", [](const std::string& title) { return quote(title); })));
+    }
     if (!single_.empty()) notes.push_back(single_);
     if (!unread_.empty()) {
       notes.push_back(fmt::format("columns that are not read: {}", list_of_points(unread_)));

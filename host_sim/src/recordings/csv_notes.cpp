@@ -37,7 +37,7 @@ std::string style_text(const TextStyle& style) {
 std::string recognised_text(const CsvHeader& header, const std::vector<ColumnMeaning>& meanings,
                             const RecordingOptions& options, bool was_chosen) {
   bool is_plain = header.has_names && !was_chosen && header.style.separator == ',' &&
-                  header.line == header.lines;
+                  header.line == header.lines && header.titles.empty();
   std::vector<std::string> words, points;
   std::string unit;
   for (std::size_t i = 0; i < meanings.size(); ++i) {
