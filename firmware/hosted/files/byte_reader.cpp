@@ -74,8 +74,8 @@ void ByteReader::fill_from_utf16() {
   const auto unit = [this](std::size_t at) {
     const auto first = static_cast<std::uint8_t>(undecoded_[at]);
     const auto second = static_cast<std::uint8_t>(undecoded_[at + 1]);
-    return static_cast<std::uint32_t>(
-        encoding_ == Encoding::utf16_big ? first << 8U | second : second << 8U | first);
+    return static_cast<std::uint32_t>(encoding_ == Encoding::utf16_big ? first << 8U | second
+                                                                       : second << 8U | first);
   };
   const auto fail = [this](const char* problem) {
     throw InputError(path_, problem, "save it as UTF-8 text, or copy the file again");

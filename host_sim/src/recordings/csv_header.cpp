@@ -67,13 +67,18 @@ std::vector<std::string> join_axes(const std::vector<std::string>& points, const
 }
 
 // The lines from `first` on that are no comments, as many as tell the style.
-TextStyle style_from(const std::vector<std::string_view>& lines, std::size_t first) {
+std::vector<std::string_view> looked_at(const std::vector<std::string_view>& lines,
+                                        std::size_t first) {
   constexpr std::size_t kLooked = 100;
   std::vector<std::string_view> looked;
   for (std::size_t i = first; i < lines.size() && looked.size() < kLooked; ++i) {
     if (!is_comment(lines[i])) looked.push_back(lines[i]);
   }
-  return style_of(looked);
+  return looked;
+}
+
+TextStyle style_from(const std::vector<std::string_view>& lines, std::size_t first) {
+  return style_of(looked_at(lines, first));
 }
 
 std::size_t filled(const Fields& fields) {
@@ -178,9 +183,9 @@ void find_rows_elsewhere(const std::vector<std::string_view>& lines, CsvHeader& 
     if (fields.size() == header.names.size()) return;
     if (!has_lines_between && header.names.size() > 1) return;
     header.problem = fmt::format(
-        "the line does not name the columns: it has {}, and the rows of numbers from line {} on "
-        "have {}",
-        header.names.size(), i + 1, fields.size());
+        "the line does not name the columns: it has {} column{}, and the rows of numbers from line "
+        "{} on have {}",
+        header.names.size(), header.names.size() == 1 ? "" : "s", i + 1, fields.size());
     return;
   }
 }
@@ -205,7 +210,8 @@ CsvHeader read_csv_header(const TableStart& start) {
     const std::string_view title = trim(lines[first]);
     if (!title.empty() && !is_comment(title)) header.titles.emplace_back(title);
   }
-  header.style = style_from(lines, first);
+  const std::vector<std::string_view> looked = looked_at(lines, first);
+  header.style = style_of(looked);
   header.line = first + 1;
   header.lines = first;
   Fields fields;
@@ -228,8 +234,8 @@ CsvHeader read_csv_header(const TableStart& start) {
   if (!header.has_names) {
     // Some programs end each row with a separator.
     const bool ends_empty =
-        fields.size() > 1 && std::all_of(lines.begin(), lines.end(), [&](std::string_view line) {
-          return is_blank_row(line, header.style.separator) || is_comment(line) ||
+        fields.size() > 1 && std::all_of(looked.begin(), looked.end(), [&](std::string_view line) {
+          return is_blank_row(line, header.style.separator) || trim(line).empty() ||
                  line.ends_with(header.style.separator) ||
                  line.ends_with(std::string{header.style.separator, '\r'});
         });

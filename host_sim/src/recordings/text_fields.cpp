@@ -145,13 +145,13 @@ bool is_missing_coordinate(double value, double metres_each) {
 }
 
 bool has_thousands(std::string_view text) {
-  constexpr std::array<std::string_view, 6> kSeparators{",", ".", " ", "'", "\xc2\xa0",
-                                                        "\xe2\x80\xaf"};
+  constexpr std::array<std::string_view, 6> kSeparators{",", ".",        " ",
+                                                        "'", "\xc2\xa0", "\xe2\x80\xaf"};
   text = trim(text);
   if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
   const auto digits = [](std::string_view rest) {
-    return static_cast<std::size_t>(
-        std::find_if_not(rest.begin(), rest.end(), is_digit) - rest.begin());
+    return static_cast<std::size_t>(std::find_if_not(rest.begin(), rest.end(), is_digit) -
+                                    rest.begin());
   };
   const std::size_t first = digits(text);
   if (first < 1 || first > 3) return false;
