@@ -276,6 +276,7 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
   }
   if (!options.reads_drive_alone) {
     if (auto table = open_maker_table(reader, options)) {
+      if (table->names().empty() && options.markers.empty()) return table;  // poses
       return chosen(std::move(table), options, use, path);
     }
   }
