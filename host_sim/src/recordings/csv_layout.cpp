@@ -118,6 +118,8 @@ class CsvReading {
     if (is_ignored || is_replaced) {
       meaning = {};
       meaning.quantity = Quantity::not_read;
+    } else if (name.starts_with(kEstimatePrefix)) {
+      unread_.push_back(name);
     } else if (!header_.is_text && meaning.has_bad_unit && meaning.quantity != Quantity::time) {
       meaning = {};
       unread_.push_back(name);
@@ -354,11 +356,7 @@ class CsvReading {
     const std::string recognised =
         recognised_text(header_, meanings_, options_, !mapped_.empty() || !warnings_.empty());
     if (!recognised.empty()) notes.push_back(recognised);
-    if (!header_.titles.empty()) {
-      notes.push_back(fmt::format(
-          "line {} names the columns; not read above it: {}", header_.line,
-          short_list(header_.titles, ", ", [](const std::string& title) { return quote(title); })));
-    }
+    if (!header_.titles.empty()) notes.push_back(titles_text(header_));
     if (!single_.empty()) notes.push_back(single_);
     if (!unread_.empty()) {
       notes.push_back(fmt::format("columns that are not read: {}", list_of_points(unread_)));

@@ -70,4 +70,10 @@ std::string recognised_text(const CsvHeader& header, const std::vector<ColumnMea
   return fmt::format("recognised: {}", fmt::join(words, "; "));
 }
 
+std::string titles_text(const CsvHeader& header) {
+  const auto quoted = [](const std::string& title) { return quote(title); };
+  return fmt::format("line {} names the columns; not read above it: {}", header.line,
+                     short_list(header.titles, ", ", quoted));
+}
+
 }  // namespace condyle::host
