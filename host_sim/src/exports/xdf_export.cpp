@@ -4,7 +4,7 @@
 // of the recording as its stamp; there is no other clock, so no measurements of one.
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <cstring>
 #include <pugixml.hpp>
 #include <sstream>
@@ -204,7 +204,11 @@ class XdfFile {
                           .provenance = "",
                           .value = nullptr};
     const std::uint32_t id = begin_stream("condyle_events", "Markers", "string", 0, {channel});
-    for (const NamedInstant& event : data_.events) {
+    std::vector<NamedInstant> events = data_.events;
+    std::stable_sort(
+        events.begin(), events.end(),
+        [](const NamedInstant& a, const NamedInstant& b) { return a.time_s < b.time_s; });
+    for (const NamedInstant& event : events) {
       const std::string text = clean_line(event.name);
       std::string bytes;
       append(bytes, id);
@@ -214,7 +218,7 @@ class XdfFile {
       append_length(bytes, text.size());
       file_.write(chunk(Tag::samples, bytes + text));
     }
-    end_stream(id, data_.events.front().time_s, data_.events.back().time_s, data_.events.size());
+    end_stream(id, events.front().time_s, events.back().time_s, events.size());
   }
 
   const ExportData& data_;
