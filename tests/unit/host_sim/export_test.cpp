@@ -116,15 +116,6 @@ RC_GTEST_PROP(Export, MatIsReadBack, ()) {
   expect_same_samples(folder / "jaw.mat", data, form);
 }
 
-RC_GTEST_PROP(Export, XdfIsReadBack, ()) {
-  const TemporaryFolder folder;
-  ExportData data = random_points(*rc::gen::inRange(20, 500), true);
-  data.series[0].name = "upper <left> & \xc3\xa4";
-  const TableForm form{.states_unit = *rc::gen::inRange(0, 2) == 0};
-  write_export(export_xdf, data, folder / "jaw.xdf", form);
-  expect_same_samples(folder / "jaw.xdf", data, form);
-}
-
 ExportData two_points() {
   ExportData data;
   data.source = "recording";
@@ -176,34 +167,6 @@ TEST(Export, C3dKeepsDriveChannelsAndEvents) {
       EXPECT_EQ(reader->values()[0], 0.5 * (k / 3));
     }
   }
-}
-
-TEST(Export, XdfKeepsDriveEventsAndTimes) {
-  ExportData data = two_points();
-  data.series.push_back(
-      {.name = "drive", .quantity = "force", .components = {""}, .unit = "N", .values = {}});
-  for (int k = 0; k < 10; ++k) data.series.back().values.push_back(k == 4 ? kMissing : 0.5 * k);
-  data.channels.push_back({.channel = {.name = "masseter", .unit = "V", .rate_Hz = 300},
-                           .first_s = 1.5,
-                           .values = {1}});
-  data.events = {{1.55, "swallow"}, {1.5, "begin"}};
-  const TemporaryFolder folder;
-  write_export(export_xdf, data, folder / "jaw.xdf");
-  const auto recording = open_to_describe(folder / "jaw.xdf", {});
-  Sample sample;
-  for (int k = 0; k < 10; ++k) {
-    ASSERT_TRUE(recording->next(sample));
-    EXPECT_EQ(sample.time_ns, data.time_ns[static_cast<std::size_t>(k)]);
-    EXPECT_EQ(sample.drive_valid, k != 4);
-    if (k != 4) {
-      EXPECT_EQ(sample.drive_N, 0.5 * k);
-    }
-  }
-  EXPECT_FALSE(recording->next(sample));
-  const std::vector<NamedInstant> events = recording->info().stated.events;
-  ASSERT_EQ(events.size(), 2U);
-  EXPECT_EQ(events[0].name, "begin");
-  EXPECT_EQ(events[1].time_s, 1.55);
 }
 
 // The layout that the C3D user guide prescribes, byte by byte.
