@@ -16,6 +16,7 @@
 #include "recordings/device_recording.h"
 #include "recordings/exported_mcap.h"
 #include "recordings/maker_tables.h"
+#include "recordings/mat_check.h"
 #include "recordings/mat_recording.h"
 #include "recordings/named_points.h"
 #include "recordings/recording_files.h"

@@ -103,7 +103,6 @@ std::vector<StudyRecording> read_bids(const fs::path& dataset) {
     throw InputError(dataset.string(), "cannot be read as a folder", "name the data set's folder");
   }
   for (; entries != fs::end(entries); entries.increment(failure)) {
-    if (failure) break;
     const std::string name = entries->path().filename().string();
     const fs::path relative = entries->path().lexically_relative(dataset);
     const std::string first = relative.begin()->string();
@@ -121,6 +120,10 @@ std::vector<StudyRecording> read_bids(const fs::path& dataset) {
     check_bids_label(recording.recording, "subject", recording.subject);
     find_companions(dataset, recording);
     recordings.push_back(std::move(recording));
+  }
+  if (failure) {
+    throw InputError(dataset.string(), "has a folder that cannot be read: " + failure.message(),
+                     "check the permissions of its folders");
   }
   return recordings;
 }
