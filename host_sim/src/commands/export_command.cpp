@@ -132,7 +132,7 @@ Command add_export(CommandLine app) {
   command.add_example("condyle export session.csv --out session.trc --resample-Hz 50",
                       "Write them for OpenSim, at 50 samples per second.");
   command.add_example(
-      "condyle export session.csv --out session.mat --estimates --landmarks "
+      "condyle export session.csv --out session.mat --estimates --point 1 --landmarks "
       "session.landmarks.toml",
       "Write velocity, and the condyles' motion, for MATLAB.");
   command.add_option("RECORDING", options->recording, "As for replay; all points are taken")
