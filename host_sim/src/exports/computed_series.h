@@ -21,7 +21,7 @@ inline constexpr const char* kProvenanceCodes = "0 not computed, 1 assumed, 2 de
 /// value. A note counts estimates at no sample's time.
 void add_estimate_series(ExportData& data);
 
-/// Adds the pose of the jaw that three points form: the place of their middle, and its orientation.
+/// Adds the pose of the jaw that three points form: the place of the first, and the orientation.
 /// A note, where the recording holds poses. Throws InputError if there is none.
 void add_pose_series(ExportData& data);
 
