@@ -154,7 +154,11 @@ std::size_t names_below_titles(const std::vector<std::string_view>& lines, std::
     Fields fields = row_at(lines, i, style.separator);
     if (fields.size() > 1 && are_numbers(fields, style)) return first;
     if (i == first || !heads_rows(lines, i, style)) continue;
-    const std::size_t width = filled(fields), known = known_names(fields);
+    std::size_t width = filled(fields), known = known_names(fields);
+    if (const Fields axes = row_at(lines, i + 1, style.separator); are_axes(axes)) {
+      width = std::max(width, filled(axes));
+      known += known_names(axes);
+    }
     for (std::size_t above = first; above < i; ++above) {
       fields = row_at(lines, above, style.separator);
       const bool is_title = is_comment(lines[above]) || filled(fields) < width ||
