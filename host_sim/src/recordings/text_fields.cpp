@@ -154,7 +154,7 @@ bool has_thousands(std::string_view text) {
                                     rest.begin());
   };
   const std::size_t first = digits(text);
-  if (first < 1 || first > 3) return false;
+  if (first < 1 || first > 3 || text[0] == '0') return false;  // 0,123 has a decimal comma
   text.remove_prefix(first);
   for (const std::string_view separator : kSeparators) {
     std::string_view rest = text;

@@ -135,8 +135,11 @@ TEST(CsvTitles, SeparatorsOfThousandsAreNamed) {
               HasSubstr("has separators of thousands"));
   EXPECT_THAT(problem_of("time_s,position_mm\n0.5,1.5\n0.6,1,234.5\n"),
               HasSubstr("no separators of thousands"));
-  EXPECT_THAT(problem_of("time_s;position_mm\n0.5;1.5\n0.6;12,5\n"),
-              AllOf(HasSubstr("is not a number"), Not(HasSubstr("thousands"))));
+  for (const char* const number : {"12,5", "0,125", "-0,125", "1,2345", "1234,567"}) {
+    EXPECT_THAT(problem_of(fmt::format("time_s;position_mm\n0.5;1.5\n0.6;{}\n", number)),
+                AllOf(HasSubstr("is not a number"), Not(HasSubstr("thousands"))))
+        << number;
+  }
 }
 
 // UTF-16 of `text`, with the mark of its byte order.
