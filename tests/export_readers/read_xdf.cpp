@@ -18,7 +18,8 @@ int main(int count, char** arguments) {
   if (count != 3) return fail("usage: read_xdf FILE.xdf FILE.csv");
   Xdf xdf;
   if (xdf.load_xdf(arguments[1]) != 0) return fail("libxdf does not load it");
-  if (xdf.streams.empty() || xdf.streams[0].info.name != "condyle") return fail("no stream condyle");
+  if (xdf.streams.empty() || xdf.streams[0].info.name != "condyle")
+    return fail("no stream condyle");
   const Xdf::Stream& stream = xdf.streams[0];
   std::ifstream table(arguments[2]);
   std::string line, field;
