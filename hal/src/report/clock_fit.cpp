@@ -102,8 +102,13 @@ double ClockFit::uncertainty_s() const {
   const auto device = static_cast<double>(difference(last_device_ns_, device_origin_ns_));
   const double away = device - mean;
   const double leverage = 1.0 / count_ + (square > 0 ? away * away / square : 0);
-  const double suspected = late_count_ > 0 ? most_late_ns_ : 0;
-  return (arrival_spread_ns() * std::sqrt(1 + leverage) + pending + suspected) * 1e-9;
+  const double spread = arrival_spread_ns();
+  double suspected = late_count_ > 0 ? most_late_ns_ : 0;
+  for (const double away_ns :
+       {newest_away_ns_, std::min(least_r_ns_ - line(least_device_ns_), 0.0)}) {
+    if (std::abs(away_ns) > kSuspected * spread) suspected = std::max(suspected, std::abs(away_ns));
+  }
+  return (spread * std::sqrt(1 + leverage) + pending + suspected) * 1e-9;
 }
 
 double ClockFit::pace() const {
@@ -168,7 +173,7 @@ double ClockFit::tolerance(double device) const {
 bool ClockFit::complete_second(TimeNs arrival_ns) {
   if (is_late(arrival_ns)) return late_count_ < kLateSeconds;
   const auto next = static_cast<std::size_t>(next_);
-  least_r_[next] = least_r_ns_;
+  least_r_[next] = newest_r_ns_ = least_r_ns_;
   least_d_[next] = newest_d_ns_ = least_device_ns_;
   next_ = (next_ + 1) % kWindow;
   count_ = std::min(count_ + 1, kWindow);
@@ -211,6 +216,7 @@ void ClockFit::fit() {
   std::array<double, kWindow> rest;
   for (std::size_t i = 0; i < count; ++i) rest[i] = least_r_[i] - drift_ * least_d_[i];
   offset_ns_ = median(rest.data(), count_);
+  newest_away_ns_ = newest_r_ns_ - line(newest_d_ns_);
   for (double& value : rest) value = std::abs(value - offset_ns_);
   residual_ns_ = 1.4826 * median(rest.data(), count_);  // median to standard deviation
 }

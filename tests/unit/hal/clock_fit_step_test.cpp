@@ -174,20 +174,27 @@ TEST(ClockFitStep, TakesNoDriftForAStep) {
   }
 }
 
-TEST(ClockFitStep, SlewsAStepThatIsSmall) {
-  Reports reports(1);
+// The uncertainty has a small step as soon as reports show it: at once where they are early, and
+// after a whole second where they are late.
+RC_GTEST_PROP(ClockFitStep, SlewsAStepThatIsSmall, (std::uint64_t seed)) {
+  const double step_s = *number_between(0.005, 0.05) * *rc::gen::element(-1.0, 1.0);
+  const double at_s = *number_between(10, 40);
+  Reports reports(seed);
   ClockFit fit;
   double error_s = 0;
-  for (double t = 0; t < 100; t += kPeriod_s) {
-    error_s = reports.add(fit, t, t < 30 ? t : t + 0.02);
-    ASSERT_LT(std::abs(error_s), 0.0205);
-    // What is still to be slewed is part of the uncertainty. The fit takes 6 s to see it.
-    if (t > 36 && std::abs(error_s) > 1e-3) {
-      ASSERT_GT(fit.uncertainty_s(), 0.9 * std::abs(error_s)) << t;
+  for (double t = 0; t < at_s + 130; t += kPeriod_s) {
+    // A clock that loses time stands still for as long.
+    const double device_s = t < at_s ? t : std::max(t + step_s, at_s);
+    error_s = reports.add(fit, t, device_s);
+    RC_ASSERT(std::abs(error_s) < std::abs(step_s) + 2e-3);
+    const double seen_after_s = step_s > 0 ? 0.1 : 2.1;
+    if (t > at_s + seen_after_s && std::abs(error_s) > 2e-3) {
+      RC_ASSERT(std::abs(error_s) < 1.96 * fit.uncertainty_s());
     }
   }
-  EXPECT_LT(std::abs(error_s), 1e-4);
-  EXPECT_EQ(fit.steps(), 0U);
+  RC_ASSERT(std::abs(error_s) < 1e-3);
+  RC_ASSERT(fit.uncertainty_s() < 1e-3);
+  RC_ASSERT(fit.steps() == 0U);
 }
 
 TEST(ClockFitStep, StartsAnewWhereTheDeviceWentBack) {

@@ -92,7 +92,8 @@ class ClockFit {
   double pending_s() const { return pending_ns_ * 1e-9; }
   /// Uncertainty of the last time, relative to the instant of measurement plus the least delay (s):
   /// one standard deviation from the spread of the earliest arrivals, the remaining offset, and a
-  /// suspected step. The least delay itself cannot be seen from here.
+  /// suspected step: reports that are earlier than the fit allows, or a whole second that is later.
+  /// The least delay itself cannot be seen from here.
   double uncertainty_s() const;
 
  private:
@@ -101,6 +102,7 @@ class ClockFit {
   static constexpr double kSlew = 1e-3;
   static constexpr double kStep_ns = 1e8;
   static constexpr double kWander = 2e-4;  // of drift, before anything is fitted
+  static constexpr double kSuspected = 4;  // spreads away from the line: perhaps a step
   static constexpr int kLateSeconds = 4;   // in a row: then it was a step
   static constexpr double kFrame_ns = 1e6;
   static constexpr double kUnseen_ns = 1e6;  // spread assumed for delays not seen yet
@@ -133,7 +135,8 @@ class ClockFit {
   // The complete seconds.
   std::array<double, kWindow> least_r_{}, least_d_{};
   int count_ = 0, next_ = 0;
-  double newest_d_ns_ = 0;
+  double newest_d_ns_ = 0, newest_r_ns_ = 0;
+  double newest_away_ns_ = 0;  // of the newest second from the line
   // Consecutive late seconds, and how late they were.
   int late_count_ = 0;
   double least_late_ns_ = 0, most_late_ns_ = 0;
