@@ -55,6 +55,7 @@ class MotionInstants {
 
   /// The instant `back` samples before the newest.
   Instant& at(int back) { return instants_[(newest_ + kInstants - back) % kInstants]; }
+  const Instant& at(int back) const { return instants_[(newest_ + kInstants - back) % kInstants]; }
 
   /// Makes room for a new instant.
   Instant& advance() {
@@ -81,7 +82,7 @@ class MotionInstants {
   }
 
   /// Members of `bank`, of index `index`, `back` samples ago, smoothed by all samples since.
-  void smooth(const Bank& bank, int index, int back, Smoothed& smoothed) {
+  void smooth(const Bank& bank, int index, int back, Smoothed& smoothed) const {
     for (int i = 0; i < bank.member_count(); ++i) {
       if (!bank.is_plausible(i)) continue;
       LaterEvidence<Scalar, kAxes> evidence;

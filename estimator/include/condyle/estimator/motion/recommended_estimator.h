@@ -140,6 +140,21 @@ class RecommendedEstimator {
     return true;
   }
 
+  /// From now on `look_back` is possible, also if no estimate waits for later samples.
+  void keep_steps() { keeps_steps_ = true; }
+
+  /// Motion `back` samples ago, 1 to kMostLag, from all samples up to now, and its time. False if
+  /// it is not known.
+  [[nodiscard]] bool look_back(int back, TimeNs& time_ns,
+                               Array<MotionMoments<Scalar>, kAxes>& moments) const {
+    static_assert(kMostLag > 0);
+    const Instant& instant = instants_.at(back);
+    if (!instant.has_state || !instant.time_valid) return false;
+    time_ns = instant.time_ns;
+    smooth(back, moments);
+    return true;
+  }
+
   /// Delay of an estimate in samples.
   int lag() const { return lag_; }
   /// The filters behind the estimate.
@@ -224,7 +239,7 @@ class RecommendedEstimator {
   void remember(Instant& instant) {
     instant.is_open = started_ && motion_.has_other();
     if constexpr (kMostLag > 0) {
-      if (lag_ == 0 || !started_) return;
+      if ((lag_ == 0 && !keeps_steps_) || !started_) return;
       const int main = motion_.main_index();
       for (int i = 0; i < motion_.main().member_count(); ++i) {
         instant.tracks[main].members[i] = motion_.main().step(i);
@@ -312,7 +327,7 @@ class RecommendedEstimator {
   }
 
   // Motion `back` samples ago, from all samples since.
-  void smooth(int back, Array<MotionMoments<Scalar>, kAxes>& moments) {
+  void smooth(int back, Array<MotionMoments<Scalar>, kAxes>& moments) const {
     typename Instants::Smoothed smoothed;
     instants_.smooth(motion_.main(), motion_.main_index(), back, smoothed);
     const auto member = [&](int axis) { return [&, axis](int i) { return smoothed[i][axis]; }; };
@@ -374,6 +389,7 @@ class RecommendedEstimator {
   Scalar assumed_mass_kg_, prior_velocity_variance_, prior_acceleration_variance_;
   Scalar longest_gap_s_;
   int lag_;
+  bool keeps_steps_ = false;
   bool parameters_valid_;
   MotionHypotheses<Scalar, kAxes> motion_;
   Array<RoundingStep<Scalar>, kAxes> rounding_;
