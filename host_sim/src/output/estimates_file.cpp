@@ -17,7 +17,7 @@ class Columns {
  public:
   explicit Columns(Visitor& visitor) : visitor_(visitor) {}
 
-  void visit(const EstimateRow& row, int axis_count, bool has_impedance) {
+  void visit(const EstimateRow& row, int axis_count, bool has_impedance, bool has_learning) {
     visit_leading(row);
     visitor_.events([] { return "events"; }, row.events);
     if (axis_count > 0) visit_followed(row);
@@ -25,6 +25,11 @@ class Columns {
       visit_axis("xyz"[axis], row.axes[axis]);
     }
     if (has_impedance) visit_impedance(row.impedance);
+    if (!has_learning) return;
+    visit_learning("", row.followed);
+    for (int axis = 0; axis_count == 3 && axis < 3; ++axis) {
+      visit_learning(std::string{"xyz"[axis], '_'}, row.axes[axis]);
+    }
   }
 
  private:
@@ -96,6 +101,11 @@ class Columns {
     for (const Named& of : motion) provenance(of, prefix);
   }
 
+  void visit_learning(const std::string& prefix, const AxisEstimate<double>& axis) {
+    visitor_.number([&] { return prefix + "velocity_learned"; }, axis.velocity_learned);
+    visitor_.number([&] { return prefix + "acceleration_learned"; }, axis.acceleration_learned);
+  }
+
   void visit_impedance(const ImpedanceEstimate<double>& impedance) {
     visit_friction_and_mass(impedance.friction_Ns_m, impedance.mass_kg,
                             [&](QuantityName name, const IdentifiedValue<double>& identified) {
@@ -152,10 +162,14 @@ struct RowText {
 
 }  // namespace
 
-EstimatesFile::EstimatesFile(const std::string& path, int axis_count, bool has_impedance)
-    : file_(path), axis_count_(axis_count), has_impedance_(has_impedance) {
+EstimatesFile::EstimatesFile(const std::string& path, int axis_count, bool has_impedance,
+                             bool has_learning)
+    : file_(path),
+      axis_count_(axis_count),
+      has_impedance_(has_impedance),
+      has_learning_(has_learning) {
   Header header;
-  Columns<Header>(header).visit({}, axis_count, has_impedance);
+  Columns<Header>(header).visit({}, axis_count, has_impedance, has_learning);
   file_.write(header.line + '\n');
 }
 
@@ -163,7 +177,7 @@ void EstimatesFile::write_row(const EstimateRow& row) {
   row_.clear();
   if (row.time_ns) append_time_s(row_, *row.time_ns);
   RowText fields{row_};
-  Columns<RowText>(fields).visit(row, axis_count_, has_impedance_);
+  Columns<RowText>(fields).visit(row, axis_count_, has_impedance_, has_learning_);
   row_ += '\n';
   file_.write(row_);
 }

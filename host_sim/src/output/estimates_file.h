@@ -15,9 +15,10 @@ class EstimatesFile {
   using Row = EstimateRow;
 
   /// `axis_count`: 0 for the published cascade; otherwise the recommended estimator's 1 or 3, whose
-  /// columns follow the common ones. `has_impedance`: the columns of an impedance estimate come
-  /// last.
-  EstimatesFile(const std::string& path, int axis_count, bool has_impedance);
+  /// columns follow the common ones. `has_impedance`: the columns of an impedance estimate follow.
+  /// `has_learning`: the shares of learned corrections come last.
+  EstimatesFile(const std::string& path, int axis_count, bool has_impedance,
+                bool has_learning = false);
   void write_row(const EstimateRow& row);
   /// Writes the buffer.
   void close() { file_.close(); }
@@ -27,7 +28,7 @@ class EstimatesFile {
  private:
   OutputFile file_;
   int axis_count_;
-  bool has_impedance_;
+  bool has_impedance_, has_learning_;
   std::string row_;
 };
 

@@ -39,21 +39,12 @@ struct OutlierParameters {
   double longest_gap_s = 0.25;  ///< time without a measurement after which the state is unknown (s)
 };
 
-/// Learning from the recording itself (motion_corrector.h), in estimates without delay.
-struct LearningParameters {
-  double kernels = 96;  ///< kernels of the regression, a whole number; 0: nothing is learned
-};
-
-/// Most kernels of the regression.
-inline constexpr int kMostKernels = 96;
-
 /// The recommended estimator of motion. Time steps come from the samples' times.
 struct MotionEstimatorParameters {
   double assumed_mass_kg = 0.25;  ///< m0, mass that turns acceleration into force (kg)
   NoiseParameters noise;
   MotionPriorParameters prior;
   OutlierParameters outliers;
-  LearningParameters learning;
 };
 
 /// Calls `visit(section, key, values, count, unit, range)` for each numeric field of `parameters`
@@ -82,7 +73,6 @@ constexpr void visit_motion_fields(Parameters& parameters, Visitor&& visit) {
   one("outliers", "gate_sd", outliers.gate_sd, "standard deviations", Range{1, 1000});
   one("outliers", "reset_after", outliers.reset_after, "samples", Range{1, 1000});
   one("outliers", "longest_gap_s", outliers.longest_gap_s, "s", Range{1e-3, 10});
-  one("learning", "kernels", parameters.learning.kernels, "kernels", Range{0, kMostKernels});
 }
 
 /// True if every field of `parameters` is in its range (see `visit_motion_fields`) and the

@@ -21,6 +21,10 @@ struct LearningCounts {
   double filter_square_m2 = 0;         ///< sum of squares of the filter's errors of that sample,
   double corrected_square_m2 = 0;      ///< and of the corrected motion's
   std::uint64_t silent_for_noise = 0;  ///< samples at which the noise was not white
+
+  /// Root mean square of the corrected motion's errors of the next sample, divided by the filter's;
+  /// NaN if there are none.
+  double error_ratio() const { return std::sqrt(corrected_square_m2 / filter_square_m2); }
 };
 
 /// `Sensor`: a RecommendedSensor or DrivenSensor for `kAxes` axes, of at least 2 samples of memory.
@@ -49,6 +53,8 @@ class LearnedSensor : public Sensor {
     return estimate;
   }
 
+  /// True if corrections are possible: kernels are given, and there is no lag.
+  bool learns() const { return learns_; }
   /// What was learned along `axis`, 0 to kAxes - 1.
   const LearningCounts& learning(int axis) const { return counts_[axis]; }
 
