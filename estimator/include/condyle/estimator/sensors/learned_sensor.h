@@ -6,10 +6,14 @@
 // that is not made, for whichever reason, leaves value and interval of the estimator.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "condyle/estimator/motion/motion_corrector.h"
-#include "condyle/estimator/motion/recommended_estimate.h"
+#include "condyle/estimator/motion/recommended_estimator.h"
+#include "condyle/estimator/sensors/recommended_parameters.h"
 
 namespace condyle {
 
