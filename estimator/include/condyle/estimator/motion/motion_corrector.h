@@ -27,8 +27,8 @@
 // Surprise.  m = max(u^2, m / (1 + T/0.1 s)); beta = clamp((m - 2)/2, 0, 1): the variance goes over
 //            to s^2 + d^2.
 // Silence.   The filter's values stay, with their intervals, until kFirst samples are learned, and
-//            while innovations or positions show that the noise is not white (innovation_monitor.h):
-//            the teacher is then as wrong as the filter.
+//            while innovations or positions show that the noise is not white
+//            (innovation_monitor.h): the teacher is then as wrong as the filter.
 //
 // Memory is lost with the motion; what was learned stays, and alpha tells whether it still holds.
 #pragma once
@@ -222,7 +222,8 @@ class MotionCorrector {
     kept = Kept();
     if (!has_taught_ || !describe(now, *taught, kept.features)) return result;
     const auto prediction = regression_.predict(kept.features);
-    kept.gate = std::clamp((prediction.nearness - Scalar(0.15)) / Scalar(0.3), Scalar(0), Scalar(1));
+    kept.gate =
+        std::clamp((prediction.nearness - Scalar(0.15)) / Scalar(0.3), Scalar(0), Scalar(1));
     kept.is_usable = true;
     for (int i = 0; i < kOutputs; ++i) {
       kept.value[i] = now.value[i];
@@ -260,8 +261,8 @@ class MotionCorrector {
   bool has_time_ = false, has_taught_ = false, is_coloured_ = false;
   TimeNs time_ns_ = 0;
   std::uint32_t watched_ = 0;
-  Scalar waiting_s_ = 0;  // since a sample was learned
-  Scalar surprise_ = 0;   // m
+  Scalar waiting_s_ = 0;                          // since a sample was learned
+  Scalar surprise_ = 0;                           // m
   Array<Scalar, kInnovations> innovations_ = {};  // the newest first
   Scalar scale_count_ = 0, mean_position_m_ = 0;
   Scalar position_square_ = Scalar(1e-8), position_scale_m_ = Scalar(1e-4);

@@ -161,8 +161,10 @@ class LearnedSensor : public Sensor {
                           expected.correction[1] * T * T * Scalar(0.5);
     LearningCounts& counts = counts_[axis];
     ++counts.compared;
-    counts.filter_square_m2 += static_cast<double>(values.innovation_m) * values.innovation_m;
-    counts.corrected_square_m2 += static_cast<double>(left_m) * left_m;
+    const auto of_filter_m = static_cast<double>(values.innovation_m);
+    const auto of_corrected_m = static_cast<double>(left_m);
+    counts.filter_square_m2 += of_filter_m * of_filter_m;
+    counts.corrected_square_m2 += of_corrected_m * of_corrected_m;
   }
 
   // The teacher's lag for the mean step of the samples.
