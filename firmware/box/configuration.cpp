@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <vector>
 
@@ -15,6 +16,8 @@
 #include "hosted/files/input_error.h"
 #include "hosted/files/text_file.h"
 #include "hosted/files/toml_reader.h"
+#include "hosted/lsl/estimate_stream.h"
+#include "hosted/lsl/stream_search.h"
 
 namespace condyle::box {
 namespace {
@@ -56,6 +59,7 @@ class Reader {
     read_cycles();
     read_recording();
     read_udp();
+    read_lsl();
     read_http();
     toml_.finish();
     return result_;
@@ -73,15 +77,17 @@ class Reader {
                        "give one, such as source = \"hid:facebow.toml\"");
     }
     using Kind = SourceSettings::Kind;
+    if ((source.stream = host::parse_stream(text))) return read_stream(section, source);
     const bool has_colon = text.find(':') != std::string::npos;
     const auto spec = host::parse_source(has_colon ? text : text + ":");
     if (!spec || spec->kind == Kind::sim) {
       throw InputError(toml_.place(section, "source"), "\"" + text + "\" is not a source",
-                       "write hid:PROFILE, usb:PROFILE, file:LOG or synth:PROFILE");
+                       "write hid:PROFILE, usb:PROFILE, file:LOG, synth:PROFILE or lsl:NAME");
     }
     if (spec->file.empty()) {
-      throw InputError(toml_.place(section, "source"), "\"" + text + "\" does not name a file",
-                       "write the file after the colon");
+      throw InputError(toml_.place(section, "source"),
+                       "\"" + text + "\" does not name a file or stream",
+                       "write it after the colon");
     }
     source.kind = spec->kind;
     source.file = file(spec->file);
@@ -89,6 +95,19 @@ class Reader {
     if (!source.serial.empty() && (source.kind == Kind::file || source.kind == Kind::synth)) {
       throw InputError(toml_.place(section, "serial"), "only devices have a serial number",
                        "leave it out");
+    }
+  }
+
+  void read_stream(const std::string& section, SourceSettings& source) {
+    (void)host::lsl::parse_stream_place(source.stream->place);
+    host::lsl::StreamChoice& choice = source.stream->choice;
+    std::string channels;
+    if (toml_.text(section, "channels", channels)) {
+      choice.channels = host::lsl::split_channels(channels);
+    }
+    std::size_t unit = 0;
+    if (toml_.choice(section, "unit", unit, {"m", "cm", "mm", "um"})) {
+      choice.unit = std::array{"m", "cm", "mm", "um"}[unit];
     }
   }
 
@@ -103,8 +122,8 @@ class Reader {
       SourceSettings companion;
       companion.name = name;
       read_source("companion." + name, companion);
-      if (companion.kind != SourceSettings::Kind::hid &&
-          companion.kind != SourceSettings::Kind::usb) {
+      if (companion.stream || (companion.kind != SourceSettings::Kind::hid &&
+                               companion.kind != SourceSettings::Kind::usb)) {
         throw InputError(toml_.place("companion." + name, "source"), "a companion must be a device",
                          "use hid: or usb:");
       }
@@ -222,6 +241,20 @@ class Reader {
   void read_udp() {
     read_address("udp", result_.udp_address);
     read_port("udp", result_.udp_port);
+  }
+
+  void read_lsl() {
+    std::string name, address = "127.0.0.1";
+    toml_.text("lsl", "name", name);
+    toml_.text("lsl", "address", address);
+    if (!host::lsl::parse_ipv4(address)) {
+      throw InputError(toml_.place("lsl", "address"),
+                       "\"" + address + "\" is not a numeric IPv4 address",
+                       "write an address of this computer, such as 127.0.0.1");
+    }
+    if (name.empty()) return;
+    result_.lsl_out = name + "@" + address;
+    host::lsl::check_outlet_place(result_.lsl_out);
   }
 
   void read_http() {

@@ -13,6 +13,7 @@
 #include "condyle/estimator/sensors/recommended_parameters.h"
 #include "condyle/hal/log/session_log.h"
 #include "hosted/devices/source_spec.h"
+#include "hosted/devices/stream_spec.h"
 #include "hosted/estimates/followed_cycles.h"
 #include "hosted/estimates/pose_choice.h"
 
@@ -25,7 +26,8 @@ struct SourceSettings {
   std::string name;  ///< "facebow", or a companion's
   Kind kind = Kind::synth;
   std::string file;
-  std::string serial;  ///< of a device; empty: any device
+  std::string serial;                      ///< of a device; empty: any device
+  std::optional<host::StreamSpec> stream;  ///< instead of kind and file
 };
 
 /// All settings, with their defaults.
@@ -57,6 +59,7 @@ struct Configuration {
 
   std::string udp_address = "127.0.0.1";
   std::uint16_t udp_port = 0;  ///< 0: nothing is sent
+  std::string lsl_out;  ///< NAME@ADDRESS of the streams of estimates and markers; empty: none
   std::string http_address = "127.0.0.1";
   std::uint16_t http_port = 8750;     ///< 0: any that is free
   std::string token;                  ///< empty: no token is required

@@ -113,6 +113,18 @@ TEST_F(ConfigurationFile, TakesFilesFromItsOwnFolder) {
   EXPECT_EQ(node("unix:line"), "unix:" + (folder_ / "line"));
 }
 
+TEST_F(ConfigurationFile, ReadsStreams) {
+  const Configuration read = load(
+      "[facebow]\nsource = \"lsl:Jaw@192.0.2.7\"\nchannels = \"x, y, z\"\nunit = \"cm\"\n"
+      "[lsl]\nname = \"Out\"\n");
+  ASSERT_TRUE(read.facebow.stream);
+  EXPECT_EQ(read.facebow.stream->place, "Jaw@192.0.2.7");
+  EXPECT_THAT(read.facebow.stream->choice.channels, testing::ElementsAre("x", "y", "z"));
+  EXPECT_EQ(read.facebow.stream->choice.unit, "cm");
+  EXPECT_EQ(read.lsl_out, "Out@127.0.0.1");
+  EXPECT_EQ(load(source_).lsl_out, "");
+}
+
 TEST_F(ConfigurationFile, SaysWhatIsWrongAndWhere) {
   const std::string many = [] {
     std::string text;
@@ -123,6 +135,12 @@ TEST_F(ConfigurationFile, SaysWhatIsWrongAndWhere) {
   }();
   const std::pair<std::string, const char*> cases[] = {
       {"", "give one, such as"},
+      {"[facebow]\nsource = \"lsl:\"\n", "is not the name of a stream"},
+      {"[facebow]\nsource = \"lsl:Jaw\"\nunit = \"inch\"\n", "unit"},
+      {source_ + "unit = \"mm\"\n", "unit"},
+      {source_ + "[companion.a]\nsource = \"lsl:Force\"\n", "a companion must be a device"},
+      {source_ + "[lsl]\nname = \"Jaw\"\naddress = \"::1\"\n", "is not a numeric IPv4 address"},
+      {source_ + "[lsl]\nname = \"Jaw\"\naddress = \"224.0.0.1\"\n", "multicast"},
       {"[facebow]\nsource = \"serial:x\"\n", "box.toml:2:10: \"serial:x\" is not a source"},
       {"[facebow]\nsource = \"hid:\"\n", "does not name a file"},
       {"[facebow]\nsource = \"hid\"\n", "does not name a file"},

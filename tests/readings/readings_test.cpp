@@ -313,7 +313,7 @@ class ReadingCoverage : public testing::TestWithParam<Cell> {};
 // fixed.
 TEST_P(ReadingCoverage, IsThatOfTheInterval) {
   const Cell& cell = GetParam();
-  const int runs = testing_support::runs(12, 60, 2000);
+  const int runs = testing_support::runs(12, 200, 2000);
   const JawScenario scenario = session(cell.rate_Hz, cell.noise_m, cell.noise_rad, 1);
   const auto jaw = std::make_shared<const KinematicJaw>(scenario);
   const auto truth = true_readings(*jaw);

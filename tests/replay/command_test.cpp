@@ -63,9 +63,9 @@ TEST(Replay, OfTheShippedRecordingLeavesEverything) {
   }
   const Table table = read_table(out);
   EXPECT_EQ(table.rows, 1800U);
-  EXPECT_EQ(table.header.size(), 18U);
-  EXPECT_EQ(table.header[14], "force_provenance");
-  EXPECT_EQ(table.header[17], "events");
+  EXPECT_EQ(table.header.size(), 19U);
+  EXPECT_EQ(table.header[15], "force_provenance");
+  EXPECT_EQ(table.header[18], "events");
   EXPECT_EQ(table.columns.at("force_provenance").back(), "derived");
   EXPECT_THAT(table.columns.at("friction_provenance"), testing::Each("assumed"));
   EXPECT_THAT(table.columns.at("mass_provenance"), testing::Each("assumed"));

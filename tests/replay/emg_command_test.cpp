@@ -8,6 +8,7 @@
 #include <random>
 #include <sstream>
 
+#include "support/c3d_file.h"
 #include "support/command.h"
 #include "support/paths.h"
 #include "support/table.h"
@@ -128,6 +129,52 @@ TEST_F(Emg, TakesRawEmg) {
   EXPECT_THAT(result.output, AllOf(HasSubstr("at 1000 Hz, 8 muscles, raw"), HasSubstr("WITHHELD"),
                                    HasSubstr("rows of EMG left out: a value is not known")));
   EXPECT_THAT(identify({"--raw"}).errors, HasSubstr("maximum of anterior_digastric is not known"));
+}
+
+TEST_F(Emg, TakesAnalogueChannelsOfC3dAsItTakesCsv) {
+  std::istringstream csv(read_file(emg_));
+  std::string line, field, renamed = "time_s";
+  std::getline(csv, line);
+  const std::string rows = read_file(emg_).substr(line.size());
+  testing_support::C3dContent file;
+  file.names = {"jaw"};
+  file.samples = 2;  // 200 Hz beside frames at 100 Hz
+  for (int i = 1; i <= 8; ++i) {
+    file.channels.push_back(fmt::format("emg_{}", i));
+    renamed += "," + file.channels.back();
+  }
+  file.channel_units.assign(8, "V");
+  file.channel_scale.assign(8, 1);
+  file.channel_offset.assign(8, 0);
+  for (int row = 0; std::getline(csv, line); ++row) {
+    if (row % 2 == 0) {
+      file.frames.push_back({{0, 0, 300}});
+      file.analog.emplace_back();
+    }
+    std::istringstream fields(line);
+    for (int column = 0; std::getline(fields, field, ','); ++column) {
+      if (column > 0) file.analog.back().push_back(std::stod(field));
+    }
+  }
+  file.analog.back().resize(16);
+  const std::string muscles =
+      folder_.write("two.toml",
+                    "[muscles.closers]\ncolumn = \"emg_1\"\nmaximum_force_N = 800\narm = -0.035\n"
+                    "[muscles.openers]\ncolumn = \"emg_7\"\nmaximum_force_N = 70\narm = 0.095\n"
+                    "[identification]\nfriction_resolution_Ns_m = 1000\n");
+  const auto values_of = [&](const std::string& emg) {
+    emg_ = emg;
+    const std::string values = folder_ / "values.json";
+    const auto result = identify({"--out", values}, muscles);
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    return nlohmann::json::parse(read_file(values))["friction_Ns_m"];
+  };
+  const auto from_csv = values_of(folder_.write("renamed.csv", renamed + rows));
+  const auto from_c3d = values_of(folder_.write("emg.c3d", file.bytes()));
+  // C3D keeps 24 bits of each number.
+  const double deviation = from_csv["standard_deviation"];
+  EXPECT_NEAR(from_c3d["value"], from_csv["value"], 1e-2 * deviation);
+  EXPECT_EQ(from_c3d["provenance"], from_csv["provenance"]);
 }
 
 TEST_F(Emg, RefusesWhatItCannotUse) {

@@ -53,7 +53,7 @@ TEST_P(Golden, CommandReproducesEveryValue) {
   ASSERT_EQ(actual.rows, expected_.rows);
   for (std::size_t c = 0; c < expected_.header.size(); ++c) {
     const std::string& column = expected_.header[c];
-    ASSERT_EQ(actual.header[c], column);
+    ASSERT_TRUE(actual.columns.contains(column)) << column;
     const auto expected = expected_.numbers(column), values = actual.numbers(column);
     const double column_rms = rms(expected);
     for (std::size_t i = 0; i < expected.size(); ++i) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "recordings/file_digest.h"
 #include "support/command.h"
 #include "support/paths.h"
 #include "support/temporary_folder.h"
@@ -95,6 +96,45 @@ TEST_F(Report, ShowsMarkupInNamesAsText) {
   const std::string page = text_of(path("report.html"));
   EXPECT_THAT(page, Not(HasSubstr("<script>alert(1)")));
   EXPECT_THAT(page, HasSubstr("a&lt;script&gt;alert(1)&lt;b&gt;&#39;&amp;&quot;.csv"));
+}
+
+TEST_F(Report, NamesFilesByTheirBytesAndShowsWhatTheyState) {
+  auto words = with_files("report", "session.csv");
+  words.insert(words.end(), {"--out", path("report.html")});
+  ASSERT_EQ(run_condyle(words).exit_code, 0);
+  const std::string page = text_of(path("report.html"));
+  const auto files = data_of(page).at("recordings").at(0).at("identity").at("files");
+  ASSERT_EQ(files.size(), 3U);
+  const char* const names[] = {"session.csv", "session.landmarks.toml", "session.tasks.csv"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(files.at(i).at("name"), path(names[i]));
+    EXPECT_EQ(files.at(i).at("sha1"), host::file_digest(path(names[i])));
+    EXPECT_THAT(page, HasSubstr(files.at(i).at("sha1").get<std::string>()));
+  }
+  EXPECT_TRUE(data_of(page).at("recordings").at(0).at("identity").at("session").is_null());
+  EXPECT_THAT(page, HasSubstr("<td>condyle_left</td>"));
+  EXPECT_THAT(page, HasSubstr("<td>jerk_density_m2_s5</td>"));
+  EXPECT_THAT(page, HasSubstr("no gap between usable samples"));
+  EXPECT_THAT(page, HasSubstr("J. NeuroEng. Rehabil. 12 (2015)"));
+}
+
+// Each row that is left out makes a step of two; ten in a row make one gap.
+TEST_F(Report, DrawsGaps) {
+  std::ifstream whole(path("session.csv"));
+  std::ofstream cut(path("cut.csv"));
+  std::string line;
+  for (int row = 0; std::getline(whole, line); ++row) {
+    if (row != 500 && row != 900 && (row < 2000 || row >= 2010)) cut << line << '\n';
+  }
+  cut.close();
+  auto words = with_files("report", "cut.csv");
+  words.insert(words.end(), {"--out", path("report.html")});
+  const auto result = run_condyle(words);
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const std::string page = text_of(path("report.html"));
+  EXPECT_THAT(page, HasSubstr("3 gaps longer than 1.5 usual steps without a usable sample: 0.2 s"));
+  EXPECT_THAT(page, HasSubstr("the longest 0.183 s"));
+  EXPECT_THAT(page, HasSubstr("not drawn: 1 step of more than 50 ms"));
 }
 
 TEST_F(Report, OfTwoRecordingsKeepsTheGoodOne) {

@@ -88,6 +88,13 @@ bool Publisher::take_some() {
                            static_cast<ssize_t>(line.size());
       ++(is_sent ? datagrams_ : datagrams_failed_);
     }
+    if (stream_ != nullptr && estimate.node.state != NodeMark::State::away) {
+      if (estimate.has_impedance) {
+        stream_->add(estimate.estimate);
+      } else {
+        stream_->add(static_cast<const RecommendedEstimate<double>&>(estimate.estimate));
+      }
+    }
     history_.add(std::move(line));
     ++published_;
   }

@@ -13,6 +13,7 @@
 #include "condyle/hal/clock.h"
 #include "hosted/estimates/followed_cycles.h"
 #include "hosted/estimates/pose_choice.h"
+#include "hosted/lsl/estimate_stream.h"
 
 namespace condyle::box {
 
@@ -23,7 +24,8 @@ struct PublisherCounts {
 };
 
 /// Takes estimates from the ring on its own thread, sends each as a UDP datagram with one line of
-/// JSON, and keeps the latest. It never delays the real-time thread.
+/// JSON and to a stream, if there is one, and keeps the latest. It never delays the real-time
+/// thread.
 class Publisher {
  public:
   /// `port` 0 sends nothing. Throws an InputError if `address` cannot be sent to. `pose`: what is
@@ -34,6 +36,9 @@ class Publisher {
   ~Publisher();
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
+
+  /// Also gives them to `stream`, which must outlive the publisher's work; call it before start.
+  void also_send(host::lsl::EstimateStream& stream) { stream_ = &stream; }
 
   /// `tick` is called after new estimates were added to the history: every 5 ms, and more often if
   /// many arrived.
@@ -54,6 +59,7 @@ class Publisher {
   std::optional<host::FollowedCycles> cycles_;  // of the run
   std::uint64_t run_ = 0, connection_ = 0;      // of the last estimate
   int socket_ = -1;
+  host::lsl::EstimateStream* stream_ = nullptr;
   EstimateRing* ring_ = nullptr;
   std::function<void()> tick_;
   std::atomic<bool> stops_ = false;

@@ -22,6 +22,11 @@ constexpr std::chrono::seconds kDiskPatience{10};
 
 }  // namespace
 
+host::ConfiguredFacebow configured(const SourceSettings& settings, hal::Clock& clock) {
+  if (settings.stream) return {*settings.stream, clock};
+  return {{settings.kind, settings.file}, settings.serial, clock};
+}
+
 Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
          std::function<TimeNs()> wall_ns)
     : configuration_(configuration),
@@ -29,8 +34,7 @@ Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
       log_(log),
       wall_ns_(std::move(wall_ns)),
       begin_ns_(clock.now_ns()),
-      facebow_({configuration_.facebow.kind, configuration_.facebow.file},
-               configuration_.facebow.serial, clock),
+      facebow_(configured(configuration_.facebow, clock)),
       device_name_(facebow_.profile().name),
       nominal_rate_Hz_(facebow_.profile().rate_Hz),
       keeper_(configuration_, facebow_, clock, log, wall_ns_),
@@ -60,15 +64,30 @@ Box::~Box() {
 HttpServer::Service Box::service() {
   return {[this] { return status_json(status()); },
           [this](const std::string& subject, SessionKeeper::Then then) {
-            keeper_.start(subject, std::move(then));
+            keeper_.start(subject, then_mark("session started", std::move(then)));
           },
-          [this](SessionKeeper::Then then) { keeper_.stop(std::move(then)); },
+          [this](SessionKeeper::Then then) {
+            keeper_.stop(then_mark("session stopped", std::move(then)));
+          },
           [this](const std::string& text, SessionKeeper::Then then) {
-            keeper_.mark(text, std::move(then));
+            keeper_.mark(text, then_mark(text, std::move(then)));
           },
           [this] { return files_.list(recorded_file()); },
           [this](const std::string& name) { return files_.log(name, recorded_file()); },
           [this](const std::string& name) { return files_.report(name, recorded_file()); }};
+}
+
+// Any thread may call it.
+void Box::mark(const std::string& text) {
+  if (is_found_.load(std::memory_order_acquire) && stream_) stream_->mark(text);
+}
+
+// Marks the stream if the command succeeds.
+SessionKeeper::Then Box::then_mark(const std::string& text, SessionKeeper::Then then) {
+  return [this, text, then = std::move(then)](const SessionKeeper::Answer& answer) {
+    if (answer.status == 200) mark(text);
+    then(answer);
+  };
 }
 
 std::string Box::recorded_file() const {
@@ -90,6 +109,7 @@ void Box::run(const std::function<bool()>& should_stop) {
                                               engine_->outlet(), clock_, log_);
       node_->start();
     }
+    open_stream();
     // On the publisher's thread, because this thread may wait for a slow disk.
     publisher_.start(engine_->outlet().ring(), [this] {
       http_.tick();
@@ -123,6 +143,19 @@ void Box::run(const std::function<bool()>& should_stop) {
   if (engine_) engine_->stop();
   if (node_) node_->stop();
   publisher_.stop();
+  if (stream_) stream_->finish();
+}
+
+void Box::open_stream() {
+  if (configuration_.lsl_out.empty()) return;
+  const hal::DeviceProfile& profile = facebow_.profile();
+  stream_ = std::make_unique<host::lsl::EstimateStream>(
+      host::lsl::EstimateStreamSettings{configuration_.lsl_out,
+                                        profile.kind == SampleKind::one_axis ? 1 : 3,
+                                        profile.drive_N.has_value(), profile.rate_Hz},
+      clock_);
+  publisher_.also_send(*stream_);
+  log_.say(BoxLog::Level::info, "lsl", "offers the streams of " + configuration_.lsl_out);
 }
 
 // A box is often switched on before the facebow is plugged in.
@@ -157,6 +190,7 @@ void Box::watch_device() {
   const bool is_open = source_->is_open();
   if (is_open == was_open_ || engine_->has_ended()) return;
   was_open_ = is_open;
+  mark(is_open ? "facebow connected" : "facebow disconnected");
   log_.say(
       is_open ? BoxLog::Level::notice : BoxLog::Level::warning, "device",
       is_open ? "the facebow is connected again" : "the facebow was disconnected; looking for it");
@@ -199,7 +233,8 @@ void Box::feed_watchdog(TimeNs now_ns) {
 BoxStatus Box::status() const {
   BoxStatus status;
   status.running_ns = clock_.now_ns() - begin_ns_;
-  status.source = host::source_kind_name(configuration_.facebow.kind);
+  status.source =
+      configuration_.facebow.stream ? "lsl" : host::source_kind_name(configuration_.facebow.kind);
   status.device = device_name_;
   status.nominal_rate_Hz = nominal_rate_Hz_;
   status.records = !configuration_.folder.empty();
@@ -207,6 +242,7 @@ BoxStatus Box::status() const {
   status.publisher = publisher_.counts();
   status.http = http_.counts();
   status.node = configuration_.node;
+  status.lsl = configuration_.lsl_out;
   status.clock_steps = clock_steps_;
   status.last_clock_step_s = last_clock_step_s_;
   {
@@ -223,6 +259,7 @@ BoxStatus Box::status() const {
   status.rate_Hz = rate_Hz_;
   status.counts = engine_->counts();
   status.health = engine_->outlet().health();
+  if (stream_) status.lsl_counts = stream_->counts();
   if (node_) status.node_state = node_->state();
   status.run = engine_->run();
   status.estimates_dropped = engine_->outlet().ring().dropped();

@@ -24,6 +24,9 @@
 
 namespace condyle::box {
 
+/// The facebow that `settings` name; throws an InputError.
+host::ConfiguredFacebow configured(const SourceSettings& settings, hal::Clock& clock);
+
 /// The service: one facebow, its estimates, its outlets, its recordings.
 class Box {
  public:
@@ -48,6 +51,7 @@ class Box {
 
  private:
   bool find_facebow(const std::function<bool()>& should_stop);
+  void open_stream();
   void look_after(TimeNs now_ns);
   void watch_device();
   void watch_wall_clock();
@@ -55,6 +59,8 @@ class Box {
   void measure_rate(TimeNs now_ns);
   HttpServer::Service service();
   std::string recorded_file() const;
+  SessionKeeper::Then then_mark(const std::string& text, SessionKeeper::Then then);
+  void mark(const std::string& text);
 
   Configuration configuration_;
   hal::Clock& clock_;
@@ -73,6 +79,7 @@ class Box {
   std::unique_ptr<NodeFeed> feed_;  // these two only if a microcontroller estimates
   std::unique_ptr<Engine> engine_;
   std::unique_ptr<NodeEstimator> node_;
+  std::unique_ptr<host::lsl::EstimateStream> stream_;  // only if it is configured
   std::atomic<bool> is_found_ = false;
   bool is_held_by_disk_ = false;
 

@@ -141,6 +141,12 @@ Json outlets_json(const BoxStatus& status) {
   json["http_refused"] = status.http.refused;
   json["http_listeners"] = status.http.listeners;
   json["http_missed"] = status.http.missed;
+  if (status.lsl.empty()) return json;
+  json["lsl"] = status.lsl;
+  json["lsl_samples"] = status.lsl_counts.samples;
+  json["lsl_readers"] = status.lsl_counts.readers;
+  json["lsl_dropped"] = status.lsl_counts.dropped;
+  json["lsl_refused"] = status.lsl_counts.refused;
   return json;
 }
 

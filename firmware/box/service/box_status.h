@@ -30,6 +30,8 @@ struct BoxStatus {
   bool records = false;
   PublisherCounts publisher;
   HttpCounts http;
+  std::string lsl;  ///< NAME@ADDRESS of the streams of estimates; empty: none
+  host::lsl::OutletCounts lsl_counts;
   std::string node;  ///< line to the microcontroller that estimates; empty: none
   NodeState node_state;
   std::uint64_t clock_steps = 0;

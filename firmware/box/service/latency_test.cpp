@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "box/service/latency_test.h"
+#include "box/service/box.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -49,7 +50,7 @@ std::string histogram_text(const char* name, const firmware::LatencyHistogram& h
 std::string test_latency(const Configuration& configuration, double duration_s, hal::Clock& clock,
                          const std::function<bool()>& should_stop) {
   const SourceSettings& settings = configuration.facebow;
-  host::ConfiguredFacebow facebow({settings.kind, settings.file}, settings.serial, clock);
+  host::ConfiguredFacebow facebow = configured(settings, clock);
   facebow.find(should_stop);
   ReconnectingSource source(facebow.source(), clock);
   const auto engine = std::make_unique<Engine>(source, facebow.profile(), configuration, clock);

@@ -43,6 +43,14 @@ ConfiguredFacebow::ConfiguredFacebow(const SourceSpec& spec, const std::string& 
   require_position(profile_, name_);
 }
 
+ConfiguredFacebow::ConfiguredFacebow(const StreamSpec& stream, hal::Clock& clock)
+    : name_("lsl:" + stream.place),
+      device_(std::make_unique<SessionDevice>(
+          make_session_stream(stream, clock, [] { return false; }))) {
+  profile_text_ = device_->profile_text;
+  profile_ = device_->profile;
+}
+
 void ConfiguredFacebow::find(const std::function<bool()>& stop) {
   if (device_) {
     probe_device(*device_, stop);
@@ -54,7 +62,7 @@ void ConfiguredFacebow::find(const std::function<bool()>& stop) {
 }
 
 hal::ReportSource& ConfiguredFacebow::source() {
-  if (device_) return device_->device->source();
+  if (device_) return device_->source();
   if (log_) return *log_;
   return *synthetic_;
 }

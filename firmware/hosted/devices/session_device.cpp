@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hosted/devices/session_device.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "condyle/hal/usb/device_list.h"
@@ -24,6 +26,39 @@ SessionDevice make_session_device(const std::string& profile_path, const std::st
                    .path = {}};
   named.device = std::make_unique<ConnectedDevice>(DeviceChoice{named.address, backend}, clock);
   return named;
+}
+
+SessionDevice make_session_stream(const StreamSpec& stream, hal::Clock& clock,
+                                  const std::function<bool()>& stop) {
+  SessionDevice named;
+  named.name = "lsl:" + stream.place;
+  const lsl::StreamPlace where = lsl::parse_stream_place(stream.place);
+  const lsl::InletSettings settings;
+  std::vector<lsl::FoundStream> found = lsl::find_streams(where, settings.search, stop);
+  if (found.empty()) {
+    throw InputError(named.name, "no stream of this name answers",
+                     "start its sender; for one on another computer write lsl:NAME@ADDRESS");
+  }
+  if (found.size() > 1) {
+    throw InputError(named.name, fmt::format("{} streams have this name", found.size()),
+                     "give them different names, or end all but one");
+  }
+  if (const std::string problem = lsl::complete_stream(found.front(), settings.search);
+      !problem.empty()) {
+    throw InputError(named.name, "the stream cannot be read: " + problem,
+                     "check the program that sends it");
+  }
+  lsl::StreamLayout layout = lsl::layout_of_stream(found.front().info, stream.choice, named.name);
+  named.profile_text = std::move(layout.profile_toml);
+  named.profile = parse_device_profile(named.name, named.profile_text);
+  named.inlet = std::make_unique<lsl::Inlet>(where, std::move(found.front()),
+                                             std::move(layout.stored), clock, settings);
+  return named;
+}
+
+hal::ReportSource& SessionDevice::source() const {
+  if (inlet) return *inlet;
+  return device->source();
 }
 
 void reject_duplicate_devices(const SessionDevice& first, const SessionDevice& second) {
@@ -71,6 +106,7 @@ std::string only_serial(const SessionDevice& device) {
 }  // namespace
 
 void probe_device(SessionDevice& device, const std::function<bool()>& stop) {
+  if (device.inlet) return;  // it was found before
   device.device->open(stop);
   device.descriptor = device.device->report_descriptor();
   complete_profile(device.profile, device.descriptor, device.name + ": the device");

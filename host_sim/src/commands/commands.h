@@ -29,6 +29,8 @@ Command add_analyse(CommandLine app);
 Command add_report(CommandLine app);
 /// `condyle info`
 Command add_info(CommandLine app);
+/// `condyle export`
+Command add_export(CommandLine app);
 /// `condyle landmarks`
 Command add_landmarks(CommandLine app);
 /// `condyle replay`

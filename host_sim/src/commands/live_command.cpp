@@ -18,6 +18,7 @@
 #include "hosted/files/text_file.h"
 #include "options/analysis_options.h"
 #include "options/command_line.h"
+#include "options/stream_options.h"
 #include "report/report_page.h"
 
 namespace condyle::host {
@@ -30,6 +31,8 @@ struct LiveOptions {
   std::string sessions = "sessions";
   std::vector<std::string> jaw_points;
   FollowedChoice choice;
+  lsl::StreamChoice stream;
+  std::string lsl_out;
   int port = 0;
   double duration_s = 0;
 };
@@ -57,16 +60,19 @@ class SessionsFolder {
   bool is_new_ = false;
 };
 
-SourceSpec parse_live_source(const std::string& text) {
-  const SourceSpec spec = source_of(text);
-  if (spec.file.empty()) {
-    throw InputError(text, "does not name a file", "write the file after the colon");
+box::SourceSettings parse_live_source(const LiveOptions& options) {
+  auto stream = parse_stream(options.source);
+  refuse_without_stream(options.stream, stream.has_value());
+  const SourceSpec spec = stream ? SourceSpec() : source_of(options.source);
+  if (stream ? stream->place.empty() : spec.file.empty()) {
+    throw InputError(options.source, "does not name a file or stream", "write it after the colon");
   }
   if (spec.kind == SourceKind::sim) {
-    throw InputError(text, "a simulated subject does not send reports",
+    throw InputError(options.source, "a simulated subject does not send reports",
                      "write synth:PROFILE for a jaw that chews, or file:LOG for a session log");
   }
-  return spec;
+  if (stream) stream->choice = options.stream;
+  return {"facebow", spec.kind, spec.file, options.serial, stream};
 }
 
 // Counts the reports that threads of their own are making.
@@ -89,11 +95,11 @@ std::string make_report(const std::string& log, const std::string& landmarks) {
                      landmarks, nullptr);
 }
 
-box::Configuration configuration_of(const LiveOptions& options, const SourceSpec& spec,
+box::Configuration configuration_of(const LiveOptions& options, const box::SourceSettings& source,
                                     SampleKind kind,
                                     const std::shared_ptr<std::atomic<int>>& reports) {
   box::Configuration configuration;
-  configuration.facebow = {"facebow", spec.kind, spec.file, options.serial};
+  configuration.facebow = source;
   configuration.followed = options.choice.followed;
   if (kind == SampleKind::three_points || kind == SampleKind::pose) {
     PoseOptions pose;
@@ -107,6 +113,7 @@ box::Configuration configuration_of(const LiveOptions& options, const SourceSpec
     configuration.parameters =
         parse_recommended_parameters(options.parameters, configuration.parameters_toml);
   }
+  configuration.lsl_out = options.lsl_out;
   configuration.folder = options.sessions;
   configuration.http_port = static_cast<std::uint16_t>(options.port);
   configuration.priority = 0;
@@ -119,13 +126,14 @@ box::Configuration configuration_of(const LiveOptions& options, const SourceSpec
 }
 
 int show_live(const LiveOptions& options) {
-  const SourceSpec spec = parse_live_source(options.source);
+  const box::SourceSettings source = parse_live_source(options);
+  if (!options.lsl_out.empty()) lsl::check_outlet_place(options.lsl_out);
   if (!options.landmarks.empty()) static_cast<void>(load_landmarks(options.landmarks));
   hal::SteadyClock clock;
-  const SampleKind kind = ConfiguredFacebow(spec, options.serial, clock).profile().kind;
+  const SampleKind kind = box::configured(source, clock).profile().kind;
   options.choice.check(options.source, kind);
   const auto reports = std::make_shared<std::atomic<int>>(0);
-  const box::Configuration configuration = configuration_of(options, spec, kind, reports);
+  const box::Configuration configuration = configuration_of(options, source, kind, reports);
   const SessionsFolder folder(options.sessions);
   box::BoxLog log(clock, stderr, box::BoxLog::Reader::person);
   box::Box service(configuration, clock, log);
@@ -155,13 +163,15 @@ Command add_live(CommandLine app) {
   command
       .add_option("SOURCE", options->source,
                   "hid:PROFILE or usb:PROFILE, a device; file:LOG, a session log; synth:PROFILE, a "
-                  "jaw that chews")
+                  "jaw that chews; lsl:NAME, a stream of the Lab Streaming Layer")
       .required();
   command.add_option("--port", options->port, "Port of the page on 127.0.0.1; 0: any free one")
       .within(0, kHighestPort)
       .show_default();
   command.add_option("--sessions=FOLDER", options->sessions, "Folder for the recorded sessions")
       .show_default();
+  add_stream_options(command, options->stream);
+  add_stream_outlet_option(command, options->lsl_out);
   command.add_option("--serial", options->serial, "Serial number, if several are plugged in");
   command.add_option("--parameters=FILE", options->parameters,
                      "TOML file with parameters of the recommended estimator");

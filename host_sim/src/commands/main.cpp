@@ -39,6 +39,7 @@ Commands add_commands(CommandLine line) {
   commands.emplace_back("report", add_report(line));
 #endif
   commands.emplace_back("info", add_info(line));
+  commands.emplace_back("export", add_export(line));
   commands.emplace_back("landmarks", add_landmarks(line));
   commands.emplace_back("study", add_study(line));
   commands.emplace_back("replay", add_replay(line));

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <unistd.h>
-
 #include <filesystem>
 #include <memory>
 #include <utility>
 
 #include "commands/commands.h"
+#include "commands/record_monitor.h"
 #include "condyle/firmware/latency_histogram.h"
 #include "condyle/firmware/run_loop.h"
 #include "condyle/firmware/sensor_choice.h"
@@ -18,11 +17,14 @@
 #include "hosted/devices/device_text.h"
 #include "hosted/devices/run_settings.h"
 #include "hosted/devices/session_device.h"
+#include "hosted/devices/source_spec.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/text_file.h"
 #include "hosted/files/wall_clock.h"
+#include "hosted/lsl/estimate_stream.h"
 #include "options/analysis_options.h"
 #include "options/command_line.h"
+#include "options/stream_options.h"
 #include "output/live_estimates.h"
 #include "output/report_text.h"
 
@@ -31,80 +33,16 @@ namespace {
 
 struct RecordOptions {
   std::vector<std::string> companions;  // profiles
-  std::string profile, out, estimates, parameters, subject;
+  std::string source, profile, out, estimates, parameters, subject;
   std::string backend = "hidapi";
   std::string serial;
   FollowedChoice choice;
+  lsl::StreamChoice stream;
+  std::string lsl_out;
   PoseOptions pose;
   CycleOptions cycles;
   double duration_s = 0, idle_s = 0;
   std::uint64_t samples = 0;
-};
-
-// Shows the state of the recording while it runs.
-class Monitor {
- public:
-  Monitor(const hal::DeviceFacebow& facebow, const SessionDevice& device,
-          const std::vector<std::unique_ptr<RecordedCompanion>>& companions, hal::Clock& clock)
-      : facebow_(facebow),
-        has_counter_(device.profile.sequence.has_value()),
-        serial_(device.address.serial),
-        companions_(companions),
-        were_there_(companions.size(), true),
-        clock_(clock),
-        begin_ns_(clock.now_ns()) {}
-
-  // Call it often.
-  void look() {
-    const TimeNs now_ns = clock_.now_ns();
-    if (facebow_.counts().received != received_) last_received_ns_ = now_ns;
-    received_ = facebow_.counts().received;
-    const std::uint64_t disconnections = facebow_.transport_counts().disconnections;
-    if (disconnections > disconnections_) {
-      disconnections_ = disconnections;
-      say(now_ns, "the device was disconnected; waiting for it" +
-                      (serial_.empty() ? "" : ", serial number " + serial_));
-    }
-    for (std::size_t i = 0; i < companions_.size(); ++i) {
-      // In the first second the device is still being opened.
-      const bool is_there = companions_[i]->companion.is_open() ||
-                            (were_there_[i] && now_ns - begin_ns_ < 1'000'000'000);
-      if (is_there == were_there_[i]) continue;
-      were_there_[i] = is_there;
-      say(now_ns, companions_[i]->profile.name +
-                      (is_there ? " is back" : " is disconnected; waiting for it"));
-    }
-    if (!is_terminal_ || now_ns < next_ns_) return;
-    next_ns_ = now_ns + 200'000'000;
-    const hal::ReportCounts& counts = facebow_.counts();
-    std::string text = fmt::format("\rrecording {:.1f} s, {} reports", seconds(now_ns - begin_ns_),
-                                   counts.received);
-    if (has_counter_) text += fmt::format(", {} lost ", counts.lost);
-    std::fputs(text.c_str(), stderr);
-    has_line_ = true;
-  }
-  void end_line() {
-    if (has_line_) std::fputc('\n', stderr);
-    has_line_ = false;
-  }
-  TimeNs elapsed_ns() const { return clock_.now_ns() - begin_ns_; }
-  TimeNs idle_ns() const { return clock_.now_ns() - last_received_ns_; }
-
- private:
-  void say(TimeNs now_ns, const std::string& words) {
-    end_line();
-    print_error(fmt::format("{:.3f} s: {}", seconds(now_ns - begin_ns_), words));
-  }
-
-  const hal::DeviceFacebow& facebow_;
-  bool has_counter_;
-  std::string serial_;
-  const std::vector<std::unique_ptr<RecordedCompanion>>& companions_;
-  std::vector<bool> were_there_;
-  hal::Clock& clock_;
-  TimeNs begin_ns_, next_ns_ = 0, last_received_ns_ = begin_ns_;
-  std::uint64_t received_ = 0, disconnections_ = 0;
-  bool is_terminal_ = isatty(STDERR_FILENO) != 0, has_line_ = false;
 };
 
 // What is written live; either may be absent.
@@ -112,11 +50,13 @@ struct LiveFiles {
   std::unique_ptr<LiveEstimates> estimates;
   std::unique_ptr<LivePoses> poses;
   std::unique_ptr<LiveCycles> cycles;
+  std::unique_ptr<lsl::EstimateStream> stream;
 
   void finish() {
     if (estimates) estimates->finish();
     if (poses) poses->finish();
     if (cycles) cycles->finish();
+    if (stream) stream->finish();
   }
   // Why a file is not complete; empty if all are.
   std::string problem() const {
@@ -135,16 +75,19 @@ std::string latency_text(const firmware::LatencyHistogram& latency) {
                      us(latency.largest_ns()));
 }
 
-std::string summary(const RecordOptions& options, const hal::DeviceProfile& profile,
+std::string summary(const RecordOptions& options, const SessionDevice& device,
                     const hal::DeviceFacebow& facebow, const hal::SessionLogStatus& log,
                     const std::vector<std::unique_ptr<RecordedCompanion>>& companions,
                     const LiveFiles& files, const firmware::LatencyHistogram& latency,
                     TimeNs elapsed_ns) {
+  const hal::DeviceProfile& profile = device.profile;
   ReportText report(12);
   const auto line = [&report](const char* label, const std::string& words) {
     report.line(label, words);
   };
-  line("device", fmt::format("{}, through {}", profile.name, options.backend));
+  line("device",
+       device.inlet ? profile.name : fmt::format("{}, through {}", profile.name, options.backend));
+  if (device.inlet) line("clock", lsl::clock_text(*device.inlet));
   line("duration", fmt::format("{:.3f} s", seconds(elapsed_ns)));
   line("reports", reports_text(profile, facebow.counts(), facebow.transport_counts()));
   if (profile.device_time) line("clock", clock_text(facebow.clock_fit()));
@@ -167,6 +110,7 @@ std::string summary(const RecordOptions& options, const hal::DeviceProfile& prof
   live_line("estimates", options.estimates, files.estimates);
   live_line("poses", options.pose.file, files.poses);
   live_line("cycles", options.cycles.file, files.cycles);
+  if (files.stream) line("stream", files.stream->summary());
   return report.text();
 }
 
@@ -174,7 +118,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
                    const RecommendedParameters& parameters, hal::SessionLogWriter& log,
                    LiveFiles& files, hal::Clock& clock) {
   const hal::DeviceProfile& profile = devices.front().profile;
-  hal::RecordedSource source(devices.front().device->source(), log, 0, clock);
+  hal::RecordedSource source(devices.front().source(), log, 0, clock);
   hal::DeviceFacebow facebow(source, hal::layout_of(profile));
   // The device was found a moment ago, so any failure is treated like an unplugging: wait for it.
   bool has_failed = false;
@@ -196,6 +140,13 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
   const auto take_cycle = [&](const std::optional<FoundCycle>& cycle) {
     if (cycle) files.cycles->add(*cycle);
   };
+  std::uint64_t disconnections = 0;
+  const auto mark_disconnections = [&] {
+    if (!files.stream || facebow.transport_counts().disconnections == disconnections) return;
+    disconnections = facebow.transport_counts().disconnections;
+    files.stream->mark("facebow disconnected");
+  };
+  if (files.stream) files.stream->mark("recording started");
   const auto run = [&](auto sensor) {
     (void)firmware::run(
         facebow, clock, sensor, settings, counts,
@@ -204,6 +155,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
           if (files.estimates && estimate.is_ready) {
             files.estimates->add(row_of(estimate, options.choice.followed.axis));
           }
+          if (files.stream && estimate.is_ready) files.stream->add(estimate);
           if (files.cycles) take_cycle(cycles.add(estimate));
           if constexpr (firmware::kHasPose<std::remove_cvref_t<decltype(estimate)>>) {
             if (estimate.pose.is_ready) files.poses->add(estimate.pose);
@@ -211,6 +163,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
         },
         [&] {
           monitor.look();
+          mark_disconnections();
           return stop_requested() || log.status().failure != hal::SessionLogFailure::none ||
                  (options.samples > 0 && counts.samples >= options.samples) ||
                  (options.idle_s > 0 && seconds(monitor.idle_ns()) >= options.idle_s) ||
@@ -231,11 +184,12 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
   monitor.end_line();
   const TimeNs elapsed_ns = monitor.elapsed_ns();
   facebow.close();
+  if (files.stream) files.stream->mark("recording stopped");
   for (const auto& companion : companions) companion->companion.stop();
   const hal::SessionLogFailure failure = log.close();
   files.finish();
-  print_output(
-      summary(options, profile, facebow, log.status(), companions, files, latency, elapsed_ns));
+  print_output(summary(options, devices.front(), facebow, log.status(), companions, files, latency,
+                       elapsed_ns));
   if (failure != hal::SessionLogFailure::none) {
     print_error(fmt::format("{}: recording stopped: {}; the part already on the disk is intact",
                             options.out, hal::session_log_failure_name(failure)));
@@ -251,6 +205,31 @@ std::pair<std::string, std::string> split_serial(const std::string& text) {
   const std::size_t at = text.rfind('@');
   if (at == std::string::npos || std::filesystem::exists(text)) return {text, ""};
   return {text.substr(0, at), text.substr(at + 1)};
+}
+
+// The facebow that SOURCE or --profile names.
+SessionDevice facebow_of(const RecordOptions& options, hal::Clock& clock) {
+  if (options.source.empty() == options.profile.empty()) {
+    throw InputError(
+        options.source.empty() ? "SOURCE" : options.source,
+        options.source.empty() ? "the facebow is not named" : "--profile names a second facebow",
+        "give either --profile FILE or a source, such as lsl:NAME");
+  }
+  auto stream = parse_stream(options.source);
+  refuse_without_stream(options.stream, stream.has_value());
+  if (options.source.empty()) {
+    return make_session_device(options.profile, options.serial, options.backend, clock);
+  }
+  if (stream) {
+    stream->choice = options.stream;
+    return make_session_stream(*stream, clock, stop_requested);
+  }
+  const auto spec = parse_source(options.source);
+  if (spec && (spec->kind == SourceKind::hid || spec->kind == SourceKind::usb)) {
+    return make_session_device(spec->file, options.serial, backend_of(spec->kind), clock);
+  }
+  throw InputError(options.source, "is not a source that can be recorded",
+                   "write hid:PROFILE, usb:PROFILE or lsl:NAME");
 }
 
 int record(const RecordOptions& options) {
@@ -276,16 +255,17 @@ int record(const RecordOptions& options) {
   }
   hal::SteadyClock clock;
   std::vector<SessionDevice> devices;
-  devices.push_back(make_session_device(options.profile, options.serial, options.backend, clock));
-  require_position(devices.front().profile, options.profile);
+  devices.push_back(facebow_of(options, clock));
+  const std::string& name = devices.front().name;
+  require_position(devices.front().profile, name);
   for (const auto& [file, serial] : companions) {
     devices.push_back(make_session_device(file, serial, options.backend, clock));
   }
   reject_duplicate_devices(devices);
   const SampleKind kind = devices.front().profile.kind;
-  options.choice.check(options.profile, kind);
+  options.choice.check(name, kind);
   const PoseChoice pose = options.pose.choice();
-  if (!options.pose.file.empty()) refuse_without_pose(options.profile, kind, "leave out --pose");
+  if (!options.pose.file.empty()) refuse_without_pose(name, kind, "leave out --pose");
   for (SessionDevice& device : devices) probe_device(device, stop_requested);
 
   hal::SessionHeader header;
@@ -315,6 +295,14 @@ int record(const RecordOptions& options) {
   if (!options.cycles.file.empty()) {
     files.cycles = std::make_unique<LiveCycles>(options.cycles.file);
   }
+  if (!options.lsl_out.empty()) {
+    lsl::check_outlet_place(options.lsl_out);
+    const hal::DeviceProfile& profile = devices.front().profile;
+    files.stream = std::make_unique<lsl::EstimateStream>(
+        lsl::EstimateStreamSettings{options.lsl_out, kind == SampleKind::one_axis ? 1 : 3,
+                                    profile.drive_N.has_value(), profile.rate_Hz},
+        clock);
+  }
   hal::SessionLogWriter log;
   const hal::SessionLogFailure failure = log.open(options.out, header);
   if (failure == hal::SessionLogFailure::bad_header) {
@@ -340,7 +328,10 @@ Command add_record(CommandLine app) {
       "condyle record --profile bow.toml --out session.mcap --estimates live.csv --companion "
       "force.toml",
       "Also write live estimates, and record a force sensor beside the facebow.");
-  command.add_option("--profile=FILE", options->profile, kProfileMeaning).required();
+  command.add_option("SOURCE", options->source,
+                     "lsl:NAME, a stream of the Lab Streaming Layer; hid:PROFILE or usb:PROFILE, "
+                     "a device");
+  command.add_option("--profile=FILE", options->profile, kProfileMeaning);
   command.group("Output")
       .add_option("-o,--out=FILE", options->out, "Session log to write (MCAP); must not exist")
       .required();
@@ -353,6 +344,8 @@ Command add_record(CommandLine app) {
                   "Profile of an instrument to record beside the facebow, such as a force sensor; "
                   "FILE@SERIAL if several are plugged in; may be given several times")
       .one_value_each();
+  add_stream_options(command, options->stream);
+  add_stream_outlet_option(command, options->lsl_out);
   command.add_option("--subject", options->subject, "Pseudonymous code of the subject");
   command.add_option("--estimates=FILE", options->estimates, "CSV file for the estimates");
   command.add_option("--parameters=FILE", options->parameters,

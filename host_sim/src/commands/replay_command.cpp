@@ -18,6 +18,7 @@
 #include "hosted/files/input_error.h"
 #include "options/analysis_options.h"
 #include "options/command_line.h"
+#include "options/table_options.h"
 #include "output/cycles_file.h"
 #include "output/deferred_problem.h"
 #include "output/device_values.h"
@@ -37,6 +38,7 @@ struct ReplayOptions : RecordingChoice {
   std::string recording;
   EstimatorChoice estimator;
   std::string out;
+  TableForm out_form;
   std::string figures;
   std::string values;
   bool as_json = false;
@@ -92,7 +94,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   std::unique_ptr<EstimatesFile> estimates;
   if (!options.out.empty()) {
     estimates = std::make_unique<EstimatesFile>(options.out, axis_count, has_impedance,
-                                                has_learning);
+                                                options.out_form, has_learning);
   }
   std::unique_ptr<PoseFile> poses;
   if (!options.pose.file.empty()) {
@@ -297,6 +299,7 @@ int replay(const ReplayOptions& options) {
   if (!options.pose.file.empty()) {
     refuse_without_pose(options.recording, info.kind, "leave out --pose");
   }
+  options.estimator.refuse_if_published("--resample-Hz", options.out_form.resample_Hz.has_value());
   options.estimator.refuse_if_published("--drive",
                                         !options.drive.empty() || options.drive_stated.is_given());
   if (!options.drive.empty() && info.has_drive) {
@@ -348,7 +351,9 @@ Command add_replay(CommandLine app) {
   add_drive_options(command, options->drive_stated);
   command.group("Output").add_flag("--json", options->as_json,
                                    "Print the summary as JSON, for programs");
-  command.group("Output").add_option("-o,--out=FILE", options->out, "CSV file for the estimates");
+  const Option out = command.group("Output").add_option("-o,--out=FILE", options->out,
+                                                        "CSV file for the estimates");
+  add_table_options(command, options->out_form, out);
   command.group("Output").add_option(
       "--values=FOLDER", options->values,
       "Folder for the other values that devices of a session log or capture measured: force, "

@@ -85,7 +85,8 @@ int write_report(const ReportOptions& options) {
   const std::vector<SessionFiles> sessions = choose_sessions(options);
   const std::vector<std::string> recordings =
       sessions.empty() ? options.recordings : recordings_of(sessions);
-  const ReportChoice choice{options.choice(), options.followed, options.drive, options.drive_file};
+  const ReportChoice choice{options.choice(), options.followed, options.drive, options.drive_file,
+                            options.tasks_file};
   if (!options.drive_file.empty() && recordings.size() > 1) {
     throw InputError("--drive", "belongs to one recording",
                      "report that recording alone, or give each a column drive_N");

@@ -2,6 +2,7 @@
 #include "output/estimates_file.h"
 
 #include <array>
+#include <string_view>
 
 #include "hosted/estimates/estimate_fields.h"
 #include "hosted/files/number_text.h"
@@ -10,17 +11,38 @@
 namespace condyle::host {
 namespace {
 
+// Name and factor of a quantity whose unit may contain a length.
+struct Shown {
+  QuantityName name;
+  double factor = 1;
+};
+
+Shown shown(const QuantityName& name, const TableForm& form) {
+  constexpr struct {
+    std::string_view in_m;
+    const char* in_mm;
+  } kLengths[] = {{"m", "mm"}, {"m_s", "mm_s"}, {"m_s2", "mm_s2"}};
+  for (const auto& length : kLengths) {
+    if (form.is_in_mm && length.in_m == name.unit) {
+      return {{name.name, length.in_mm}, form.lengths_per_m()};
+    }
+  }
+  return {name};
+}
+
 // Columns after the time, with the values of `row`: `number(name, value)` or `word(name, text)`.
 // `name()` makes the name, which a row does not need.
 template <class Visitor>
 class Columns {
  public:
-  explicit Columns(Visitor& visitor) : visitor_(visitor) {}
+  Columns(Visitor& visitor, const TableForm& form) : visitor_(visitor), form_(form) {}
 
   void visit(const EstimateRow& row, int axis_count, bool has_impedance, bool has_learning) {
-    visit_leading(row);
+    const bool is_published = axis_count == 0;
+    visit_measured(row.measured_position_m);
+    visit_leading(row, is_published, is_published || has_impedance);
     visitor_.events([] { return "events"; }, row.events);
-    if (axis_count > 0) visit_followed(row);
+    if (!is_published) visit_followed(row);
     for (int axis = 0; axis_count == 3 && axis < 3; ++axis) {
       visit_axis("xyz"[axis], row.axes[axis]);
     }
@@ -39,12 +61,22 @@ class Columns {
   };
   using List = std::array<Named, 3>;
 
+  void length(const char* name, double value_m, const std::string& prefix = "") {
+    const Shown as = shown({name, "m"}, form_);
+    visitor_.number([&] { return prefix + as.name.value(); }, as.factor * value_m);
+  }
+  // What belongs to one sample: there is none between samples.
+  void visit_measured(double position_m, const std::string& prefix = "") {
+    if (!form_.resample_Hz) length("measured_position", position_m, prefix);
+  }
   void value(const Named& of, const std::string& prefix = "") {
-    visitor_.number([&] { return prefix + of.name.value(); }, of.quantity->value);
+    const Shown as = shown(of.name, form_);
+    visitor_.number([&] { return prefix + as.name.value(); }, as.factor * of.quantity->value);
   }
   void deviation(const Named& of, const std::string& prefix = "") {
-    visitor_.number([&] { return prefix + of.name.standard_deviation(); },
-                    of.quantity->standard_deviation);
+    const Shown as = shown(of.name, form_);
+    visitor_.number([&] { return prefix + as.name.standard_deviation(); },
+                    as.factor * of.quantity->standard_deviation);
   }
   void provenance(const Named& of, const std::string& prefix = "") {
     visitor_.word([&] { return prefix + of.name.provenance(); },
@@ -59,7 +91,7 @@ class Columns {
     return list;
   }
 
-  void visit_leading(const EstimateRow& row) {
+  void visit_leading(const EstimateRow& row, bool is_published, bool has_friction_and_mass) {
     // Position and velocity of any estimator; the acceleration comes later.
     const List motion = motion_of(row.followed);
     Named leading[] = {{motion[0].name, &row.position_m},
@@ -68,15 +100,19 @@ class Columns {
                        {},
                        {}};
     std::size_t count = 3;
-    visit_friction_and_mass(row.friction_Ns_m, row.mass_kg,
-                            [&](QuantityName name, const Quantity<double>& quantity) {
-                              leading[count++] = {name, &quantity};
-                            });
-    for (const Named& of : leading) value(of);
-    for (const Named& of : leading) deviation(of);
-    visitor_.number([] { return "motion_nis"; }, row.motion_nis);
-    visitor_.number([] { return "friction_nis"; }, row.friction_nis);
-    visitor_.number([] { return "mass_nis"; }, row.mass_nis);
+    if (has_friction_and_mass) {
+      visit_friction_and_mass(row.friction_Ns_m, row.mass_kg,
+                              [&](QuantityName name, const Quantity<double>& quantity) {
+                                leading[count++] = {name, &quantity};
+                              });
+    }
+    for (std::size_t i = 0; i < count; ++i) value(leading[i]);
+    for (std::size_t i = 0; i < count; ++i) deviation(leading[i]);
+    if (!form_.resample_Hz) visitor_.number([] { return "motion_nis"; }, row.motion_nis);
+    if (is_published) {
+      visitor_.number([] { return "friction_nis"; }, row.friction_nis);
+      visitor_.number([] { return "mass_nis"; }, row.mass_nis);
+    }
     for (std::size_t i = 2; i < count; ++i) provenance(leading[i]);
   }
 
@@ -87,15 +123,20 @@ class Columns {
     for (const Named& of : motion) provenance(of);
     value(motion[2]);
     deviation(motion[2]);
-    visitor_.number([] { return kInnovationName; }, row.followed.innovation_m);
-    visitor_.number([] { return "innovation_sd_m"; }, row.followed.innovation_sd_m);
-    visitor_.number([] { return kNoiseName; }, row.followed.noise_sd_m);
-    visitor_.number([] { return "jerk_density_m2_s5"; }, row.followed.jerk_density_m2_s5);
+    if (!form_.resample_Hz) {
+      length("innovation", row.followed.innovation_m);
+      length("innovation_sd", row.followed.innovation_sd_m);
+    }
+    length("noise_sd", row.followed.noise_sd_m);
+    visitor_.number(
+        [&] { return form_.is_in_mm ? "jerk_density_mm2_s5" : "jerk_density_m2_s5"; },
+        form_.lengths_per_m() * form_.lengths_per_m() * row.followed.jerk_density_m2_s5);
   }
 
   void visit_axis(char letter, const AxisEstimate<double>& axis) {
     const std::string prefix = {letter, '_'};
     const List motion = motion_of(axis);
+    visit_measured(axis.measured_position_m, prefix);
     for (const Named& of : motion) value(of, prefix);
     for (const Named& of : motion) deviation(of, prefix);
     for (const Named& of : motion) provenance(of, prefix);
@@ -122,62 +163,78 @@ class Columns {
   }
 
   Visitor& visitor_;
+  const TableForm& form_;
 };
 
 // Collects the names.
 struct Header {
+  const TableForm& form;
   std::string line = "time_s";
 
   template <class Name>
   void number(const Name& name, double) {
-    (line += ',') += name();
+    (line += form.separator()) += name();
   }
   template <class Name>
   void word(const Name& name, const char*) {
-    (line += ',') += name();
+    (line += form.separator()) += name();
   }
   template <class Name>
   void events(const Name& name, EventSet) {
-    (line += ',') += name();
+    (line += form.separator()) += name();
   }
 };
 
 // Appends the values of the columns.
 struct RowText {
+  const TableForm& form;
   std::string& line;
 
   template <class Name>
   void number(const Name&, double value) {
-    append_number(line += ',', value);
+    const std::size_t begin = line.size();
+    append_number(line += form.separator(), value);
+    form.localise(line, begin);
   }
   template <class Name>
   void word(const Name&, const char* text) {
-    (line += ',') += text;
+    (line += form.separator()) += text;
   }
   template <class Name>
   void events(const Name&, EventSet events) {
-    append_events(line += ',', events);
+    append_events(line += form.separator(), events);
   }
 };
 
 }  // namespace
 
 EstimatesFile::EstimatesFile(const std::string& path, int axis_count, bool has_impedance,
-                             bool has_learning)
+                             const TableForm& form, bool has_learning)
     : file_(path),
       axis_count_(axis_count),
       has_impedance_(has_impedance),
-      has_learning_(has_learning) {
-  Header header;
-  Columns<Header>(header).visit({}, axis_count, has_impedance, has_learning);
+      has_learning_(has_learning),
+      form_(form) {
+  if (form.resample_Hz) resampled_.emplace(*form.resample_Hz);
+  Header header{form_};
+  Columns<Header>(header, form_).visit({}, axis_count, has_impedance, has_learning);
   file_.write(header.line + '\n');
 }
 
 void EstimatesFile::write_row(const EstimateRow& row) {
+  if (resampled_) {
+    resampled_->add(row, [this](const EstimateRow& instant) { write(instant); });
+  } else {
+    write(row);
+  }
+}
+
+void EstimatesFile::write(const EstimateRow& row) {
   row_.clear();
   if (row.time_ns) append_time_s(row_, *row.time_ns);
-  RowText fields{row_};
-  Columns<RowText>(fields).visit(row, axis_count_, has_impedance_, has_learning_);
+  form_.localise(row_, 0);
+  RowText fields{form_, row_};
+  Columns<RowText>(fields, form_).visit(row, axis_count_, has_impedance_, has_learning_);
   row_ += '\n';
   file_.write(row_);
 }

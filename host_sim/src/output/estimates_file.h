@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "estimation/estimate_row.h"
+#include "estimation/resampled_rows.h"
 #include "output/output_file.h"
+#include "output/table_form.h"
 
 namespace condyle::host {
 
@@ -15,10 +18,11 @@ class EstimatesFile {
   using Row = EstimateRow;
 
   /// `axis_count`: 0 for the published cascade; otherwise the recommended estimator's 1 or 3, whose
-  /// columns follow the common ones. `has_impedance`: the columns of an impedance estimate follow.
-  /// `has_learning`: the shares of learned corrections come last.
+  /// columns follow the common ones. `has_impedance`: friction and mass are identified, and the
+  /// other columns of an impedance estimate follow. `has_learning`: the shares of learned
+  /// corrections come last. Only the recommended estimator's rows can be resampled.
   EstimatesFile(const std::string& path, int axis_count, bool has_impedance,
-                bool has_learning = false);
+                const TableForm& form = {}, bool has_learning = false);
   void write_row(const EstimateRow& row);
   /// Writes the buffer.
   void close() { file_.close(); }
@@ -26,9 +30,13 @@ class EstimatesFile {
   void commit() { file_.commit(); }
 
  private:
+  void write(const EstimateRow& row);
+
   OutputFile file_;
   int axis_count_;
   bool has_impedance_, has_learning_;
+  TableForm form_;
+  std::optional<ResampledRows> resampled_;
   std::string row_;
 };
 

@@ -72,7 +72,7 @@ std::string data_of(const AverageCycle& average, std::size_t number) {
 std::string average_cycle_plot(const Analysis& analysis) {
   const std::vector<const AverageCycle*> averages = drawn_averages(analysis);
   if (averages.empty()) return "";
-  std::string text = cycle_paths(analysis), frontal, vertical;
+  std::string text = cycle_paths(analysis), frontal, bands, lines;
   for (std::size_t i = 0; i < averages.size(); ++i) {
     const AverageCycle& average = *averages[i];
     text += data_of(average, i);
@@ -86,10 +86,10 @@ std::string average_cycle_plot(const Analysis& analysis) {
           fmt::format(", $band{} index {} using 1:2 with filledcurves closed {}", i, half, fill);
     }
     frontal += fmt::format(", $average{} using 2:3 {} notitle", i, line);
-    vertical += fmt::format(
-        "{}$average{} using 1:($3-$5):($3+$5) with filledcurves {}, $average{} using 1:3 {} title "
-        "'{}, {} cycles'",
-        i > 0 ? ", " : "", i, fill, i, line, average.side, average.cycles);
+    bands += fmt::format("{}$average{} using 1:($3-$5):($3+$5) with filledcurves {}",
+                         i > 0 ? ", " : "", i, fill);
+    lines += fmt::format(", $average{} using 1:3 {} title '{}, {} cycles'", i, line, average.side,
+                         average.cycles);
   }
   text += fmt::format(
       "set multiplot layout 1,2 title {} font ',13' noenhanced\nset grid lc rgb '#dddddd'\n"
@@ -97,10 +97,10 @@ std::string average_cycle_plot(const Analysis& analysis) {
       "set xlabel 'left (mm)'\nset ylabel 'up (mm)'\nset xrange [*:*] noreverse\nunset key\n"
       "plot $cycles using 1:2 with lines lw 0.6 lc rgb '#c0c0c0' notitle{}\n"
       "set size noratio\nset title 'vertical, mean with 95 % band' font ',11'\n"
-      "set xlabel 'time from closed (s)'\nset key bottom right\nplot {}\nunset multiplot\n",
+      "set xlabel 'time from closed (s)'\nset key outside right top\nplot {}\nunset multiplot\n",
       gnuplot_quoted(fmt::format("Average chewing cycle: {}; research use only",
                                  recording_name(analysis.recording))),
-      frontal, vertical);
+      frontal, bands + lines);
   return text;
 }
 

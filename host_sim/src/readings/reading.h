@@ -51,6 +51,9 @@ const ReadingDefinition& definition_of(std::string_view name);
 /// All of them.
 const std::vector<ReadingDefinition>& reading_definitions();
 
+/// The publication that defines the reading, or from which its limit follows; empty: none.
+std::string_view reference_of(const ReadingDefinition& definition);
+
 /// A reading of a task (`stroke` 0) or of one stroke of it. Values in the definition's unit.
 struct JawReading {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

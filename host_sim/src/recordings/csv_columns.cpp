@@ -112,12 +112,24 @@ bool is_point_name(std::string_view name) {
   return std::isalpha(first) != 0 || first >= 0x80 || name[0] == '*';
 }
 
+// Names that say what else than a place it is: "vel", "jaw_velocity".
 bool is_other_quantity(std::string_view point) {
   constexpr std::array<std::string_view, 22> kOthers{
       "vel",   "velocity", "speed",       "acc",   "accel",  "acceleration", "force", "rot",
       "angle", "rotation", "orientation", "ori",   "quat",   "quaternion",   "gyro",  "moment",
       "mag",   "torque",   "omega",       "euler", "normal", "ang"};
-  return is_one_of(lower(point), kOthers);
+  // Words that are no part of the name of a point, such as the angle of the jaw.
+  constexpr std::array<std::string_view, 14> kNever{
+      "vel",  "velocity", "velocities", "acc",         "accel",    "acceleration", "quaternion",
+      "gyro", "torque",   "force",      "orientation", "rotation", "angles",       "euler"};
+  const std::string name = lower(point);
+  if (is_one_of(name, kOthers)) return true;
+  for (std::size_t first = 0; first < name.size();) {
+    const std::size_t end = std::min(name.find_first_of("_ .:-", first), name.size());
+    if (is_one_of(name.substr(first, end - first), kNever)) return true;
+    first = end + 1;
+  }
+  return false;
 }
 
 // x, y or z of a point: "x", "jaw_x", "Marker1:X", "x_jaw", "jawX", "X12".

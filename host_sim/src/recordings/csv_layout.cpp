@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <tuple>
 
@@ -20,20 +21,19 @@ namespace condyle::host {
 namespace {
 
 using Quantity = ColumnMeaning::Quantity;
-using Role = TableColumn::Role;
 
 constexpr std::size_t kLongestName = 100;
 
 class CsvReading {
  public:
-  CsvReading(const TableStart& start, const std::string& path, const RecordingOptions& options,
-             bool takes_any_number)
+  CsvReading(CsvHeader header, std::vector<std::vector<double>> values, const std::string& path,
+             const RecordingOptions& options, bool takes_any_number)
       : path_(path),
         options_(options),
         takes_any_number_(takes_any_number),
-        header_(read_csv_header(start)),
-        values_(first_values(start, header_)),
-        problems_(fmt::format("{}:{}", path, header_.line)) {}
+        header_(std::move(header)),
+        values_(std::move(values)),
+        problems_(place()) {}
 
   TableFile layout() {
     refuse_without_names();
@@ -60,9 +60,15 @@ class CsvReading {
   }
 
  private:
-  std::string place() const { return fmt::format("{}:{}", path_, header_.line); }
+  std::string place() const {
+    return header_.line > 0 ? fmt::format("{}:{}", path_, header_.line) : path_;
+  }
   std::string place(std::size_t column) const {
     return fmt::format("{}: column {}", place(), quote(header_.names[column]));
+  }
+  std::string no_names() const {
+    return header_.is_text ? "the first line does not name the columns"
+                           : "the columns of the matrix have no names";
   }
   bool has(Quantity quantity) const {
     return std::any_of(meanings_.begin(), meanings_.end(),
@@ -80,9 +86,10 @@ class CsvReading {
     const bool has_shape = columns >= 3 && (columns % 3 != 0 || options_.rate_Hz);
     if (options_.reads_drive_alone || !has_shape) {
       throw InputError(
-          place(), "the first line does not name the columns",
-          fmt::format("add a first line such as time_s,position_m, give --columns time_s=1, or "
+          place(), no_names(),
+          fmt::format("{}give --columns time_s=1, or "
                       "--rate-Hz if the columns are x, y, z of points; {}",
+                      header_.is_text ? "add a first line such as time_s,position_m, " : "",
                       kColumns));
     }
   }
@@ -93,6 +100,7 @@ class CsvReading {
     ColumnMeaning meaning = given ? meaning_of(*given, "", options_.drive_column)
                                   : meaning_of(name, header_.units[i], options_.drive_column);
     if (!header_.has_names && !given) meaning = {};
+    if (name.empty() && is_counter_or_empty(values_[i])) meaning.quantity = Quantity::not_read;
     const bool is_ignored =
         std::any_of(options_.ignored_columns.begin(), options_.ignored_columns.end(),
                     [&](const std::string& other) {
@@ -104,8 +112,11 @@ class CsvReading {
     if (is_ignored || is_replaced) {
       meaning = {};
       meaning.quantity = Quantity::not_read;
+    } else if (!header_.is_text && meaning.has_bad_unit && meaning.quantity != Quantity::time) {
+      meaning = {};
+      unread_.push_back(name);
     } else if (meaning.quantity == Quantity::unknown && header_.has_names) {
-      if (mapped_.empty()) {
+      if (mapped_.empty() && header_.is_text) {
         problems_.add_unknown(name, options_);
       } else {
         unread_.push_back(name);
@@ -207,10 +218,11 @@ class CsvReading {
       }
     }
     if (!has_time && !options_.rate_Hz) {
-      throw InputError(place(), "the first line does not name the columns, and none is a time",
-                       fmt::format("give --rate-Hz with the frames per second, or add a first line "
-                                   "such as time_s,position_m; {}",
-                                   kColumns));
+      throw InputError(
+          place(), no_names() + ", and none is a time",
+          fmt::format("give --rate-Hz with the frames per second{}; {}",
+                      header_.is_text ? ", or add a first line such as time_s,position_m" : "",
+                      kColumns));
     }
   }
 
@@ -250,18 +262,20 @@ class CsvReading {
   }
 
   void decide_length() {
-    std::vector<std::vector<double>> places, stated;
+    std::map<std::string, std::vector<std::vector<double>>> places;
+    std::vector<std::vector<double>> stated;
     double each = 0;
     std::size_t first = 0;
     for (std::size_t i = meanings_.size(); i-- > 0;) {
       const bool is_place =
           meanings_[i].quantity == Quantity::point || meanings_[i].quantity == Quantity::one_axis;
       if (!is_place) continue;
-      (meanings_[i].each > 0 ? stated : places).push_back(values_[i]);
       if (meanings_[i].each > 0) {
+        stated.push_back(values_[i]);
         each = meanings_[i].each;
         layout_.info.stated.unit = meanings_[i].unit;
       } else {
+        places[meanings_[i].point].push_back(values_[i]);
         first = i;
       }
     }
@@ -311,10 +325,9 @@ class CsvReading {
       places[0]->quantity = Quantity::one_axis;
       places.clear();
     }
-    const auto column_of = [](const ColumnMeaning& meaning) {
-      return PointColumn{meaning.point, meaning.axis, {}};
-    };
-    for (const ColumnMeaning* meaning : places) points.add(column_of(*meaning));
+    for (const ColumnMeaning* meaning : places) {
+      points.add({meaning->point, meaning->axis, {}});
+    }
     if (!places.empty()) {
       layout_.info.kind = points.kind(place(), takes_any_number_);
       layout_.table.names = points.names();
@@ -323,34 +336,10 @@ class CsvReading {
       }
     }
     for (std::size_t i = 0; i < meanings_.size(); ++i) {
-      const ColumnMeaning& meaning = meanings_[i];
-      TableColumn column;
-      column.name = header_.names[i];
-      if (meaning.each > 0) column.per_SI_unit = 1 / meaning.each;
-      switch (meaning.quantity) {
-        case Quantity::time:
-          column.role = Role::time;
-          break;
-        case Quantity::frame:
-          if (options_.rate_Hz) column.role = Role::frame;
-          break;
-        case Quantity::one_axis:
-          column.role = Role::coordinate;
-          break;
-        case Quantity::point:
-          column.role = Role::coordinate;
-          column.coordinate = points.coordinate(column_of(meaning));
-          break;
-        case Quantity::drive:
-          column.role = Role::drive;
-          layout_.info.has_drive = true;
-          break;
-        case Quantity::unknown:
-        case Quantity::not_read:
-          break;
-      }
-      layout_.table.columns.push_back(std::move(column));
+      layout_.table.columns.push_back(
+          table_column(meanings_[i], header_.names[i], points, options_.rate_Hz.has_value()));
     }
+    layout_.info.has_drive = has(Quantity::drive);
     layout_.table.rate_Hz = options_.rate_Hz;
   }
 
@@ -383,7 +372,17 @@ class CsvReading {
 
 TableFile csv_layout(const TableStart& start, const std::string& path,
                      const RecordingOptions& options, bool takes_any_number) {
-  return CsvReading(start, path, options, takes_any_number).layout();
+  CsvHeader header = read_csv_header(start);
+  std::vector<std::vector<double>> values = first_values(start, header);
+  return CsvReading(std::move(header), std::move(values), path, options, takes_any_number).layout();
+}
+
+TableFile column_layout(CsvHeader header, std::vector<std::vector<double>> values,
+                        const std::string& path, const RecordingOptions& options,
+                        bool takes_any_number) {
+  header.is_text = false;
+  header.line = header.lines = 0;
+  return CsvReading(std::move(header), std::move(values), path, options, takes_any_number).layout();
 }
 
 }  // namespace condyle::host

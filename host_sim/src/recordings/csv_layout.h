@@ -14,4 +14,10 @@ namespace condyle::host {
 TableFile csv_layout(const TableStart& start, const std::string& path,
                      const RecordingOptions& options, bool takes_any_number);
 
+/// The same for columns of a binary file. `values`: of the first rows, a series a column. Columns
+/// that are not known are not read; a note lists them.
+TableFile column_layout(CsvHeader header, std::vector<std::vector<double>> values,
+                        const std::string& path, const RecordingOptions& options,
+                        bool takes_any_number);
+
 }  // namespace condyle::host

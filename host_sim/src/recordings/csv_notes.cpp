@@ -66,7 +66,7 @@ std::string recognised_text(const CsvHeader& header, const std::vector<ColumnMea
                                 list_of_points(points), unit));
   }
   if (options.rate_Hz) words.push_back(fmt::format("{:g} Hz", *options.rate_Hz));
-  words.push_back(style_text(header.style));
+  if (header.is_text) words.push_back(style_text(header.style));
   return fmt::format("recognised: {}", fmt::join(words, "; "));
 }
 

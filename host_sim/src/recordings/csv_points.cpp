@@ -140,4 +140,35 @@ std::string CsvPoints::note() const {
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
+TableColumn table_column(const ColumnMeaning& meaning, const std::string& name,
+                         const CsvPoints& points, bool has_rate) {
+  using Quantity = ColumnMeaning::Quantity;
+  using Role = TableColumn::Role;
+  TableColumn column;
+  column.name = name;
+  if (meaning.each > 0) column.per_SI_unit = 1 / meaning.each;
+  switch (meaning.quantity) {
+    case Quantity::time:
+      column.role = Role::time;
+      break;
+    case Quantity::frame:
+      if (has_rate) column.role = Role::frame;
+      break;
+    case Quantity::one_axis:
+      column.role = Role::coordinate;
+      break;
+    case Quantity::point:
+      column.role = Role::coordinate;
+      column.coordinate = points.coordinate({meaning.point, meaning.axis, {}});
+      break;
+    case Quantity::drive:
+      column.role = Role::drive;
+      break;
+    case Quantity::unknown:
+    case Quantity::not_read:
+      break;
+  }
+  return column;
+}
+
 }  // namespace condyle::host

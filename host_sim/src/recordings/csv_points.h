@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "condyle/estimator/sample.h"
+#include "recordings/csv_columns.h"
+#include "recordings/text_table.h"
 
 namespace condyle::host {
 
@@ -51,5 +53,9 @@ class CsvPoints {
 
   std::vector<Point> points_;  // in the order of their first columns
 };
+
+/// The column `name` of a table, by its meaning. `has_rate`: frames are times.
+TableColumn table_column(const ColumnMeaning& meaning, const std::string& name,
+                         const CsvPoints& points, bool has_rate);
 
 }  // namespace condyle::host

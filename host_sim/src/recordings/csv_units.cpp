@@ -157,6 +157,34 @@ UnitGuess guess_length_unit(const std::vector<std::vector<double>>& columns) {
   return guess;
 }
 
+UnitGuess guess_length_unit(const std::map<std::string, std::vector<std::vector<double>>>& points) {
+  UnitGuess found;
+  std::string first;
+  std::vector<std::vector<double>> all;
+  for (const auto& [name, columns] : points) {
+    all.insert(all.end(), columns.begin(), columns.end());
+    const UnitGuess guess = guess_length_unit(columns);
+    if (guess.each == 0) continue;
+    if (found.each > 0 && guess.each != found.each) {
+      found.each = 0;
+      found.reason =
+          fmt::format("{} moves as if in {}, {} as if in {}", first, found.unit, name, guess.unit);
+      return found;
+    }
+    if (found.each == 0) first = name;
+    found = guess;
+  }
+  return found.each > 0 ? found : guess_length_unit(all);
+}
+
+bool is_counter_or_empty(const std::vector<double>& values) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::isfinite(values[i]) != std::isfinite(values[0])) return false;
+    if (std::isfinite(values[i]) && values[i] != values[0] + static_cast<double>(i)) return false;
+  }
+  return true;
+}
+
 std::string problem_of_times(const std::vector<double>& times, double each) {
   const std::optional<double> step = median_step(times);
   if (!step || count(times) < kLeastSamples) return "";

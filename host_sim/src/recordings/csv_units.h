@@ -3,6 +3,7 @@
 // nor is it recorded at 200 kHz.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,12 @@ UnitGuess guess_time_unit(const std::vector<double>& times);
 
 /// The unit of coordinates, one series a column: mm or m.
 UnitGuess guess_length_unit(const std::vector<std::vector<double>>& columns);
+
+/// The unit of points, by name: none if one moves as if in mm and another as if in m.
+UnitGuess guess_length_unit(const std::map<std::string, std::vector<std::vector<double>>>& points);
+
+/// True for the numbers of rows, counted by ones, and for a column without any value.
+bool is_counter_or_empty(const std::vector<double>& values);
 
 /// Why times in units of `each` s cannot be the times of a recording; empty: they can.
 std::string problem_of_times(const std::vector<double>& times, double each);

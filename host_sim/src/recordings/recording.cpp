@@ -9,24 +9,29 @@
 #include <mutex>
 #include <set>
 
+#include "hosted/devices/stream_spec.h"
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "recordings/c3d.h"
 #include "recordings/device_recording.h"
+#include "recordings/exported_mcap.h"
 #include "recordings/maker_tables.h"
+#include "recordings/mat_recording.h"
 #include "recordings/named_points.h"
 #include "recordings/recording_files.h"
 #include "recordings/recording_formats.h"
 #include "recordings/simulated_recording.h"
 #include "recordings/text_fields.h"
+#include "recordings/xdf_recording.h"
 
 namespace condyle::host {
 namespace {
 
 constexpr std::string_view kFormats =
     "condyle reads CSV with named columns (time_s,position_m), C3D, TRC, TSV of Qualisys, CSV of "
-    "Vicon and Motive, text of NDI, positions of Carstens, Motion-BIDS, ArtiSynth probe text, "
-    "Zebris XML exports, SSFF, session logs (MCAP) and captures of USB traffic (pcap, pcapng)";
+    "Vicon and Motive, text of NDI, positions of Carstens, Motion-BIDS, MAT, XDF, ArtiSynth probe "
+    "text, Zebris XML exports, SSFF, session logs (MCAP) and captures of USB traffic (pcap, "
+    "pcapng)";
 
 // Control characters that are not in the text formats; bytes from 0x80 on may be UTF-8.
 bool is_text(std::string_view start) {
@@ -179,22 +184,40 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
   };
   constexpr const char* kNamed = "formats whose points have names";
   const ReportFile report_file = report_file_of(start);
-  const bool is_log = report_file == ReportFile::session_log;
+  const bool is_export = report_file == ReportFile::session_log && is_exported_mcap(path);
+  const bool is_log = report_file == ReportFile::session_log && !is_export;
   const bool is_capture = report_file == ReportFile::capture;
   only_for(!options.profile.empty() && !is_log && !is_capture, "--profile",
            "session logs and captures");
-  if (options.reads_drive_alone && (is_log || is_capture || !is_text(start))) {
+  if (options.reads_drive_alone &&
+      (is_log || is_capture || (!is_text(start) && !looks_like_mat(start)))) {
     throw InputError(path, "is not a CSV file",
                      "give the drive as CSV with time_s and drive_N, or as a session log");
   }
   const bool is_carstens = start.starts_with("AG50xDATA_V");
   const bool is_c3d = looks_like_c3d(*reader);
   start = reader->peek(4096);
+  if (looks_like_mat(start)) {
+    only_for(options.movement != 1, "--movement", "Zebris XML");
+    reader.reset();
+    auto table = open_mat(path, options, use != PointUse::one_or_three || !options.markers.empty());
+    if (table->names().empty() && options.markers.empty()) return table;
+    return chosen(std::move(table), options, use, path);
+  }
+  if (start.starts_with("XDF:")) {
+    only_for(options.movement != 1, "--movement", "Zebris XML");
+    only_for(options.rate_Hz.has_value(), "--rate-Hz", "files whose rows have no time");
+    reader.reset();
+    auto stream =
+        open_xdf(path, options, use != PointUse::one_or_three || !options.markers.empty());
+    if (stream->names().empty() && options.markers.empty()) return stream;
+    return chosen(std::move(stream), options, use, path);
+  }
   const bool is_ssff = start.starts_with("SSFF");
   const std::size_t first = start.find_first_not_of(" \t\r\n");
   const bool is_xml = first != std::string_view::npos && start[first] == '<';
-  if (is_log || is_capture || is_ssff || is_xml || looks_like_probe_text(start) || is_carstens ||
-      is_c3d) {
+  if (is_log || is_export || is_capture || is_ssff || is_xml || looks_like_probe_text(start) ||
+      is_carstens || is_c3d) {
     only_for(!options.columns.empty(), "--columns", "CSV");
     only_for(options.rate_Hz.has_value(), "--rate-Hz", "files whose rows have no time");
   }
@@ -204,6 +227,14 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
     only_for(!options.markers.empty(), "--marker", kNamed);
     only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns state no unit");
     return is_log ? open_session_log(path, options) : open_capture(path, options);
+  }
+  if (is_export) {
+    only_for(options.movement != 1, "--movement", "Zebris XML");
+    only_for(!options.ignored_columns.empty(), "--ignore-column", "CSV");
+    only_for(options.units_per_metre.has_value(), "--unit", "formats whose columns state no unit");
+    auto points = open_exported_mcap(path);
+    if (points->names().empty() && options.markers.empty()) return points;
+    return chosen(std::move(points), options, use, path);
   }
   if (is_ssff) {
     only_for(options.movement != 1, "--movement", "Zebris XML");
@@ -250,6 +281,10 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
 
 std::unique_ptr<Recording> open_source(const std::string& source, const RecordingOptions& options,
                                        PointUse use) {
+  if (parse_stream(source)) {
+    throw InputError(source, "is a stream, not a recording",
+                     "record it first: condyle record '" + source + "' --out session.mcap");
+  }
   const SourceSpec spec = recording_source(source);
   switch (spec.kind) {
     case SourceKind::file:

@@ -34,9 +34,9 @@ class TableRecording final : public NamedPointsRecording {
 
   bool next(Sample& sample) override {
     std::string_view row;
-    if (has_ended_ || !rows_.next(row)) return false;
-    if (row.empty() && layout_.ends_at_blank_row) {
-      has_ended_ = true;
+    if (has_ended_) return false;
+    if (!rows_.next(row) || (row.empty() && layout_.ends_at_blank_row)) {
+      end();
       return false;
     }
     sample = Sample{};
@@ -62,6 +62,13 @@ class TableRecording final : public NamedPointsRecording {
   double progress() const override { return reader_->progress(); }
 
  private:
+  void end() {
+    has_ended_ = true;
+    if (!info_.stated.frames || *info_.stated.frames == sequence_) return;
+    info_.notes.push_back(
+        fmt::format("its header states {} frames; it holds {}", *info_.stated.frames, sequence_));
+  }
+
   bool has_frames() const {
     return std::any_of(layout_.columns.begin(), layout_.columns.end(),
                        [](const TableColumn& column) { return column.role == Role::frame; });

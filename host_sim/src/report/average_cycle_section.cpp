@@ -92,7 +92,8 @@ std::string time_svg(const std::vector<const AverageCycle*>& shown) {
                        kTop + kHeight * (high_mm - z_mm) / (high_mm - low_mm));
   };
   std::string text = fmt::format(
-      "<svg class=\"plane\" role=\"img\" aria-label=\"average cycle over time\" viewBox=\"0 0 "
+      "<svg class=\"plane times\" role=\"img\" aria-label=\"average cycle over time\" viewBox=\"0 "
+      "0 "
       "{:.0f} {:.0f}\">",
       kLeft + kWidth + 12, kTop + kHeight + 34);
   const double step_mm = high_mm - low_mm > 12 ? 5 : 2;
@@ -162,8 +163,9 @@ std::string average_cycle_html(const Analysis& analysis, const std::string& pref
   if (!shown.empty()) {
     text += fmt::format(
         "<div class=\"row\"><figure>{}<figcaption>frontal, seen from the front</figcaption>"
-        "</figure>\n<figure>{}<figcaption>height over time</figcaption></figure></div>\n",
-        frontal_svg(analysis, shown), time_svg(shown));
+        "</figure>\n<figure>{}<figcaption>height over time{}</figcaption></figure></div>\n",
+        frontal_svg(analysis, shown), time_svg(shown),
+        shown.size() > 1 ? "; of the right side dashed" : "");
     text += "<p>";
     for (const AverageCycle* const average : shown) {
       text += fmt::format(

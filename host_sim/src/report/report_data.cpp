@@ -125,6 +125,7 @@ Json path_json(const ReportSection& section) {
 
 Json recording_json(const ReportSection& section) {
   Json json = {{"name", clean_line(section.recording)},
+               {"identity", identity_json(section.identity)},
                {"origin_s", section.origin_s},
                {"tasks", Json::array()}};
   if (!section.series.runs().empty()) json["series"] = series_json(section);

@@ -8,13 +8,14 @@
 #include <map>
 #include <set>
 
-#include "readings/readings_files.h"
 #include "report/average_cycle_section.h"
 #include "report/html_text.h"
+#include "report/identity_section.h"
 #include "report/impedance_section.h"
 #include "report/page_text.h"
 #include "report/plane_drawing.h"
 #include "report/report_tables.h"
+#include "report/sample_times_section.h"
 
 namespace condyle::host {
 namespace {
@@ -106,14 +107,14 @@ std::string charts(const ReportSection& section) {
 std::string paths(const ReportSection& section) {
   const Analysis& analysis = *section.analysis;
   if (!analysis.unusable.empty() || analysis.path.time_s.empty()) return {};
-  std::string text = analysis.has_landmarks
-                         ? "<h3>Path of the lower incisor</h3>\n<div class=\"row\">"
-                         : "<h3>Path of point 1</h3>\n<div class=\"row\">";
+  std::string text = analysis.has_landmarks ? "<h3>Path of the lower incisor</h3>\n"
+                                            : "<h3>Path of point 1</h3>\n";
+  text += "<div class=\"tasks\"><div class=\"row\">";
   const auto incisor = task_paths(analysis, analysis.path.incisor_m);
   for (const PlaneDrawing& drawing : incisor_drawings(analysis.has_landmarks)) {
     text += figure(plane_svg(drawing, incisor), drawing.title);
   }
-  text += "</div>\n" + task_key(analysis);
+  text += "</div>\n" + task_key(analysis) + "</div>\n";
   if (is_drawn_in_pieces(incisor)) {
     text += paragraph("Of the long tasks, twelve evenly spaced pieces are drawn.");
   }
@@ -123,12 +124,12 @@ std::string paths(const ReportSection& section) {
                "Condyles are left out: state their places with --landmarks FILE to see their "
                "paths.");
   }
-  text += "<h3>Paths of the condyles</h3>\n<div class=\"row\">";
+  text += "<h3>Paths of the condyles</h3>\n<div class=\"tasks\"><div class=\"row pairs\">";
   for (const PlaneDrawing& drawing : condyle_drawings(analysis)) {
     text += figure(plane_svg(drawing, task_paths(analysis, *drawing.path_m)), drawing.title);
   }
-  text += "</div>\n";
-  text += paragraph("Dashed: chord of each angle at its travel. Grey: its 95 % interval.");
+  text += "</div>\n" + task_key(analysis) + "</div>\n";
+  text += paragraph("Black dashes: chord of each angle at its travel. Grey: its 95 % interval.");
   text +=
       "<h3>The jaw</h3>\n<div><canvas class=\"jaw\" tabindex=\"0\" "
       "aria-label=\"The jaw in three dimensions; arrow keys turn it\"></canvas></div>\n";
@@ -136,40 +137,15 @@ std::string paths(const ReportSection& section) {
   return text;
 }
 
-std::string identity(const ReportSection& section, const std::string& landmarks) {
-  std::string text = "<dl>\n";
-  const auto add = [&text](const char* term, const std::string& words) {
-    text += fmt::format("<dt>{}</dt><dd>{}</dd>\n", term, html_text(words));
-  };
-  add("recording", section.recording);
-  add("format", section.format);
-  if (section.analysis) {
-    const Analysis& analysis = *section.analysis;
-    add("length",
-        fmt::format("{:.1f} s, {:.1f} samples a second", analysis.duration_s, analysis.rate_Hz));
-    add("reference",
-        fmt::format("{:.2f} to {:.2f} s, {}", analysis.reference_begin_s, analysis.reference_end_s,
-                    analysis.is_reference_found ? "found" : "stated"));
-    add("noise", noise_text(analysis));
-    add("samples", samples_text(analysis.counts));
-    add("range", fmt::format("{:.1f} mm, {:.1f} deg", analysis.largest_displacement_mm,
-                             analysis.largest_rotation_deg));
-  }
-  if (section.landmarks) {
-    add("landmarks", fmt::format("{}; condyles {}, plane {}", landmarks,
-                                 section.landmarks->condyle_kind, section.landmarks->plane));
-  } else {
-    add("landmarks", "none: readings of the condyles are withheld");
-  }
-  return text + "</dl>\n";
-}
-
 std::string section_html(const ReportSection& section, const std::string& landmarks,
                          std::size_t number) {
   std::string text = fmt::format("<section id=\"recording-{}\">\n<h2>{}</h2>\n", number,
                                  html_text(section.recording));
-  text += banners(section) + identity(section, landmarks);
   const std::string prefix = fmt::format("recording_{}", number);
+  text += banners(section) + identity_html(section, landmarks) + identity_tables(section, prefix);
+  if (section.analysis) {
+    text += sample_times_html(section.analysis->path.time_s, section.origin_s);
+  }
   text += charts(section) + impedance_html(section, prefix);
   if (section.analysis) {
     const Analysis& analysis = *section.analysis;

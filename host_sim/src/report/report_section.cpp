@@ -74,6 +74,8 @@ void add_estimates(const std::string& source, const ReportChoice& choice,
                                                 {&fits, channel ? &*channel : nullptr});
   const RecommendedParameters parameters =
       compared_parameters(estimator, choice.drive, source, info);
+  section.parameters = parameters;
+  section.lag = estimator.lag;
   RecommendedSummary summary(parameters, estimator.lag, followed.followed.axis, fits);
   std::optional<ImpedanceEstimate<double>> impedance;
   summary.set_conclusion([&] { return *impedance; });
@@ -110,6 +112,10 @@ ReportSection report_section(const std::string& source, const ReportChoice& choi
                              const std::function<bool()>& should_stop) {
   ReportSection section;
   section.recording = source;
+  section.identity = identity_of(source, {{"landmarks", choice.analysis.landmarks, ""},
+                                          {"tasks", choice.tasks_file, ""},
+                                          {"drive", choice.drive_file, ""},
+                                          {"profile", choice.analysis.reading.profile, ""}});
   RecordingOptions reading = choice.analysis.reading;
   reading.faults = FaultPolicy::event;
   const auto recording = open_with_all_points(source, reading);

@@ -9,8 +9,10 @@
 
 #include "condyle/estimator/impedance/impedance_estimate.h"
 #include "condyle/estimator/impedance/impedance_parameters.h"
+#include "condyle/estimator/sensors/recommended_parameters.h"
 #include "estimation/drive_statement.h"
 #include "readings/analysis.h"
+#include "report/recording_identity.h"
 #include "report/report_series.h"
 
 namespace condyle::host {
@@ -21,12 +23,14 @@ struct ReportChoice {
   FollowedChoice followed;  ///< point and axis of the charts, and of a drive
   DriveStatement drive;     ///< statements about a drive
   std::string drive_file;   ///< of a recording without a drive of its own; empty: none
+  std::string tasks_file;   ///< where `analysis` has its tasks from; empty: not from a file
 };
 
 /// The readings, the estimates over time and what they rest on.
 struct ReportSection {
   std::optional<Analysis> analysis;  ///< none: `no_readings` says why
   std::string no_readings;
+  RecordingIdentity identity;
   std::optional<Landmarks> landmarks;
   ReportSeries series{kMostRuns};
   ReportSeries fine{kMostFineRuns};  ///< for a closer look
@@ -34,7 +38,9 @@ struct ReportSection {
   std::string estimates_json;        ///< the same as data
   std::optional<ImpedanceEstimate<double>> impedance;  ///< from a measured drive
   ImpedanceParameters impedance_parameters;
-  std::vector<std::string> warnings;  ///< about the estimates
+  std::optional<RecommendedParameters> parameters;  ///< of the estimates; none: no estimates
+  int lag = 0;                                      ///< of the estimates (samples)
+  std::vector<std::string> warnings;                ///< about the estimates
   std::string recording, format;
   std::vector<std::string> notes;
   /// Subtracted from the times of charts: 0, or the first time of a clock with a distant origin.

@@ -164,13 +164,14 @@ std::string definitions_table(const std::vector<ReportSection>& sections) {
       shown.insert(std::string(reading.definition->name));
     }
   }
-  HtmlTable table("report", "definitions", {"reading", "unit", "definition"});
+  HtmlTable table("report", "definitions", {"reading", "unit", "definition", "publication"});
   for (const std::string& name : shown) {
     const ReadingDefinition& definition = definition_of(name);
     table.begin_row();
     table.cell(name);
     table.cell(std::string(definition.unit));
     table.cell(std::string(definition.definition));
+    table.cell(std::string(reference_of(definition)));
     table.end_row();
   }
   return table.html("Definitions of the readings shown");

@@ -22,7 +22,7 @@
 #include "output/output_file.h"
 #include "output/report_text.h"
 #include "readings/readings_files.h"
-#include "study/file_digest.h"
+#include "recordings/file_digest.h"
 
 namespace condyle::host {
 namespace {

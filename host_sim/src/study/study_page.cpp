@@ -102,7 +102,8 @@ std::string scatter_table(const StudyTables& tables) {
   return text + "</table>\n";
 }
 
-// Each subject a line, each session a column of points: means of the recordings.
+// Each subject a line, each session a column of points with their intervals. The subjects stand
+// beside each other, or their intervals would cover each other.
 std::string plot(const ReadingKey& key, const StudyReading& reading) {
   std::vector<std::string> sessions;
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -112,12 +113,16 @@ std::string plot(const ReadingKey& key, const StudyReading& reading) {
         sessions.push_back(session);
       }
       for (const double value : values) low = std::min(low, value), high = std::max(high, value);
+      const SessionInterval& interval = reading.intervals.at(subject).at(session);
+      if (!std::isfinite(interval.high - interval.low)) continue;
+      low = std::min(low, interval.low), high = std::max(high, interval.high);
     }
   }
   std::sort(sessions.begin(), sessions.end());
   const double margin = high > low ? 0.05 * (high - low) : 1;
   low -= margin, high += margin;
   constexpr double kWidth = 260, kHeight = 150, kLeft = 66, kBottom = 20, kTop = 8;
+  constexpr double kSpread = 0.8;  // of a column, over which the subjects stand
   const auto x_of = [&](const std::string& session) {
     const auto at = std::find(sessions.begin(), sessions.end(), session) - sessions.begin();
     return kLeft + (static_cast<double>(at) + 0.5) / static_cast<double>(sessions.size()) *
@@ -139,19 +144,28 @@ std::string plot(const ReadingKey& key, const StudyReading& reading) {
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
                        x_of(session), kHeight - 5, session.empty() ? "all" : html_text(session));
   }
+  const double column = (kWidth - kLeft - 6) / static_cast<double>(sessions.size());
+  const double count = static_cast<double>(reading.values.size());
+  double number = 0;
   for (const auto& [subject, of_session] : reading.values) {
-    std::string line, points;
+    std::string line, points, bars;
+    const double aside = kSpread * column * ((number++ + 0.5) / count - 0.5);
     for (const auto& [session, values] : of_session) {
       double mean = 0;
       for (const double value : values) mean += value / static_cast<double>(values.size());
-      const double x = x_of(session), y = y_of(mean);
+      const double x = x_of(session) + aside, y = y_of(mean);
+      const SessionInterval& interval = reading.intervals.at(subject).at(session);
+      if (std::isfinite(interval.high - interval.low)) {
+        bars += fmt::format("M{:.1f} {:.1f}V{:.1f}", x, y_of(interval.low), y_of(interval.high));
+      }
       line += fmt::format("{}{:.1f} {:.1f}", line.empty() ? "M" : "L", x, y);
       points += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2\"/>", x, y);
     }
     svg += fmt::format(
         "<g fill=\"#1b4f8f\"><title>{}</title><path d=\"{}\" fill=\"none\" "
-        "stroke=\"#1b4f8f\" stroke-opacity=\".35\"/>{}</g>\n",
-        html_text(subject), line, points);
+        "stroke=\"#1b4f8f\" stroke-opacity=\".2\"/><path d=\"{}\" "
+        "stroke=\"#1b4f8f\" stroke-opacity=\".6\"/>{}</g>\n",
+        html_text(subject), line, bars, points);
   }
   return fmt::format("<figure>{}</svg><figcaption>{}, {}</figcaption></figure>\n", svg,
                      html_text(title), html_text(reading.unit));
@@ -192,7 +206,7 @@ std::string study_page(const StudyTables& tables) {
   text += "<h2>Recordings to look at first</h2>\n" + looks_table(tables);
   text +=
       "<h2>All subjects</h2>\n<p>Each line is a subject, each point the mean of a session's "
-      "recordings.</p>\n" +
+      "recordings, each bar the mean of their 95 % intervals.</p>\n" +
       plots(tables);
   text +=
       "<h2>Scatter</h2>\n<p>Standard deviation, pooled over subjects, and the smallest change "

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "hosted/files/clean_text.h"
@@ -27,6 +28,12 @@ double mean_of(const std::vector<double>& values) {
   double sum = 0;
   for (const double value : values) sum += value;
   return sum / static_cast<double>(values.size());
+}
+
+double number_or_nan(std::string_view text) {
+  double number = 0;
+  return parse_number(text, number) == NumberStatus::ok ? number
+                                                        : std::numeric_limits<double>::quiet_NaN();
 }
 
 // Why a recording has no readings; empty if it has.
@@ -68,7 +75,12 @@ void read_rows(const fs::path& folder, StudyOutcome& outcome, StudyTables& table
         tables.readings[{recording.task, std::string(fields[kTask]), std::string(fields[kSide]),
                          std::string(fields[kReading])}];
     reading.unit = fields[kUnit];
-    reading.values[recording.subject][recording.session].push_back(value);
+    std::vector<double>& values = reading.values[recording.subject][recording.session];
+    values.push_back(value);
+    SessionInterval& interval = reading.intervals[recording.subject][recording.session];
+    const double share = 1 / static_cast<double>(values.size());
+    interval.low += share * (number_or_nan(fields[kLow]) - interval.low);
+    interval.high += share * (number_or_nan(fields[kHigh]) - interval.high);
   }
 }
 

@@ -31,11 +31,18 @@ struct StudyOutcome {
 /// and name.
 using ReadingKey = std::tuple<std::string, std::string, std::string, std::string>;
 
+/// The 95 % interval of a session: means of those of its recordings, as if their errors were the
+/// same. NaN: a recording has none.
+struct SessionInterval {
+  double low = 0, high = 0;
+};
+
 /// All values of one reading.
 struct StudyReading {
   std::string unit;
   /// By subject and session, in their order: the means of recordings that show it.
   std::map<std::string, std::map<std::string, std::vector<double>>> values;
+  std::map<std::string, std::map<std::string, SessionInterval>> intervals;
   Repeatability repeats, retests;
 };
 

@@ -206,6 +206,29 @@ TEST(CsvAsItComes, StopsWhereTheUnitIsNotKnown) {
   EXPECT_EQ(read(counted, {.rate_Hz = 100}).samples[1].time_ns, 10'000'000);
 }
 
+TEST(CsvAsItComes, PointsThatDisagreeOnTheUnitStop) {
+  // One moves by 24 mm in m, the other by 40 in another unit.
+  std::string rows = "time_s,jaw_x,jaw_y,jaw_z,tilt_x,tilt_y,tilt_z\n";
+  for (int row = 0; row < kRows; ++row) {
+    const double s = std::sin(row * 0.1);
+    rows += fmt::format("{:.3f},{:.5f},0.1,0.2,{:.3f},1,2\n", row * kStep_s, 0.012 * s, 20 * s);
+  }
+  EXPECT_THAT(problem_of(rows), AllOf(HasSubstr("jaw moves as if in m, tilt as if in mm"),
+                                      HasSubstr("give --unit mm or")));
+}
+
+TEST(CsvAsItComes, ColumnsWithoutANameMayCountTheRowsOrBeEmpty) {
+  std::string counted = "\"\",time_s,x_mm,y_mm,z_mm,,\n", other = counted;
+  for (int row = 0; row < kRows; ++row) {
+    const std::string rest =
+        fmt::format("{:.3f},{:.3f},80,-300,,\n", row * kStep_s, 12 * std::sin(row * 0.1));
+    counted += fmt::format("\"{}\",{}", row + 1, rest);
+    other += fmt::format("{},{}", 0.3 * row, rest);
+  }
+  EXPECT_EQ(read(counted).samples.size(), 200U);
+  EXPECT_THAT(problem_of(other), HasSubstr("the column is not known"));
+}
+
 TEST(CsvAsItComes, RefusesWhatNoJawDoes) {
   const Style fast{.per_second = 1e-3}, far{.per_metre = 1e6};
   EXPECT_THAT(problem_of(table(fast, "Time (s),x (mm),y (mm),z (mm)")),

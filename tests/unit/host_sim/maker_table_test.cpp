@@ -14,8 +14,10 @@ namespace condyle::host {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 using testing_support::TemporaryFolder;
 
 struct Read {
@@ -247,6 +249,15 @@ TEST(CarstensRecording, ReadsChannels) {
   EXPECT_THAT(problem_of("AG50xDATA_V003\nx\n"), HasSubstr("size of the header"));
   EXPECT_THAT(problem_of("AG50xDATA_V003\n00004000\nNumberOfChannels=2\n"),
               HasSubstr("ends inside its header"));
+}
+
+TEST(MakerTable, AHeaderThatStatesMoreFramesThanItHoldsIsNoted) {
+  const std::string whole = trc();
+  const std::string cut = whole.substr(0, whole.rfind('\n', whole.size() - 2) + 1);
+  const Read result = read(cut);
+  EXPECT_EQ(result.points_m.size(), std::size_t{kFrames - 1});
+  EXPECT_THAT(result.info.notes, Contains("its header states 20 frames; it holds 19"));
+  EXPECT_THAT(read(whole).info.notes, Not(Contains(HasSubstr("its header states"))));
 }
 
 TEST(MakerTable, NamesWhatAHeaderLacks) {

@@ -4,6 +4,7 @@ import uPlot from 'uplot';
 import {nearest, times, values} from './data.js';
 
 const kHeight = 190;  // px
+const kTaskFont = 11;  // px
 const kPrintedWidth = 1000;  // px; the style fits it to the paper
 
 // Distinguishable in greyscale too: by darkness and by dashes.
@@ -35,6 +36,23 @@ function shadeTasks(u, tasks) {
     const right = u.valToPos(task.end_s, 'x', true);
     ctx.fillStyle = kTask[task.task] || '#eeeeee';
     ctx.fillRect(left, bbox.top, right - left, bbox.height);
+  }
+  ctx.restore();
+}
+
+// In words too: shades of grey do not tell tasks apart.
+function nameTasks(u, tasks) {
+  const {ctx, bbox} = u;
+  ctx.save();
+  ctx.fillStyle = '#44525f';
+  ctx.font = `${kTaskFont * devicePixelRatio}px system-ui, "Liberation Sans", Arial, sans-serif`;
+  ctx.textBaseline = 'top';
+  ctx.textAlign = 'left';
+  for (const task of tasks) {
+    const left = Math.max(u.valToPos(task.begin_s, 'x', true), bbox.left) + 3 * devicePixelRatio;
+    const right = Math.min(u.valToPos(task.end_s, 'x', true), bbox.left + bbox.width);
+    if (ctx.measureText(task.task).width > right - left) continue;
+    ctx.fillText(task.task, left, bbox.top + 3 * devicePixelRatio);
   }
   ctx.restore();
 }
@@ -142,7 +160,10 @@ function drawChart(place, levels, recording, moment) {
     legend: {live: true},
     hooks: {
       drawClear: [(self) => shadeTasks(self, recording.tasks)],
-      draw: [(self) => markEvents(self, recording.series.events)],
+      draw: [(self) => {
+        nameTasks(self, recording.tasks);
+        markEvents(self, recording.series.events);
+      }],
       setCursor: [(self) => {
         if (isFollowing || self.cursor.idx == null) return;
         moment.show(self.data[0][self.cursor.idx]);

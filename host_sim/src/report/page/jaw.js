@@ -3,6 +3,7 @@ import {moved, outline} from '../../../../firmware/hosted/page/jaw_shape.js';
 import {nearest, times, values} from './data.js';
 
 const kTurn = 0.15;  // rad for a key
+const kMiddle = 0.44;  // of the height: the jaw opens downward
 const kInk = '#203040';
 
 function point(packed) {
@@ -22,17 +23,24 @@ export function drawJaw(section, recording, moment) {
       (d) => (d[0] == null ? null : d.map((v, j) => v + still[i][j]))));
   const lines = outline(...still);
   const view = {turn: -0.6, tilt: 0.25};
+  // A ball that holds the sketch at rest: every view of it fits.
+  const drawn = lines.flat();
+  const middle = [0, 1, 2].map((i) => {
+    const along = drawn.map((p) => p[i]);
+    return (Math.min(...along) + Math.max(...along)) / 2;
+  });
+  const radius = Math.max(...drawn.map((p) => Math.hypot(...p.map((v, i) => v - middle[i]))));
   let at = 0;
 
   const project = (p) => {
     const c = Math.cos(view.turn);
     const s = Math.sin(view.turn);
-    const x = p[0] - still[2][0] / 2;
-    const across = -(s * x + c * p[1]);
-    const depth = c * x - s * p[1];
-    const up = p[2] * Math.cos(view.tilt) - depth * Math.sin(view.tilt);
-    const scale = Math.min(canvas.width, canvas.height) / 190;
-    return [canvas.width / 2 + across * scale, canvas.height * 0.36 - up * scale];
+    const [x, y, z] = p.map((v, i) => v - middle[i]);
+    const across = -(s * x + c * y);
+    const depth = c * x - s * y;
+    const up = z * Math.cos(view.tilt) - depth * Math.sin(view.tilt);
+    const scale = 0.46 * Math.min(canvas.width, canvas.height) / radius;
+    return [canvas.width / 2 + across * scale, canvas.height * kMiddle - up * scale];
   };
   const trace = (context, points, colour, width) => {
     context.strokeStyle = colour;
@@ -54,7 +62,7 @@ export function drawJaw(section, recording, moment) {
   const draw = () => {
     const width = canvas.clientWidth || 480;
     canvas.width = width * devicePixelRatio;
-    canvas.height = 320 * devicePixelRatio;
+    canvas.height = (canvas.clientHeight || 380) * devicePixelRatio;
     const context = canvas.getContext('2d');
     const stride = Math.max(1, Math.floor(time.length / 4000));
     const thin = (track) => track.filter((p, k) => k % stride === 0);

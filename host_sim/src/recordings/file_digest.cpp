@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "study/file_digest.h"
+#include "recordings/file_digest.h"
 
 #include <fmt/format.h>
 
