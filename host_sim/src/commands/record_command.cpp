@@ -287,7 +287,7 @@ int record(const RecordOptions& options) {
     files.estimates =
         std::make_unique<LiveEstimates>(options.estimates, kind == SampleKind::one_axis ? 1 : 3,
                                         devices.front().profile.drive_N.has_value(),
-                                        parameters.learning.kernels >= 1);
+                                        TableForm(), parameters.learning.kernels >= 1);
   }
   if (!options.pose.file.empty()) {
     files.poses = std::make_unique<LivePoses>(options.pose.file, pose);

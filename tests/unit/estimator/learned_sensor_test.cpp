@@ -117,6 +117,23 @@ TEST(LearnedSensor, WhatIsNotCorrectedStays) {
   EXPECT_GT(corrected, 1000);
 }
 
+// A jump, as at an impact, is not what was learned.
+TEST(LearnedSensor, IsSilentAtASurprise) {
+  const auto learned = std::make_unique<Learned<double>>(with_kernels(96));
+  Random random(7);
+  int corrected_before = 0;
+  for (TimeNs i = 0; i < 1204; ++i) {
+    const double jump_m = i >= 1200 ? 1.5e-3 * static_cast<double>(i - 1199) : 0;
+    const double measured_m = position_m(seconds(i * kStep_ns)) + jump_m + 1e-4 * random.normal();
+    const auto axis = learned->process(sample_at(i * kStep_ns, measured_m), {}).axes[0];
+    if (i >= 1100 && i < 1200) corrected_before += axis.velocity_learned > 0 ? 1 : 0;
+    if (i >= 1200) {
+      EXPECT_EQ(axis.velocity_learned, 0) << i;
+    }
+  }
+  EXPECT_GT(corrected_before, 80);
+}
+
 struct Errors {
   double plain = 0, learned = 0, held = 0, samples = 0;
 };

@@ -19,13 +19,14 @@
 //   alpha share of g that past errors confirm: the lesser of two regressions of the error on G g,
 //         over 5 s and 0.5 s, 0 to 1
 //   rho   mean square of the corrected error against the teacher, in units of s^2, at most 1
-//   d   = alpha G clamp(g, -3 s, 3 s);  x + d
+//   d   = alpha G clamp(g, -3 s, 3 s), less at a surprise;  x + d
 //   var = min(s^2, (1 - G (1 - rho)) s^2 + sL^2 + floor^2)
 // The smoothed value is uncorrelated with its own error, so the variances add. The floor is a
 // tremor that the noise hides from filter and teacher alike.
 //
 // Surprise.  m = max(u^2, m / (1 + T/0.1 s)); beta = clamp((m - 2)/2, 0, 1): the variance goes over
-//            to s^2 + d^2.
+//            to s^2 + d^2. The share is multiplied by 1 - clamp((m - 4)/4, 0, 1): at an impact the
+//            velocity jumps between samples, and the teacher, sure of itself, smooths the jump.
 // Silence.   The filter's values stay, with their intervals, until kFirst samples are learned, and
 //            while innovations or positions show that the noise is not white
 //            (innovation_monitor.h): the teacher is then as wrong as the filter.
@@ -70,7 +71,7 @@ template <class Scalar>
 struct CorrectedMotion {
   Array<Scalar, 2> correction = {};          ///< to add to velocity and acceleration
   Array<Scalar, 2> standard_deviation = {};  ///< of the corrected values
-  Array<Scalar, 2> share = {};               ///< of g that was used, alpha G, 0 to 1
+  Array<Scalar, 2> share = {};               ///< of g that was used, 0 to 1
 };
 
 /// The corrector. `kMostKernels`: kernels for which there is memory; `kMostLag`: longest lag of the
@@ -187,6 +188,12 @@ class MotionCorrector {
     waiting_s_ = 0;
   }
 
+  // 0 up to a surprise of `first`, 1 from twice that on.
+  Scalar surprise_above(int first) const {
+    const auto begin = static_cast<Scalar>(first);
+    return std::clamp((surprise_ - begin) / begin, Scalar(0), Scalar(1));
+  }
+
   static Scalar limited(Scalar ratio, double factor) {
     return static_cast<Scalar>(factor) * std::clamp(ratio, -kMostRatio, kMostRatio);
   }
@@ -230,7 +237,7 @@ class MotionCorrector {
       kept.deviation[i] = now.standard_deviation[i];
       kept.scale[i] = scale_[i];
       kept.predicted[i] = prediction.value[i];
-      kept.share[i] = trust_[i].alpha() * kept.gate;
+      kept.share[i] = trust_[i].alpha() * kept.gate * (Scalar(1) - surprise_above(4));
       if (!is_coloured_) correct(i, kept, taught->variance[i], result);
     }
     return result;
@@ -243,7 +250,7 @@ class MotionCorrector {
     const Scalar most = kMostCorrection * s;
     const Scalar d = share * std::clamp(kept.predicted[i] * kept.scale[i], -most, most);
     const Scalar rho = Scalar(1) - kept.gate * (Scalar(1) - trust_[i].rho());
-    const Scalar beta = std::clamp((surprise_ - Scalar(2)) / Scalar(2), Scalar(0), Scalar(1));
+    const Scalar beta = surprise_above(2);
     Scalar corrected = std::min(variance, rho * variance + taught_variance);
     corrected += beta * (variance + d * d - corrected);
     const Scalar floor = static_cast<Scalar>(kFloor[i]);
