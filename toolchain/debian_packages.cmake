@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-# Debian packages, by CPack: condyle (the command), condyle-box (the service) and condyle-common (files
-# for both). toolchain/make_packages makes them.
+# Debian packages, by CPack: condyle (the command), condyle-box (the service), condyle-common (files
+# for both), libcondyle0, libcondyle-dev and python3-condyle (the interfaces for other languages).
+# toolchain/make_packages makes them.
 set(CONDYLE_MAINTAINER "The condyle authors <condyle@example.org>" CACHE STRING
   "Maintainer of the packages: NAME <ADDRESS>; the default is a placeholder")
 
 set(documents share/doc)
-foreach(component command box common)
-  set(package condyle-${component})
-  if(component STREQUAL command)
-    set(package condyle)
-  endif()
+set(package_of_command condyle)
+set(package_of_box condyle-box)
+set(package_of_common condyle-common)
+set(package_of_library libcondyle${PROJECT_VERSION_MAJOR})
+set(package_of_development libcondyle-dev)
+set(package_of_python python3-condyle)
+foreach(component command box common library development python)
+  set(package ${package_of_${component}})
   string(TOUPPER ${component} upper)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${package})
   install(FILES toolchain/debian/copyright DESTINATION ${documents}/${package}
@@ -45,7 +49,7 @@ endforeach()
 
 # What they hold, without the tests.
 add_custom_target(packaged)
-foreach(target condyle condyle_manual condyle-box)
+foreach(target condyle condyle_api condyle_manual condyle-box)
   if(TARGET ${target})
     add_dependencies(packaged ${target})
   endif()
@@ -57,6 +61,11 @@ if(CONDYLE_BUILD_COMMAND)
   list(APPEND CPACK_COMPONENTS_ALL command)
   list(APPEND CPACK_CONDYLE_COMPONENTS COMMAND)
   list(APPEND CPACK_CONDYLE_PROGRAMS ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/condyle)
+endif()
+if(TARGET condyle_api)
+  list(APPEND CPACK_COMPONENTS_ALL library development python)
+  list(APPEND CPACK_CONDYLE_COMPONENTS LIBRARY)
+  list(APPEND CPACK_CONDYLE_PROGRAMS ${PROJECT_BINARY_DIR}/lib/libcondyle.so.${PROJECT_VERSION})
 endif()
 if(CONDYLE_BUILD_BOX)
   list(APPEND CPACK_COMPONENTS_ALL box)
@@ -105,6 +114,27 @@ sends estimates of the jaw's motion as they come, over UDP and HTTP, and
 records sessions, unattended. Research use only; not a diagnosis.")
 set(CPACK_DEBIAN_BOX_PACKAGE_DEPENDS "${same_version}, systemd | systemd-standalone-sysusers")
 set(CPACK_DEBIAN_BOX_PACKAGE_RECOMMENDS condyle)
+set(same_library "${package_of_library} (= ${PROJECT_VERSION}-1)")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "virtual sensor for jaw motion: the shared library
+Reads recordings of jaw motion, estimates velocity, force, friction and mass
+of the lower jaw from positions, and reads range of motion and chewing, for
+programs in C and in languages that can call C. Research use only.")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS ${same_version})
+
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "virtual sensor for jaw motion: C header, MEX file
+What a program in C needs to use the library of condyle, and the source of a
+MEX file for MATLAB and Octave. Research use only.")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ${same_library})
+
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "virtual sensor for jaw motion: Python package
+Recordings of jaw motion, estimates and readings as numpy arrays. Research use
+only; not a diagnosis.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${same_library}, python3 (>= 3.9), python3-numpy")
 set(CPACK_DEBIAN_COMMON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/toolchain/debian/common/postinst)
 set(control ${PROJECT_SOURCE_DIR}/toolchain/debian/box)
 set(CPACK_DEBIAN_BOX_PACKAGE_CONTROL_EXTRA

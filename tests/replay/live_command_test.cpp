@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "recordings/played_recording.h"
 #include "support/command.h"
 #include "support/paths.h"
 #include "support/temporary_folder.h"
@@ -41,6 +42,37 @@ TEST(Live, KeepsAFolderThatWasThere) {
       run_condyle({"live", kSource, "--sessions", folder.path(), "--duration-s", "0.1"}).exit_code,
       0);
   EXPECT_TRUE(std::filesystem::is_directory(folder.path()));
+}
+
+TEST(Live, PlaysARecordingThatIsNoLog) {
+  const testing_support::TemporaryFolder folder;
+  const std::string recording =
+      testing_support::source_path("/host_sim/recordings/chewing_60hz.csv");
+  const CommandResult result = run_condyle(
+      {"live", "file:" + recording, "--sessions", folder / "sessions", "--duration-s", "0.3"});
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.errors, IsEmpty());
+  EXPECT_THAT(result.output, HasSubstr("chewing_60hz.csv"));
+  EXPECT_EQ(folder.count(), 0);
+}
+
+// Times and coordinates are those of the recording, to the last digit of its estimates.
+TEST(Live, PlaysTheSameSamples) {
+  const testing_support::TemporaryFolder folder;
+  const auto scenario = testing_support::source_path("/host_sim/scenarios/clinical_session.toml");
+  const std::string session = folder / "session.csv", log = folder / "played.mcap";
+  ASSERT_EQ(run_condyle({"simulate", scenario, "--out", session}).exit_code, 0);
+  host::write_as_session_log(session, log, [] { return false; });
+  EXPECT_TRUE(host::is_session_log(log));
+  EXPECT_FALSE(host::is_session_log(session));
+  for (const std::string& source : {session, log}) {
+    const CommandResult result =
+        run_condyle({"replay", source, "--faults", "event", "--out", source + ".out"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+  }
+  const auto estimates = testing_support::read_file(session + ".out");
+  EXPECT_GT(estimates.size(), 100'000U);
+  EXPECT_EQ(testing_support::read_file(log + ".out"), estimates);
 }
 
 TEST(Live, SaysWhatIsWrong) {

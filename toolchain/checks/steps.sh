@@ -56,6 +56,13 @@ run_vm_tests() {  # ARCHITECTURE
   run_ctest release "vm_$1" --label-regex '^vm$' --tests-regex "\.$1" "${left_out[@]}"
 }
 
+# The library needs objects of its own.
+check_library() {
+  cmake --preset release -B build/library -D CONDYLE_BUILD_LIBRARY=ON -D CONDYLE_BENCHMARKS=OFF >/dev/null
+  cmake --build build/library --parallel "$(nproc)" --target condyle condyle_api
+  ctest --test-dir build/library --output-on-failure --tests-regex '^(c_interface|python_package|mex_file)$'
+}
+
 compare_builds() {  # PRESET...
   local preset estimator
   for preset in "$@"; do

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "condyle/estimator/events.h"
-#include "hosted/estimates/estimate_fields.h"
+#include "hosted/estimates/estimate_json.h"
 #include "hosted/estimates/pose_fields.h"
 
 namespace condyle::box {
@@ -13,19 +13,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void add_quantity(Json& json, host::QuantityName name, const Quantity<double>& quantity) {
-  json[name.value()] = quantity.value;
-  json[name.standard_deviation()] = quantity.standard_deviation;
-  json[name.provenance()] = provenance_name(quantity.provenance);
-}
-
 Json axis_json(const AxisEstimate<double>& axis) {
   Json json;
   json[host::kMeasuredPositionName] = axis.measured_position_m;
   host::visit_motion(axis, [&](host::QuantityName name, const Quantity<double>& quantity) {
-    add_quantity(json, name, quantity);
+    host::add_quantity(json, name, quantity);
   });
-  add_quantity(json, host::kForceName, axis.force_N);
+  host::add_quantity(json, host::kForceName, axis.force_N);
   json[host::kInnovationName] = axis.innovation_m;
   json[host::kNoiseName] = axis.noise_sd_m;
   return json;
@@ -73,23 +67,6 @@ Json pose_json(const PoseEstimate<double>& pose, const host::PoseChoice& choice)
   return json;
 }
 
-Json cycle_json(const host::FoundCycle& found) {
-  const MotionCycle<double>& cycle = found.cycle;
-  Json json;
-  json["sequence"] = found.sequence;
-  json["cycle"] = found.number > 0 ? Json(found.number) : Json();
-  json["begin_s"] = seconds(cycle.begin_ns);
-  json["turn_s"] = seconds(cycle.turn_ns);
-  json["end_s"] = seconds(cycle.end_ns);
-  json["begins_after_pause"] = cycle.begins_after_pause;
-  json["ends_with_pause"] = cycle.ends_with_pause;
-  host::visit_cycle(cycle, [&json](host::QuantityName name, const Quantity<double>& quantity) {
-    add_quantity(json, name, quantity);
-  });
-  json["rejected"] = host::rejection_text(cycle);
-  return json;
-}
-
 }  // namespace
 
 std::string estimate_line(const BoxEstimate& box, const host::PoseChoice& pose,
@@ -125,13 +102,13 @@ std::string estimate_line(const BoxEstimate& box, const host::PoseChoice& pose,
     host::visit_friction_and_mass(
         box.estimate.impedance.friction_Ns_m, box.estimate.impedance.mass_kg,
         [&](host::QuantityName name, const IdentifiedValue<double>& value) {
-          add_quantity(impedance, name, value.quantity);
+          host::add_quantity(impedance, name, value.quantity);
           impedance[name.limit()] = limit_name(value.limit);
         });
     json["impedance"] = impedance;
   }
   if (box.has_pose) json["pose"] = pose_json(box.pose, pose);
-  if (cycle) json["cycle"] = cycle_json(*cycle);
+  if (cycle) json["cycle"] = host::cycle_json(*cycle);
   json["events"] = events_json(estimate.events);
   return json.dump();
 }

@@ -21,10 +21,7 @@ void refuse_other_estimator(const TomlReader& file, const char* section, const c
       fmt::format("use it with the {} estimator only, or give another file", estimator));
 }
 
-}  // namespace
-
-LoadedParameters load_parameters(const std::string& path) {
-  TomlReader file(path);
+LoadedParameters read_published(TomlReader& file) {
   refuse_other_estimator(file, "", "noise", "recommended");
   refuse_other_estimator(file, "", "outliers", "recommended");
   LoadedParameters loaded;
@@ -43,8 +40,6 @@ LoadedParameters load_parameters(const std::string& path) {
   file.finish();
   return loaded;
 }
-
-namespace {
 
 RecommendedParameters read_recommended(TomlReader& file) {
   for (const char* key : {"sample_time_s", "motion", "friction", "mass"}) {
@@ -79,6 +74,16 @@ RecommendedParameters read_recommended(TomlReader& file) {
 }
 
 }  // namespace
+
+LoadedParameters load_parameters(const std::string& path) {
+  TomlReader file(path);
+  return read_published(file);
+}
+
+LoadedParameters parse_parameters(const std::string& name, std::string_view text) {
+  TomlReader file(name, text);
+  return read_published(file);
+}
 
 RecommendedParameters load_recommended_parameters(const std::string& path) {
   TomlReader file(path);

@@ -18,6 +18,8 @@ struct LoadedParameters {
 /// Loads a TOML parameter file of the published cascade. Every key must be known and every value in
 /// range; else an InputError names line, column and remedy.
 LoadedParameters load_parameters(const std::string& path);
+/// The same from `text`, which messages call `name`.
+LoadedParameters parse_parameters(const std::string& name, std::string_view text);
 
 /// The same for the recommended estimator.
 RecommendedParameters load_recommended_parameters(const std::string& path);

@@ -36,6 +36,18 @@ inline std::string velocity_name(const std::string& name) {
   return name + "_velocity";
 }
 
+/// Below this many standard deviations a swing, which is never negative, is noise.
+inline constexpr double kSwing_sd = 2;
+
+/// `swing_rad` as it is shown: noise is not `measured`.
+inline Quantity<double> shown_swing(Quantity<double> swing_rad) {
+  if (swing_rad.provenance == Provenance::not_computed) return swing_rad;
+  if (!(swing_rad.value > kSwing_sd * swing_rad.standard_deviation)) {
+    swing_rad.provenance = Provenance::assumed;
+  }
+  return swing_rad;
+}
+
 /// Calls `vector(name, VectorEstimate)` and `quantity(name, Quantity)` for all values, in the order
 /// of the columns. A vector whose name has no squared unit has no covariances between axes.
 template <class Vector, class Value>
@@ -48,7 +60,7 @@ void visit_pose(const PoseEstimate<double>& pose, const PoseChoice& choice, Vect
   const TurnEstimate<double> turn = pose.turn_about(choice.twist_direction());
   quantity(PoseName{"twist", "rad"}, turn.twist_rad);
   quantity(PoseName{"twist_rate", "rad_s"}, turn.twist_rate_rad_s);
-  quantity(PoseName{"swing", "rad"}, turn.swing_rad);
+  quantity(PoseName{"swing", "rad"}, shown_swing(turn.swing_rad));
   for (const JawPoint& point : choice.points) {
     const PointEstimate<double> estimate = pose.point(point.jaw_m);
     vector(PoseName{point.name, "m", "m2"}, estimate.position_m);

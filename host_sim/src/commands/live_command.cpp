@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <system_error>
 
 #include "box/configuration.h"
@@ -19,6 +20,7 @@
 #include "options/analysis_options.h"
 #include "options/command_line.h"
 #include "options/stream_options.h"
+#include "recordings/played_recording.h"
 #include "report/report_page.h"
 
 namespace condyle::host {
@@ -60,6 +62,39 @@ class SessionsFolder {
   bool is_new_ = false;
 };
 
+// A folder for what is played, until the command ends.
+class PlayedFolder {
+ public:
+  PlayedFolder() {
+    std::error_code error;
+    path_ = std::filesystem::temp_directory_path(error) / "condyle-live-XXXXXX";
+    if (error || mkdtemp(path_.data()) == nullptr) {
+      throw InputError(path_, "cannot be made", "name a folder that you may write to in TMPDIR");
+    }
+  }
+  ~PlayedFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  PlayedFolder(const PlayedFolder&) = delete;
+  PlayedFolder& operator=(const PlayedFolder&) = delete;
+  std::string log() const { return path_ + "/played.mcap"; }
+
+ private:
+  std::string path_;
+};
+
+// Another recording than a session log is played from a log of the same samples in `folder`.
+box::SourceSettings played(box::SourceSettings source, std::optional<PlayedFolder>& folder) {
+  if (source.stream || source.kind != SourceKind::file || is_session_log(source.file)) {
+    return source;
+  }
+  folder.emplace();
+  write_as_session_log(source.file, folder->log(), stop_requested);
+  source.file = folder->log();
+  return source;
+}
+
 box::SourceSettings parse_live_source(const LiveOptions& options) {
   auto stream = parse_stream(options.source);
   refuse_without_stream(options.stream, stream.has_value());
@@ -69,7 +104,7 @@ box::SourceSettings parse_live_source(const LiveOptions& options) {
   }
   if (spec.kind == SourceKind::sim) {
     throw InputError(options.source, "a simulated subject does not send reports",
-                     "write synth:PROFILE for a jaw that chews, or file:LOG for a session log");
+                     "write synth:PROFILE for a jaw that chews, or file:RECORDING for a recording");
   }
   if (stream) stream->choice = options.stream;
   return {"facebow", spec.kind, spec.file, options.serial, stream};
@@ -126,9 +161,11 @@ box::Configuration configuration_of(const LiveOptions& options, const box::Sourc
 }
 
 int show_live(const LiveOptions& options) {
-  const box::SourceSettings source = parse_live_source(options);
+  const box::SourceSettings named = parse_live_source(options);
   if (!options.lsl_out.empty()) lsl::check_outlet_place(options.lsl_out);
   if (!options.landmarks.empty()) static_cast<void>(load_landmarks(options.landmarks));
+  std::optional<PlayedFolder> played_folder;
+  const box::SourceSettings source = played(named, played_folder);
   hal::SteadyClock clock;
   const SampleKind kind = box::configured(source, clock).profile().kind;
   options.choice.check(options.source, kind);
@@ -159,11 +196,12 @@ Command add_live(CommandLine app) {
       "live", "Show a facebow in the browser as it moves; Ctrl-C ends it", "Measure with a device");
   command.add_example("condyle live hid:bow.toml", "Open the printed address in a browser.");
   command.add_example("condyle live file:session.mcap --port 8080",
-                      "Play a session log at its recorded speed.");
+                      "Play a recording at its recorded speed.");
   command
       .add_option("SOURCE", options->source,
-                  "hid:PROFILE or usb:PROFILE, a device; file:LOG, a session log; synth:PROFILE, a "
-                  "jaw that chews; lsl:NAME, a stream of the Lab Streaming Layer")
+                  "hid:PROFILE or usb:PROFILE, a device; file:RECORDING, a session log or another "
+                  "recording; synth:PROFILE, a jaw that chews; lsl:NAME, a stream of the Lab "
+                  "Streaming Layer")
       .required();
   command.add_option("--port", options->port, "Port of the page on 127.0.0.1; 0: any free one")
       .within(0, kHighestPort)

@@ -284,10 +284,9 @@ int record(const RecordOptions& options) {
   if (!options.parameters.empty()) parameters = load_recommended_parameters(options.parameters);
   LiveFiles files;
   if (!options.estimates.empty()) {
-    files.estimates =
-        std::make_unique<LiveEstimates>(options.estimates, kind == SampleKind::one_axis ? 1 : 3,
-                                        devices.front().profile.drive_N.has_value(),
-                                        TableForm(), parameters.learning.kernels >= 1);
+    files.estimates = std::make_unique<LiveEstimates>(
+        options.estimates, kind == SampleKind::one_axis ? 1 : 3,
+        devices.front().profile.drive_N.has_value(), TableForm(), parameters.learning.kernels >= 1);
   }
   if (!options.pose.file.empty()) {
     files.poses = std::make_unique<LivePoses>(options.pose.file, pose);

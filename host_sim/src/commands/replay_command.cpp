@@ -14,6 +14,7 @@
 #include "condyle/hal/clock.h"
 #include "estimation/replayed_drive.h"
 #include "hosted/config/parameter_file.h"
+#include "hosted/estimates/estimate_json.h"
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "options/analysis_options.h"
@@ -60,7 +61,7 @@ std::vector<std::string> pose_warnings(const ReplayOptions& options, const PoseS
 
 std::string summary_json(const ReplayOptions& options, const RecordingInfo& info,
                          const std::vector<std::string>& drive_notes, const ReplaySummary& summary,
-                         const PoseSummary& pose) {
+                         const PoseSummary& pose, const nlohmann::ordered_json& cycles) {
   nlohmann::ordered_json json = {
       {"format", "condyle-replay-1"},
       {"condyle", CONDYLE_VERSION},
@@ -71,6 +72,7 @@ std::string summary_json(const ReplayOptions& options, const RecordingInfo& info
                        : std::string(1, "xyz"[static_cast<int>(options.followed.axis)])},
       {"estimator", options.estimator.name}};
   json.update(summary.json());
+  if (!cycles.is_null()) json["cycles"] = cycles;
   nlohmann::ordered_json& notes = json["notes"] = nlohmann::ordered_json::array();
   for (const std::string& note : info.notes) notes.push_back(clean_line(note));
   for (const std::string& note : drive_notes) notes.push_back(clean_line(note));
@@ -105,10 +107,12 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   if (!options.cycles.file.empty()) cycles = std::make_unique<CyclesFile>(options.cycles.file);
   FollowedCycles followed_cycles(options.cycles.choice(options.followed.axis));
   CyclesSummary cycles_summary;
+  nlohmann::ordered_json cycles_found = nlohmann::ordered_json::array();
   const auto take_cycle = [&](const std::optional<FoundCycle>& cycle) {
     if (!cycle) return;
     cycles->write_row(*cycle);
     cycles_summary.add(*cycle);
+    if (options.as_json) cycles_found.push_back(cycle_json(*cycle));
   };
   FigureData figure_data;
   firmware::RunCounts counts;
@@ -172,7 +176,13 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   for (const auto& file : values) file->commit();
 
   if (options.as_json) {
-    print_output(summary_json(options, facebow.info(), drive_notes, summary, pose_summary));
+    nlohmann::ordered_json cycles_json;
+    if (cycles) {
+      cycles_json = cycles_summary.json();
+      cycles_json["found"] = std::move(cycles_found);
+    }
+    print_output(
+        summary_json(options, facebow.info(), drive_notes, summary, pose_summary, cycles_json));
     return kExitOk;
   }
   ReportText report(12);

@@ -15,16 +15,21 @@ void EstimatorChoice::refuse_if_published(const char* option, bool given,
 }
 
 LoadedParameters EstimatorChoice::load_published() const {
-  return parameters.empty() ? LoadedParameters{} : load_parameters(parameters);
+  if (!parameters.empty()) return load_parameters(parameters);
+  if (!parameters_toml.empty()) return parse_parameters("parameters", parameters_toml);
+  return {};
 }
 
 RecommendedParameters EstimatorChoice::load_recommended() const {
-  return parameters.empty() ? RecommendedParameters{} : load_recommended_parameters(parameters);
+  if (!parameters.empty()) return load_recommended_parameters(parameters);
+  if (!parameters_toml.empty()) return parse_recommended_parameters("parameters", parameters_toml);
+  return {};
 }
 
 RecommendedParameters load_recommended_for(const EstimatorChoice& estimator,
                                            const RecordingInfo& info, const std::string& source) {
-  if (!estimator.parameters.empty() || info.parameters_toml.empty()) {
+  if (!estimator.parameters.empty() || !estimator.parameters_toml.empty() ||
+      info.parameters_toml.empty()) {
     return estimator.load_recommended();
   }
   return parse_recommended_parameters(source + ": its parameters", info.parameters_toml);

@@ -13,8 +13,9 @@ namespace condyle::host {
 /// The user's choice of an estimator.
 struct EstimatorChoice {
   std::string name = "recommended";  ///< or "published"
-  std::string parameters;            ///< TOML file; empty: the defaults
+  std::string parameters;            ///< TOML file; empty: see parameters_toml
   int lag = 0;                       ///< samples
+  std::string parameters_toml;       ///< the text of such a file; empty: the defaults
 
   bool is_published() const { return name == "published"; }
   /// Throws InputError if `option`, which only the recommended estimator has, is `given` to the

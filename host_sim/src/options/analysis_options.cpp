@@ -41,17 +41,20 @@ void add_followed_options(CommandLine line, FollowedChoice& choice, JawPoints ja
       .excludes(point);
 }
 
-void add_recording_options(CommandLine line, RecordingChoice& choice, JawPoints jaw_points) {
-  add_followed_options(line, choice, jaw_points);
-  const CommandLine command = group_of(line);
-  const auto take_faults = [&choice](const std::string& policy) {
-    choice.reading.faults = policy == "event" ? FaultPolicy::event : FaultPolicy::refuse;
+void add_faults_option(CommandLine line, RecordingOptions& reading) {
+  const auto take_faults = [&reading](const std::string& policy) {
+    reading.faults = policy == "event" ? FaultPolicy::event : FaultPolicy::refuse;
   };
-  command
+  group_of(line)
       .on_option("--faults", take_faults, "What to do with missing, non-finite and reversed rows")
       .one_of({"refuse", "event"})
       .show_default("refuse");
-  add_reading_options(command, choice.reading);
+}
+
+void add_recording_options(CommandLine line, RecordingChoice& choice, JawPoints jaw_points) {
+  add_followed_options(line, choice, jaw_points);
+  add_faults_option(line, choice.reading);
+  add_reading_options(group_of(line), choice.reading);
 }
 
 void add_reading_options(CommandLine command, RecordingOptions& reading, FrameRate frame_rate) {

@@ -30,7 +30,10 @@ enum class FrameRate { no, yes };
 void add_reading_options(CommandLine command, RecordingOptions& reading,
                          FrameRate frame_rate = FrameRate::yes);
 
-/// The options of the two functions above, and --faults.
+/// --faults.
+void add_faults_option(CommandLine command, RecordingOptions& reading);
+
+/// The options of the three functions above.
 void add_recording_options(CommandLine command, RecordingChoice& choice,
                            JawPoints jaw_points = JawPoints::yes);
 

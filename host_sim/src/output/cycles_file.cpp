@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "hosted/files/number_text.h"
 
@@ -48,13 +49,24 @@ void CyclesSummary::add(const FoundCycle& cycle) {
   squares_s2_ += duration_s * duration_s;
 }
 
+double CyclesSummary::sd_s() const {
+  return std::sqrt(std::max((squares_s2_ - sum_s_ * mean_s()) / (taken_ - 1), 0.0));
+}
+
 std::string CyclesSummary::text() const {
   std::string text = fmt::format("{} taken, {} not taken", taken_, rejected_);
   if (taken_ < 2) return text;
-  const double mean_s = sum_s_ / taken_;
-  const double variance_s2 = (squares_s2_ - sum_s_ * mean_s) / (taken_ - 1);
   return text + fmt::format("; mean duration {:.3g} s, standard deviation among them {:.2g} s",
-                            mean_s, std::sqrt(std::max(variance_s2, 0.0)));
+                            mean_s(), sd_s());
+}
+
+nlohmann::ordered_json CyclesSummary::json() const {
+  using Json = nlohmann::ordered_json;
+  const bool has_mean = taken_ >= 2;
+  return {{"taken", taken_},
+          {"not_taken", rejected_},
+          {"mean_duration_s", has_mean ? Json(mean_s()) : Json()},
+          {"duration_sd_among_cycles_s", has_mean ? Json(sd_s()) : Json()}};
 }
 
 }  // namespace condyle::host

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -30,8 +31,14 @@ class CyclesSummary {
   void add(const FoundCycle& cycle);
   /// How many are taken and not taken, and their mean duration.
   std::string text() const;
+  /// The same as data.
+  nlohmann::ordered_json json() const;
 
  private:
+  // Of the durations (s), with two cycles or more.
+  double mean_s() const { return sum_s_ / taken_; }
+  double sd_s() const;
+
   int taken_ = 0, rejected_ = 0;
   double sum_s_ = 0, squares_s2_ = 0;
 };

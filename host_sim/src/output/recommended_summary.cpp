@@ -114,7 +114,8 @@ std::string RecommendedSummary::learning_text() const {
       silent += fmt::format("{}{}", silent.empty() ? "" : ", ", name.empty() ? "the axis" : name);
     }
   }
-  std::string words = fmt::format("velocity corrected by learning in {} % of the samples", corrected);
+  std::string words =
+      fmt::format("velocity corrected by learning in {} % of the samples", corrected);
   words += fmt::format("; error of the next position there, divided by the filter's: {}", gained);
   if (!silent.empty()) words += "; noise not white, so nothing is corrected: " + silent;
   std::string text;

@@ -13,6 +13,17 @@
 
 namespace condyle::host {
 
+std::optional<TimeNs> median_step_ns(const std::vector<TimeNs>& times_ns) {
+  std::vector<TimeNs> steps;
+  for (std::size_t i = 1; i < times_ns.size(); ++i) {
+    if (times_ns[i] > times_ns[i - 1]) steps.push_back(times_ns[i] - times_ns[i - 1]);
+  }
+  if (steps.empty()) return std::nullopt;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
 ReplayFacebow::ReplayFacebow(std::string path, RecordingOptions options, double speed,
                              hal::Clock& clock)
     : path_(std::move(path)), options_(std::move(options)), speed_(speed), clock_(clock) {}
@@ -75,19 +86,13 @@ bool ReplayFacebow::fetch() {
 }
 
 void ReplayFacebow::find_median_step() {
-  std::vector<TimeNs> steps;
-  std::optional<TimeNs> previous;
-  for (const auto& [status, sample, times] : ahead_) {
-    if (status != hal::Status::ok || !sample.time_valid) continue;
-    if (previous && sample.time_ns > *previous) steps.push_back(sample.time_ns - *previous);
-    previous = sample.time_ns;
-  }
   median_step_ns_ = info().nominal_step_ns;
   if (median_step_ns_) return;
-  if (steps.empty()) return;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  median_step_ns_ = *middle;
+  std::vector<TimeNs> times_ns;
+  for (const auto& [status, sample, times] : ahead_) {
+    if (status == hal::Status::ok && sample.time_valid) times_ns.push_back(sample.time_ns);
+  }
+  median_step_ns_ = host::median_step_ns(times_ns);
 }
 
 hal::Status ReplayFacebow::read(TimeNs deadline_ns, Sample& sample) {

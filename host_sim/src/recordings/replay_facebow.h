@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "condyle/firmware/run_loop.h"
 #include "condyle/hal/clock.h"
@@ -12,6 +13,9 @@
 #include "recordings/recording.h"
 
 namespace condyle::host {
+
+/// The median of the steps between `times_ns` that go forward; absent if none does.
+std::optional<TimeNs> median_step_ns(const std::vector<TimeNs>& times_ns);
 
 /// A recording behind the facebow interface. Bad reports and disconnections of a recorded device
 /// occur as they did live. After a disconnection, opening continues behind it, otherwise at the

@@ -5,6 +5,8 @@
 // up, the other's track is the instant's.
 #pragma once
 
+#include <algorithm>
+
 #include "condyle/estimator/motion/fixed_lag.h"
 #include "condyle/estimator/motion/motion_hypotheses.h"
 #include "condyle/estimator/sample.h"
@@ -66,6 +68,21 @@ class MotionInstants {
     for (auto& track : instant.tracks) track.is_taken = track.is_restart = false;
     instant.F = white_jerk_jacobian(Scalar(0));
     return instant;
+  }
+
+  /// The last `samples` instants came from a frozen device: nothing is known there.
+  void forget_frozen(int samples) {
+    for (int back = 0; back < std::min(samples, kInstants); ++back) {
+      Instant& instant = at(back);
+      instant.events.add(Event::position_frozen);
+      instant.events.add(Event::state_lost);
+      instant.has_state = false;
+      instant.is_first = true;
+      for (auto& track : instant.tracks) {
+        track.is_taken = false;
+        track.is_restart = true;  // what comes before is unrelated to what comes after
+      }
+    }
   }
 
   /// The bank `kept` was right about all open instants. A sample that it did not use, but the other

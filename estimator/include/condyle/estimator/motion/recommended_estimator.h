@@ -118,17 +118,7 @@ class RecommendedEstimator {
   /// The last `samples` samples came from a frozen device, though some were used: the motion is
   /// lost, and waiting estimates get no values.
   void forget_frozen(int samples) {
-    for (int back = 0; back < std::min(samples, kInstants); ++back) {
-      Instant& instant = instants_.at(back);
-      instant.events.add(Event::position_frozen);
-      instant.events.add(Event::state_lost);
-      instant.has_state = false;
-      instant.is_first = true;
-      for (auto& track : instant.tracks) {
-        track.is_taken = false;
-        track.is_restart = true;  // what comes before is unrelated to what comes after
-      }
-    }
+    instants_.forget_frozen(samples);
     if (started_) lose_motion();
   }
 
@@ -147,7 +137,6 @@ class RecommendedEstimator {
   /// it is not known.
   [[nodiscard]] bool look_back(int back, TimeNs& time_ns,
                                Array<MotionMoments<Scalar>, kAxes>& moments) const {
-    static_assert(kMostLag > 0);
     const Instant& instant = instants_.at(back);
     if (!instant.has_state || !instant.time_valid) return false;
     time_ns = instant.time_ns;

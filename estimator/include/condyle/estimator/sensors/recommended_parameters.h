@@ -54,9 +54,8 @@ constexpr void visit_recommended_fields(Parameters& parameters, Visitor&& visit)
 constexpr bool is_valid(const DrivenParameters& parameters) {
   bool valid = is_valid(static_cast<const MotionEstimatorParameters&>(parameters));
   const auto check = [&valid](const char*, const char*, const double* values, std::size_t,
-                              const char*, Range range) {
-    valid = valid && range.contains(*values);
-  };
+                              const char*,
+                              Range range) { valid = valid && range.contains(*values); };
   visit_impedance_fields(parameters.impedance, check);
   visit_learning_fields(parameters.learning, check);
   return valid;
