@@ -3,6 +3,7 @@
 // bad recording is a row.
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <sys/ptrace.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -81,6 +82,16 @@ class Study : public testing::Test {
   static CommandResult run(const std::string& out, const std::vector<std::string>& more) {
     return run_condyle(words(out, "participant", more));
   }
+  // Makes this process the command.
+  [[noreturn]] static void become(const std::string& out) {
+    std::vector<std::string> line = words(out, "participant", {"--jobs", "2"});
+    line.insert(line.begin(), "condyle");
+    std::vector<char*> arguments;
+    for (std::string& word : line) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    execv(testing_support::program_path("condyle").c_str(), arguments.data());
+    _exit(1);
+  }
   static void expect_same(const std::string& out) {
     const auto files = files_in(folder_->path() / out);
     ASSERT_EQ(files.size(), whole_.size());
@@ -150,13 +161,7 @@ TEST_F(Study, GoesOnAfterKills) {
         const auto wait_us = static_cast<unsigned>(50'000 + 400'000 * random.uniform());
         ualarm(wait_us, 0);
       }
-      std::vector<std::string> line = words("killed", "participant", {"--jobs", "2"});
-      line.insert(line.begin(), "condyle");
-      std::vector<char*> arguments;
-      for (std::string& word : line) arguments.push_back(word.data());
-      arguments.push_back(nullptr);
-      execv(testing_support::program_path("condyle").c_str(), arguments.data());
-      _exit(1);
+      become("killed");
     }
     random.uniform();
     int status = 0;
@@ -171,11 +176,46 @@ TEST_F(Study, GoesOnAfterKills) {
   expect_same("killed");
 }
 
+// Killed before each of the first system calls that follow the creation of the folder.
+TEST_F(Study, LeavesNothingBehindWhereverItIsKilled) {
+  const fs::path out = folder_->path() / "stepped";
+  for (int kill_at = 1; kill_at <= 20; ++kill_at) {
+    fs::remove_all(out);
+    const pid_t process = fork();
+    ASSERT_GE(process, 0);
+    if (process == 0) {
+      if (ptrace(PTRACE_TRACEME, 0, nullptr, nullptr) != 0) _exit(1);
+      become("stepped");
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(process, &status, 0), process);
+    // Each call stops the process twice: before and after it.
+    for (int stops = 0; WIFSTOPPED(status) && stops < 2 * kill_at;) {
+      ASSERT_EQ(ptrace(PTRACE_SYSCALL, process, nullptr, nullptr), 0);
+      ASSERT_EQ(waitpid(process, &status, 0), process);
+      if (fs::exists(out)) ++stops;
+    }
+    ASSERT_TRUE(WIFSTOPPED(status)) << "it ended by itself";
+    kill(process, SIGKILL);
+    while (waitpid(process, &status, 0) == process && !WIFSIGNALED(status)) {
+    }
+    for (const auto& [name, bytes] : files_in(out)) {
+      EXPECT_TRUE(name.starts_with(".work") || name.find(".partial-") == std::string::npos)
+          << name << " after " << kill_at << " calls";
+    }
+  }
+  EXPECT_EQ(run("stepped", {}).exit_code, 0);
+  expect_same("stepped");
+}
+
 TEST_F(Study, GathersTablesAndNamesProblems) {
   fs::copy(folder_->path() / "whole", folder_->path() / "group", fs::copy_options::recursive);
   const CommandResult first = run_condyle(words("group", "group"));
   ASSERT_EQ(first.exit_code, 0) << first.errors;
   const auto files = files_in(folder_->path() / "group/group");
+  ASSERT_EQ(run_condyle(words("group", "group")).exit_code, 0);
+  EXPECT_EQ(files_in(folder_->path() / "group/group"), files);
+  folder_->write("group/group/readings.csv.partial-aBc123", "of a run that was killed\n");
   ASSERT_EQ(run_condyle(words("group", "group")).exit_code, 0);
   EXPECT_EQ(files_in(folder_->path() / "group/group"), files);
 

@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t kHistoryLines = 15'000;  // 30 s at 500 Hz
 constexpr TimeNs kPeriod_ns = 50'000'000, kSearchPause_ns = kNanosecondsPerSecond;
+constexpr TimeNs kOpening_ns = 5 * kNanosecondsPerSecond;
 constexpr TimeNs kWallStep_ns = 200'000'000;
 constexpr std::chrono::seconds kDiskPatience{10};
 
@@ -116,6 +117,7 @@ void Box::run(const std::function<bool()>& should_stop) {
       feed_watchdog(clock_.now_ns());
     });
     engine_->start();
+    found_ns_ = clock_.now_ns();
     while (engine_->scheduling().empty()) clock_.sleep_until(clock_.now_ns() + 1'000'000);
     const std::string memory =
         configuration_.locks_memory ? lock_memory() : "not locked, as configured";
@@ -181,13 +183,16 @@ bool Box::find_facebow(const std::function<bool()>& should_stop) {
 
 void Box::look_after(TimeNs now_ns) {
   keeper_.check();
-  watch_device();
+  watch_device(now_ns);
   watch_wall_clock();
   measure_rate(now_ns);
 }
 
-void Box::watch_device() {
+void Box::watch_device(TimeNs now_ns) {
   const bool is_open = source_->is_open();
+  // The engine opens it on a thread of its own: one that is not open yet was not disconnected.
+  has_opened_ = has_opened_ || is_open;
+  if (!has_opened_ && now_ns - found_ns_ < kOpening_ns) return;
   if (is_open == was_open_ || engine_->has_ended()) return;
   was_open_ = is_open;
   mark(is_open ? "facebow connected" : "facebow disconnected");

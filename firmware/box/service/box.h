@@ -53,7 +53,7 @@ class Box {
   bool find_facebow(const std::function<bool()>& should_stop);
   void open_stream();
   void look_after(TimeNs now_ns);
-  void watch_device();
+  void watch_device(TimeNs now_ns);
   void watch_wall_clock();
   void feed_watchdog(TimeNs now_ns);
   void measure_rate(TimeNs now_ns);
@@ -89,7 +89,8 @@ class Box {
   std::atomic<std::uint64_t> clock_steps_ = 0;
 
   // Used by the thread in run().
-  bool was_open_ = true;
+  bool was_open_ = true, has_opened_ = false;
+  TimeNs found_ns_ = 0;
   TimeNs rate_begin_ns_ = 0, next_watchdog_ns_ = 0, wall_offset_ns_ = 0;
   std::uint64_t rate_samples_ = 0, last_heartbeat_ = 0;
 

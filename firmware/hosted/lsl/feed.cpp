@@ -175,7 +175,8 @@ std::string parse_feed_answer(std::string_view text, const std::string& uid, boo
   std::string problem;
   int order = kLittleEndian, protocol = 0;
   for_each_field(text, [&](const std::string& key, std::string_view value) {
-    if (key == "byte-order" && !read_whole(value, order)) problem = "its byte order is no number";
+    if (key == "byte-order" && !read_whole(value, order))
+      problem = "its byte order is not a number";
     if (key == "data-protocol-version" && !read_whole(value, protocol)) protocol = 0;
     if (key == "uid" && value != uid) problem = "another stream answered";
   });

@@ -34,7 +34,7 @@ extern "C" {
 /* What a function returns. */
 typedef enum condyle_status {
   CONDYLE_OK = 0,
-  CONDYLE_NONE = 1,      /* there is no estimate yet; not an error */
+  CONDYLE_NONE = 1,      /* no estimate yet; not an error */
   CONDYLE_BAD_CALL = 2,  /* an argument cannot be: a mistake of the calling program */
   CONDYLE_BAD_INPUT = 3, /* a file, an option or a sample cannot be used */
   CONDYLE_FAILED = 4     /* memory ran out, or a fault of the library */
@@ -50,7 +50,7 @@ typedef enum condyle_kind {
 
 /* Where a value comes from. */
 typedef enum condyle_provenance {
-  CONDYLE_NOT_COMPUTED = 0, /* there is no value: NaN */
+  CONDYLE_NOT_COMPUTED = 0, /* the value is NaN */
   CONDYLE_ASSUMED = 1,      /* the prior or the tuning determines it, not the subject */
   CONDYLE_DERIVED = 2,      /* a measured quantity times a named assumption */
   CONDYLE_MEASURED = 3      /* the measurements determine it */

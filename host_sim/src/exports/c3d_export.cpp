@@ -139,9 +139,10 @@ class C3dFile {
                          .is_of_samples = false});
     }
     if (left_out > 0) {
-      result_.notes.push_back(fmt::format(
-          "{} analogue channels are left out: their rate is no multiple of that of the frames",
-          left_out));
+      result_.notes.push_back(
+          fmt::format("{} analogue channels are left out: their rate is not a multiple of the rate "
+                      "of the frames",
+                      left_out));
     }
   }
 

@@ -19,7 +19,7 @@ class AnalogReader {
   virtual bool next() = 0;
   /// On the clock of the positions.
   virtual TimeNs time_ns() const = 0;
-  /// In the units of `channels`, in their order; NaN for what is no number.
+  /// In the units of `channels`, in their order; NaN where the file has no number.
   virtual const std::vector<double>& values() const = 0;
   virtual const std::vector<AnalogChannel>& channels() const = 0;
   virtual std::string place() const = 0;

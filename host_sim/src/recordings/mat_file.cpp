@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <matio.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
@@ -14,12 +13,11 @@
 
 #include "hosted/files/byte_reader.h"
 #include "hosted/files/input_error.h"
+#include "recordings/mat_check.h"
 
 namespace condyle::host {
 namespace {
 
-constexpr std::size_t kHeader = 128;
-constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30U;  // of all variables, in memory
 constexpr int kDeepest = 20;
 constexpr const char* kCopyAgain = "copy the file again, or save it again";
 
@@ -36,108 +34,6 @@ void append_utf8(std::uint32_t code, std::string& text) {
   }
 }
 
-// Passes over the variables of a file before libmatio reads them: they must be whole, their
-// compressed bytes intact, and their size one that memory holds.
-class MatCheck {
- public:
-  explicit MatCheck(const std::string& path) : reader_(path) {
-    const std::string_view start = reader_.peek(kHeader);
-    swaps_ = (start[126] == 'M') == (std::endian::native == std::endian::little);
-    reader_.skip(kHeader);
-  }
-
-  std::size_t variables() {
-    constexpr std::uint32_t kMatrix = 14, kCompressed = 15;
-    while (true) {
-      const std::string_view tag = reader_.peek(8);
-      if (tag.empty()) return variables_;
-      if (tag.size() < 8) fail_cut();
-      const std::uint32_t type = word(tag, 0), size = word(tag, 4);
-      reader_.skip(8);
-      if (type != kMatrix && type != kCompressed) {
-        throw InputError(reader_.path(), fmt::format("is damaged after {} variables", variables_),
-                         kCopyAgain);
-      }
-      ++variables_;
-      if (type == kCompressed) {
-        inflate_all(size);
-      } else {
-        bytes_ += size;
-        pass(size, [](std::string_view) {});
-      }
-      check_size();
-    }
-  }
-
-  /// Of the variables passed, inflated.
-  std::uint64_t bytes() const { return bytes_; }
-
- private:
-  std::uint32_t word(std::string_view bytes, std::size_t at) const {
-    std::uint32_t value = 0;
-    std::memcpy(&value, bytes.data() + at, sizeof value);
-    return swaps_ ? __builtin_bswap32(value) : value;
-  }
-
-  [[noreturn]] void fail_cut() const {
-    throw InputError(reader_.path(), fmt::format("ends within variable {}", variables_ + 1),
-                     kCopyAgain);
-  }
-
-  template <typename Take>
-  void pass(std::uint64_t count, Take take) {
-    constexpr std::uint64_t kPart = 65536;
-    while (count > 0) {
-      const std::string_view part = reader_.peek(std::min(count, kPart));
-      if (part.empty()) {
-        --variables_;
-        fail_cut();
-      }
-      take(part);
-      count -= part.size();
-      reader_.skip(part.size());
-    }
-  }
-
-  void inflate_all(std::uint64_t count) {
-    z_stream stream{};
-    const auto close = [](z_stream* one) { inflateEnd(one); };
-    if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
-    const std::unique_ptr<z_stream, decltype(close)> closer(&stream, close);
-    std::vector<unsigned char> out(65536);
-    int status = Z_OK;
-    pass(count, [&](std::string_view part) {
-      std::string copy(part);  // zlib takes no constant bytes
-      stream.next_in = reinterpret_cast<unsigned char*>(copy.data());
-      stream.avail_in = static_cast<unsigned>(copy.size());
-      while (status == Z_OK && (stream.avail_in > 0 || stream.avail_out == 0)) {
-        stream.next_out = out.data();
-        stream.avail_out = static_cast<unsigned>(out.size());
-        status = inflate(&stream, Z_NO_FLUSH);
-        bytes_ += out.size() - stream.avail_out;
-        check_size();
-        if (status == Z_BUF_ERROR) break;
-      }
-      if (status == Z_BUF_ERROR) status = Z_OK;
-    });
-    if (status == Z_STREAM_END) return;
-    throw InputError(reader_.path(),
-                     fmt::format("the compressed bytes of variable {} are damaged", variables_),
-                     kCopyAgain);
-  }
-
-  void check_size() const {
-    if (bytes_ <= kMostBytes) return;
-    throw InputError(reader_.path(), "its variables are larger than 1 GiB",
-                     "save the time and the positions alone, or the recording in parts");
-  }
-
-  ByteReader reader_;
-  bool swaps_ = false;
-  std::size_t variables_ = 0;
-  std::uint64_t bytes_ = 0;
-};
-
 // Whether the sizes that an array states fit into memory, which libmatio allocates for them, and
 // the file has as many bytes as elements. `left`: elements that the file can still have.
 bool has_usable_size(const matvar_t* array, std::uint64_t& left, int depth) {
@@ -145,9 +41,9 @@ bool has_usable_size(const matvar_t* array, std::uint64_t& left, int depth) {
   if (depth > kDeepest || array->rank < 0 || array->rank > 10) return false;
   std::uint64_t count = 1;
   for (int i = 0; i < array->rank; ++i) {
-    if (array->dims[i] > kMostBytes) return false;
+    if (array->dims[i] > kMostMatBytes) return false;
     count *= array->dims[i];
-    if (count > kMostBytes) return false;
+    if (count > kMostMatBytes) return false;
   }
   const bool is_struct = array->class_type == MAT_C_STRUCT;
   if (!is_struct && array->class_type != MAT_C_CELL) {
@@ -298,7 +194,7 @@ MatArray MatArray::cell(std::size_t index) const {
 }
 
 bool looks_like_mat(std::string_view start) {
-  if (start.size() < kHeader) return false;
+  if (start.size() < kMatHeader) return false;
   const std::string_view order = start.substr(126, 2);
   const char version = start[order == "IM" ? 125 : 124];
   return (order == "IM" || order == "MI") && (version == 1 || version == 2);
@@ -314,7 +210,7 @@ void MatFile::Freer::operator()(matvar_t* array) const {
 MatFile::MatFile(const std::string& path) {
   {
     ByteReader reader(path);
-    const std::string_view start = reader.peek(kHeader);
+    const std::string_view start = reader.peek(kMatHeader);
     const bool is_5 = looks_like_mat(start) && start[start[126] == 'I' ? 125 : 124] == 1;
     if (!is_5) {
       throw InputError(path, "is a MAT file of version 7.3, which is HDF5",
@@ -324,7 +220,7 @@ MatFile::MatFile(const std::string& path) {
   MatCheck check(path);
   const std::size_t variables = check.variables();
   file_.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
-  std::uint64_t left = std::min(check.bytes(), kMostBytes / sizeof(double));
+  std::uint64_t left = std::min(check.bytes(), kMostMatBytes / sizeof(double));
   while (file_) {
     std::unique_ptr<matvar_t, Freer> array(Mat_VarReadNextInfo(file_.get()));
     if (!array) break;

@@ -39,7 +39,7 @@ class MatArray {
 
   /// Names of the fields of a struct.
   std::vector<std::string> fields() const;
-  /// The field `name` of element `index` of a struct; none if there is no such field.
+  /// The field `name` of element `index` of a struct; empty if the struct lacks it.
   MatArray field(const std::string& name, std::size_t index = 0) const;
   MatArray cell(std::size_t index) const;
 

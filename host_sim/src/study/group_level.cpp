@@ -102,6 +102,12 @@ std::string run_group_level(const std::string& out, const std::vector<StudyRecor
     throw InputError(out, "has no results", "run condyle study ... participant first");
   }
   fs::create_directories(group);
+  for (const auto& entry : fs::directory_iterator(group)) {
+    // Of a run that was killed.
+    if (entry.path().filename().string().find(".partial-") != std::string::npos) {
+      fs::remove(entry.path(), failure);
+    }
+  }
   std::vector<std::unique_ptr<OutputFile>> files;
   const auto open = [&](const char* name) -> OutputFile& {
     return *files.emplace_back(std::make_unique<OutputFile>((group / name).string()));

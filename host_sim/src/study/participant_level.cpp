@@ -269,12 +269,24 @@ class Workers {
   std::map<pid_t, Job> jobs_;
 };
 
+// Written in place: a run that is killed meanwhile leaves no temporary file behind, every shard
+// writes the same bytes, and the next run completes them.
 void write_description(const fs::path& out) {
   const Json description = {{"Name", "Readings of jaw motion"},
                             {"BIDSVersion", "1.9.0"},
                             {"DatasetType", "derivative"},
                             {"GeneratedBy", {{{"Name", "condyle"}, {"Version", CONDYLE_VERSION}}}}};
-  write_whole(out / "dataset_description.json", dump(description));
+  const std::string text = dump(description);
+  const fs::path path = out / "dataset_description.json";
+  {
+    std::ifstream file(path, std::ios::binary);
+    const std::string found{std::istreambuf_iterator<char>(file), {}};
+    if (found == text) return;
+  }
+  std::ofstream file(path, std::ios::binary);
+  if (!(file << text << std::flush)) {
+    throw InputError(path.string(), "cannot be written", "free space, or check its permissions");
+  }
 }
 
 }  // namespace

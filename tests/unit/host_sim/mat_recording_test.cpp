@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <matio.h>
+#include <zlib.h>
 
 #include <cmath>
 #include <fstream>
@@ -271,6 +272,30 @@ TEST(MatRecording, RefusesCutDamagedAndOtherVersions) {
 }
 
 // Any change of any byte gives a recording or a message.
+// libmatio would allocate gigabytes for the parts that these 200 bytes state.
+TEST(MatRecording, RefusesPartsThatTheFileCannotHold) {
+  const auto words = [](const std::vector<std::uint32_t>& values) {
+    return std::string(reinterpret_cast<const char*>(values.data()), 4 * values.size());
+  };
+  const auto cut = file_of({numbers("x", {1, 1}, {1})}).substr(0, 128);
+  const std::string name("s\0\0\0\0\0\0\0", 8);
+  const std::string array_of_struct = words({6, 8, 2, 0, 5, 8, 1, 30'000'000, 1, 1}) + name +
+                                      words({4U << 16U | 5U, 32, 1, 64}) + std::string(64, 'a');
+  const std::string cells = words({6, 8, 1, 0, 5, 8, 30'000, 30'000, 1, 1}) + name;
+  for (const std::string& array : {array_of_struct, cells}) {
+    const std::string matrix = words({14, static_cast<std::uint32_t>(array.size())}) + array;
+    EXPECT_THAT(problem_of(cut + matrix), HasSubstr("the sizes of variable 1 are damaged"));
+    std::string packed(2000, '\0');
+    uLongf size = packed.size();
+    ASSERT_EQ(compress(reinterpret_cast<Bytef*>(packed.data()), &size,
+                       reinterpret_cast<const Bytef*>(matrix.data()), matrix.size()),
+              Z_OK);
+    packed.resize(size);
+    EXPECT_THAT(problem_of(cut + words({15, static_cast<std::uint32_t>(size)}) + packed),
+                HasSubstr("the sizes of variable 1 are damaged"));
+  }
+}
+
 TEST(MatRecording, ChangedBytesGiveARecordingOrAMessage) {
   const std::string plain = qualisys(200, false), compressed = qualisys(200, true);
   std::mt19937 random(7);
