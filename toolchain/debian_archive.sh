@@ -28,9 +28,24 @@ fetch_packages() {
     { echo "skipped: the Debian mirror cannot be reached"; exit 77; }
 }
 
+# start_source_archive FOLDER: the same for the source packages of the Debian repositories that this
+# machine uses. fetch_source SOURCE_PACKAGE TARGET unpacks one, with Debian's patches, into TARGET.
+start_source_archive() {
+  apt-get indextargets --format 'deb-src $(SITE) $(RELEASE) $(COMPONENT)' \
+    'Created-By: Packages' 'Origin: Debian' | sort -u >"$1/sources.list"
+  archive_options=(-o Dir::Etc::SourceList="$1/sources.list" -o Dir::Etc::SourceParts=-)
+  start_archive "$(dpkg --print-architecture)" "$1"
+}
+fetch_source() {
+  (cd "$archive" && archive_apt source --only-source --download-only "$1" >/dev/null) ||
+    { echo "skipped: the Debian mirror cannot be reached"; exit 77; }
+  dpkg-source --no-check --extract "$archive/$1"_*.dsc "$2" >/dev/null
+}
+
+archive_options=()
 archive_apt() {
   apt-get -qq -o Dir::State="$archive" -o Dir::State::status="$archive/status" \
     -o Dir::Cache="$archive/cache" -o APT::Architecture="$archive_architecture" \
     -o APT::Architectures="$archive_architecture" -o APT::Sandbox::User="$(id -un)" \
-    -o Acquire::Languages=none -o Acquire::Retries=3 -o APT::Install-Recommends=false "$@"
+    -o Acquire::Languages=none -o Acquire::Retries=3 -o APT::Install-Recommends=false "${archive_options[@]}" "$@"
 }

@@ -226,6 +226,11 @@ class Source:
             if text == "if" and i < len(tokens) and tokens[i].text == "else":
                 i = self._statement(i + 1)
             return i
+        if text == "try":
+            i = self._block(i + 1)
+            while i < len(tokens) and tokens[i].text == "catch":
+                i = self._block(tokens[i + 1].partner + 1)
+            return i
         if text == "do":
             return self._end(self._statement(i + 1)) + 1
         if text in ("case", "default"):

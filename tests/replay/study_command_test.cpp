@@ -111,6 +111,8 @@ TEST_F(Study, HasAFolderForEachRecordingWithoutPathsTimesOrNames) {
   EXPECT_TRUE(whole_.count("sub-01/ses-1/s1_1_1/readings.csv"));
   EXPECT_TRUE(whole_.count("sub-02/ses-2/broken/provenance.json"));
   EXPECT_FALSE(whole_.count("sub-02/ses-2/broken/readings.csv"));
+  EXPECT_TRUE(whole_.count("dataset_description.json"));
+  EXPECT_TRUE(whole_.count(".bidsignore"));
   EXPECT_FALSE(whole_.count(".work"));
   char host[256] = {};
   ASSERT_EQ(gethostname(host, sizeof(host) - 1), 0);

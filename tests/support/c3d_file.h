@@ -2,6 +2,7 @@
 // Writes C3D files of any processor, with integers or floating-point numbers.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -100,10 +101,12 @@ struct C3dContent::Writer {
     byte(0);
   }
   void texts(int group, const std::string& name, const std::vector<std::string>& values) {
-    constexpr std::size_t kLength = 16;
-    parameter(group, name, -1, {kLength, static_cast<int>(values.size())}, kLength * values.size());
+    std::size_t length = 16;
+    for (const std::string& value : values) length = std::max(length, value.size());
+    parameter(group, name, -1, {static_cast<int>(length), static_cast<int>(values.size())},
+              length * values.size());
     for (std::string value : values) {
-      value.resize(kLength, ' ');
+      value.resize(length, ' ');
       bytes += value;
     }
     byte(0);

@@ -4,22 +4,24 @@
 #include <nlohmann/json.hpp>
 
 #include "condyle/hal/status.h"
+#include "hosted/files/clean_text.h"
 
 namespace condyle::box {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Names come from files: they are shown by pages and on terminals.
 Json device_json(const BoxStatus& status) {
   const EngineCounts& counts = status.counts;
   Json json;
-  json["source"] = status.source;
-  json["name"] = status.device;
+  json["source"] = host::clean_line(status.source);
+  json["name"] = host::clean_line(status.device);
   json["found"] = status.is_found;
   json["connected"] = status.is_open;
   json["ended"] = status.has_ended;
   json["last_status"] = hal::status_name(status.last_status);
-  json["problem"] = status.problem;
+  json["problem"] = host::clean_line(status.problem);
   json["connections"] = status.connections;
   json["disconnections"] = counts.disconnections;
   json["rate_Hz"] = status.rate_Hz;

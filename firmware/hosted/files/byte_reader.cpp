@@ -7,24 +7,35 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
 #include "hosted/files/input_error.h"
 
 namespace condyle::host {
+namespace {
+
+void refuse_directory(const std::string& path) {
+  std::error_code missing;
+  if (std::filesystem::is_directory(path, missing)) {
+    throw InputError(path, "is a directory", "name a file inside it");
+  }
+}
+
+}  // namespace
 
 ByteReader::ByteReader(const std::string& path)
     : path_(path), buffer_(std::make_unique_for_overwrite<char[]>(kBufferSize)) {
   file_.reset(std::fopen(path.c_str(), "rb"));
   if (!file_) {
-    throw InputError(path, fmt::format("cannot be opened: {}", std::strerror(errno)),
+    const std::string problem = std::strerror(errno);
+    refuse_directory(path);  // Windows opens none
+    throw InputError(path, fmt::format("cannot be opened: {}", problem),
                      "check the name and that you may read it");
   }
   std::setvbuf(file_.get(), nullptr, _IONBF, 0);  // this class buffers
   struct stat status = {};
   if (fstat(fileno(file_.get()), &status) == 0) {
-    if (S_ISDIR(status.st_mode)) {
-      throw InputError(path, "is a directory", "name a file inside it");
-    }
+    if (S_ISDIR(status.st_mode)) refuse_directory(path);
     if (S_ISREG(status.st_mode)) size_ = static_cast<std::uint64_t>(status.st_size);
   }
 }

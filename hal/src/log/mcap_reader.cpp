@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "condyle/hal/log/mcap_reader.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -14,6 +11,7 @@
 #include "log/crc32.h"
 #include "log/little_endian.h"
 #include "log/mcap_opcode.h"
+#include "log/regular_file.h"
 
 namespace condyle::hal {
 namespace {
@@ -59,27 +57,24 @@ Status McapReader::open(const std::string& path) {
     return status;
   };
 
-  // Non-blocking: opening a pipe would wait for its other end.
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor < 0) {
+  file_.reset(open_without_waiting(path.c_str()));
+  if (file_ == nullptr) {
     const int error = errno;
     return refuse(error == ENOENT || error == ENOTDIR ? Status::not_found
                   : error == EACCES || error == EPERM ? Status::not_permitted
                                                       : Status::bad_report,
                   std::strerror(error));
   }
-  file_.reset(fdopen(descriptor, "rb"));
-  struct stat information {};
-  if (file_ == nullptr || fstat(descriptor, &information) != 0 || !S_ISREG(information.st_mode)) {
-    if (file_ == nullptr) ::close(descriptor);
+  if (!is_regular_file(file_.get(), size_)) {
     return refuse(Status::bad_report, "it is not a regular file");
   }
-  size_ = static_cast<std::uint64_t>(information.st_size);
 
   std::array<std::uint8_t, kMcapMagic.size()> magic{};
   const auto tail = static_cast<off_t>(size_ - std::min<std::uint64_t>(size_, magic.size()));
-  ends_with_magic_ = pread(descriptor, magic.data(), magic.size(), tail) == ssize_t{magic.size()} &&
+  ends_with_magic_ = fseeko(file_.get(), tail, SEEK_SET) == 0 &&
+                     std::fread(magic.data(), 1, magic.size(), file_.get()) == magic.size() &&
                      magic == kMcapMagic && size_ > magic.size();
+  std::rewind(file_.get());
   const std::size_t got = std::fread(magic.data(), 1, magic.size(), file_.get());
   if (got < magic.size()) return refuse(Status::bad_report, "it is too short for an MCAP file");
   if (magic != kMcapMagic) {

@@ -11,6 +11,7 @@
 #include "options/command_line.h"
 #include "options/reading_options.h"
 #include "output/deferred_problem.h"
+#include "output/gnuplot.h"
 #include "output/progress.h"
 #include "output/report_text.h"
 #include "readings/readings_files.h"
@@ -57,6 +58,8 @@ int analyse_all(const AnalyseOptions& options) {
   hal::SteadyClock clock;
   std::vector<Analysis> analyses;
   std::vector<std::string> problems;
+  const std::string no_figures = why_no_figures();
+  const bool draws_figures = folder && !options.without_figures && no_figures.empty();
   std::string text;
   {
     Progress progress("analysing", clock, 1);
@@ -70,7 +73,7 @@ int analyse_all(const AnalyseOptions& options) {
           files.push_back(std::make_unique<OutputFile>(path_in(prefix + "poses.csv")));
           write_poses(analysis, *files.back());
           files.back()->close();
-          if (!options.without_figures) {
+          if (draws_figures) {
             for (auto& figure : draw_readings(options.out, prefix, analysis)) {
               files.push_back(std::move(figure));
             }
@@ -85,6 +88,7 @@ int analyse_all(const AnalyseOptions& options) {
       }
     }
   }
+  if (folder && !options.without_figures && !no_figures.empty()) text += "\n" + no_figures + "\n";
   if (folder) {
     write("readings.csv", readings_csv(analyses));
     write("readings.json", readings_json(analyses));

@@ -22,6 +22,7 @@ struct ExportCommandOptions {
   std::string recording, out, format;
   RecordingChoice reading;
   TableForm form;
+  BidsLabels labels;
 };
 
 std::string summary(const ExportData& data, const ExportFormat& format,
@@ -59,6 +60,13 @@ int run(const ExportCommandOptions& options) {
     throw InputError("--decimal-comma", fmt::format("does not apply to {}", format.name),
                      "leave it out, or write CSV");
   }
+  const BidsLabels& labels = options.labels;
+  if (!format.takes_labels &&
+      !(labels.subject + labels.session + labels.task + labels.run).empty()) {
+    throw InputError("--subject, --session, --task or --run",
+                     fmt::format("does not apply to {}", format.name),
+                     "leave it out, or give --format bids");
+  }
   refuse_same_files({options.recording}, {options.out});
   hal::SteadyClock clock;
   ExportData data;
@@ -70,6 +78,7 @@ int run(const ExportCommandOptions& options) {
     });
   }
   if (stop_requested()) return report_stop();
+  data.labels = labels;
   if (options.form.resample_Hz) resample(data, *options.form.resample_Hz);
   if (format.takes_estimates) add_estimates(options, data);
   Exported written = format.write(data, options.form, options.out);
@@ -95,9 +104,14 @@ Command add_export(CommandLine app) {
                       "Write them for OpenSim, at 50 samples per second.");
   command.add_option("RECORDING", options->recording, "As for replay; all points are taken")
       .required();
+  command.add_example(
+      "condyle export session.csv --out shared --format bids --subject 01 --task clinical",
+      "Add it to a data set of Motion-BIDS.");
   const CommandLine output = command.group("Output");
   const Option out =
-      output.add_option("-o,--out=FILE", options->out, "The file; its ending chooses the format")
+      output
+          .add_option("-o,--out=FILE", options->out,
+                      "The file, whose ending chooses the format; of bids the folder")
           .required();
   std::string formats;
   for (const ExportFormat& format : export_formats()) {
@@ -105,6 +119,12 @@ Command add_export(CommandLine app) {
   }
   output.add_option("--format", options->format,
                     "One of " + formats + ", if the ending of the file does not say");
+  const CommandLine names = command.group("Names in BIDS");
+  names.add_option("--subject", options->labels.subject,
+                   "Letters and digits; without it as in the recording's name, sub-01_task-open");
+  names.add_option("--session", options->labels.session, "The same, ses-; may be left out");
+  names.add_option("--task", options->labels.task, "The same, task-: what was recorded");
+  names.add_option("--run", options->labels.run, "The same, run-: a number; may be left out");
   add_table_options(command, options->form, out, "as is usual for the format");
   add_recording_options(command, options->reading);
   return [options] { return run(*options); };

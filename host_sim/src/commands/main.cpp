@@ -2,7 +2,6 @@
 // The condyle command; exit codes are in commands.h.
 #include <algorithm>
 #include <atomic>
-#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -14,6 +13,7 @@
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/last_words.h"
+#include "hosted/system/system.h"
 #include "output/deferred_problem.h"
 #include "output/output_file.h"
 
@@ -22,13 +22,6 @@ namespace {
 
 std::atomic<bool> stop_signal{false};  // also read by threads
 static_assert(std::atomic<bool>::is_always_lock_free);
-
-// Without SA_RESTART, so that a signal also ends a wait for a pipe.
-void stop_on(int signal) {
-  struct sigaction action = {};
-  action.sa_handler = [](int) { stop_signal = true; };
-  sigaction(signal, &action, nullptr);
-}
 
 using Commands = std::vector<std::pair<const char*, Command>>;
 
@@ -52,6 +45,7 @@ Commands add_commands(CommandLine line) {
   commands.emplace_back("friction", add_friction(line));
   commands.emplace_back("observability", add_observability(line));
   commands.emplace_back("inspect", add_inspect(line));
+#ifdef CONDYLE_HAS_DEVICES
   commands.emplace_back("doctor", add_doctor(line));
   commands.emplace_back("record", add_record(line));
 #ifdef CONDYLE_HAS_LIVE_PAGE
@@ -60,7 +54,20 @@ Commands add_commands(CommandLine line) {
   commands.emplace_back("session", add_session(line));
   commands.emplace_back("bridge", add_bridge(line));
   commands.emplace_back("fake", add_fake(line));
+#endif
   return commands;
+}
+
+// Throws InputError for a command that this build lacks.
+void refuse_absent(const std::vector<std::string>& words) {
+#ifndef CONDYLE_HAS_DEVICES
+  for (const char* const name : {"doctor", "record", "live", "session", "bridge", "fake"}) {
+    if (words.empty() || words[0] != name) continue;
+    throw InputError(name, "this command is for devices, which condyle reads on Linux only",
+                     "run condyle alone for a list of the other commands");
+  }
+#endif
+  static_cast<void>(words);
 }
 
 int run_command(int argc, char** argv) {
@@ -74,6 +81,7 @@ int run_command(int argc, char** argv) {
     write_manual(program.describe(), "condyle " CONDYLE_VERSION, words[2]);
     return kExitOk;
   }
+  refuse_absent(words);
   std::string text;
   switch (program.parse(argc, argv, text)) {
     case Program::Parsed::answered:
@@ -95,10 +103,7 @@ int run_command(int argc, char** argv) {
 }
 
 int run(int argc, char** argv) {
-  stop_on(SIGINT);
-  stop_on(SIGTERM);
-  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is then a reported write error
-  std::signal(SIGXFSZ, SIG_IGN);  // so is a file at its size limit
+  prepare_program([](int) { stop_signal = true; });
   try {
     return run_command(argc, argv);
   } catch (const InputError& error) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "condyle/estimator/provenance.h"
+#include "recordings/bids_names.h"
 #include "recordings/recording.h"
 
 namespace condyle::host {
@@ -52,6 +53,7 @@ struct ExportData {
   std::vector<NamedInstant> events;            ///< on the recording's clock
   std::optional<double> rate_Hz;               ///< after resampling: exact
   std::shared_ptr<ExportEstimates> estimates;  ///< null: none
+  BidsLabels labels;                           ///< for formats that file recordings by them
   std::vector<std::string> notes;              ///< what the user must know
 
   std::size_t samples() const { return time_ns.size(); }

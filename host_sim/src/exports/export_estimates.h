@@ -27,6 +27,8 @@ class ExportEstimates {
   bool has_impedance() const { return info_.has_drive; }
   /// What is followed: "one axis"; "point 1, axis z".
   std::string followed() const { return choice_.text(info_.kind); }
+  /// The followed point; see FollowedPoint.
+  FollowedPoint point() const { return choice_.point(); }
   double assumed_mass_kg() const { return parameters_.assumed_mass_kg; }
 
   /// Passes each row to `take`, until `is_stopped`; once.

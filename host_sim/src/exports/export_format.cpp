@@ -22,6 +22,7 @@ const std::vector<ExportFormat>& export_formats() {
       {"wide", {}, "CSV with one sample in a row, for spreadsheets", true, export_wide_csv},
       {"sto", {".sto", ".mot"}, "motion for OpenSim", false, export_opensim},
       {"mat", {".mat"}, "a struct of arrays, for MATLAB and Octave", false, export_mat},
+      {"bids", {}, "a data set of Motion-BIDS, in a folder", false, export_bids, true, true},
       {"trc", {".trc"}, "points at one rate, for OpenSim", false, export_trc},
   };
   return formats;

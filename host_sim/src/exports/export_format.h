@@ -19,8 +19,9 @@ namespace condyle::host {
 
 /// What a format wrote.
 struct Exported {
-  std::vector<std::unique_ptr<OutputFile>> files;  ///< closed, not yet committed
-  std::vector<std::string> notes;                  ///< on what the format does not hold
+  std::vector<std::unique_ptr<OutputFolder>> folders;  ///< around the files; inner ones first
+  std::vector<std::unique_ptr<OutputFile>> files;      ///< closed, not yet committed
+  std::vector<std::string> notes;                      ///< on what the format does not hold
 };
 
 /// Writes `data`, already resampled, to the file, or into the folder, `out`. Throws InputError if
@@ -36,6 +37,7 @@ struct ExportFormat {
   bool takes_decimal_comma;
   Exporter write;
   bool takes_estimates = false;
+  bool takes_labels = false;  ///< subject, session, task and run
 };
 
 /// All formats, the usual one of each ending first.
@@ -44,6 +46,8 @@ const std::vector<ExportFormat>& export_formats();
 /// if it is not known.
 const ExportFormat& export_format(const std::string& name, const std::string& out);
 
+/// Motion-BIDS: adds the recording to the data set in the folder `out`.
+Exported export_bids(const ExportData& data, const TableForm& form, const std::string& out);
 /// C3D: points, channels and events at one rate.
 Exported export_c3d(const ExportData& data, const TableForm& form, const std::string& out);
 /// MCAP: everything, with estimates.

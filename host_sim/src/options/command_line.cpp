@@ -339,6 +339,7 @@ Program::Program(const std::string& name, const std::string& version, const std:
     : version_(name + " " + version), app_(std::make_unique<CLI::App>(meaning, name)) {
   app_->set_help_flag("-h,--help", "Show this list of commands");
   app_->set_version_flag("-v,--version", version_, "Show the version");
+  app_->allow_windows_style_options(false);  // a word that begins with '/' is a path
 }
 
 Program::~Program() = default;

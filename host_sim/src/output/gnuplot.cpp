@@ -15,7 +15,6 @@
 #include <fstream>
 #include <utility>
 
-#include "hosted/files/clean_text.h"
 #include "output/deferred_problem.h"
 
 namespace condyle::host {
@@ -79,16 +78,8 @@ int start(const std::string& program, const std::string& folder, int input, pid_
 
 }  // namespace
 
-std::string gnuplot_quoted(std::string_view text) {
-  std::string result = "'";
-  // At the start of a text, gnuplot does not read two apostrophes as an escaped one.
-  for (const char c : clean_line(text)) result += c == '\'' ? "\u2019" : std::string(1, c);
-  return result + "'";
-}
-
-std::string title_command(std::string_view title, std::string_view options) {
-  return fmt::format("set title {} noenhanced {}\n",
-                     gnuplot_quoted(fmt::format("{}  (research use only)", title)), options);
+std::string why_no_figures() {
+  return "";
 }
 
 Gnuplot::Gnuplot(std::string directory) : directory_(std::move(directory)) {

@@ -20,6 +20,9 @@ std::string gnuplot_quoted(std::string_view text);
 /// of gnuplot.
 std::string title_command(std::string_view title, std::string_view options = "");
 
+/// Why condyle starts no gnuplot on this system, and what draws instead; empty if it starts one.
+std::string why_no_figures();
+
 /// A running gnuplot that draws into a folder. If it is missing or fails there is no figure, and
 /// the command reports it at the end (deferred_problem.h).
 class Gnuplot {

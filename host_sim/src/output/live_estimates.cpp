@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output/live_estimates.h"
 
-#include <csignal>
-
 #include <chrono>
 
 #include "hosted/files/input_error.h"
+#include "hosted/system/system.h"
 
 namespace condyle::host {
 
@@ -72,8 +71,7 @@ void LiveFile<File>::finish() {
   is_finished_ = true;
 }
 
-// A stalled reader blocks the thread in a write, which only a signal ends; the command's handler of
-// SIGTERM has no other effect at this point.
+// A stalled reader blocks the thread in a write.
 template <class File>
 void LiveFile<File>::interrupt_writer() {
   if (!thread_.joinable()) return;
@@ -85,7 +83,7 @@ void LiveFile<File>::interrupt_writer() {
   }
   changed_.notify_all();
   while (!changed_.wait_for(lock, std::chrono::milliseconds(200), [this] { return has_ended_; })) {
-    pthread_kill(thread_.native_handle(), SIGTERM);
+    interrupt_write(thread_);
   }
   lock.unlock();
   thread_.join();

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output/output_file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -14,14 +11,14 @@
 
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
+#include "hosted/system/system.h"
 #include "recordings/recording_files.h"
 
 namespace condyle::host {
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   if (path_ == "-") {
     temporary_path_ = path_;
-    const int descriptor = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
-    if (descriptor >= 0) file_ = fdopen(descriptor, "wb");
+    file_ = duplicate_standard_output();
     if (file_ == nullptr) fail("standard output cannot be written");
     has_standard_output_ = true;
     return;
@@ -32,34 +29,23 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     path_ = target.string();  // replaces the target of a link, not the link
   }
   temporary_path_ = path_;
-  struct stat status = {};
-  const bool exists = stat(path_.c_str(), &status) == 0;
-  if (exists && !S_ISREG(status.st_mode)) {
-    if (S_ISDIR(status.st_mode)) {
-      throw InputError(path_, "is a directory", "give a file inside it");
-    }
-    file_ = std::fopen(path_.c_str(), "wb");
-  } else {
-    temporary_path_ += ".partial-XXXXXX";
-    const int descriptor = mkstemp(temporary_path_.data());
-    if (descriptor >= 0) {
-      const mode_t mask = umask(0);
-      umask(mask);
-      if (fchmod(descriptor, exists ? status.st_mode & 0777 : 0666 & ~mask) == 0) {
-        file_ = fdopen(descriptor, "wb");
-      }
-    }
+  const auto status = std::filesystem::status(path_, no_link);
+  if (std::filesystem::is_directory(status)) {
+    throw InputError(path_, "is a directory", "give a file inside it");
   }
+  const bool is_written_directly =
+      std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+  file_ = is_written_directly ? std::fopen(path_.c_str(), "wb") : make_file_beside(temporary_path_);
   if (file_ == nullptr) fail("cannot be written");
 }
 
 OutputFile::~OutputFile() {
   if (file_ != nullptr) {
     // Discards the buffer, and does not wait for a reader.
-    if (path_ != "-") fcntl(fileno(file_), F_SETFL, O_NONBLOCK);
+    if (path_ != "-") discard_unread(file_);
     std::fclose(file_);
   }
-  if (!temporary_path_.empty() && temporary_path_ != path_) unlink(temporary_path_.c_str());
+  if (!temporary_path_.empty() && temporary_path_ != path_) std::remove(temporary_path_.c_str());
 }
 
 void OutputFile::write(std::string_view text) {
@@ -73,8 +59,11 @@ void OutputFile::close() {
 }
 
 void OutputFile::commit() {
-  if (temporary_path_ != path_ && std::rename(temporary_path_.c_str(), path_.c_str()) != 0) {
-    fail("cannot be renamed");
+  if (temporary_path_ != path_) {
+    std::error_code error;  // on Windows, std::rename replaces no file
+    std::filesystem::rename(temporary_path_, path_, error);
+    errno = error.value();
+    if (error) fail("cannot be renamed");
   }
   temporary_path_.clear();
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "hosted/estimates/pose_fields.h"
 #include "hosted/files/number_text.h"
@@ -14,7 +15,7 @@
 namespace condyle::host {
 namespace {
 
-constexpr double kDegrees = 180 / M_PI;
+constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr int kDegreesOfFreedom = 6;
 
 }  // namespace

@@ -17,7 +17,7 @@ constexpr double kLeastElapsed_s = 3;
 Progress::Progress(std::string what, hal::Clock& clock, unsigned calls_between_looks)
     : what_(std::move(what)),
       clock_(clock),
-      is_terminal_(isatty(STDERR_FILENO) == 1),
+      is_terminal_(isatty(STDERR_FILENO) != 0),
       calls_between_looks_(calls_between_looks),
       next_ns_(clock.now_ns() + kFirst_ns) {}
 

@@ -139,6 +139,13 @@ class ArrayWalk {
 
 }  // namespace
 
+bool looks_like_mat(std::string_view start) {
+  if (start.size() < kMatHeader) return false;
+  const std::string_view order = start.substr(126, 2);
+  const char version = start[order == "IM" ? 125 : 124];
+  return (order == "IM" || order == "MI") && (version == 1 || version == 2);
+}
+
 MatCheck::MatCheck(const std::string& path) : reader_(path) {
   const std::string_view start = reader_.peek(kMatHeader);
   swaps_ = (start[126] == 'M') == (std::endian::native == std::endian::little);

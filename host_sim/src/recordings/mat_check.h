@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "hosted/files/byte_reader.h"
 
@@ -11,6 +12,9 @@ namespace condyle::host {
 constexpr std::size_t kMatHeader = 128;
 /// Of all variables of a MAT file, in memory.
 constexpr std::uint64_t kMostMatBytes = std::uint64_t{1} << 30U;
+
+/// True if `start`, at least the header, begins a MAT file of version 5 or 7.3.
+bool looks_like_mat(std::string_view start);
 
 /// Passes over the variables of a file before libmatio reads them: they must be whole, their
 /// compressed bytes intact, and their size one that memory holds. libmatio allocates the parts that

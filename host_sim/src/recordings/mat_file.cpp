@@ -193,13 +193,6 @@ MatArray MatArray::cell(std::size_t index) const {
   return MatArray(Mat_VarGetCell(const_cast<matvar_t*>(array_), static_cast<int>(index)));
 }
 
-bool looks_like_mat(std::string_view start) {
-  if (start.size() < kMatHeader) return false;
-  const std::string_view order = start.substr(126, 2);
-  const char version = start[order == "IM" ? 125 : 124];
-  return (order == "IM" || order == "MI") && (version == 1 || version == 2);
-}
-
 void MatFile::Closer::operator()(_mat_t* file) const {
   Mat_Close(file);
 }

@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 struct _mat_t;
@@ -48,9 +47,6 @@ class MatArray {
 
   const matvar_t* array_ = nullptr;
 };
-
-/// True if `start`, at least 128 bytes, begins a MAT file of version 5 or 7.3.
-bool looks_like_mat(std::string_view start);
 
 /// The variables of a MAT file, all in memory.
 class MatFile {

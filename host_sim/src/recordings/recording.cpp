@@ -16,6 +16,7 @@
 #include "recordings/device_recording.h"
 #include "recordings/exported_mcap.h"
 #include "recordings/maker_tables.h"
+#include "recordings/mat_check.h"
 #include "recordings/mat_recording.h"
 #include "recordings/named_points.h"
 #include "recordings/recording_files.h"
@@ -268,6 +269,7 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
   }
   if (!options.reads_drive_alone) {
     if (auto table = open_maker_table(reader, options)) {
+      if (table->names().empty() && options.markers.empty()) return table;  // poses
       return chosen(std::move(table), options, use, path);
     }
   }

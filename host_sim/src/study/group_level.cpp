@@ -33,17 +33,13 @@ std::string repeatability_csv(const StudyTables& tables) {
       "study_task,task,side,reading,unit,scatter,subjects,recordings,degrees_of_freedom,sd,sd_low,"
       "sd_high,smallest_detectable_change\n";
   for (const auto& [key, reading] : tables.readings) {
-    std::size_t recordings = 0;
-    for (const auto& [subject, sessions] : reading.values) {
-      for (const auto& [session, values] : sessions) recordings += values.size();
-    }
     const std::pair<const char*, const Repeatability*> scatters[] = {
         {"within sessions", &reading.repeats}, {"between sessions", &reading.retests}};
     for (const auto& [name, scatter] : scatters) {
       const bool is_known = scatter->is_known();
       text += fmt::format(
-          "{},{},{},{},{},{},{},{},{},{}\n", key_cells(key), reading.unit, name,
-          reading.values.size(), recordings, scatter->degrees_of_freedom,
+          "{},{},{},{},{},{},{},{},{},{}\n", key_cells(key), reading.unit, name, reading.subjects,
+          reading.values.size(), scatter->degrees_of_freedom,
           is_known ? number(scatter->within_sd) : "", is_known ? number(scatter->interval.low) : "",
           is_known ? number(scatter->interval.high) : "", number(scatter->smallest_change(1, 1)));
     }
@@ -51,19 +47,20 @@ std::string repeatability_csv(const StudyTables& tables) {
   return text;
 }
 
-std::string changes_csv(const StudyTables& tables) {
-  std::string text =
+// Written at once: of many subjects they are the longest table but the readings.
+void write_changes(const StudyTables& tables, OutputFile& file) {
+  file.write(
       "subject,study_task,task,side,reading,unit,from,to,mean_from,mean_to,recordings_from,"
-      "recordings_to,change,smallest_detectable_change\n";
+      "recordings_to,change,smallest_detectable_change\n");
   for (const auto& [key, reading] : tables.readings) {
-    for (const StudyChange& change : changes_of(reading)) {
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", change.subject, key_cells(key),
-                          reading.unit, change.from, change.to, number(change.mean_from),
-                          number(change.mean_to), change.count_from, change.count_to,
-                          number(change.mean_to - change.mean_from), number(change.smallest));
+    const std::string cells = key_cells(key);
+    for (const StudyChange& change : changes_of(tables, reading)) {
+      file.write(fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", change.subject, cells,
+                             reading.unit, change.from, change.to, number(change.mean_from),
+                             number(change.mean_to), change.count_from, change.count_to,
+                             number(change.mean_to - change.mean_from), number(change.smallest)));
     }
   }
-  return text;
 }
 
 std::string problems_csv(const StudyTables& tables) {
@@ -123,7 +120,7 @@ std::string run_group_level(const std::string& out, const std::vector<StudyRecor
       });
   open("problems.csv").write(problems_csv(tables));
   open("repeatability.csv").write(repeatability_csv(tables));
-  open("changes.csv").write(changes_csv(tables));
+  write_changes(tables, open("changes.csv"));
   open("study.html").write(study_page(tables));
   for (const auto& file : files) file->close();
 

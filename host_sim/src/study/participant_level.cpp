@@ -2,10 +2,6 @@
 #include "study/participant_level.h"
 
 #include <fmt/format.h>
-#include <signal.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -19,6 +15,7 @@
 #include <thread>
 
 #include "hosted/files/input_error.h"
+#include "hosted/system/system.h"
 #include "output/output_file.h"
 #include "output/report_text.h"
 #include "readings/readings_files.h"
@@ -197,9 +194,8 @@ class Workers {
 
   explicit Workers(const StudyChoice& choice) : choice_(choice) {}
   ~Workers() {
-    for (const auto& [process, job] : jobs_) kill(process, SIGKILL);
-    for (const auto& [process, job] : jobs_) {
-      waitpid(process, nullptr, 0);
+    processes_.end_all();
+    for (const auto& [id, job] : jobs_) {
       std::error_code failure;
       fs::remove_all(job.work, failure);
     }
@@ -210,49 +206,38 @@ class Workers {
   std::size_t count() const { return jobs_.size(); }
 
   void start(Job job, const Inputs& inputs) {
-    std::fflush(nullptr);
-    const pid_t parent = getpid();
-    const pid_t process = fork();
-    if (process < 0) {
+    const auto id = processes_.start([&] {
+      try {
+        return work_on(job.recording, choice_, job.provenance, inputs, job.work, job.place);
+      } catch (const std::exception& error) {  // the disk
+        std::fprintf(stderr, "condyle: %s: %s\n", job.recording.recording.c_str(), error.what());
+        return kExitProblem + 1;
+      }
+    });
+    if (!id) {
       throw InputError("study", fmt::format("cannot start a process: {}", std::strerror(errno)),
                        "use fewer --jobs");
     }
-    if (process == 0) {
-      prctl(PR_SET_PDEATHSIG, SIGKILL);
-      if (getppid() != parent) _exit(kExitProblem);
-      // A key on the terminal reaches all; the parent ends its workers.
-      signal(SIGINT, SIG_IGN);
-      int status = kExitProblem;
-      try {
-        status = work_on(job.recording, choice_, job.provenance, inputs, job.work, job.place);
-      } catch (const std::exception& error) {  // the disk
-        std::fprintf(stderr, "condyle: %s: %s\n", job.recording.recording.c_str(), error.what());
-        status = kExitProblem + 1;
-      }
-      std::fflush(nullptr);
-      _exit(status);
-    }
-    jobs_.emplace(process, std::move(job));
+    jobs_.emplace(*id, std::move(job));
   }
 
   // Waits a little for a process to end, and counts it.
   void wait(StudyCounts& counts) {
-    int status = 0;
-    const pid_t process = waitpid(-1, &status, WNOHANG);
-    const auto found = jobs_.find(process);
-    if (found == jobs_.end()) {
+    const auto ended = processes_.take_ended();
+    if (!ended) {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
       return;
     }
+    const auto found = jobs_.find(ended->id);
     const Job job = std::move(found->second);
     jobs_.erase(found);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == kExitAnalysed) {
+    if (ended->exit_code == kExitAnalysed) {
       ++counts.analysed;
       return;
     }
     ++counts.problems;
-    if (WIFEXITED(status) && WEXITSTATUS(status) == kExitProblem) return;
-    if (WIFEXITED(status)) {
+    if (ended->exit_code == kExitProblem) return;
+    if (ended->exit_code) {
       throw InputError(choice_.out, "cannot be written", "free space, or check its permissions");
     }
     fs::remove_all(job.work);
@@ -260,24 +245,19 @@ class Workers {
     write_provenance(job.work, job.provenance, "ended",
                      fmt::format("the analysis was ended by signal {}, as if memory was short; "
                                  "it is tried again by the next run",
-                                 WTERMSIG(status)));
+                                 ended->signal));
     put_in_place(job.work, job.place);
   }
 
  private:
   const StudyChoice& choice_;
-  std::map<pid_t, Job> jobs_;
+  JobProcesses processes_;
+  std::map<long, Job> jobs_;
 };
 
 // Written in place: a run that is killed meanwhile leaves no temporary file behind, every shard
 // writes the same bytes, and the next run completes them.
-void write_description(const fs::path& out) {
-  const Json description = {{"Name", "Readings of jaw motion"},
-                            {"BIDSVersion", "1.9.0"},
-                            {"DatasetType", "derivative"},
-                            {"GeneratedBy", {{{"Name", "condyle"}, {"Version", CONDYLE_VERSION}}}}};
-  const std::string text = dump(description);
-  const fs::path path = out / "dataset_description.json";
+void write_in_place(const fs::path& path, const std::string& text) {
   {
     std::ifstream file(path, std::ios::binary);
     const std::string found{std::istreambuf_iterator<char>(file), {}};
@@ -287,6 +267,16 @@ void write_description(const fs::path& out) {
   if (!(file << text << std::flush)) {
     throw InputError(path.string(), "cannot be written", "free space, or check its permissions");
   }
+}
+
+// What BIDS asks of a folder of results. It has no names for readings: validators are told so.
+void write_description(const fs::path& out) {
+  const Json description = {{"Name", "Readings of jaw motion"},
+                            {"BIDSVersion", "1.9.0"},
+                            {"DatasetType", "derivative"},
+                            {"GeneratedBy", {{{"Name", "condyle"}, {"Version", CONDYLE_VERSION}}}}};
+  write_in_place(out / "dataset_description.json", dump(description));
+  write_in_place(out / ".bidsignore", "sub-*/**\ngroup/**\n");
 }
 
 }  // namespace

@@ -4,11 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "report/html_text.h"
 #include "study/group_level.h"
+#include "study/study_plot.h"
 
 namespace condyle::host {
 namespace {
@@ -95,95 +94,40 @@ std::string scatter_table(const StudyTables& tables) {
     const std::string repeats = scatter_text(reading.repeats, reading.unit);
     const std::string retests = scatter_text(reading.retests, reading.unit);
     text += fmt::format("<tr><td>{}</td><td class=\"number\">{}</td><td>{}</td><td>{}</td></tr>\n",
-                        html_text(reading_title(key)), reading.values.size(),
+                        html_text(reading_title(key)), reading.subjects,
                         repeats.empty() ? "not known: no repeats" : html_text(repeats),
                         retests.empty() ? "not known: one session" : html_text(retests));
   }
   return text + "</table>\n";
 }
 
-// Each subject a line, each session a column of points with their intervals. The subjects stand
-// beside each other, or their intervals would cover each other.
-std::string plot(const ReadingKey& key, const StudyReading& reading) {
-  std::vector<std::string> sessions;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const auto& [subject, of_session] : reading.values) {
-    for (const auto& [session, values] : of_session) {
-      if (std::find(sessions.begin(), sessions.end(), session) == sessions.end()) {
-        sessions.push_back(session);
-      }
-      for (const double value : values) low = std::min(low, value), high = std::max(high, value);
-      const SessionInterval& interval = reading.intervals.at(subject).at(session);
-      if (!std::isfinite(interval.high - interval.low)) continue;
-      low = std::min(low, interval.low), high = std::max(high, interval.high);
-    }
-  }
-  std::sort(sessions.begin(), sessions.end());
-  const double margin = high > low ? 0.05 * (high - low) : 1;
-  low -= margin, high += margin;
-  constexpr double kWidth = 260, kHeight = 150, kLeft = 66, kBottom = 20, kTop = 8;
-  constexpr double kSpread = 0.8;  // of a column, over which the subjects stand
-  const auto x_of = [&](const std::string& session) {
-    const auto at = std::find(sessions.begin(), sessions.end(), session) - sessions.begin();
-    return kLeft + (static_cast<double>(at) + 0.5) / static_cast<double>(sessions.size()) *
-                       (kWidth - kLeft - 6);
-  };
-  const auto y_of = [&](double value) {
-    return kHeight - kBottom - (value - low) / (high - low) * (kHeight - kBottom - kTop);
-  };
-  const std::string title = reading_title(key);
-  std::string svg = fmt::format(
-      "<svg width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
-      "aria-label=\"{2}\">\n<path d=\"M{3} {4}V{5}H{6}\" fill=\"none\" stroke=\"#888\"/>\n",
-      kWidth, kHeight, html_text(title), kLeft, kTop, kHeight - kBottom, kWidth - 6);
-  for (const double value : {low + margin, high - margin}) {
-    svg += fmt::format("<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{:.4g}</text>\n", kLeft - 4,
-                       y_of(value) + 4, value);
-  }
-  for (const std::string& session : sessions) {
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                       x_of(session), kHeight - 5, session.empty() ? "all" : html_text(session));
-  }
-  const double column = (kWidth - kLeft - 6) / static_cast<double>(sessions.size());
-  const double count = static_cast<double>(reading.values.size());
-  double number = 0;
-  for (const auto& [subject, of_session] : reading.values) {
-    std::string line, points, bars;
-    const double aside = kSpread * column * ((number++ + 0.5) / count - 0.5);
-    for (const auto& [session, values] : of_session) {
-      double mean = 0;
-      for (const double value : values) mean += value / static_cast<double>(values.size());
-      const double x = x_of(session) + aside, y = y_of(mean);
-      const SessionInterval& interval = reading.intervals.at(subject).at(session);
-      if (std::isfinite(interval.high - interval.low)) {
-        bars += fmt::format("M{:.1f} {:.1f}V{:.1f}", x, y_of(interval.low), y_of(interval.high));
-      }
-      line += fmt::format("{}{:.1f} {:.1f}", line.empty() ? "M" : "L", x, y);
-      points += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2\"/>", x, y);
-    }
-    svg += fmt::format(
-        "<g fill=\"#1b4f8f\"><title>{}</title><path d=\"{}\" fill=\"none\" "
-        "stroke=\"#1b4f8f\" stroke-opacity=\".2\"/><path d=\"{}\" "
-        "stroke=\"#1b4f8f\" stroke-opacity=\".6\"/>{}</g>\n",
-        html_text(subject), line, bars, points);
-  }
-  return fmt::format("<figure>{}</svg><figcaption>{}, {}</figcaption></figure>\n", svg,
-                     html_text(title), html_text(reading.unit));
-}
-
 std::string plots(const StudyTables& tables) {
   std::string text;
-  std::size_t count = 0;
+  std::size_t count = 0, boxes = 0;
   for (const auto& [key, reading] : tables.readings) {
-    if (reading.values.size() < kLeastSubjects || count == kMostPlots) continue;
-    text += plot(key, reading);
+    if (reading.subjects < kLeastSubjects || count == kMostPlots) continue;
+    text += study_plot(reading_title(key), reading.unit, sessions_of(tables, reading));
     ++count;
+    if (reading.subjects > kMostSubjectsDrawn) ++boxes;
   }
   if (count == 0) {
     return fmt::format("<p>None: no reading is shown for {} subjects or more.</p>\n",
                        kLeastSubjects);
   }
-  return "<div class=\"plots\">\n" + text + "</div>\n";
+  std::string words;
+  if (boxes < count) {
+    words =
+        "<p>Each line is a subject, each point the mean of a session's recordings, each bar the "
+        "mean of their 95 % intervals.</p>\n";
+  }
+  if (boxes > 0) {
+    words += fmt::format(
+        "<p>A reading of more than {} subjects has a box for each session. The box holds the "
+        "middle half of the subjects' means, its thick line is their median, the bar holds the "
+        "middle 95 %, and the points are the lowest and the highest subject.</p>\n",
+        kMostSubjectsDrawn);
+  }
+  return words + "<div class=\"plots\">\n" + text + "</div>\n";
 }
 
 }  // namespace
@@ -204,10 +148,7 @@ std::string study_page(const StudyTables& tables) {
   text += fmt::format("<p>{} of {} recordings were analysed, by condyle {}.</p>\n", analysed,
                       tables.outcomes.size(), CONDYLE_VERSION);
   text += "<h2>Recordings to look at first</h2>\n" + looks_table(tables);
-  text +=
-      "<h2>All subjects</h2>\n<p>Each line is a subject, each point the mean of a session's "
-      "recordings, each bar the mean of their 95 % intervals.</p>\n" +
-      plots(tables);
+  text += "<h2>All subjects</h2>\n" + plots(tables);
   text +=
       "<h2>Scatter</h2>\n<p>Standard deviation, pooled over subjects, and the smallest change "
       "from one recording to another that exceeds it at 95 %. The scatter between sessions "

@@ -13,22 +13,13 @@
 #include "hosted/files/byte_reader.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/number_text.h"
+#include "recordings/bids_names.h"
 #include "recordings/recording_formats.h"
 
 namespace condyle::host {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Labels become names of folders, as in BIDS.
-void check_label(const std::string& place, const char* what, const std::string& label) {
-  const bool is_good = !label.empty() && std::all_of(label.begin(), label.end(), [](char c) {
-    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
-  });
-  if (is_good) return;
-  throw InputError(place, fmt::format("{} {} is not a label", what, quote(label)),
-                   "use letters and digits only, as in 01 or pre");
-}
 
 std::string without_extension(const std::string& path) {
   return fs::path(path).replace_extension().string();
@@ -95,24 +86,13 @@ std::vector<StudyRecording> read_table(const fs::path& dataset, const std::strin
       throw InputError(place(), quote(recording.recording) + " is not relative to the data set",
                        "give the path from the data set's folder");
     }
-    check_label(place(), "subject", recording.subject);
-    if (!recording.session.empty()) check_label(place(), "session", recording.session);
-    if (!recording.task.empty()) check_label(place(), "task", recording.task);
+    check_bids_label(place(), "subject", recording.subject);
+    if (!recording.session.empty()) check_bids_label(place(), "session", recording.session);
+    if (!recording.task.empty()) check_bids_label(place(), "task", recording.task);
     find_companions(dataset, recording);
     recordings.push_back(std::move(recording));
   }
   return recordings;
-}
-
-// The value of an entity, "ses-", in the name of a file; empty: none.
-std::string entity(const std::string& name, const std::string& key) {
-  for (std::size_t begin = 0; begin < name.size();) {
-    const std::size_t end = std::min(name.find('_', begin), name.size());
-    const std::string part = name.substr(begin, end - begin);
-    if (part.starts_with(key)) return part.substr(key.size());
-    begin = end + 1;
-  }
-  return {};
 }
 
 std::vector<StudyRecording> read_bids(const fs::path& dataset) {
@@ -123,7 +103,6 @@ std::vector<StudyRecording> read_bids(const fs::path& dataset) {
     throw InputError(dataset.string(), "cannot be read as a folder", "name the data set's folder");
   }
   for (; entries != fs::end(entries); entries.increment(failure)) {
-    if (failure) break;
     const std::string name = entries->path().filename().string();
     const fs::path relative = entries->path().lexically_relative(dataset);
     const std::string first = relative.begin()->string();
@@ -134,12 +113,17 @@ std::vector<StudyRecording> read_bids(const fs::path& dataset) {
     if (!name.ends_with("_motion.tsv") || !name.starts_with("sub-")) continue;
     StudyRecording recording;
     recording.recording = relative.generic_string();
-    recording.subject = entity(name, "sub-");
-    recording.session = entity(name, "ses-");
-    recording.task = entity(name, "task-");
-    check_label(recording.recording, "subject", recording.subject);
+    const BidsLabels labels = bids_labels_in(name);
+    recording.subject = labels.subject;
+    recording.session = labels.session;
+    recording.task = labels.task;
+    check_bids_label(recording.recording, "subject", recording.subject);
     find_companions(dataset, recording);
     recordings.push_back(std::move(recording));
+  }
+  if (failure) {
+    throw InputError(dataset.string(), "has a folder that cannot be read: " + failure.message(),
+                     "check the permissions of its folders");
   }
   return recordings;
 }

@@ -75,24 +75,21 @@ void read_rows(const fs::path& folder, StudyOutcome& outcome, StudyTables& table
         tables.readings[{recording.task, std::string(fields[kTask]), std::string(fields[kSide]),
                          std::string(fields[kReading])}];
     reading.unit = fields[kUnit];
-    std::vector<double>& values = reading.values[recording.subject][recording.session];
-    values.push_back(value);
-    SessionInterval& interval = reading.intervals[recording.subject][recording.session];
-    const double share = 1 / static_cast<double>(values.size());
-    interval.low += share * (number_or_nan(fields[kLow]) - interval.low);
-    interval.high += share * (number_or_nan(fields[kHigh]) - interval.high);
+    reading.values.push_back({static_cast<std::uint32_t>(tables.outcomes.size()), value,
+                              number_or_nan(fields[kLow]), number_or_nan(fields[kHigh])});
   }
 }
 
-void find_scatter(StudyReading& reading) {
+void find_scatter(const StudyTables& tables, StudyReading& reading) {
   std::vector<std::vector<double>> sessions, subjects;
-  for (const auto& [subject, of_session] : reading.values) {
-    subjects.emplace_back();
-    for (const auto& [session, values] : of_session) {
-      sessions.push_back(values);
-      subjects.back().push_back(mean_of(values));
-    }
+  std::string_view subject;
+  for (StudySession& session : sessions_of(tables, reading)) {
+    if (subjects.empty() || session.subject != subject) subjects.emplace_back();
+    subject = session.subject;
+    subjects.back().push_back(session.mean);
+    sessions.push_back(std::move(session.values));
   }
+  reading.subjects = subjects.size();
   reading.repeats = repeatability(sessions);
   reading.retests = repeatability(subjects);
 }
@@ -109,20 +106,36 @@ StudyTables gather_study(
     if (outcome.problem.empty()) read_rows(folder, outcome, tables, take_row);
     tables.outcomes.push_back(std::move(outcome));
   }
-  for (auto& [key, reading] : tables.readings) find_scatter(reading);
+  for (auto& [key, reading] : tables.readings) find_scatter(tables, reading);
   return tables;
 }
 
-std::vector<StudyChange> changes_of(const StudyReading& reading) {
+std::vector<StudySession> sessions_of(const StudyTables& tables, const StudyReading& reading) {
+  std::vector<StudySession> sessions;
+  for (const StudyValue& value : reading.values) {
+    const StudyRecording& recording = tables.outcomes[value.outcome].recording;
+    if (sessions.empty() || sessions.back().subject != recording.subject ||
+        sessions.back().session != recording.session) {
+      sessions.push_back({recording.subject, recording.session, {}});
+    }
+    StudySession& session = sessions.back();
+    session.values.push_back(value.value);
+    const double share = 1 / static_cast<double>(session.values.size());
+    session.low += share * (value.low - session.low);
+    session.high += share * (value.high - session.high);
+  }
+  for (StudySession& session : sessions) session.mean = mean_of(session.values);
+  return sessions;
+}
+
+std::vector<StudyChange> changes_of(const StudyTables& tables, const StudyReading& reading) {
   std::vector<StudyChange> changes;
-  for (const auto& [subject, sessions] : reading.values) {
-    for (auto from = sessions.begin(); from != sessions.end(); ++from) {
-      for (auto to = std::next(from); to != sessions.end(); ++to) {
-        const std::size_t n_1 = from->second.size(), n_2 = to->second.size();
-        changes.push_back({subject, from->first, to->first, mean_of(from->second),
-                           mean_of(to->second), n_1, n_2,
-                           reading.repeats.smallest_change(n_1, n_2)});
-      }
+  const std::vector<StudySession> sessions = sessions_of(tables, reading);
+  for (auto from = sessions.begin(); from != sessions.end(); ++from) {
+    for (auto to = std::next(from); to != sessions.end() && to->subject == from->subject; ++to) {
+      const std::size_t n_1 = from->values.size(), n_2 = to->values.size();
+      changes.push_back({from->subject, from->session, to->session, from->mean, to->mean, n_1, n_2,
+                         reading.repeats.smallest_change(n_1, n_2)});
     }
   }
   return changes;
