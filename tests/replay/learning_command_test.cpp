@@ -88,6 +88,32 @@ TEST_F(Learning, SharesAreResampled) {
   EXPECT_GT(std::count_if(share.begin(), share.end(), [](double s) { return s > 0; }), 2500);
 }
 
+// The velocity error of simulated chewing falls to 0.6 to 0.8 of the filter's, and the intervals
+// hold at least as often.
+TEST_F(Learning, IsEvaluated) {
+  struct Result {
+    double error, coverage;
+  };
+  const auto evaluate = [&](const std::string& kernels) {
+    std::ofstream(folder_ / "p.toml") << "[learning]\nkernels = " << kernels << '\n';
+    const CommandResult result =
+        run_condyle({"evaluate", testing_support::source_path("/host_sim/scenarios/chewing.toml"),
+                     "--runs", "2", "--parameters", folder_ / "p.toml", "--out", out_});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_EQ(result.output.find("learning with 96 kernels") != std::string::npos, kernels == "96");
+    const Table table = read_table(out_);
+    const auto& quantity = table.columns.at("quantity");
+    const auto row = std::find(quantity.begin(), quantity.end(), "velocity") - quantity.begin();
+    const auto at = [&](const char* column) {
+      return table.numbers(column).at(static_cast<std::size_t>(row));
+    };
+    return Result{at("error_rms"), at("coverage")};
+  };
+  const Result plain = evaluate("0"), learned = evaluate("96");
+  EXPECT_LT(learned.error, 0.85 * plain.error);
+  EXPECT_GE(learned.coverage, plain.coverage);
+}
+
 TEST_F(Learning, TooManyKernelsAreRefused) {
   const CommandResult result = replay("97", "0", out_);
   EXPECT_EQ(result.exit_code, 1);
