@@ -116,7 +116,7 @@ TEST_F(Learning, IsEvaluated) {
 
 TEST_F(Learning, TooManyKernelsAreRefused) {
   const CommandResult result = replay("97", "0", out_);
-  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.errors, HasSubstr("p.toml:2:11: kernels = 97 is out of range; give 0 to 96"));
 }
 
