@@ -106,6 +106,7 @@ RC_GTEST_PROP(Export, WideCsvIsReadBackInEveryForm, ()) {
   expect_same_samples(folder / "jaw.csv", data, form);
 }
 
+#ifdef CONDYLE_HAS_MATIO
 RC_GTEST_PROP(Export, MatIsReadBack, ()) {
   const TemporaryFolder folder;
   const ExportData data = random_points(*rc::gen::inRange(20, 500), true);
@@ -115,6 +116,7 @@ RC_GTEST_PROP(Export, MatIsReadBack, ()) {
   write_export(export_mat, data, folder / "jaw.mat", form);
   expect_same_samples(folder / "jaw.mat", data, form);
 }
+#endif
 
 ExportData two_points() {
   ExportData data;
