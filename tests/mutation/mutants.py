@@ -97,6 +97,13 @@ def mutants_of(path, text):
         yield Mutant(path, source, "statement", first, last, "")
 
 
+def read_mutants(path, text):
+    try:
+        return sorted(mutants_of(path, text), key=lambda m: m.start)
+    except (IndexError, TypeError) as error:
+        raise SystemExit(f"{path} cannot be read: teach cpp_source.py the statement ({error})") from error
+
+
 def all_mutants(root):
     seen = Counter()
     for folder, parts in FOLDERS.items():
@@ -104,7 +111,7 @@ def all_mutants(root):
             for file in sorted(pathlib.Path(root, part).rglob("*")):
                 if file.suffix in (".h", ".cpp"):
                     path = str(file.relative_to(root))
-                    for mutant in sorted(mutants_of(path, file.read_text()), key=lambda m: m.start):
+                    for mutant in read_mutants(path, file.read_text()):
                         place = mutant.place()
                         seen[place] += 1
                         key = f"{SEED}|{place}|{seen[place]}"
