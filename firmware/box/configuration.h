@@ -2,6 +2,7 @@
 // The settings in the box's configuration file. box.toml documents them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -30,6 +31,14 @@ struct SourceSettings {
   std::optional<host::StreamSpec> stream;  ///< instead of kind and file
 };
 
+/// Where the jaw's points are in its reference position (mm), and the head's axes forward, left and
+/// up, in the instrument's frame.
+struct JawPlaces {
+  using Vector = std::array<double, 3>;
+  Vector condyle_left_mm{}, condyle_right_mm{}, incisor_mm{};
+  std::array<Vector, 3> axes{};
+};
+
 /// All settings, with their defaults.
 struct Configuration {
   SourceSettings facebow;
@@ -44,6 +53,8 @@ struct Configuration {
   TimeNs node_late_ns = 100'000'000;  ///< a later estimate counts as late
 
   std::optional<host::PoseChoice> pose;  ///< empty: the whole pose is not estimated
+
+  std::optional<JawPlaces> jaw;  ///< for its picture; empty: assumed. Not in the file
 
   std::optional<host::CycleChoice> cycles;  ///< empty: chewing cycles are not found
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `condyle info`: what a recording holds; and --marker, which chooses from it.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -66,9 +67,36 @@ TEST_F(Info, ShowsACsvFile) {
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   const auto json = nlohmann::json::parse(result.output);
   EXPECT_EQ(json["frames"], 4);
-  EXPECT_NEAR(json["rate_Hz"], 100, 1e-6);
+  EXPECT_EQ(json["rate_Hz"], 100);
   EXPECT_EQ(json["points"][0]["missing"], 1);
   EXPECT_EQ(json["markers"].size(), 0);
+}
+
+// The rate has no digits that a time in nanoseconds does not determine.
+TEST_F(Info, StatesARoundRateAsThat) {
+  for (const double rate_Hz : {24.0, 60.0, 120.0, 239.76, 1000.0}) {
+    std::string rows = "time_s,position_mm\n";
+    for (int k = 0; k < 50; ++k) rows += fmt::format("{:.9f},{}\n", 5000 + k / rate_Hz, k);
+    const auto result = run_condyle({"info", folder_.write("rate.csv", rows), "--json"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_EQ(nlohmann::json::parse(result.output)["rate_Hz"], rate_Hz);
+  }
+}
+
+TEST_F(Info, ShowsAnXdfFileThatWasExported) {
+  const std::string xdf = (folder_.path() / "jaw.xdf").string();
+  const auto exported = run_condyle({"export", path_, "--out", xdf});
+  ASSERT_EQ(exported.exit_code, 0) << exported.errors;
+  const auto result = run_condyle({"info", xdf, "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const auto json = nlohmann::json::parse(result.output);
+  EXPECT_EQ(json["format"], "XDF");
+  EXPECT_EQ(json["frames"], 200);
+  EXPECT_EQ(json["rate_Hz"], 100);
+  EXPECT_EQ(json["unit"], "mm");
+  EXPECT_EQ(json["markers"], nlohmann::json({"chin", "left cheek"}));
+  EXPECT_EQ(json["points"][0]["missing"], 10);
+  EXPECT_EQ(json["time_gaps"], 0);
 }
 
 TEST_F(Info, AdvisesTheMarkerThatReplayNeeds) {

@@ -137,6 +137,24 @@ TEST_F(Report, DrawsGaps) {
   EXPECT_THAT(page, HasSubstr("not drawn: 1 step of more than 50 ms"));
 }
 
+// One axis has no readings, but gaps as well: rows that are not there and a position that is not.
+TEST_F(Report, DrawsGapsOfOneAxis) {
+  std::ifstream whole(source_path("/host_sim/recordings/chewing_60hz.csv"));
+  std::ofstream cut(path("cut.csv"));
+  std::string line;
+  for (int row = 0; std::getline(whole, line); ++row) {
+    if (row == 300) line.resize(line.find(',') + 1);
+    if (row != 150 && (row < 500 || row >= 510)) cut << line << '\n';
+  }
+  cut.close();
+  const auto result = run_condyle({"report", path("cut.csv"), "--out", path("report.html")});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const std::string page = text_of(path("report.html"));
+  EXPECT_THAT(page, HasSubstr("No readings:"));
+  EXPECT_THAT(page, HasSubstr("3 gaps longer than 1.5 usual steps without a usable sample: 0.2 s"));
+  EXPECT_THAT(page, HasSubstr("the longest 0.183 s"));
+}
+
 TEST_F(Report, OfTwoRecordingsKeepsTheGoodOne) {
   const auto result = run_condyle(
       {"report", path("session.csv"), path("missing.csv"), "--out", path("report.html")});

@@ -177,6 +177,7 @@ TEST_F(Capture, CountsWhatWentWrong) {
   EXPECT_EQ(capture.usbmon_counts().cancelled, 1U);
   EXPECT_EQ(capture.usbmon_counts().empty, 1U);
   EXPECT_EQ(capture.usbmon_counts().cut_reports, 1U);
+  EXPECT_EQ(capture.usbmon_counts().unreadable_packets, 0U);
 }
 
 TEST_F(Capture, ADeviceThatComesBackAtAnotherAddressIsFollowed) {

@@ -27,6 +27,7 @@ const times_transposed = (m, p) => [0, 1, 2].map((i) => m[0][i] * p[0] + m[1][i]
 // The instrument's axes for the head's, as the synthetic facebow has them: y backward, z up.
 const to_head = (p) => [-p[1], p[0], p[2]];
 const from_head = (p) => [p[1], -p[0], p[2]];
+const kSketched = {points: kSketch.map(from_head), to_head};
 const is_known = (vector) => vector && vector.every((v) => v !== null);
 
 export class JawView {
@@ -35,6 +36,8 @@ export class JawView {
     this.words = words;
     this.view = {turn: -0.6, tilt: 0.25};
     this.trail = [];
+    this.places = null;
+    this.sketch = kSketched;
     this.forget();
     canvas.addEventListener('keydown', (event) => {
       const turn = {ArrowLeft: [-kTurn, 0], ArrowRight: [kTurn, 0], ArrowUp: [0, kTurn],
@@ -57,6 +60,19 @@ export class JawView {
   look(turn, tilt) {
     this.view = {turn, tilt};
     this.draw();
+  }
+
+  /** Size and axes of the jaw by landmarks; null: not known. */
+  use(places) {
+    const words = JSON.stringify(places);
+    if (words === this.place_words) return;
+    this.place_words = words;
+    this.places = places;
+    this.sketch = places ? {
+      points: kNames.map((name) => places[`${name}_mm`]),
+      to_head: (p) => places.head_axes.map((axis) => axis[0] * p[0] + axis[1] * p[1] + axis[2] * p[2]),
+    } : kSketched;
+    this.forget();
   }
 
   /** The next pose is where the jaw is at rest. */
@@ -82,14 +98,16 @@ export class JawView {
     } else {
       const turned = matrix(pose.rotation_vector_rad);
       const centre = pose.centre_m.map((v) => 1e3 * v);
+      const {points, to_head: turn_to_head} = this.sketch;
+      // The measured centre is at the sketch's incisor, and where it is among the landmarks.
       if (!this.reference) {
-        this.reference = {points: kSketch, turned, centre};
+        this.reference = {points: points.map(turn_to_head), turned, centre, from: this.places ? centre : [0, 0, 0]};
       }
-      const {turned: from_turned, centre: from_centre} = this.reference;
+      const {turned: from_turned, centre: from_centre, from} = this.reference;
       if (!from_turned) return this.forget();  // the points have lost their names
-      this.points = kSketch.map((p) => to_head(
-          times_vector(turned, times_transposed(from_turned, from_head(p)))
-              .map((v, i) => v + centre[i] - from_centre[i])));
+      this.points = points.map((p) => turn_to_head(
+          times_vector(turned, times_transposed(from_turned, p.map((v, i) => v - from[i])))
+              .map((v, i) => v + centre[i] - from_centre[i] + from[i])));
     }
     if (time_s - this.trail_s < kTrail_s) return;
     this.trail_s = time_s;
@@ -107,8 +125,11 @@ export class JawView {
     if (this.points) {
       words = this.are_named ?
         'Condyles and incisor as the box computes them. The lines between them are a sketch.' :
+        this.places ?
+        'Condyles and incisor by the landmarks, which hold if the jaw was in the reference position at ' +
+        '"Zero here". The lines between them are a sketch.' :
         'The motion is measured. Size and place of the jaw are assumed, and so is that the y axis points ' +
-        'backward and the z axis up: name condyle_left, condyle_right and incisor as points of the jaw.';
+        'backward and the z axis up: give landmarks, or name condyle_left, condyle_right and incisor as points of the jaw.';
     } else if (this.has_pose === false) {
       words = 'The pose is not estimated: set estimate = true in [pose] of the configuration.';
     }

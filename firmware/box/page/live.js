@@ -184,6 +184,7 @@ class Live {
       return;
     }
     const {device} = status;
+    this.jaw.use(status.jaw || null);
     const nominal = device.nominal_rate_Hz ? ` of ${device.nominal_rate_Hz} nominal` : '';
     set_text('device', `${device.name} (${device.source})`);
     set_text('rate', `${device.rate_Hz.toFixed(1)} reports a second${nominal}`);

@@ -241,6 +241,7 @@ BoxStatus Box::status() const {
   status.source =
       configuration_.facebow.stream ? "lsl" : host::source_kind_name(configuration_.facebow.kind);
   status.device = device_name_;
+  status.jaw = configuration_.jaw;
   status.nominal_rate_Hz = nominal_rate_Hz_;
   status.records = !configuration_.folder.empty();
   status.session = keeper_.state();

@@ -38,6 +38,17 @@ Json device_json(const BoxStatus& status) {
   return json;
 }
 
+// Null if it is not known.
+Json jaw_json(const BoxStatus& status) {
+  if (!status.jaw) return {};
+  Json json;
+  json["condyle_left_mm"] = status.jaw->condyle_left_mm;
+  json["condyle_right_mm"] = status.jaw->condyle_right_mm;
+  json["incisor_mm"] = status.jaw->incisor_mm;
+  json["head_axes"] = status.jaw->axes;
+  return json;
+}
+
 Json estimator_json(const BoxStatus& status) {
   const EstimatorHealth& health = status.health;
   Json json;
@@ -161,6 +172,7 @@ std::string status_json(const BoxStatus& status) {
   json["note"] = "research use only; not a diagnosis";
   json["running_s"] = seconds(status.running_ns);
   json["device"] = device_json(status);
+  json["jaw"] = jaw_json(status);
   json["estimator"] = estimator_json(status);
   json["node"] = node_json(status);
   json["real_time"] = real_time_json(status);

@@ -14,7 +14,8 @@ namespace condyle::box {
 /// A snapshot of everything in the status.
 struct BoxStatus {
   TimeNs running_ns = 0;
-  std::string source, device;  ///< kind of the facebow's source, and the profile's name
+  std::optional<JawPlaces> jaw;  ///< for its picture
+  std::string source, device;    ///< kind of the facebow's source, and the profile's name
   bool is_found = false, is_open = false, has_ended = false;
   hal::Status last_status = hal::Status::not_open;
   std::string problem;  ///< why the facebow is not found yet

@@ -24,6 +24,9 @@ class ByteReader {
   std::string_view peek(std::size_t count);
   /// Consumes `count` bytes that were peeked.
   void skip(std::size_t count);
+  /// From here on the file is UTF-16, and is returned as UTF-8. Bytes that are no UTF-16 give an
+  /// InputError when they are read.
+  void decode_utf16(bool is_big_endian);
   /// Next line without its end (LF or CR LF); false at the end of the file. Valid until the next
   /// call.
   bool next_line(std::string_view& line);
@@ -42,6 +45,8 @@ class ByteReader {
   static constexpr std::size_t kBufferSize = 2 * kLongestLine;
 
   void fill(std::size_t wanted);
+  void fill_from_utf16();
+  std::size_t read_into(char* to, std::size_t count);
 
   struct Closer {
     void operator()(std::FILE* file) const { std::fclose(file); }
@@ -52,6 +57,8 @@ class ByteReader {
   std::unique_ptr<char[]> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // unread bytes of the buffer
   bool at_end_ = false;
+  enum class Encoding { bytes, utf16_little, utf16_big } encoding_ = Encoding::bytes;
+  std::string undecoded_;  // bytes of UTF-16
   std::uint64_t line_number_ = 0, consumed_ = 0, size_ = 0;
 };
 

@@ -174,7 +174,7 @@ class Parser {
 
   void read_local(const Item& item) {
     // The device prefers the first of alternatives (HID 1.11, 6.2.2.8).
-    const bool is_alternative = local_.delimiter_depth > 0 && local_.delimiter_branch > 1;
+    const bool is_alternative = local_.delimiter_depth > 0 && local_.delimiter_branch > 0;
     switch (item.tag) {
       case usage_tag:
         if (local_.delimiter_depth > 0 && local_.delimiter_branch++ > 0) return;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <memory>
 
 #include "commands/commands.h"
 #include "condyle/hal/clock.h"
+#include "exports/computed_series.h"
 #include "exports/even_times.h"
 #include "exports/export_estimates.h"
 #include "exports/export_format.h"
@@ -23,7 +26,33 @@ struct ExportCommandOptions {
   RecordingChoice reading;
   TableForm form;
   BidsLabels labels;
+  bool has_estimates = false, has_pose = false;
+  LandmarkChoice landmarks;
+  std::vector<double> reference_s;
 };
+
+// "4215 measured, 15 assumed, 0 missing": a sample counts as its least certain component.
+std::string counts_text(const ExportSeries& series, std::size_t samples) {
+  std::array<std::size_t, 4> counts{};
+  std::size_t missing = 0;
+  for (std::size_t k = 0; k < samples; ++k) {
+    if (!series.is_there(k)) {
+      ++missing;
+      continue;
+    }
+    Provenance least = Provenance::measured;
+    for (std::size_t i = 0; i < series.components.size(); ++i) {
+      least = std::min(least, series.provenance_at(k, i));
+    }
+    ++counts[static_cast<std::size_t>(least)];
+  }
+  std::string text;
+  for (const Provenance one : {Provenance::measured, Provenance::derived, Provenance::assumed}) {
+    const std::size_t count = counts[static_cast<std::size_t>(one)];
+    if (count > 0) text += fmt::format("{} {}, ", count, provenance_name(one));
+  }
+  return text + fmt::format("{} missing", missing);
+}
 
 std::string summary(const ExportData& data, const ExportFormat& format,
                     const std::vector<std::string>& notes) {
@@ -35,23 +64,43 @@ std::string summary(const ExportData& data, const ExportFormat& format,
   text.line("samples", fmt::format("{}, {:.6g} to {:.6g} s", data.samples(),
                                    seconds(data.time_ns.front()), seconds(data.time_ns.back())));
   for (const ExportSeries& series : data.series) {
-    std::size_t there = 0;
-    for (std::size_t k = 0; k < data.samples(); ++k) there += series.is_there(k) ? 1U : 0U;
-    text.line("", fmt::format("{} ({}): {} {}, {} missing", series.name, series.quantity, there,
-                              provenance_name(series.provenance), data.samples() - there));
+    if (series.is_computed && series.quantity.ends_with("_sd")) continue;
+    text.line("", fmt::format("{} ({}): {}", series.name, series.quantity,
+                              counts_text(series, data.samples())));
   }
   for (const std::string& note : notes) text.line("note", note);
   return text.text();
 }
 
 // Beside the measurements, where there is one point to follow.
-void add_estimates(const ExportCommandOptions& options, ExportData& data) {
+void add_estimates(const ExportCommandOptions& options, const ExportFormat& format,
+                   ExportData& data) {
   try {
     data.estimates = std::make_shared<ExportEstimates>(options.recording, options.reading,
                                                        options.form.resample_Hz, stop_requested);
   } catch (const InputError& error) {
+    if (options.has_estimates) throw;
     data.notes.push_back(fmt::format("no estimates: {}", error.what()));
   }
+  if (!format.takes_estimates) add_estimate_series(data);
+}
+
+// What is computed from the places, beside them.
+void add_pose_and_landmarks(const ExportCommandOptions& options, const ExportFormat& format,
+                            ExportData& data) {
+  if (format.takes_labels && (options.has_pose || !options.landmarks.file.empty())) {
+    throw InputError("--pose or --landmarks", "is given, and a data set holds measurements",
+                     "leave it out, or export to another format");
+  }
+  const bool is_always_written = format.write == export_mcap;
+  if (!options.landmarks.file.empty()) {
+    LandmarkChoice landmarks = options.landmarks;
+    if (options.reference_s.size() == 2) {
+      landmarks.reference_s = {options.reference_s[0], options.reference_s[1]};
+    }
+    add_landmark_series(landmarks, options.reading.reading, data);
+  }
+  if (options.has_pose && !is_always_written) add_pose_series(data);
 }
 
 int run(const ExportCommandOptions& options) {
@@ -79,8 +128,10 @@ int run(const ExportCommandOptions& options) {
   }
   if (stop_requested()) return report_stop();
   data.labels = labels;
+  add_pose_and_landmarks(options, format, data);
   if (options.form.resample_Hz) resample(data, *options.form.resample_Hz);
-  if (format.takes_estimates) add_estimates(options, data);
+  if (format.takes_estimates || options.has_estimates) add_estimates(options, format, data);
+  if (stop_requested()) return report_stop();
   Exported written = format.write(data, options.form, options.out);
   if (stop_requested()) return report_stop();
   std::vector<std::string> notes = data.info.notes;
@@ -102,6 +153,10 @@ Command add_export(CommandLine app) {
                       "Write all points, for programs of motion capture.");
   command.add_example("condyle export session.csv --out session.trc --resample-Hz 50",
                       "Write them for OpenSim, at 50 samples per second.");
+  command.add_example(
+      "condyle export session.csv --out session.mat --estimates --point 1 --landmarks "
+      "session.landmarks.toml",
+      "Write velocity, and the condyles' motion, for MATLAB.");
   command.add_option("RECORDING", options->recording, "As for replay; all points are taken")
       .required();
   command.add_example(
@@ -119,6 +174,20 @@ Command add_export(CommandLine app) {
   }
   output.add_option("--format", options->format,
                     "One of " + formats + ", if the ending of the file does not say");
+  const CommandLine computed = command.group("What is computed");
+  computed.add_flag("--estimates", options->has_estimates,
+                    "Also position, velocity, acceleration and net force, as replay estimates them "
+                    "(mcap and bids have them always)");
+  computed.add_flag("--pose", options->has_pose,
+                    "Also the pose of the jaw that three points form (mcap has it always)");
+  Option landmarks = computed.add_option(
+      "--landmarks=FILE", options->landmarks.file,
+      "Also the condylar points and the lower incisor of this TOML file, moving with the jaw");
+  computed
+      .add_option("--reference-s", options->reference_s,
+                  "Begin and end (s) of the reference position of the landmarks; without it found")
+      .values(2)
+      .needs(landmarks);
   const CommandLine names = command.group("Names in BIDS");
   names.add_option("--subject", options->labels.subject,
                    "Letters and digits; without it as in the recording's name, sub-01_task-open");

@@ -20,6 +20,7 @@
 #include "options/analysis_options.h"
 #include "options/command_line.h"
 #include "options/stream_options.h"
+#include "readings/landmarks.h"
 #include "recordings/played_recording.h"
 #include "report/report_page.h"
 
@@ -130,6 +131,22 @@ std::string make_report(const std::string& log, const std::string& landmarks) {
                      landmarks, nullptr);
 }
 
+box::JawPlaces jaw_places(const Landmarks& landmarks) {
+  const auto in_mm = [&landmarks](int point) {
+    const Eigen::Vector3d place_mm = 1e3 * landmarks.point_m[static_cast<std::size_t>(point)];
+    return box::JawPlaces::Vector{place_mm.x(), place_mm.y(), place_mm.z()};
+  };
+  box::JawPlaces places{in_mm(Landmarks::condyle_left),
+                        in_mm(Landmarks::condyle_right),
+                        in_mm(Landmarks::incisor_lower),
+                        {}};
+  const Eigen::Matrix3d axes = head_frame(landmarks).linear();
+  for (int i = 0; i < 3; ++i) {
+    places.axes[static_cast<std::size_t>(i)] = {axes(0, i), axes(1, i), axes(2, i)};
+  }
+  return places;
+}
+
 box::Configuration configuration_of(const LiveOptions& options, const box::SourceSettings& source,
                                     SampleKind kind,
                                     const std::shared_ptr<std::atomic<int>>& reports) {
@@ -143,6 +160,7 @@ box::Configuration configuration_of(const LiveOptions& options, const box::Sourc
   } else if (!options.jaw_points.empty()) {
     refuse_without_pose("--pose-point: the facebow", kind, "leave it out");
   }
+  if (!options.landmarks.empty()) configuration.jaw = jaw_places(load_landmarks(options.landmarks));
   if (!options.parameters.empty()) {
     configuration.parameters_toml = read_text_file(options.parameters);
     configuration.parameters =
@@ -163,7 +181,6 @@ box::Configuration configuration_of(const LiveOptions& options, const box::Sourc
 int show_live(const LiveOptions& options) {
   const box::SourceSettings named = parse_live_source(options);
   if (!options.lsl_out.empty()) lsl::check_outlet_place(options.lsl_out);
-  if (!options.landmarks.empty()) static_cast<void>(load_landmarks(options.landmarks));
   std::optional<PlayedFolder> played_folder;
   const box::SourceSettings source = played(named, played_folder);
   hal::SteadyClock clock;
@@ -214,7 +231,7 @@ Command add_live(CommandLine app) {
   command.add_option("--parameters=FILE", options->parameters,
                      "TOML file with parameters of the recommended estimator");
   command.add_option("--landmarks=FILE", options->landmarks,
-                     "TOML file of landmarks for the reports of sessions");
+                     "TOML file of landmarks, for the drawn jaw and the reports of sessions");
   command
       .add_option("--pose-point", options->jaw_points,
                   "NAME X Y Z (mm): a point fixed to the jaw, in its frame; repeatable. "

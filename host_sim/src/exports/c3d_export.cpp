@@ -97,13 +97,19 @@ class C3dFile {
         }
       }
     }
+    for (const ExportSeries& series : data_.series) {
+      for (std::size_t i = 0; i < series.components.size() && !series.provenances.empty(); ++i) {
+        columns_.emplace_back();
+        for (std::size_t k = 0; k < data_.samples(); ++k) {
+          columns_.back().push_back(static_cast<double>(series.provenance_at(k, i)));
+        }
+      }
+    }
     auto column = columns_.begin();
     for (const ExportSeries& series : data_.series) {
       if (series.is_point()) continue;
       for (const std::string& component : series.components) {
-        const std::string name = series.name == series.quantity || series.quantity == "force"
-                                     ? series.name
-                                     : series.name + "_" + series.quantity;
+        const std::string name = series_name(series);
         const WrittenUnit unit = written_unit(series.unit, per_metre_);
         if (unit.per_SI_unit != 1) {
           for (double& value : *column) value *= unit.per_SI_unit;
@@ -111,6 +117,17 @@ class C3dFile {
         analog_.push_back({.name = component.empty() ? name : name + "_" + component,
                            .unit = unit.name,
                            .description = provenance_name(series.provenance),
+                           .values = &*column});
+        ++column;
+      }
+    }
+    for (const ExportSeries& series : data_.series) {
+      for (std::size_t i = 0; i < series.components.size() && !series.provenances.empty(); ++i) {
+        const std::string& component = series.components[i];
+        analog_.push_back({.name = series_name(series) + (component.empty() ? "" : "_") +
+                                   component + "_provenance",
+                           .unit = "",
+                           .description = kProvenanceCodes,
                            .values = &*column});
         ++column;
       }

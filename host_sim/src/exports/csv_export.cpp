@@ -53,11 +53,12 @@ void write_events(const ExportData& data, const TableForm& form, const std::stri
   file.close();
 }
 
-// The end of a column's name: "_x_mm", "_qw".
+// The end of a column's name: "_x_mm", "_qw", "_velocity_x_mm_s" of an estimate.
 std::string column_ending(const ExportSeries& series, const std::string& component,
                           const std::string& unit) {
   if (series.quantity == "orientation") return "_q" + component;
-  std::string ending = component.empty() ? "" : "_" + component;
+  std::string ending = has_several_quantities(series) ? "_" + series.quantity : "";
+  if (!component.empty()) ending += "_" + component;
   std::string words = unit;
   for (char& c : words) c = c == '/' || c == '^' ? '_' : c;
   return words.empty() ? ending : ending + "_" + words;
@@ -106,7 +107,8 @@ Exported export_long_csv(const ExportData& data, const TableForm& form, const st
   for (std::size_t k = 0; k < data.samples(); ++k) {
     for (const Column& column : columns) {
       write(data.time_ns[k], column.what, column.series->at(k)[column.component],
-            column.unit.per_SI_unit, column.end, provenance_name(column.series->provenance));
+            column.unit.per_SI_unit, column.end,
+            provenance_name(column.series->provenance_at(k, column.component)));
     }
   }
   for (const ExportChannel& channel : data.channels) {
@@ -135,6 +137,11 @@ Exported export_wide_csv(const ExportData& data, const TableForm& form, const st
       row += form.separator();
       row += field(series.name + column_ending(series, component, unit.name), form);
     }
+    if (series.provenances.empty()) continue;
+    for (const std::string& component : series.components) {
+      row += form.separator();
+      row += field(series.name + column_ending(series, component, "provenance"), form);
+    }
   }
   file.write(row += '\n');
   for (std::size_t k = 0; k < data.samples(); ++k) {
@@ -145,13 +152,16 @@ Exported export_wide_csv(const ExportData& data, const TableForm& form, const st
       for (std::size_t i = 0; i < series.components.size(); ++i) {
         append_value(row += form.separator(), series.at(k)[i], per_SI_unit, form);
       }
+      for (std::size_t i = 0; i < series.components.size() && !series.provenances.empty(); ++i) {
+        (row += form.separator()) += provenance_name(series.provenance_at(k, i));
+      }
     }
     file.write(row += '\n');
   }
   file.close();
   write_events(data, form, out, result);
   for (const ExportSeries& series : data.series) {
-    if (series.provenance == Provenance::measured) continue;
+    if (series.provenance == Provenance::measured || has_several_quantities(series)) continue;
     result.notes.push_back(
         "the wide table has no place for provenance: the long one (csv) states it");
     break;

@@ -27,7 +27,13 @@ struct ExportSeries {
   Provenance provenance = Provenance::measured;  ///< of the values that are there
   std::string assumption;                        ///< of derived values
   std::vector<double> values;                    ///< `components` of each sample, in order
+  bool is_computed = false;                      ///< from the recording, not part of it
+  std::vector<Provenance> provenances;           ///< of each value; empty: `provenance` of all
 
+  /// The provenance of component `i` of sample `k`.
+  Provenance provenance_at(std::size_t k, std::size_t i) const {
+    return provenances.empty() ? provenance : provenances[k * components.size() + i];
+  }
   /// True if it is the place of a point in space.
   bool is_point() const { return quantity == "position" && components.size() == 3; }
   /// The values of sample `k`.

@@ -23,6 +23,7 @@ const std::vector<ExportFormat>& export_formats() {
       {"sto", {".sto", ".mot"}, "motion for OpenSim", false, export_opensim},
       {"mat", {".mat"}, "a struct of arrays, for MATLAB and Octave", false, export_mat},
       {"bids", {}, "a data set of Motion-BIDS, in a folder", false, export_bids, true, true},
+      {"xdf", {".xdf"}, "streams as LabRecorder writes them", false, export_xdf},
       {"trc", {".trc"}, "points at one rate, for OpenSim", false, export_trc},
   };
   return formats;

@@ -56,6 +56,8 @@ Exported export_mcap(const ExportData& data, const TableForm& form, const std::s
 Exported export_trc(const ExportData& data, const TableForm& form, const std::string& out);
 /// MAT, version 5.
 Exported export_mat(const ExportData& data, const TableForm& form, const std::string& out);
+/// XDF.
+Exported export_xdf(const ExportData& data, const TableForm& form, const std::string& out);
 /// CSV with one value in a row.
 Exported export_long_csv(const ExportData& data, const TableForm& form, const std::string& out);
 /// CSV with one sample in a row.

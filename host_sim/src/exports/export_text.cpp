@@ -35,6 +35,12 @@ WrittenUnit written_unit(const std::string& unit, double units_per_metre) {
   return {1, unit};
 }
 
+std::string series_name(const ExportSeries& series) {
+  const bool is_plain =
+      series.name == series.quantity || (series.quantity == "force" && !series.is_computed);
+  return is_plain ? series.name : series.name + "_" + series.quantity;
+}
+
 std::string note_on_left_out(const ExportData& data, bool holds_channels, bool holds_events,
                              bool (*is_held)(const ExportSeries&)) {
   std::vector<std::string> left_out;

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "exports/computed_series.h"
 #include "exports/export_data.h"
 
 namespace condyle::host {
@@ -19,6 +20,14 @@ struct WrittenUnit {
   std::string name;
 };
 WrittenUnit written_unit(const std::string& unit, double units_per_metre);
+
+/// True of estimates, whose quantities all have one name.
+inline bool has_several_quantities(const ExportSeries& series) {
+  return series.name == kEstimateName && series.is_computed;
+}
+/// The name of a series that is not of points in space: "drive", "jaw_orientation",
+/// "estimate_velocity".
+std::string series_name(const ExportSeries& series);
 
 /// A note that says what of `data` a format leaves out: what `is_held` does not hold. Empty if it
 /// holds all.

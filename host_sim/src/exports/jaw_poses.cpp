@@ -76,9 +76,12 @@ std::optional<JawPoses> fitted_poses(const std::vector<const ExportSeries*>& poi
 }  // namespace
 
 std::optional<JawPoses> jaw_poses(const ExportData& data) {
-  const auto points = data.points();
+  auto points = data.points();
+  points.erase(std::remove_if(points.begin(), points.end(),
+                              [](const ExportSeries* point) { return point->is_computed; }),
+               points.end());
   for (const ExportSeries& turns : data.series) {
-    if (turns.quantity != "orientation") continue;
+    if (turns.is_computed || turns.quantity != "orientation") continue;
     for (const ExportSeries* places : points) {
       if (places->name == turns.name) return measured_poses(*places, turns, data.samples());
     }

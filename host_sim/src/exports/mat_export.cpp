@@ -105,6 +105,17 @@ Array columns_of(const std::vector<const ExportSeries*>& list, std::size_t sampl
   return numbers(values, samples, columns);
 }
 
+// The provenance of each value as a number.
+Array codes_of(const ExportSeries& series, std::size_t samples) {
+  std::vector<double> codes;
+  for (std::size_t i = 0; i < series.components.size(); ++i) {
+    for (std::size_t k = 0; k < samples; ++k) {
+      codes.push_back(static_cast<double>(series.provenance_at(k, i)));
+    }
+  }
+  return numbers(codes, samples, series.components.size());
+}
+
 // A name of MATLAB: letters, digits and '_', not at the beginning.
 std::string field_name(const std::string& name) {
   std::string result;
@@ -118,7 +129,10 @@ std::string field_name(const std::string& name) {
 
 Struct recording_of(const ExportData& data, double per_metre) {
   const std::string unit = per_metre == 1 ? "m" : "mm";
-  const std::vector<const ExportSeries*> points = data.points();
+  std::vector<const ExportSeries*> points;
+  for (const ExportSeries* point : data.points()) {
+    if (!has_several_quantities(*point)) points.push_back(point);
+  }
   std::vector<double> times_s;
   for (const TimeNs time_ns : data.time_ns) times_s.push_back(seconds(time_ns));
   Struct recording("recording", 1, {"time_s"});
@@ -134,16 +148,19 @@ Struct recording_of(const ExportData& data, double per_metre) {
     recording.append(("position_" + unit).c_str(), columns_of(points, data.samples(), per_metre));
   }
   for (const ExportSeries& series : data.series) {
-    if (series.is_point()) continue;
+    if (series.is_point() && !has_several_quantities(series)) continue;
     const WrittenUnit written = written_unit(series.unit, per_metre);
-    std::string name = series.name == series.quantity || series.quantity == "force"
-                           ? series.name
-                           : series.name + "_" + series.quantity;
+    std::string name = series_name(series);
     if (!written.name.empty()) name += "_" + written.name;
     recording.append(field_name(name).c_str(),
                      columns_of({&series}, data.samples(), written.per_SI_unit));
-    recording.append(field_name(series.name + "_provenance").c_str(),
-                     text(provenance_name(series.provenance)));
+    if (!series.provenances.empty()) {
+      recording.append(field_name(series_name(series) + "_provenance").c_str(),
+                       codes_of(series, data.samples()));
+    } else if (!has_several_quantities(series)) {
+      recording.append(field_name(series.name + "_provenance").c_str(),
+                       text(provenance_name(series.provenance)));
+    }
   }
   Struct events("events", data.events.size(), {"time_s", "name"});
   for (std::size_t i = 0; i < data.events.size(); ++i) {
@@ -163,7 +180,8 @@ Struct recording_of(const ExportData& data, double per_metre) {
   recording.append("analog", channels.take());
   std::vector<std::string> notes = data.info.notes;
   notes.insert(notes.end(), data.notes.begin(), data.notes.end());
-  Struct meta("meta", 1, {"source", "format", "written_by", "notes"});
+  Struct meta("meta", 1, {"source", "format", "written_by", "notes", "provenance_codes"});
+  meta.set("provenance_codes", text(kProvenanceCodes));
   meta.set("source", text(clean_line(data.source)));
   meta.set("format", text(clean_line(data.info.format)));
   meta.set("written_by", text("condyle " CONDYLE_VERSION));

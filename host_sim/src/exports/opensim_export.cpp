@@ -80,13 +80,19 @@ Exported export_opensim(const ExportData& data, const TableForm& form, const std
     const double per_SI_unit = written_unit(series.unit, per_metre).per_SI_unit;
     for (std::size_t i = 0; i < series.components.size(); ++i) {
       const std::string& component = series.components[i];
-      const bool has_quantity = series.quantity != "position" && series.name != series.quantity &&
-                                series.quantity != "force";
+      const bool has_quantity = has_several_quantities(series) ||
+                                (series.quantity != "position" && series.name != series.quantity &&
+                                 series.quantity != "force");
       std::string name = series.name + (has_quantity ? "_" + series.quantity : "") +
                          (component.empty() ? "" : "_" + component);
       columns.push_back({column(std::move(name)), {}});
       for (std::size_t k = 0; k < data.samples(); ++k) {
         columns.back().values.push_back(series.at(k)[i] * per_SI_unit);
+      }
+      if (series.provenances.empty()) continue;
+      columns.push_back({columns.back().name + "_provenance", {}});
+      for (std::size_t k = 0; k < data.samples(); ++k) {
+        columns.back().values.push_back(static_cast<double>(series.provenance_at(k, i)));
       }
     }
   }

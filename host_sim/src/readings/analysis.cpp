@@ -235,6 +235,15 @@ std::string body_problem(const PoseTrack& track, const Analysis& analysis) {
   return "";
 }
 
+// Landmarks and recording must both know the head, or neither.
+std::string landmark_assumption(const PoseTrack& track, const std::optional<Landmarks>& landmarks) {
+  if (!landmarks || landmarks->head.names.empty() == track.head_pose.empty()) return "";
+  return track.head_pose.empty()
+             ? "the head is assumed not to have moved since the landmarks were taken"
+             : "the landmarks are assumed to hold with the head where it is in the reference "
+               "position";
+}
+
 // What a found reference position assumes; empty: nothing contradicts it. The jaw closes no further
 // than to it.
 std::string reference_assumption(Analysis& analysis) {
@@ -305,6 +314,7 @@ Analysis analyse(Recording& recording, const std::string& name,
     context.condyle_assumption = "the condylar points are arbitrary, not measured";
   }
   const double reference_count = static_cast<double>(rest.end - rest.begin);
+  context.landmark_assumption = landmark_assumption(track, stated);
   context.errors =
       shared_errors(landmarks ? &*landmarks : nullptr, geometry,
                     analysis.noise.covariance / reference_count + spread_of_rests(track, motion));

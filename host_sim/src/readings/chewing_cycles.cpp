@@ -294,7 +294,8 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
   for (const auto& phase : smoothness) values.insert(values.end(), phase, phase + 2);
   if (why != nullptr) why->assign(values.size(), "");
   const CycleMarks marks{begin, turn, end, begin_s, end_s, cycle.ends_with_pause};
-  add_cycle_shape(marks, path, z, rates, values, why);
+  const CycleIntegrals integrals = integrals_of(marks, path);
+  add_cycle_shape(marks, path, integrals, z, rates, greatest, values, why);
   if (has_landmarks) {
     values.push_back((greatest.of(z, begin, end + 1).value + deepest.value) * 1e3);
     if (why != nullptr) why->emplace_back();
@@ -307,7 +308,7 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
       values.push_back(range * 1e3);
       if (why != nullptr) why->emplace_back();
     }
-    add_cycle_shape_with_landmarks(marks, path, values, why);
+    add_cycle_shape_with_landmarks(marks, path, integrals, greatest, values, why);
     values.push_back(begin_s - cycle.begin_s);
     if (why != nullptr) why->emplace_back();
   }

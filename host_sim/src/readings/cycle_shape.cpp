@@ -2,6 +2,7 @@
 #include "readings/cycle_shape.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -18,7 +19,6 @@ constexpr double kNone = JawReading::kNone;
 constexpr double kOcclusalDepth_m = 0.5e-3, kSlowShare = 0.5;
 constexpr double kClosingFrom = 0.2, kClosingTo = 0.8;  // of the height
 constexpr int kClosingSteps = 12;
-constexpr double kTopReach_s = 0.06;
 
 void give(double value, const char* reason, std::vector<double>& values,
           std::vector<std::string>* why) {
@@ -44,8 +44,9 @@ double crossing_s(double from_s, double to_s, double from, double to, double fro
 }
 
 double occlusal_time_s(const CycleMarks& cycle, const std::vector<double>& time_s,
-                       const std::vector<double>& z, const std::vector<double>& rates) {
-  const double top_m = greatest_of(time_s, z, cycle.turn, z.size(), kTopReach_s).value;
+                       const std::vector<double>& z, const std::vector<double>& rates,
+                       const GreatestAt& greatest) {
+  const double top_m = greatest.of(z, cycle.turn, z.size()).value;
   const double level_m = top_m - kOcclusalDepth_m;
   std::size_t up = cycle.end, down = cycle.end;
   while (up > cycle.turn && z[up] >= level_m) --up;
@@ -58,8 +59,8 @@ double occlusal_time_s(const CycleMarks& cycle, const std::vector<double>& time_
 }
 
 double slow_close_s(const CycleMarks& cycle, const std::vector<double>& time_s,
-                    const std::vector<double>& rates) {
-  const Greatest peak = greatest_of(time_s, rates, cycle.turn, cycle.end + 1, kTopReach_s);
+                    const std::vector<double>& rates, const GreatestAt& greatest) {
+  const Greatest peak = greatest.of(rates, cycle.turn, cycle.end + 1);
   const double slow_m_s = kSlowShare * peak.value;
   for (std::size_t k = peak.at; k < cycle.end; ++k) {
     if (rates[k] < slow_m_s || rates[k + 1] > slow_m_s) continue;
@@ -69,27 +70,8 @@ double slow_close_s(const CycleMarks& cycle, const std::vector<double>& time_s,
   return kNone;
 }
 
-// Sum over the cycle of the integral of `measure(point, velocity)` over time, by Simpson's rule on
-// cubics.
-template <class Measure>
-double integral(const CycleMarks& cycle, const JawPath& path, const Measure& measure) {
-  double sum = 0;
-  for (std::size_t k = cycle.begin; k < cycle.end; ++k) {
-    const Vector3d &p = path.incisor_m[k], &q = path.incisor_m[k + 1];
-    const Vector3d &v = path.incisor_m_s[k], &w = path.incisor_m_s[k + 1];
-    const double step_s = path.time_s[k + 1] - path.time_s[k];
-    const Vector3d middle = (p + q) / 2 + step_s / 8 * (v - w);
-    const Vector3d rate = 1.5 * (q - p) / step_s - (v + w) / 4;
-    sum += step_s / 6 * (measure(p, v) + 4 * measure(middle, rate) + measure(q, w));
-  }
-  return sum;
-}
-
-// Area of the loop in the plane of `axis` and Z.
-double loop_area_m2(const CycleMarks& cycle, const JawPath& path, int axis) {
-  const double swept = integral(cycle, path, [axis](const Vector3d& point, const Vector3d& rate) {
-    return point[axis] * rate.z() - point.z() * rate[axis];
-  });
+// Area of the loop in the plane of `axis` and Z, from what the rays sweep.
+double loop_area_m2(const CycleMarks& cycle, const JawPath& path, int axis, double swept) {
   const Vector3d &first = path.incisor_m[cycle.begin], &last = path.incisor_m[cycle.end];
   return (swept + last[axis] * first.z() - last.z() * first[axis]) / 2;
 }
@@ -98,19 +80,44 @@ double loop_area_m2(const CycleMarks& cycle, const JawPath& path, int axis) {
 Points closing_points(const CycleMarks& cycle, const JawPath& path) {
   const double bottom_m = path.incisor_m[cycle.turn].z();
   const double height_m = path.incisor_m[cycle.end].z() - bottom_m;
-  const auto up = [](const Vector3d& point) { return point.z(); };
   Points points;
+  std::size_t from = cycle.turn;
   for (int i = 0; i <= kClosingSteps; ++i) {
     const double share = kClosingFrom + (kClosingTo - kClosingFrom) * i / kClosingSteps;
-    const auto passage = first_passage(path.time_s, path.incisor_m, path.incisor_m_s, cycle.turn,
-                                       cycle.end, bottom_m + share * height_m, up);
+    const auto passage = first_passage(path.time_s, path.incisor_m, path.incisor_m_s, from,
+                                       cycle.end, bottom_m + share * height_m, CoordinateOf{2});
     if (!passage) return {};
     points.push_back(passage->point);
+    if (height_m > 0) from = passage->after;  // all before lies lower still
   }
   return points;
 }
 
 }  // namespace
+
+CycleIntegrals integrals_of(const CycleMarks& cycle, const JawPath& path) {
+  // Length, then what is swept with Y and with X.
+  using Measures = std::array<double, 3>;
+  const auto measured = [](const Vector3d& point, const Vector3d& rate) {
+    return Measures{rate.norm(), point.y() * rate.z() - point.z() * rate.y(),
+                    point.x() * rate.z() - point.z() * rate.x()};
+  };
+  Measures sums{};
+  Measures before = measured(path.incisor_m[cycle.begin], path.incisor_m_s[cycle.begin]);
+  for (std::size_t k = cycle.begin; k < cycle.end; ++k) {
+    const Vector3d &p = path.incisor_m[k], &q = path.incisor_m[k + 1];
+    const Vector3d &v = path.incisor_m_s[k], &w = path.incisor_m_s[k + 1];
+    const double step_s = path.time_s[k + 1] - path.time_s[k];
+    const Vector3d middle = (p + q) / 2 + step_s / 8 * (v - w);
+    const Vector3d rate = 1.5 * (q - p) / step_s - (v + w) / 4;
+    const Measures between = measured(middle, rate), after = measured(q, w);
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      sums[i] += step_s / 6 * (before[i] + 4 * between[i] + after[i]);
+    }
+    before = after;
+  }
+  return {sums[0], sums[1], sums[2]};
+}
 
 std::vector<std::string_view> names_of_cycle_shape() {
   return {"occlusal_time_s", "slow_close_time_s", "cycle_path_mm"};
@@ -121,19 +128,21 @@ std::vector<std::string_view> names_of_cycle_shape_with_landmarks() {
           "closing_angle_deg", "cycle_frontal_area_mm2", "cycle_sagittal_area_mm2"};
 }
 
-void add_cycle_shape(const CycleMarks& cycle, const JawPath& path,
+void add_cycle_shape(const CycleMarks& cycle, const JawPath& path, const CycleIntegrals& integrals,
                      const std::vector<double>& heights_m, const std::vector<double>& rates_m_s,
-                     std::vector<double>& values, std::vector<std::string>* why) {
+                     const GreatestAt& greatest, std::vector<double>& values,
+                     std::vector<std::string>* why) {
   const auto& time_s = path.time_s;
-  give(cycle.ends_with_pause ? kNone : occlusal_time_s(cycle, time_s, heights_m, rates_m_s),
+  give(cycle.ends_with_pause ? kNone
+                             : occlusal_time_s(cycle, time_s, heights_m, rates_m_s, greatest),
        "no cycle follows at once", values, why);
-  give(slow_close_s(cycle, time_s, rates_m_s), "the closing speed has no peak", values, why);
-  const double length_m =
-      integral(cycle, path, [](const Vector3d&, const Vector3d& rate) { return rate.norm(); });
-  give(length_m * 1e3, "it could not be computed", values, why);
+  give(slow_close_s(cycle, time_s, rates_m_s, greatest), "the closing speed has no peak", values,
+       why);
+  give(integrals.length_m * 1e3, "it could not be computed", values, why);
 }
 
 void add_cycle_shape_with_landmarks(const CycleMarks& cycle, const JawPath& path,
+                                    const CycleIntegrals& integrals, const GreatestAt& greatest,
                                     std::vector<double>& values, std::vector<std::string>* why) {
   const char* const failed = "it could not be computed";
   for (const double way : {-1.0, 1.0}) {
@@ -142,8 +151,7 @@ void add_cycle_shape_with_landmarks(const CycleMarks& cycle, const JawPath& path
     for (const Vector3d& rate : path.incisor_m_s) rates.push_back(way * rate.z());
     const std::size_t from = way < 0 ? cycle.begin : cycle.turn;
     const std::size_t to = way < 0 ? cycle.turn : cycle.end;
-    give(greatest_of(path.time_s, rates, from, to + 1, kTopReach_s).value * 1e3, failed, values,
-         why);
+    give(greatest.of(rates, from, to + 1).value * 1e3, failed, values, why);
   }
   const Points closing = closing_points(cycle, path);
   double angle_rad = kNone, side_m = kNone;
@@ -157,8 +165,8 @@ void add_cycle_shape_with_landmarks(const CycleMarks& cycle, const JawPath& path
   }
   const char* const unsteady = "the jaw does not close steadily";
   give(angle_rad / std::numbers::pi * 180, unsteady, values, why);
-  const double frontal_mm2 = 1e6 * loop_area_m2(cycle, path, 1);
-  const double sagittal_mm2 = 1e6 * loop_area_m2(cycle, path, 0);
+  const double frontal_mm2 = 1e6 * loop_area_m2(cycle, path, 1, integrals.frontal_m2);
+  const double sagittal_mm2 = 1e6 * loop_area_m2(cycle, path, 0, integrals.sagittal_m2);
   give(std::abs(frontal_mm2), failed, values, why);
   give(std::abs(sagittal_mm2), failed, values, why);
   give(side_m * 1e3, unsteady, values, why);

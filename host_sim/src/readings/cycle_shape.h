@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "readings/path_measures.h"
 #include "readings/reading_geometry.h"
 
 namespace condyle::host {
@@ -26,16 +27,25 @@ struct CycleMarks {
   bool ends_with_pause = false;
 };
 
+/// Integrals over a cycle, by Simpson's rule on cubics: length of the path, and twice the areas
+/// that the rays from the origin sweep in the frontal and in the sagittal plane.
+struct CycleIntegrals {
+  double length_m = 0, frontal_m2 = 0, sagittal_m2 = 0;
+};
+CycleIntegrals integrals_of(const CycleMarks& cycle, const JawPath& path);
+
 /// Names of the readings of the shape that need no landmarks, and of those that do.
 std::vector<std::string_view> names_of_cycle_shape();
 std::vector<std::string_view> names_of_cycle_shape_with_landmarks();
 
 /// Appends them to `values`, in this order, and to `why` unless it is null; `rates_m_s`: of the
-/// heights. A value that cannot be computed is NaN.
-void add_cycle_shape(const CycleMarks& cycle, const JawPath& path,
+/// heights, `greatest`: as read_cycle has it. A value that cannot be computed is NaN.
+void add_cycle_shape(const CycleMarks& cycle, const JawPath& path, const CycleIntegrals& integrals,
                      const std::vector<double>& heights_m, const std::vector<double>& rates_m_s,
-                     std::vector<double>& values, std::vector<std::string>* why);
+                     const GreatestAt& greatest, std::vector<double>& values,
+                     std::vector<std::string>* why);
 void add_cycle_shape_with_landmarks(const CycleMarks& cycle, const JawPath& path,
+                                    const CycleIntegrals& integrals, const GreatestAt& greatest,
                                     std::vector<double>& values, std::vector<std::string>* why);
 
 /// What only decides on the side and on the direction of the loop: closing side (mm), area of the

@@ -71,6 +71,7 @@ LocalFit::LocalFit(const std::vector<double>& time_s, std::size_t begin, std::si
     used_ = {std::min(used_.begin, first), std::max(used_.end, last)};
   }
   weights_.resize(count);
+  std::vector<double> places;
   for (std::size_t k = begin; k < end; ++k) {
     const Window& window = windows_[k - begin];
     // At a border, where all samples lie on one side, a quadratic: a cubic would follow the noise.
@@ -78,13 +79,14 @@ LocalFit::LocalFit(const std::vector<double>& time_s, std::size_t begin, std::si
     const int terms = window.count >= kLeastFitSamples ? (is_border ? 3 : 4)
                       : window.count >= 2              ? 2
                                                        : 1;
-    const auto place_of = [&](std::size_t i) {
-      return (time_s[window.first + i] - time_s[k]) / kFitHalfWidth_s;
-    };
+    places.resize(window.count);
+    for (std::size_t i = 0; i < window.count; ++i) {
+      places[i] = (time_s[window.first + i] - time_s[k]) / kFitHalfWidth_s;
+    }
     // Sums of the products of powers: each once, of those that have the same power twice.
     double x1 = 0, x2 = 0, x3 = 0, x1x3 = 0, x2x2 = 0, x2x3 = 0, x3x3 = 0;
     for (std::size_t i = 0; i < window.count; ++i) {
-      const double x = place_of(i), square = x * x, cube = square * x;
+      const double x = places[i], square = x * x, cube = square * x;
       x1 += x;
       x2 += square;
       x3 += cube;
@@ -102,7 +104,7 @@ LocalFit::LocalFit(const std::vector<double>& time_s, std::size_t begin, std::si
     normal.topLeftCorner(terms, terms) = sums.topLeftCorner(terms, terms);
     const Eigen::Matrix4d inverse = normal.inverse();
     for (std::size_t i = 0; i < window.count; ++i) {
-      const double x = place_of(i);
+      const double x = places[i];
       const double square = terms > 2 ? x * x : 0, cube = terms > 3 ? square * x : 0;
       const double line = terms > 1 ? x : 0;
       const auto weight = [&](int row) {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "readings/reading_geometry.h"
@@ -49,6 +50,12 @@ struct Passage {
   double share;  ///< of the time between the samples
 };
 
+/// A coordinate as the measure of first_passage, which then computes no other to find the place.
+struct CoordinateOf {
+  int axis;
+  double operator()(const Eigen::Vector3d& point) const { return point[axis]; }
+};
+
 /// The first passage, from sample `begin` to `end` (included), of a curve through `points` with
 /// the velocities `rates`, where `measure(point)` reaches `level`. Cubic between samples.
 template <class Measure>
@@ -63,10 +70,20 @@ std::optional<Passage> first_passage(const std::vector<double>& time_s, const Po
       return y * y * (1 + 2 * x) * points[k] + x * x * (1 + 2 * y) * points[k + 1] +
              x * y * step_s * (y * rates[k] - x * rates[k + 1]);
     };
+    const auto measured_at = [&](double x) {
+      if constexpr (std::is_same_v<Measure, CoordinateOf>) {
+        const double y = 1 - x;
+        const int i = measure.axis;
+        return y * y * (1 + 2 * x) * points[k][i] + x * x * (1 + 2 * y) * points[k + 1][i] +
+               x * y * step_s * (y * rates[k][i] - x * rates[k + 1][i]);
+      } else {
+        return measure(at(x));
+      }
+    };
     double low = 0, high = 1;
     for (int i = 0; i < 40; ++i) {
       const double middle = (low + high) / 2;
-      (measure(at(middle)) < level ? low : high) = middle;
+      (measured_at(middle) < level ? low : high) = middle;
     }
     return Passage{k, at(high), high};
   }

@@ -24,4 +24,9 @@ inline bool is_fast(std::string_view name) {
   return false;
 }
 
+/// Whether a mistaken place of the landmarks changes it: all but times and counts.
+inline bool is_place(std::string_view unit) {
+  return unit != "s" && unit != "Hz" && unit != "1" && !unit.empty();
+}
+
 }  // namespace condyle::host

@@ -43,11 +43,8 @@ class TaskReader {
       is_found = is_found || task.is_found;
     }
     if (windows.empty()) return;
-    if (kind == TaskKind::chewing) {
-      read_chewing(windows, is_found);
-    } else {
-      read_strokes(kind, windows, is_found);
-    }
+    if (kind == TaskKind::chewing) return read_chewing(windows, is_found);
+    read_strokes(kind, windows, is_found);
   }
 
   // Condylar inclination of mediotrusion minus that of protrusion, by side.
@@ -134,11 +131,12 @@ class TaskReader {
       if (definition.name == "slow_close_time_s") {
         assume("the contact of the teeth is not recorded; the speed stands for it");
       }
+      if (is_place(definition.unit)) assume(context_.landmark_assumption);
       assume(context_.reference_assumption);
       if (is_fast(definition.name)) assume(context_.smoothing_assumption);
       if (is_found) {
-        reading.reason +=
-            fmt::format("{}the task was found, not stated", reading.reason.empty() ? "" : "; ");
+        reading.reason += reading.reason.empty() ? "" : "; ";
+        reading.reason += "the task was found, not stated";
       }
     }
     analysis_.readings.push_back(std::move(reading));

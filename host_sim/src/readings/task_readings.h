@@ -17,6 +17,7 @@ struct TaskContext {
   SharedErrors errors;
   bool has_landmarks = false;
   std::string condyle_assumption;    ///< of condylar readings; empty: the points are measured
+  std::string landmark_assumption;   ///< on where the head was; empty: it is known, or still
   std::string reference_assumption;  ///< on the reference position; empty: it is known
   std::string smoothing_assumption;  ///< on fast movements; empty: the instrument does not smooth
   std::string rotation_problem;      ///< why readings that need rotation are withheld; empty: none

@@ -145,7 +145,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
                                              RandomGenerator& random, const ReadPath& read) {
   // Samples that the fits use are smoothed too, to be smoothed again.
   const auto [first, last] = samples_of_fit(motion.time_s, begin, end);
-  const LocalFit fit(motion.time_s, first, last);
+  const LocalFit fit(motion.time_s, begin, end);
   SmoothMotion smooth{part_of(motion.time_s, begin, end), {}, {}};
   fit.apply(motion.motion, 0, begin, end, smooth.value, smooth.slope);
   JawPath path;

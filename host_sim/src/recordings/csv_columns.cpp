@@ -205,6 +205,10 @@ bool is_unit_or_empty(std::string_view text) {
 ColumnMeaning meaning_of(std::string_view name, std::string_view unit_below,
                          std::string_view drive_column) {
   ColumnMeaning meaning;
+  if (name.starts_with(kEstimatePrefix)) {
+    meaning.quantity = Quantity::not_read;
+    return meaning;
+  }
   if (name == drive_column) {
     meaning.quantity = Quantity::drive;
     meaning.each = 1;

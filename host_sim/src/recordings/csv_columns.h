@@ -27,6 +27,9 @@ struct ColumnMeaning {
   bool has_bad_unit = false;  ///< its unit is not one of its quantity
 };
 
+/// What the names of exported estimates begin with: they are not measurements, and not read.
+inline constexpr std::string_view kEstimatePrefix = "estimate_";
+
 /// The meaning of the column `name`, whose unit may stand in a row below it. `drive_column`: the
 /// name of the drive.
 ColumnMeaning meaning_of(std::string_view name, std::string_view unit_below,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recordings/csv_header.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -64,6 +66,134 @@ std::vector<std::string> join_axes(const std::vector<std::string>& points, const
   return names;
 }
 
+// The lines from `first` on that are no comments, as many as tell the style.
+std::vector<std::string_view> looked_at(const std::vector<std::string_view>& lines,
+                                        std::size_t first) {
+  constexpr std::size_t kLooked = 100;
+  std::vector<std::string_view> looked;
+  for (std::size_t i = first; i < lines.size() && looked.size() < kLooked; ++i) {
+    if (!is_comment(lines[i])) looked.push_back(lines[i]);
+  }
+  return looked;
+}
+
+TextStyle style_from(const std::vector<std::string_view>& lines, std::size_t first) {
+  return style_of(looked_at(lines, first));
+}
+
+std::size_t filled(const Fields& fields) {
+  return static_cast<std::size_t>(
+      std::count_if(fields.begin(), fields.end(), [](auto field) { return !field.empty(); }));
+}
+
+// A field of numbers or missing values, and at least one number.
+bool are_numbers(const Fields& fields, const TextStyle& style) {
+  double value = 0;
+  std::size_t numbers = 0;
+  for (const std::string_view field : fields) {
+    const NumberStatus status = parse_field(field, style, value);
+    if (status == NumberStatus::not_a_number) return false;
+    numbers += status == NumberStatus::ok ? 1U : 0U;
+  }
+  return numbers > 0;
+}
+
+std::size_t known_names(const Fields& fields) {
+  return static_cast<std::size_t>(std::count_if(fields.begin(), fields.end(), [](auto field) {
+    return meaning_of(field, "", "drive_N").quantity != ColumnMeaning::Quantity::unknown;
+  }));
+}
+
+// A separator at the end of a line is no field.
+Fields row_at(const std::vector<std::string_view>& lines, std::size_t index, char separator) {
+  Fields fields;
+  if (index < lines.size()) split_fields(lines[index], separator, fields);
+  while (fields.size() > 1 && fields.back().empty()) fields.pop_back();
+  return fields;
+}
+
+// Whether the line at `index` names columns: rows of numbers follow, after axes and units at most.
+bool heads_rows(const std::vector<std::string_view>& lines, std::size_t index,
+                const TextStyle& style) {
+  const Fields names = row_at(lines, index, style.separator);
+  if (names.size() < 2) return false;
+  for (const std::string_view name : names) {
+    if (!name.empty() && !is_name(name, style)) return false;
+  }
+  std::size_t width = names.size(), next = index + 1;
+  const Fields axes = row_at(lines, next, style.separator);
+  if (has_name(axes, style) && are_axes(axes)) {
+    std::size_t first = 0;
+    while (!axis_of(axes[first])) ++first;
+    if (first >= names.size() || names[first].empty()) return false;
+    width = std::max(width, axes.size());
+    ++next;
+  } else if (filled(names) < names.size()) {
+    return false;
+  }
+  if (are_units(row_at(lines, next, style.separator))) ++next;
+  constexpr std::size_t kRows = 2;
+  std::size_t rows = 0;
+  for (; next < lines.size() && rows < kRows; ++next) {
+    if (is_comment(lines[next]) || is_blank_row(lines[next], style.separator)) continue;
+    const Fields fields = row_at(lines, next, style.separator);
+    if (fields.size() > width || !are_numbers(fields, style)) return false;
+    if (filled(fields) == fields.size() && fields.size() < width) return false;
+    ++rows;
+  }
+  return rows > 0;
+}
+
+// The line that names the columns below lines of titles; `first` if it is that one, or none is.
+std::size_t names_below_titles(const std::vector<std::string_view>& lines, std::size_t first) {
+  constexpr std::size_t kMostTitles = 50;
+  if (first < lines.size() && heads_rows(lines, first, style_from(lines, first))) return first;
+  for (std::size_t i = first; i < std::min(lines.size(), first + kMostTitles); ++i) {
+    if (is_comment(lines[i]) || trim(lines[i]).empty()) continue;
+    const TextStyle style = style_from(lines, i);
+    Fields fields = row_at(lines, i, style.separator);
+    if (fields.size() > 1 && are_numbers(fields, style)) return first;
+    if (i == first || !heads_rows(lines, i, style)) continue;
+    std::size_t width = filled(fields), known = known_names(fields);
+    if (const Fields axes = row_at(lines, i + 1, style.separator); are_axes(axes)) {
+      width = std::max(width, filled(axes));
+      known += known_names(axes);
+    }
+    for (std::size_t above = first; above < i; ++above) {
+      fields = row_at(lines, above, style.separator);
+      const bool is_title = is_comment(lines[above]) || filled(fields) < width ||
+                            (known > 0 && known_names(fields) == 0);
+      if (!is_title) return first;
+    }
+    return i;
+  }
+  return first;
+}
+
+// Why the line at `header.line` cannot name the columns: a row of numbers comes later, and has
+// another number of columns.
+void find_rows_elsewhere(const std::vector<std::string_view>& lines, CsvHeader& header) {
+  constexpr std::size_t kMostTitles = 50;
+  const std::size_t end = std::min(lines.size(), header.lines + kMostTitles);
+  bool has_lines_between = false;
+  for (std::size_t i = header.lines; i < end; ++i) {
+    if (is_comment(lines[i]) || trim(lines[i]).empty()) continue;
+    const TextStyle style = style_from(lines, i);
+    const Fields fields = row_at(lines, i, style.separator);
+    if (fields.size() < 2 || !are_numbers(fields, style)) {
+      has_lines_between = true;
+      continue;
+    }
+    if (fields.size() == header.names.size()) return;
+    if (!has_lines_between && header.names.size() > 1) return;
+    header.problem = fmt::format(
+        "the line does not name the columns: it has {} column{}, and the rows of numbers from line "
+        "{} on have {}",
+        header.names.size(), header.names.size() == 1 ? "" : "s", i + 1, fields.size());
+    return;
+  }
+}
+
 }  // namespace
 
 CsvHeader read_csv_header(const TableStart& start) {
@@ -80,11 +210,11 @@ CsvHeader read_csv_header(const TableStart& start) {
       break;
     }
   }
-  constexpr std::size_t kLooked = 100;
-  std::vector<std::string_view> looked;
-  for (std::size_t i = first; i < lines.size() && looked.size() < kLooked; ++i) {
-    if (!is_comment(lines[i])) looked.push_back(lines[i]);
+  for (const std::size_t names = names_below_titles(lines, first); first < names; ++first) {
+    const std::string_view title = trim(lines[first]);
+    if (!title.empty() && !is_comment(title)) header.titles.emplace_back(title);
   }
+  const std::vector<std::string_view> looked = looked_at(lines, first);
   header.style = style_of(looked);
   header.line = first + 1;
   header.lines = first;
@@ -94,6 +224,7 @@ CsvHeader read_csv_header(const TableStart& start) {
   if (header.has_names) {
     header.lines = first + 1;
     header.names.assign(fields.begin(), fields.end());
+    find_rows_elsewhere(lines, header);
   } else if (!comment.empty()) {
     // The names may be a comment, with the sign that begins it.
     Fields commented;

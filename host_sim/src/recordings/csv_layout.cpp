@@ -76,6 +76,12 @@ class CsvReading {
   }
 
   void refuse_without_names() {
+    if (!header_.problem.empty()) {
+      throw InputError(place(), header_.problem,
+                       fmt::format("put the names of the columns, such as time_s,position_m, in "
+                                   "the line above the numbers, and # before other lines; {}",
+                                   kColumns));
+    }
     for (const std::string& name : header_.names) {
       if (name.size() <= kLongestName) continue;
       throw InputError(place(), fmt::format("the column name {} is too long", quote(name)),
@@ -112,6 +118,8 @@ class CsvReading {
     if (is_ignored || is_replaced) {
       meaning = {};
       meaning.quantity = Quantity::not_read;
+    } else if (name.starts_with(kEstimatePrefix)) {
+      unread_.push_back(name);
     } else if (!header_.is_text && meaning.has_bad_unit && meaning.quantity != Quantity::time) {
       meaning = {};
       unread_.push_back(name);
@@ -348,6 +356,7 @@ class CsvReading {
     const std::string recognised =
         recognised_text(header_, meanings_, options_, !mapped_.empty() || !warnings_.empty());
     if (!recognised.empty()) notes.push_back(recognised);
+    if (!header_.titles.empty()) notes.push_back(titles_text(header_));
     if (!single_.empty()) notes.push_back(single_);
     if (!unread_.empty()) {
       notes.push_back(fmt::format("columns that are not read: {}", list_of_points(unread_)));

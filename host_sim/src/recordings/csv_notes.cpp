@@ -37,7 +37,7 @@ std::string style_text(const TextStyle& style) {
 std::string recognised_text(const CsvHeader& header, const std::vector<ColumnMeaning>& meanings,
                             const RecordingOptions& options, bool was_chosen) {
   bool is_plain = header.has_names && !was_chosen && header.style.separator == ',' &&
-                  header.line == header.lines;
+                  header.line == header.lines && header.titles.empty();
   std::vector<std::string> words, points;
   std::string unit;
   for (std::size_t i = 0; i < meanings.size(); ++i) {
@@ -68,6 +68,12 @@ std::string recognised_text(const CsvHeader& header, const std::vector<ColumnMea
   if (options.rate_Hz) words.push_back(fmt::format("{:g} Hz", *options.rate_Hz));
   if (header.is_text) words.push_back(style_text(header.style));
   return fmt::format("recognised: {}", fmt::join(words, "; "));
+}
+
+std::string titles_text(const CsvHeader& header) {
+  const auto quoted = [](const std::string& title) { return quote(title); };
+  return fmt::format("line {} names the columns; not read above it: {}", header.line,
+                     short_list(header.titles, ", ", quoted));
 }
 
 }  // namespace condyle::host

@@ -15,4 +15,7 @@ namespace condyle::host {
 std::string recognised_text(const CsvHeader& header, const std::vector<ColumnMeaning>& meanings,
                             const RecordingOptions& options, bool was_chosen);
 
+/// Which lines above the names were not read.
+std::string titles_text(const CsvHeader& header);
+
 }  // namespace condyle::host

@@ -262,11 +262,15 @@ class PlainMat {
       base = one.name.substr(0, one.name.size() - ending.size());
       unit = std::string(ending.substr(1));
     }
+    // Of one point, its variable is the name, unless that says no more than "position".
+    const bool is_labelled =
+        labels_.size() == shape.points && (shape.points > 1 || base == "position");
     for (std::size_t point = 0; point < shape.points; ++point) {
       std::string name = base;
-      if (shape.points > 1) {
-        name =
-            labels_.size() == shape.points ? labels_[point] : fmt::format("{}_{}", base, point + 1);
+      if (is_labelled) {
+        name = labels_[point];
+      } else if (shape.points > 1) {
+        name = fmt::format("{}_{}", base, point + 1);
       }
       for (std::size_t axis = 0; axis < 3; ++axis) {
         header_.names.push_back(fmt::format("{}:{}", name, "xyz"[axis]));

@@ -74,6 +74,11 @@ bool FaultRule::accept(NumberStatus status, const std::string& place, std::strin
       fail(fmt::format("{} is larger than a number can hold", quote(text)), "correct the value");
       break;
     case NumberStatus::not_a_number:
+      if (has_thousands(text)) {
+        fail(fmt::format("{} has separators of thousands", quote(text)),
+             "write the numbers without them, like 1234.5; a spreadsheet has this in the format of "
+             "the cells");
+      }
       fail(
           fmt::format("{} is not a number", quote(text)),
           policy_ == FaultPolicy::refuse
@@ -171,7 +176,10 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
   auto reader = std::make_unique<ByteReader>(path);
   std::string_view start = reader->peek(4096);
   if (start.substr(0, 2) == "\xff\xfe" || start.substr(0, 2) == "\xfe\xff") {
-    throw InputError(path, "is UTF-16 text", "save it as UTF-8");
+    const bool is_big_endian = start[0] == '\xfe';
+    reader->skip(2);
+    reader->decode_utf16(is_big_endian);
+    start = reader->peek(4096);
   }
   if (start.substr(0, 3) == "\xef\xbb\xbf") {
     reader->skip(3);

@@ -8,12 +8,26 @@
 #include <cmath>
 #include <limits>
 
+#include "hosted/files/number_text.h"
 #include "recordings/named_points.h"
 
 namespace condyle::host {
 namespace {
 
 using Eigen::Index;
+
+// The rate with the fewest digits whose step is `step_ns`, which is known to half a nanosecond.
+double rate_of(TimeNs step_ns) {
+  constexpr double kKnown_ns = 0.5 + 1e-6;
+  const auto step = static_cast<double>(step_ns);
+  const double rate_Hz = 1e9 / step;
+  for (int digits = 1; digits <= 15; ++digits) {
+    double rounded_Hz = rate_Hz;
+    static_cast<void>(parse_number(fmt::format("{:.{}g}", rate_Hz, digits), rounded_Hz));
+    if (std::abs(1e9 / rounded_Hz - step) <= kKnown_ns) return rounded_Hz;
+  }
+  return rate_Hz;
+}
 
 // The times of a recording.
 class Clock {
@@ -26,47 +40,49 @@ class Clock {
     const double time_s = seconds(sample.time_ns);
     if (!has_time_) {
       found.first_s = found.last_s = time_s;
-    } else if (time_s <= last_s_) {
+    } else if (sample.time_ns <= last_ns_) {
       ++found.time_reversed;
     } else {
-      take_step(time_s - last_s_, found);
+      take_step(sample.time_ns - last_ns_, found);
     }
     has_time_ = true;
-    last_s_ = time_s;
+    last_ns_ = sample.time_ns;
     found.first_s = std::min(found.first_s, time_s);
     found.last_s = std::max(found.last_s, time_s);
   }
 
   void finish(RecordingDescription& found) {
-    if (!median_s_) find_median(found);
-    if (median_s_) found.rate_Hz = 1 / *median_s_;
+    if (!median_ns_) find_median(found);
+    if (median_ns_) found.rate_Hz = rate_of(*median_ns_);
   }
 
  private:
   static constexpr std::size_t kSteps = 1000;
 
-  void take_step(double step_s, RecordingDescription& found) {
-    if (median_s_) {
-      found.time_gaps += step_s > 1.5 * *median_s_ ? 1U : 0U;
+  bool is_gap(TimeNs step_ns) const { return step_ns > *median_ns_ + *median_ns_ / 2; }
+
+  void take_step(TimeNs step_ns, RecordingDescription& found) {
+    if (median_ns_) {
+      found.time_gaps += is_gap(step_ns) ? 1U : 0U;
       return;
     }
-    steps_s_.push_back(step_s);
-    if (steps_s_.size() == kSteps) find_median(found);
+    steps_ns_.push_back(step_ns);
+    if (steps_ns_.size() == kSteps) find_median(found);
   }
 
   void find_median(RecordingDescription& found) {
-    if (steps_s_.empty()) return;
-    std::vector<double> sorted_s = steps_s_;
-    const auto middle = sorted_s.begin() + static_cast<std::ptrdiff_t>(sorted_s.size() / 2);
-    std::nth_element(sorted_s.begin(), middle, sorted_s.end());
-    median_s_ = *middle;
-    for (const double step_s : steps_s_) found.time_gaps += step_s > 1.5 * *median_s_ ? 1U : 0U;
+    if (steps_ns_.empty()) return;
+    std::vector<TimeNs> sorted_ns = steps_ns_;
+    const auto middle = sorted_ns.begin() + static_cast<std::ptrdiff_t>(sorted_ns.size() / 2);
+    std::nth_element(sorted_ns.begin(), middle, sorted_ns.end());
+    median_ns_ = *middle;
+    for (const TimeNs step_ns : steps_ns_) found.time_gaps += is_gap(step_ns) ? 1U : 0U;
   }
 
   bool has_time_ = false;
-  double last_s_ = 0;
-  std::vector<double> steps_s_;  // the first
-  std::optional<double> median_s_;
+  TimeNs last_ns_ = 0;
+  std::vector<TimeNs> steps_ns_;  // the first
+  std::optional<TimeNs> median_ns_;
 };
 
 // The points of the sample last returned, NaN where missing.

@@ -144,6 +144,33 @@ bool is_missing_coordinate(double value, double metres_each) {
   return std::find(kFilled.begin(), kFilled.end(), size) != kFilled.end();
 }
 
+bool has_thousands(std::string_view text) {
+  constexpr std::array<std::string_view, 6> kSeparators{",", ".",        " ",
+                                                        "'", "\xc2\xa0", "\xe2\x80\xaf"};
+  text = trim(text);
+  if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
+  const auto digits = [](std::string_view rest) {
+    return static_cast<std::size_t>(std::find_if_not(rest.begin(), rest.end(), is_digit) -
+                                    rest.begin());
+  };
+  const std::size_t first = digits(text);
+  if (first < 1 || first > 3 || text[0] == '0') return false;  // 0,123 has a decimal comma
+  text.remove_prefix(first);
+  for (const std::string_view separator : kSeparators) {
+    std::string_view rest = text;
+    std::size_t groups = 0;
+    while (rest.starts_with(separator) && digits(rest.substr(separator.size())) == 3) {
+      rest.remove_prefix(separator.size() + 3);
+      ++groups;
+    }
+    if (groups == 0) continue;
+    if (rest.empty()) return true;
+    const bool has_decimals = (rest[0] == '.' || rest[0] == ',') && rest.substr(0, 1) != separator;
+    if (has_decimals && digits(rest.substr(1)) == rest.size() - 1) return true;
+  }
+  return false;
+}
+
 NumberStatus parse_field(std::string_view text, const TextStyle& style, double& value) {
   if (!style.has_decimal_comma || text.find(',') == std::string_view::npos) {
     const NumberStatus status = parse_number(text, value);

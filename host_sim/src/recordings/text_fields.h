@@ -29,6 +29,10 @@ bool is_missing_word(std::string_view text);
 /// like (NDI), or 9999 (also 9999.9, 99999 ...) where that is 10 m or more.
 bool is_missing_coordinate(double value, double metres_each);
 
+/// True if `text` is a number whose digits are grouped by thousands: 1,234.5, 1.234,5, 1 234,
+/// 1'234.
+bool has_thousands(std::string_view text);
+
 /// Reads all of `text` as a number with the decimal sign of `style`. Missing words are `empty`.
 NumberStatus parse_field(std::string_view text, const TextStyle& style, double& value);
 

@@ -89,7 +89,7 @@ class TableRecording final : public NamedPointsRecording {
                     layout_.columns[std::min(fields_.size(), columns - 1)].name),
         fmt::format("the row has {} columns, the header names {}", fields_.size(), columns),
         is_longer && layout_.style.separator == ','
-            ? "write decimals with a decimal point, not a comma"
+            ? "write decimals with a decimal point, not a comma, and no separators of thousands"
             : fmt::format("complete the row{}", layout_.style.separator == ','
                                                     ? "; numbers take a decimal point, not a comma"
                                                     : ""));

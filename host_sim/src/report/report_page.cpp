@@ -143,9 +143,8 @@ std::string section_html(const ReportSection& section, const std::string& landma
                                  html_text(section.recording));
   const std::string prefix = fmt::format("recording_{}", number);
   text += banners(section) + identity_html(section, landmarks) + identity_tables(section, prefix);
-  if (section.analysis) {
-    text += sample_times_html(section.analysis->path.time_s, section.origin_s);
-  }
+  text += sample_times_html(
+      section.analysis ? section.analysis->path.time_s : section.sample_times_s, section.origin_s);
   text += charts(section) + impedance_html(section, prefix);
   if (section.analysis) {
     const Analysis& analysis = *section.analysis;

@@ -37,6 +37,16 @@ class ReportedSensor {
   ComparedEstimator& estimator_;
 };
 
+// A position was measured, at a time of its own.
+bool is_usable(const EstimateRow& row) {
+  constexpr Event kUnusable[] = {
+      Event::time_reversed,    Event::time_repeated,     Event::position_missing,
+      Event::zero_filled,      Event::position_repeated, Event::position_frozen,
+      Event::points_not_rigid, Event::outlier_rejected,  Event::position_out_of_range};
+  return row.time_ns && std::none_of(std::begin(kUnusable), std::end(kUnusable),
+                                     [&row](Event event) { return row.events.has(event); });
+}
+
 void refuse_drive(const ReportChoice& choice, const std::string& source,
                   const RecordingInfo& info) {
   if (!choice.drive_file.empty() && info.has_drive) {
@@ -88,6 +98,9 @@ void add_estimates(const std::string& source, const ReportChoice& choice,
         section.series.add(*estimate.row);
         section.fine.add(*estimate.row);
         summary.add(*estimate.row);
+        if (is_usable(*estimate.row)) {
+          section.sample_times_s.push_back(seconds(*estimate.row->time_ns));
+        }
         if (counts.samples % 1024 == 0) progress(facebow.progress());
       },
       [&] { return should_stop() || !facebow.problem().empty(); });
@@ -138,6 +151,7 @@ ReportSection report_section(const std::string& source, const ReportChoice& choi
   }
   try {
     section.analysis = analyse(source, choice.analysis);
+    section.sample_times_s.clear();
   } catch (const InputError& error) {
     // Tasks and landmarks that do not fit are the user's to mend.
     const AnalysisChoice& analysis = choice.analysis;

@@ -43,6 +43,8 @@ struct ReportSection {
   std::vector<std::string> warnings;                ///< about the estimates
   std::string recording, format;
   std::vector<std::string> notes;
+  /// Of the usable samples of a recording that has no `analysis`.
+  std::vector<double> sample_times_s;
   /// Subtracted from the times of charts: 0, or the first time of a clock with a distant origin.
   double origin_s = 0;
 

@@ -162,6 +162,18 @@ TEST(ClockFitStep, TakesNoDriftWithinAPauseForAStep) {
   }
 }
 
+// A clock 200 ppm fast or slow is a third of a second away after half an hour.
+TEST(ClockFitStep, TakesNoDriftForAStep) {
+  for (const double drift : {-2e-4, 2e-4}) {
+    Reports reports(1);
+    ClockFit fit;
+    for (double t = 0; t < 1800; t += 0.05) reports.add(fit, t, t * (1 + drift));
+    EXPECT_EQ(fit.steps(), 0U) << drift;
+    EXPECT_EQ(fit.outcome(), FitOutcome::followed) << drift;
+    EXPECT_LT(fit.uncertainty_s(), 0.01) << drift;
+  }
+}
+
 TEST(ClockFitStep, SlewsAStepThatIsSmall) {
   Reports reports(1);
   ClockFit fit;
@@ -169,6 +181,10 @@ TEST(ClockFitStep, SlewsAStepThatIsSmall) {
   for (double t = 0; t < 100; t += kPeriod_s) {
     error_s = reports.add(fit, t, t < 30 ? t : t + 0.02);
     ASSERT_LT(std::abs(error_s), 0.0205);
+    // What is still to be slewed is part of the uncertainty. The fit takes 6 s to see it.
+    if (t > 36 && std::abs(error_s) > 1e-3) {
+      ASSERT_GT(fit.uncertainty_s(), 0.9 * std::abs(error_s)) << t;
+    }
   }
   EXPECT_LT(std::abs(error_s), 1e-4);
   EXPECT_EQ(fit.steps(), 0U);

@@ -100,6 +100,16 @@ TEST(DeviceClock, NamesAnAbsurdJumpAhead) {
   EXPECT_EQ(clock.advance(0, 4 * kMs, 1).outcome, ClockOutcome::jumped_back);
 }
 
+TEST(DeviceClock, NamesAnAbsurdPause) {
+  // 16 bits of 0.1 ms: whole wraps alone reach so far.
+  for (const TimeNs days : {365, 367}) {
+    DeviceClock clock(ticking(16, 1e-4), 0, false);
+    clock.advance(0, 0, 0);
+    EXPECT_EQ(clock.advance(0, days * 86400 * kS, 0).outcome,
+              days == 365 ? ClockOutcome::next : ClockOutcome::jumped_ahead);
+  }
+}
+
 TEST(DeviceClock, ReconnectsAsTheProfileSays) {
   DeviceClock restarts(ticking(32, kMicrosecond), 500, true);
   restarts.advance(7'000'000, 0, 0);

@@ -42,6 +42,8 @@ struct State {
   std::deque<libusb_transfer*> in_flight;
   std::vector<libusb_interface> interfaces;  // of the configuration that was given last
   libusb_config_descriptor configuration{};
+  int configurations = 0;  ///< given and not freed
+  int control_length = 0;  ///< bytes that the last control transfer asked for
   libusb_device_handle handle{};
 };
 
@@ -108,9 +110,12 @@ int libusb_get_active_config_descriptor(libusb_device* device, libusb_config_des
   state.configuration.bNumInterfaces = static_cast<std::uint8_t>(state.interfaces.size());
   state.configuration.interface = state.interfaces.data();
   *config = &state.configuration;
+  ++state.configurations;
   return 0;
 }
-void libusb_free_config_descriptor(libusb_config_descriptor*) {}
+void libusb_free_config_descriptor(libusb_config_descriptor*) {
+  --state.configurations;
+}
 int libusb_set_auto_detach_kernel_driver(libusb_device_handle*, int) {
   return 0;
 }
@@ -124,6 +129,7 @@ int libusb_release_interface(libusb_device_handle*, int) {
 }
 int libusb_control_transfer(libusb_device_handle* handle, std::uint8_t, std::uint8_t, std::uint16_t,
                             std::uint16_t, unsigned char* data, std::uint16_t length, unsigned) {
+  state.control_length = length;
   const auto& bytes = handle->device->report_descriptor;
   const std::size_t size = std::min<std::size_t>(length, bytes.size());
   std::copy_n(bytes.begin(), size, data);

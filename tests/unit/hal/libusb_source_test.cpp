@@ -96,6 +96,22 @@ TEST_F(LibusbSourceTest, TakesTheInterfaceThatIsMeant) {
   EXPECT_EQ(LibusbSource({0x1209, 1, 3, {}, {}}, clock_).open(), Status::not_found);
 }
 
+// As many bytes as the interface's HID descriptor states; the most that any has if there is none.
+TEST_F(LibusbSourceTest, AsksForTheWholeReportDescriptor) {
+  constexpr std::uint8_t kVendorAndHid[] = {
+      4, 0xFF, 0, 0, 9, LIBUSB_DT_HID, 0x11, 1, 0, 1, LIBUSB_DT_REPORT, 0x23, 0x01};
+  for (const int stated : {0, 0x123}) {
+    if (stated > 0) {
+      first_.interfaces[1].extra = kVendorAndHid;
+      first_.interfaces[1].extra_length = sizeof kVendorAndHid;
+    }
+    LibusbSource source({0x1209, 1, -1, {}, {}}, clock_);
+    ASSERT_EQ(source.open(), Status::ok);
+    EXPECT_EQ(state.control_length, stated > 0 ? stated : 4096);
+    EXPECT_EQ(state.configurations, 0) << "freed";
+  }
+}
+
 // Whole packets, as many as the longest report takes; a part of a byte takes one.
 TEST_F(LibusbSourceTest, AsksForWholePackets) {
   for (const auto& [bits, length] :

@@ -42,6 +42,13 @@ TEST(ProfileCheck, TheShippedProfileIsUsable) {
   EXPECT_FALSE(find_problem(facebow()));
 }
 
+TEST(DeviceProfile, StepsByItsRate) {
+  DeviceProfile profile;
+  EXPECT_FALSE(profile.nominal_step_ns());
+  profile.rate_Hz = 250;
+  EXPECT_EQ(profile.nominal_step_ns(), 4'000'000);
+}
+
 TEST(ProfileCheck, FindsProblemsOfFields) {
   const auto expect_field = [](const std::function<void(ReportField&)>& spoil, const char* reason) {
     expect([&](DeviceProfile& p) { spoil(p.coordinates[8].field); }, ProfilePart::coordinates,
@@ -94,6 +101,7 @@ TEST(ProfileCheck, FindsProblemsOfCoordinates) {
   expect([](auto& p) { p.coordinates[3].index = 9; }, part, "no such coordinate");
   expect([](auto& p) { p.kind = SampleKind::one_point; }, part, "no such coordinate");
   expect([](auto& p) { p.descriptor_axes = kSameAxes; }, part, "requested from the descriptor");
+  EXPECT_EQ(problem_of([](auto& p) { p.descriptor_axes = kSameAxes; }).index, 0U);
 }
 
 TEST(ProfileCheck, FindsProblemsOfCountsAndClocks) {
@@ -101,6 +109,7 @@ TEST(ProfileCheck, FindsProblemsOfCountsAndClocks) {
   expect([](auto& p) { p.sequence->field.type = FieldType::signed_integer; }, sequence,
          "the sequence is not an unsigned integer");
   expect([](auto& p) { p.sequence->field.width_bits = 1; }, sequence, "too few to be useful");
+  expect([](auto& p) { p.sequence->wraps_at = 1; }, sequence, "too few to be useful");
   expect([](auto& p) { p.sequence->wraps_at = 0x1'0000'0001; }, sequence, "more than its bits");
   expect([](auto& p) { p.device_time->field.scale = -1e-6; }, time, "ticks shorter");
   expect([](auto& p) { p.device_time->field.scale = 1e-12; }, time, "ticks shorter");

@@ -251,6 +251,32 @@ TEST(ReportDescriptor, TakesTheFirstOfAlternativeUsages) {
   EXPECT_EQ(field.usages[0].first, 0x00010030U);
 }
 
+TEST(ReportDescriptor, TakesNoRangeAsAnAlternativeToTheFirstUsage) {
+  const auto descriptor = decoded(DescriptorBytes()
+                                      .usage_page(1)
+                                      .begin()
+                                      .logical(0, 1)
+                                      .values(1, 1)
+                                      .item(0xA8, 1, 1)
+                                      .usage(0x30)
+                                      .item(0x18, 0x31, 1)
+                                      .item(0x28, 0x32, 1)
+                                      .item(0xA8, 0, 1)
+                                      .input()
+                                      .end());
+  const DescriptorField& field = descriptor.reports.at(0).fields.at(0);
+  ASSERT_EQ(field.usages.size(), 1U);
+  EXPECT_EQ(field.usages[0].first, 0x00010030U);
+}
+
+TEST(ReportDescriptor, SignsAFieldThatReachesBelowZero) {
+  DescriptorField field;
+  for (const int minimum : {-1, 0, 1}) {
+    field.logical_minimum = minimum;
+    EXPECT_EQ(field.is_signed(), minimum < 0);
+  }
+}
+
 TEST(ReportDescriptor, RefusalsNameTheByte) {
   expect_refused(DescriptorBytes().begin(), 2, "not closed");
   expect_refused(DescriptorBytes().end(), 0, "not begun");
@@ -276,10 +302,12 @@ TEST(ReportDescriptor, SaysWhatItDidNotRead) {
   EXPECT_THAT(decoded(DescriptorBytes()).notes, testing::ElementsAre(HasSubstr("empty")));
   DescriptorBytes odd;
   odd.bytes = {0xFE, 0x01, 0x10, 0x00};  // a long item
-  odd.begin().logical(0, 1).values(1, 1).item(0x28, 3, 1).input().end().item(0x0C, 0, 1);
-  EXPECT_THAT(decoded(odd).notes,
-              testing::ElementsAre(HasSubstr("long item"), HasSubstr("half of a range"),
-                                   HasSubstr("reserved type")));
+  odd.begin().logical(0, 1).values(1, 1).item(0x28, 3, 1).input().end().item(0xD0, 0, 1);
+  odd.item(0x0C, 0, 1);
+  EXPECT_THAT(
+      decoded(odd).notes,
+      testing::ElementsAre(HasSubstr("long item"), HasSubstr("half of a range"),
+                           HasSubstr("unknown main item, tag 13"), HasSubstr("reserved type")));
 }
 
 // Fields of any reports, written and read again.

@@ -11,6 +11,7 @@
 #include "hosted/files/input_error.h"
 #include "recordings/named_points.h"
 #include "support/rapidcheck_gtest.h"
+#include "support/read_recording.h"
 #include "support/temporary_folder.h"
 
 namespace condyle::host {
@@ -19,30 +20,9 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing_support::TemporaryFolder;
-
-struct Read {
-  RecordingInfo info;
-  std::vector<Sample> samples;
-};
-
-Read read(const std::string& content, const RecordingOptions& options = {}) {
-  const TemporaryFolder folder;
-  const auto recording = open_recording(folder.write("recording", content), options);
-  Read result;
-  Sample sample;
-  while (recording->next(sample)) result.samples.push_back(sample);
-  result.info = recording->info();
-  return result;
-}
-
-std::string problem_of(const std::string& content, const RecordingOptions& options = {}) {
-  try {
-    read(content, options);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
+using testing_support::samples::problem_of;
+using testing_support::samples::Read;
+using testing_support::samples::read;
 
 std::string notes_of(const Read& read) {
   return fmt::format("{}", fmt::join(read.info.notes, "\n"));

@@ -8,6 +8,7 @@
 
 #include "hosted/files/input_error.h"
 #include "recordings/named_points.h"
+#include "support/read_recording.h"
 #include "support/temporary_folder.h"
 
 namespace condyle::host {
@@ -19,40 +20,9 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 using testing_support::TemporaryFolder;
-
-struct Read {
-  RecordingInfo info;
-  std::vector<std::string> names;
-  std::vector<double> times_s;
-  std::vector<Eigen::Matrix3Xd> points_m;
-};
-
-Read read(const std::string& content, const RecordingOptions& options = {},
-          const std::string& name = "recording") {
-  const TemporaryFolder folder;
-  const auto recording = open_to_describe(folder.write(name, content), options);
-  auto* const named = dynamic_cast<NamedPointsRecording*>(recording.get());
-  Read result;
-  if (named == nullptr) throw InputError("the points have no names");
-  result.names = named->names();
-  Sample sample;
-  while (recording->next(sample)) {
-    result.times_s.push_back(seconds(sample.time_ns));
-    result.points_m.push_back(named->points_m());
-  }
-  result.info = recording->info();
-  return result;
-}
-
-std::string problem_of(const std::string& content, const RecordingOptions& options = {},
-                       const std::string& name = "recording") {
-  try {
-    read(content, options, name);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
+using testing_support::places::problem_of;
+using testing_support::places::Read;
+using testing_support::places::read;
 
 constexpr int kFrames = 20;
 constexpr double kRate_Hz = 120;

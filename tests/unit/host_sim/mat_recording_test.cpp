@@ -12,6 +12,7 @@
 
 #include "hosted/files/input_error.h"
 #include "recordings/named_points.h"
+#include "support/read_recording.h"
 #include "support/temporary_folder.h"
 
 namespace condyle::host {
@@ -21,6 +22,9 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing_support::TemporaryFolder;
+using testing_support::places::problem_of;
+using testing_support::places::Read;
+using testing_support::places::read;
 
 constexpr std::size_t kRows = 60;
 
@@ -92,38 +96,6 @@ std::vector<double> matrix(std::size_t points, double per_mm = 1, bool is_transp
     }
   }
   return values;
-}
-
-struct Read {
-  RecordingInfo info;
-  std::vector<std::string> names;
-  std::vector<double> times_s;
-  std::vector<Eigen::Matrix3Xd> points_m;
-};
-
-Read read(const std::string& bytes, const RecordingOptions& options = {}) {
-  const TemporaryFolder folder;
-  const auto recording = open_to_describe(folder.write("file.mat", bytes), options);
-  auto* const named = dynamic_cast<NamedPointsRecording*>(recording.get());
-  Read result;
-  if (named == nullptr) throw InputError("the points have no names");
-  result.names = named->names();
-  Sample sample;
-  while (recording->next(sample)) {
-    result.times_s.push_back(seconds(sample.time_ns));
-    result.points_m.push_back(named->points_m());
-  }
-  result.info = recording->info();
-  return result;
-}
-
-std::string problem_of(const std::string& bytes, const RecordingOptions& options = {}) {
-  try {
-    read(bytes, options);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 void expect_places(const Read& result, std::size_t points) {

@@ -328,7 +328,7 @@ TEST(Recording, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(problem_of(std::string("\xff\xfe"
                                      "t\0i\0",
                                      6)),
-              HasSubstr("UTF-16"));
+              HasSubstr("column 'ti'"));  // UTF-16
   EXPECT_THAT(problem_of("time_s,position_m\r0,1\r"), HasSubstr("its lines end in CR alone"));
   EXPECT_THAT(problem_of(std::string(5000, 'x') + ",time_s\n"), HasSubstr("is too long"));
   EXPECT_THROW(open_recording("/nowhere", {}), InputError);

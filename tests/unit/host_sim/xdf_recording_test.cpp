@@ -10,7 +10,7 @@
 #include "hosted/files/input_error.h"
 #include "recordings/named_points.h"
 #include "recordings/xdf_file.h"
-#include "support/temporary_folder.h"
+#include "support/read_recording.h"
 
 namespace condyle::host {
 namespace {
@@ -18,7 +18,9 @@ namespace {
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing_support::TemporaryFolder;
+using testing_support::places::problem_of;
+using testing_support::places::Read;
+using testing_support::places::read;
 
 template <typename Number>
 std::string bytes_of(Number number) {
@@ -85,38 +87,6 @@ std::string one_stream(const std::string& more = "") {
          header(2, "Cues", "string", 0, {"cue"}, "") + offset(1, kStart_s, 20) +
          samples<double>(1, 3, 1) + offset(1, kStart_s + 1, 20.001) + marker(2, 5025, "open") +
          more;
-}
-
-struct Read {
-  RecordingInfo info;
-  std::vector<std::string> names;
-  std::vector<double> times_s;
-  std::vector<Eigen::Matrix3Xd> points_m;
-};
-
-Read read(const std::string& bytes, const RecordingOptions& options = {}) {
-  const TemporaryFolder folder;
-  const auto recording = open_to_describe(folder.write("file.xdf", bytes), options);
-  auto* const named = dynamic_cast<NamedPointsRecording*>(recording.get());
-  Read result;
-  if (named == nullptr) throw InputError("the points have no names");
-  result.names = named->names();
-  Sample sample;
-  while (recording->next(sample)) {
-    result.times_s.push_back(seconds(sample.time_ns));
-    result.points_m.push_back(named->points_m());
-  }
-  result.info = recording->info();
-  return result;
-}
-
-std::string problem_of(const std::string& bytes, const RecordingOptions& options = {}) {
-  try {
-    read(bytes, options);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(XdfRecording, ReadsTheStreamWithPlacesOnTheClockOfTheRecorder) {
