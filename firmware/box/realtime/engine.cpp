@@ -126,7 +126,7 @@ void Engine::do_run(hal::SessionLogWriter* log) {
   }
   outlet_.begin_run(run());
   hal::DeviceFacebow facebow(reports, hal::layout_of(profile_));
-  firmware::with_recommended_sensor<double>(
+  firmware::with_hosted_sensor(
       {profile_.kind, profile_.drive_N.has_value(), parameters_, lag_,
        FollowedPoint{.point = followed_.point, .body_point_m = {}}, followed_.axis},
       [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {

@@ -15,7 +15,7 @@
 namespace condyle::box {
 namespace {
 
-constexpr std::size_t kStackBytes = 256 * 1024;
+constexpr std::size_t kStackBytes = 1024 * 1024;
 
 [[gnu::noinline]] void touch_stack() {
   char pages[kStackBytes];

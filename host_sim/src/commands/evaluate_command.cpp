@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "commands/commands.h"
@@ -67,8 +68,12 @@ std::string describe(const EstimatorSettings& settings) {
     return fmt::format("published cascade, assumed mass {:g} kg", published->assumed_mass_kg);
   }
   const auto& recommended = std::get<RecommendedSettings>(settings);
-  return fmt::format("recommended estimator, lag {} samples, assumed mass {:g} kg", recommended.lag,
-                     recommended.parameters.assumed_mass_kg);
+  const double kernels = std::floor(recommended.parameters.learning.kernels);
+  return fmt::format("recommended estimator, lag {} samples, assumed mass {:g} kg{}",
+                     recommended.lag, recommended.parameters.assumed_mass_kg,
+                     kernels >= 1 && recommended.lag == 0
+                         ? fmt::format(", learning with {:g} kernels", kernels)
+                         : "");
 }
 
 // A signal ends the runs.

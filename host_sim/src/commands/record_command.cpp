@@ -170,7 +170,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
                  (options.duration_s > 0 && seconds(monitor.elapsed_ns()) >= options.duration_s);
         });
   };
-  firmware::with_recommended_sensor<double>(
+  firmware::with_hosted_sensor(
       {profile.kind, profile.drive_N.has_value(), parameters, 0, options.choice.point(),
        options.choice.followed.axis},
       [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
@@ -284,9 +284,9 @@ int record(const RecordOptions& options) {
   if (!options.parameters.empty()) parameters = load_recommended_parameters(options.parameters);
   LiveFiles files;
   if (!options.estimates.empty()) {
-    files.estimates =
-        std::make_unique<LiveEstimates>(options.estimates, kind == SampleKind::one_axis ? 1 : 3,
-                                        devices.front().profile.drive_N.has_value());
+    files.estimates = std::make_unique<LiveEstimates>(
+        options.estimates, kind == SampleKind::one_axis ? 1 : 3,
+        devices.front().profile.drive_N.has_value(), TableForm(), parameters.learning.kernels >= 1);
   }
   if (!options.pose.file.empty()) {
     files.poses = std::make_unique<LivePoses>(options.pose.file, pose);

@@ -88,14 +88,15 @@ std::string summary_json(const ReplayOptions& options, const RecordingInfo& info
 template <class Sensor, class RowOfStep>
 int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
                    const firmware::RunSettings& settings, Sensor& sensor, int axis_count,
-                   bool has_impedance, const RowOfStep& row_of_step, ReplaySummary& summary) {
+                   bool has_impedance, bool has_learning, const RowOfStep& row_of_step,
+                   ReplaySummary& summary) {
   // Opened first, to report an output that cannot be written before the work.
   std::unique_ptr<OutputFolder> figure_folder;
   if (!options.figures.empty()) figure_folder = std::make_unique<OutputFolder>(options.figures);
   std::unique_ptr<EstimatesFile> estimates;
   if (!options.out.empty()) {
-    estimates =
-        std::make_unique<EstimatesFile>(options.out, axis_count, has_impedance, options.out_form);
+    estimates = std::make_unique<EstimatesFile>(options.out, axis_count, has_impedance,
+                                                options.out_form, has_learning);
   }
   std::unique_ptr<PoseFile> poses;
   if (!options.pose.file.empty()) {
@@ -224,7 +225,7 @@ int replay_published(const ReplayOptions& options, ReplayFacebow& facebow, hal::
   PublishedSensor<double> sensor(parameters, options.followed);
   PublishedSummary summary(parameters, options.followed.axis);
   return replay_through(
-      options, facebow, clock, settings, sensor, 0, false,
+      options, facebow, clock, settings, sensor, 0, false, false,
       [&](const Sample& sample, const PublishedEstimate<double>& estimate) {
         return std::optional(row_of(sample, options.followed, estimate));
       },
@@ -242,9 +243,12 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
   options.drive_stated.apply(parameters.impedance);
   RecommendedSummary summary(parameters, options.estimator.lag, options.followed.axis, fits);
   const auto run = [&](auto& sensor, bool has_impedance) {
+    if (sensor.learns()) {
+      summary.set_learning([&sensor](int axis) { return sensor.learning(axis); });
+    }
     return replay_through(
         options, facebow, clock, settings, sensor, info.kind == SampleKind::one_axis ? 1 : 3,
-        has_impedance,
+        has_impedance, sensor.learns(),
         [&](const Sample&, const auto& estimate) {
           return estimate.is_ready ? std::optional(row_of(estimate, options.followed.axis))
                                    : std::nullopt;
@@ -255,7 +259,7 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
   if (!options.drive.empty()) {
     channel.emplace(options.drive, options.reading.faults, options.recording);
   }
-  return firmware::with_recommended_sensor<double>(
+  return firmware::with_hosted_sensor(
       {info.kind, channel || info.has_drive, parameters, options.estimator.lag,
        options.point(&fits), options.followed.axis},
       [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {

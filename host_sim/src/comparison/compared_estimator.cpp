@@ -87,7 +87,7 @@ std::unique_ptr<ComparedEstimator> make_compared_estimator(
                    "check the unit of time_s");
   const Axis axis = choice.followed.axis;
   const bool adapts = parameters.noise.adaptation == Adaptation::on;
-  return firmware::with_recommended_sensor<double>(
+  return firmware::with_hosted_sensor(
       {info.kind, info.has_drive || extras.drive != nullptr, parameters, option.lag,
        choice.point(extras.fits), axis},
       [&]<class Sensor>(std::type_identity<Sensor>,

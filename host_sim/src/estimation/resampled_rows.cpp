@@ -55,6 +55,8 @@ AxisEstimate<double> between(const AxisEstimate<double>& a, const AxisEstimate<d
   const double h = place.step_s, u = place.share;
   axis.noise_sd_m = a.noise_sd_m;
   axis.jerk_density_m2_s5 = a.jerk_density_m2_s5;
+  axis.velocity_learned = linear(a.velocity_learned, b.velocity_learned, u);
+  axis.acceleration_learned = linear(a.acceleration_learned, b.acceleration_learned, u);
   const double larger = std::fmax(a.jerk_density_m2_s5, b.jerk_density_m2_s5);
   const double density = std::isfinite(larger) ? larger : 0;
   const auto variance = [&](int n) { return density * place.bridge(n); };

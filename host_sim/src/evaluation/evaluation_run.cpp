@@ -190,7 +190,7 @@ EvaluationRun run_recommended(const Scenario& scenario, std::uint64_t seed,
   };
   const SampleKind kind =
       scenario.facebow.gives_points ? SampleKind::three_points : SampleKind::one_axis;
-  return firmware::with_recommended_sensor<double>(
+  return firmware::with_hosted_sensor(
       {kind, scenario.drive.rate_Hz > 0, settings.parameters, settings.lag, {}, scenario.axis},
       [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
         return run(Sensor(arguments...));

@@ -41,7 +41,8 @@ class EstimateColumns {
   EstimateColumns(Visitor& visitor, const TableForm& form) : visitor_(visitor), form_(form) {}
 
   /// `axis_count`: 1 or 3; 0 for the published cascade.
-  void visit(const EstimateRow& row, int axis_count, bool has_impedance) {
+  void visit(const EstimateRow& row, int axis_count, bool has_impedance,
+             bool has_learning = false) {
     const bool is_published = axis_count == 0;
     visit_measured(row.measured_position_m);
     visit_leading(row, is_published, is_published || has_impedance);
@@ -51,6 +52,11 @@ class EstimateColumns {
       visit_axis("xyz"[axis], row.axes[axis]);
     }
     if (has_impedance) visit_impedance(row.impedance);
+    if (!has_learning) return;
+    visit_learning("", row.followed);
+    for (int axis = 0; axis_count == 3 && axis < 3; ++axis) {
+      visit_learning(std::string{"xyz"[axis], '_'}, row.axes[axis]);
+    }
   }
 
  private:
@@ -138,6 +144,11 @@ class EstimateColumns {
     for (const Named& of : motion) value(of, prefix);
     for (const Named& of : motion) deviation(of, prefix);
     for (const Named& of : motion) provenance(of, prefix);
+  }
+
+  void visit_learning(const std::string& prefix, const AxisEstimate<double>& axis) {
+    visitor_.number([&] { return prefix + "velocity_learned"; }, axis.velocity_learned);
+    visitor_.number([&] { return prefix + "acceleration_learned"; }, axis.acceleration_learned);
   }
 
   void visit_impedance(const ImpedanceEstimate<double>& impedance) {

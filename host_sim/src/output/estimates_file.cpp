@@ -59,11 +59,15 @@ struct RowText {
 }  // namespace
 
 EstimatesFile::EstimatesFile(const std::string& path, int axis_count, bool has_impedance,
-                             const TableForm& form)
-    : file_(path), axis_count_(axis_count), has_impedance_(has_impedance), form_(form) {
+                             const TableForm& form, bool has_learning)
+    : file_(path),
+      axis_count_(axis_count),
+      has_impedance_(has_impedance),
+      has_learning_(has_learning),
+      form_(form) {
   if (form.resample_Hz) resampled_.emplace(*form.resample_Hz);
   Header header{form_};
-  EstimateColumns<Header>(header, form_).visit({}, axis_count, has_impedance);
+  EstimateColumns<Header>(header, form_).visit({}, axis_count, has_impedance, has_learning);
   file_.write(header.line + '\n');
 }
 
@@ -80,7 +84,7 @@ void EstimatesFile::write(const EstimateRow& row) {
   if (row.time_ns) append_time_s(row_, *row.time_ns);
   form_.localise(row_, 0);
   RowText fields{form_, row_};
-  EstimateColumns<RowText>(fields, form_).visit(row, axis_count_, has_impedance_);
+  EstimateColumns<RowText>(fields, form_).visit(row, axis_count_, has_impedance_, has_learning_);
   row_ += '\n';
   file_.write(row_);
 }

@@ -19,10 +19,10 @@ class EstimatesFile {
 
   /// `axis_count`: 0 for the published cascade; otherwise the recommended estimator's 1 or 3, whose
   /// columns follow the common ones. `has_impedance`: friction and mass are identified, and the
-  /// other columns of an impedance estimate come last. Only the recommended estimator's rows can be
-  /// resampled.
+  /// other columns of an impedance estimate follow. `has_learning`: the shares of learned
+  /// corrections come last. Only the recommended estimator's rows can be resampled.
   EstimatesFile(const std::string& path, int axis_count, bool has_impedance,
-                const TableForm& form = {});
+                const TableForm& form = {}, bool has_learning = false);
   void write_row(const EstimateRow& row);
   /// Writes the buffer.
   void close() { file_.close(); }
@@ -34,7 +34,7 @@ class EstimatesFile {
 
   OutputFile file_;
   int axis_count_;
-  bool has_impedance_;
+  bool has_impedance_, has_learning_;
   TableForm form_;
   std::optional<ResampledRows> resampled_;
   std::string row_;

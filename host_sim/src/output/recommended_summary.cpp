@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -96,6 +97,32 @@ std::string RecommendedSummary::consistency_text() const {
   return text;
 }
 
+std::string RecommendedSummary::learning_text() const {
+  if (!learning_) return {};
+  std::string corrected, gained, silent;
+  for (int axis = 0; axis < axis_count(); ++axis) {
+    const LearningCounts counts = learning_(axis);
+    const std::string name = axis_count() == 3 ? std::string{"xyz"[axis], ' '} : "";
+    const char* const comma = axis > 0 ? ", " : "";
+    const auto samples = static_cast<double>(std::max<std::uint64_t>(counts.samples, 1));
+    corrected += fmt::format("{}{}{:.0f}", comma, name,
+                             100 * static_cast<double>(counts.corrected) / samples);
+    gained += counts.compared < kFewestInnovations
+                  ? fmt::format("{}{}not known", comma, name)
+                  : fmt::format("{}{}{:.2f}", comma, name, counts.error_ratio());
+    if (2 * counts.silent_for_noise > counts.samples) {
+      silent += fmt::format("{}{}", silent.empty() ? "" : ", ", name.empty() ? "the axis" : name);
+    }
+  }
+  std::string words =
+      fmt::format("velocity corrected by learning in {} % of the samples", corrected);
+  words += fmt::format("; error of the next position there, divided by the filter's: {}", gained);
+  if (!silent.empty()) words += "; noise not white, so nothing is corrected: " + silent;
+  std::string text;
+  add_line(text, "learned", words);
+  return text;
+}
+
 std::string RecommendedSummary::rounding_steps_text() const {
   std::string text;
   for (int axis = 0; axis < axis_count(); ++axis) {
@@ -136,6 +163,7 @@ std::string RecommendedSummary::text() const {
                            return s.last_.axes[axis].jerk_density_m2_s5;
                          }) + (adaptive ? " m^2/s^5 at the end, " + learned : " m^2/s^5, given"));
   text += consistency_text();
+  text += learning_text();
   const NoiseWatch& followed = watches_[followed_index()];
   const bool is_wrong = !is_trusted(followed.monitor().mean_nis()) || followed.is_correlated() ||
                         followed.is_filtered();

@@ -86,6 +86,11 @@ Json RecommendedSummary::json() const {
                     {"innovation_correlation", number(watch.monitor().innovation_correlation())},
                     {"is_smoothed", watch.is_filtered()},
                     {"rounding_step_m", watch.rounding_step_m()}});
+    if (!learning_) continue;
+    const LearningCounts counts = learning_(axis);
+    axes.back()["learning"] = {{"samples", counts.samples},
+                               {"corrected", counts.corrected},
+                               {"next_position_error_ratio", number(counts.error_ratio())}};
   }
   if (!last_.has_impedance) return json;
   const ImpedanceEstimate<double> impedance = conclusion();

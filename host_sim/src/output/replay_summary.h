@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "condyle/estimator/pose/point_follower.h"
+#include "condyle/estimator/sensors/learned_sensor.h"
 #include "estimation/estimate_row.h"
 #include "quality/axis_ranges.h"
 #include "quality/noise_watch.h"
@@ -36,6 +37,10 @@ class ReplaySummary {
   }
   /// Notes on the drive for the user, called when the text is made.
   void set_drive(std::function<std::vector<std::string>()> notes) { drive_ = std::move(notes); }
+  /// What was learned along an axis, called when the text is made, if anything is learned.
+  void set_learning(std::function<LearningCounts(int)> learning) {
+    learning_ = std::move(learning);
+  }
   std::vector<std::string> drive_notes() const {
     return drive_ ? drive_() : std::vector<std::string>();
   }
@@ -87,6 +92,7 @@ class ReplaySummary {
   }
   // The last row with values.
   EstimateRow last_;
+  std::function<LearningCounts(int)> learning_;
 
  private:
   std::string motion_text() const;
@@ -161,6 +167,8 @@ class RecommendedSummary final : public ReplaySummary {
   // Names of the axes whose watch satisfies a condition.
   std::string axes_where(bool (NoiseWatch::*is)() const) const;
   std::string rounding_steps_text() const;
+  // How much of the motion is corrected by learning, and what that gained.
+  std::string learning_text() const;
   int axis_count() const { return last_.axis_count; }
   int followed_index() const { return axis_count() == 3 ? static_cast<int>(followed()) : 0; }
 

@@ -67,7 +67,7 @@ TEST(RecommendedParameters, EveryFieldIsChecked) {
     *values = good;
     ++fields;
   });
-  EXPECT_EQ(fields, 56);
+  EXPECT_EQ(fields, 57);
   EXPECT_TRUE(is_valid(parameters));
 }
 

@@ -5,6 +5,8 @@
 // up, the other's track is the instant's.
 #pragma once
 
+#include <algorithm>
+
 #include "condyle/estimator/motion/fixed_lag.h"
 #include "condyle/estimator/motion/motion_hypotheses.h"
 #include "condyle/estimator/sample.h"
@@ -55,6 +57,7 @@ class MotionInstants {
 
   /// The instant `back` samples before the newest.
   Instant& at(int back) { return instants_[(newest_ + kInstants - back) % kInstants]; }
+  const Instant& at(int back) const { return instants_[(newest_ + kInstants - back) % kInstants]; }
 
   /// Makes room for a new instant.
   Instant& advance() {
@@ -65,6 +68,21 @@ class MotionInstants {
     for (auto& track : instant.tracks) track.is_taken = track.is_restart = false;
     instant.F = white_jerk_jacobian(Scalar(0));
     return instant;
+  }
+
+  /// The last `samples` instants came from a frozen device: nothing is known there.
+  void forget_frozen(int samples) {
+    for (int back = 0; back < std::min(samples, kInstants); ++back) {
+      Instant& instant = at(back);
+      instant.events.add(Event::position_frozen);
+      instant.events.add(Event::state_lost);
+      instant.has_state = false;
+      instant.is_first = true;
+      for (auto& track : instant.tracks) {
+        track.is_taken = false;
+        track.is_restart = true;  // what comes before is unrelated to what comes after
+      }
+    }
   }
 
   /// The bank `kept` was right about all open instants. A sample that it did not use, but the other
@@ -81,7 +99,7 @@ class MotionInstants {
   }
 
   /// Members of `bank`, of index `index`, `back` samples ago, smoothed by all samples since.
-  void smooth(const Bank& bank, int index, int back, Smoothed& smoothed) {
+  void smooth(const Bank& bank, int index, int back, Smoothed& smoothed) const {
     for (int i = 0; i < bank.member_count(); ++i) {
       if (!bank.is_plausible(i)) continue;
       LaterEvidence<Scalar, kAxes> evidence;

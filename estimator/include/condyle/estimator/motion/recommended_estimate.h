@@ -22,6 +22,9 @@ struct AxisEstimate {
   Scalar innovation_sd_m = kNone;      ///< its standard deviation, predicted
   Scalar noise_sd_m = kNone;           ///< of the instrument, as estimated or given
   Scalar jerk_density_m2_s5 = kNone;   ///< of the motion, as estimated or given
+  /// Shares of the learned corrections (motion_corrector.h) that are in velocity and acceleration,
+  /// 0 to 1. 0: the filter's own values.
+  Scalar velocity_learned = 0, acceleration_learned = 0;
 };
 
 /// The results of one step for one instant.

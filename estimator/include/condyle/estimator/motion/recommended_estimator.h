@@ -118,17 +118,7 @@ class RecommendedEstimator {
   /// The last `samples` samples came from a frozen device, though some were used: the motion is
   /// lost, and waiting estimates get no values.
   void forget_frozen(int samples) {
-    for (int back = 0; back < std::min(samples, kInstants); ++back) {
-      Instant& instant = instants_.at(back);
-      instant.events.add(Event::position_frozen);
-      instant.events.add(Event::state_lost);
-      instant.has_state = false;
-      instant.is_first = true;
-      for (auto& track : instant.tracks) {
-        track.is_taken = false;
-        track.is_restart = true;  // what comes before is unrelated to what comes after
-      }
-    }
+    instants_.forget_frozen(samples);
     if (started_) lose_motion();
   }
 
@@ -137,6 +127,20 @@ class RecommendedEstimator {
   [[nodiscard]] bool drain(Estimate& estimate) {
     if (waiting_ == 0) return false;
     estimate = estimate_of(--waiting_);
+    return true;
+  }
+
+  /// From now on `look_back` is possible, also if no estimate waits for later samples.
+  void keep_steps() { keeps_steps_ = true; }
+
+  /// Motion `back` samples ago, 1 to kMostLag, from all samples up to now, and its time. False if
+  /// it is not known.
+  [[nodiscard]] bool look_back(int back, TimeNs& time_ns,
+                               Array<MotionMoments<Scalar>, kAxes>& moments) const {
+    const Instant& instant = instants_.at(back);
+    if (!instant.has_state || !instant.time_valid) return false;
+    time_ns = instant.time_ns;
+    smooth(back, moments);
     return true;
   }
 
@@ -224,7 +228,7 @@ class RecommendedEstimator {
   void remember(Instant& instant) {
     instant.is_open = started_ && motion_.has_other();
     if constexpr (kMostLag > 0) {
-      if (lag_ == 0 || !started_) return;
+      if ((lag_ == 0 && !keeps_steps_) || !started_) return;
       const int main = motion_.main_index();
       for (int i = 0; i < motion_.main().member_count(); ++i) {
         instant.tracks[main].members[i] = motion_.main().step(i);
@@ -312,7 +316,7 @@ class RecommendedEstimator {
   }
 
   // Motion `back` samples ago, from all samples since.
-  void smooth(int back, Array<MotionMoments<Scalar>, kAxes>& moments) {
+  void smooth(int back, Array<MotionMoments<Scalar>, kAxes>& moments) const {
     typename Instants::Smoothed smoothed;
     instants_.smooth(motion_.main(), motion_.main_index(), back, smoothed);
     const auto member = [&](int axis) { return [&, axis](int i) { return smoothed[i][axis]; }; };
@@ -374,6 +378,7 @@ class RecommendedEstimator {
   Scalar assumed_mass_kg_, prior_velocity_variance_, prior_acceleration_variance_;
   Scalar longest_gap_s_;
   int lag_;
+  bool keeps_steps_ = false;
   bool parameters_valid_;
   MotionHypotheses<Scalar, kAxes> motion_;
   Array<RoundingStep<Scalar>, kAxes> rounding_;

@@ -21,6 +21,7 @@ template <class Scalar, int kAxes, int kMostLag = 16>
 class DrivenSensor {
  public:
   using Estimate = DrivenEstimate<Scalar>;
+  using Estimator = RecommendedEstimator<Scalar, kAxes, kMostLag>;
 
   /// As RecommendedSensor; `axis` 0 to kAxes - 1 is the drive's.
   DrivenSensor(const DrivenParameters& parameters, int lag, const FollowedPoint& followed,
@@ -46,6 +47,9 @@ class DrivenSensor {
   const ImpedanceEstimate<Scalar>& conclusion() const { return identification_.estimate(); }
   std::uint64_t conclusions() const { return identification_.conclusions(); }
   DriveCounts counts() const { return identification_.counts(); }
+  const Estimator& estimator() const { return motion_.estimator(); }
+  /// RecommendedEstimator::keep_steps.
+  void keep_steps() { motion_.keep_steps(); }
 
  private:
   Estimate complete(Estimate estimate);

@@ -9,8 +9,24 @@
 
 namespace condyle {
 
+/// Most kernels of the regression in motion_corrector.h.
+inline constexpr int kMostKernels = 96;
+
+/// Learning from the recording itself (learned_sensor.h), in estimates without delay.
+struct LearningParameters {
+  double kernels = 0;  ///< of the regression, rounded down; 0: nothing is learned
+};
+
+/// Calls `visit` as visit_motion_fields does, for each numeric field of a LearningParameters.
+template <class Parameters, class Visitor>
+constexpr void visit_learning_fields(Parameters& learning, Visitor&& visit) {
+  visit("learning", "kernels", &learning.kernels, std::size_t{1}, "kernels",
+        Range{0, kMostKernels});
+}
+
 /// Parameters of motion, and of friction and mass for a measured drive (driven_sensor.h).
 struct DrivenParameters : MotionEstimatorParameters {
+  LearningParameters learning;  ///< not sent to a microcontroller, which does not learn
   ImpedanceParameters impedance;
 };
 
@@ -30,16 +46,18 @@ constexpr void visit_driven_fields(Parameters& parameters, Visitor&& visit) {
 template <class Parameters, class Visitor>
 constexpr void visit_recommended_fields(Parameters& parameters, Visitor&& visit) {
   visit_driven_fields(parameters, visit);
+  visit_learning_fields(parameters.learning, visit);
   visit_change_fields(parameters.changes, visit);
 }
 
 /// True if is_valid holds for the motion's, and every other field is in its range.
 constexpr bool is_valid(const DrivenParameters& parameters) {
   bool valid = is_valid(static_cast<const MotionEstimatorParameters&>(parameters));
-  visit_impedance_fields(
-      parameters.impedance,
-      [&valid](const char*, const char*, const double* values, std::size_t, const char*,
-               Range range) { valid = valid && range.contains(*values); });
+  const auto check = [&valid](const char*, const char*, const double* values, std::size_t,
+                              const char*,
+                              Range range) { valid = valid && range.contains(*values); };
+  visit_impedance_fields(parameters.impedance, check);
+  visit_learning_fields(parameters.learning, check);
   return valid;
 }
 

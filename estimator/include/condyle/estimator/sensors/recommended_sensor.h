@@ -30,6 +30,8 @@ class RecommendedSensor {
   [[nodiscard]] bool drain(Estimate& estimate);
 
   const Estimator& estimator() const { return estimator_; }
+  /// RecommendedEstimator::keep_steps.
+  void keep_steps() { estimator_.keep_steps(); }
 
  private:
   using Measurement = typename Estimator::Measurement;

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "condyle/estimator/sensors/driven_sensor.h"
+#include "condyle/estimator/sensors/learned_sensor.h"
 #include "condyle/estimator/sensors/recommended_sensor.h"
 
 namespace condyle::firmware {
@@ -31,20 +32,34 @@ struct RecommendedChoice {
 
 /// Calls `use(type, arguments...)` with the sensor for `choice`, as a std::type_identity, and the
 /// arguments of its constructor. `kMostLag`: longest lag for which there is memory. `kIdentifies`:
-/// whether there is memory for friction and mass.
-template <class Scalar, int kMostLag = 16, bool kIdentifies = true, class Use>
+/// whether there is memory for friction and mass. `kKernels`: kernels for which there is memory; if
+/// there is any, the sensor is a LearnedSensor.
+template <class Scalar, int kMostLag = 16, bool kIdentifies = true, int kKernels = 0, class Use>
 decltype(auto) with_recommended_sensor(const RecommendedChoice& choice, Use&& use) {
   return with_axes(choice.kind, choice.axis, [&](auto axes, int axis) -> decltype(auto) {
     constexpr int kAxes = decltype(axes)::value;
+    const auto of_type = []<class Sensor>(std::type_identity<Sensor> type) {
+      if constexpr (kKernels > 0) {
+        return std::type_identity<LearnedSensor<Sensor, Scalar, kAxes, kMostLag, kKernels>>();
+      } else {
+        return type;
+      }
+    };
     if constexpr (kIdentifies) {
       if (choice.identifies) {
-        return use(std::type_identity<DrivenSensor<Scalar, kAxes, kMostLag>>(), choice.parameters,
-                   choice.lag, choice.point, axis);
+        return use(of_type(std::type_identity<DrivenSensor<Scalar, kAxes, kMostLag>>()),
+                   choice.parameters, choice.lag, choice.point, axis);
       }
     }
-    return use(std::type_identity<RecommendedSensor<Scalar, kAxes, kMostLag>>(), choice.parameters,
-               choice.lag, choice.point);
+    return use(of_type(std::type_identity<RecommendedSensor<Scalar, kAxes, kMostLag>>()),
+               choice.parameters, choice.lag, choice.point);
   });
+}
+
+/// The same on a host, which has memory for everything.
+template <class Use>
+decltype(auto) with_hosted_sensor(const RecommendedChoice& choice, Use&& use) {
+  return with_recommended_sensor<double, 16, true, kMostKernels>(choice, use);
 }
 
 /// True of sensors that identify friction and mass.

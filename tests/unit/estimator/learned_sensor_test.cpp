@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// The recommended estimator with corrections learned from the recording itself.
+#include "condyle/estimator/sensors/learned_sensor.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <memory>
+
+#include "condyle/estimator/sensors/recommended_sensor.h"
+#include "support/random.h"
+
+namespace condyle {
+namespace {
+
+using testing_support::Random;
+
+constexpr TimeNs kStep_ns = 16'666'667;
+constexpr double kAngular_rad_s = 8;
+
+template <class Scalar>
+using Plain = RecommendedSensor<Scalar, 1>;
+template <class Scalar>
+using Learned = LearnedSensor<Plain<Scalar>, Scalar, 1, 16, 96>;
+
+double position_m(double t) {
+  return 0.007 * std::sin(kAngular_rad_s * t) + 0.002 * std::sin(2 * kAngular_rad_s * t);
+}
+double velocity_m_s(double t) {
+  return kAngular_rad_s *
+         (0.007 * std::cos(kAngular_rad_s * t) + 0.004 * std::cos(2 * kAngular_rad_s * t));
+}
+
+DrivenParameters with_kernels(double kernels) {
+  DrivenParameters parameters;
+  parameters.learning.kernels = kernels;
+  return parameters;
+}
+
+Sample sample_at(TimeNs time_ns, double measured_m, bool is_measured = true) {
+  Sample sample;
+  sample.time_ns = time_ns;
+  sample.kind = SampleKind::one_axis;
+  sample.coordinates[0] = measured_m;
+  sample.position_valid = is_measured;
+  return sample;
+}
+
+template <class Scalar>
+bool same_bits(const Quantity<Scalar>& a, const Quantity<Scalar>& b) {
+  return std::memcmp(&a.value, &b.value, sizeof a.value) == 0 &&
+         std::memcmp(&a.standard_deviation, &b.standard_deviation, sizeof a.value) == 0 &&
+         a.provenance == b.provenance;
+}
+
+template <class Scalar>
+bool same_motion(const AxisEstimate<Scalar>& a, const AxisEstimate<Scalar>& b) {
+  return same_bits(a.position_m, b.position_m) && same_bits(a.velocity_m_s, b.velocity_m_s) &&
+         same_bits(a.acceleration_m_s2, b.acceleration_m_s2) && same_bits(a.force_N, b.force_N);
+}
+
+// With lost samples, glitches and a gap.
+Sample disturbed_sample(TimeNs i, Random& random) {
+  const TimeNs time_ns = i * kStep_ns + (i >= 1200 ? 700'000'000 : 0);
+  const double glitch_m = i % 97 == 41 ? 0.01 : 0;
+  return sample_at(time_ns, position_m(seconds(time_ns)) + glitch_m + 1e-4 * random.normal(),
+                   i % 31 != 9);
+}
+
+template <class Scalar>
+void expect_plain_without_kernels() {
+  const auto plain = std::make_unique<Plain<Scalar>>(with_kernels(0));
+  const auto learned = std::make_unique<Learned<Scalar>>(with_kernels(0));
+  EXPECT_FALSE(learned->learns());
+  Random random(1);
+  for (TimeNs i = 0; i < 1500; ++i) {
+    const Sample sample = disturbed_sample(i, random);
+    const auto a = plain->process(sample, {}), b = learned->process(sample, {});
+    ASSERT_TRUE(same_motion(a.axes[0], b.axes[0])) << i;
+    EXPECT_EQ(b.axes[0].velocity_learned, Scalar(0));
+  }
+}
+
+TEST(LearnedSensor, WithoutKernelsTheEstimatesAreThoseOfTheSensor) {
+  expect_plain_without_kernels<double>();
+  expect_plain_without_kernels<float>();
+}
+
+TEST(LearnedSensor, WithALagNothingIsLearned) {
+  const auto learned = std::make_unique<Learned<double>>(with_kernels(96), 5);
+  EXPECT_FALSE(learned->learns());
+}
+
+// Where nothing is corrected, value and interval are the sensor's, and the position always is.
+TEST(LearnedSensor, WhatIsNotCorrectedStays) {
+  const auto plain = std::make_unique<Plain<double>>(with_kernels(96));
+  const auto learned = std::make_unique<Learned<double>>(with_kernels(96));
+  Random random(2);
+  int corrected = 0;
+  for (TimeNs i = 0; i < 1500; ++i) {
+    const Sample sample = disturbed_sample(i, random);
+    const auto a = plain->process(sample, {}).axes[0], b = learned->process(sample, {}).axes[0];
+    ASSERT_TRUE(same_bits(a.position_m, b.position_m)) << i;
+    if (b.velocity_learned == 0) {
+      ASSERT_TRUE(same_bits(a.velocity_m_s, b.velocity_m_s)) << i;
+    } else {
+      ++corrected;
+    }
+    if (b.acceleration_learned == 0) {
+      ASSERT_TRUE(same_bits(a.force_N, b.force_N)) << i;
+    }
+    // The first seconds, and the first after the gap, from which no teacher comes.
+    if (i < 60 || (i >= 1200 && i < 1203)) {
+      EXPECT_EQ(b.velocity_learned, 0) << i;
+    }
+  }
+  EXPECT_GT(corrected, 1000);
+}
+
+// A jump, as at an impact, is not what was learned.
+TEST(LearnedSensor, IsSilentAtASurprise) {
+  const auto learned = std::make_unique<Learned<double>>(with_kernels(96));
+  Random random(7);
+  int corrected_before = 0;
+  for (TimeNs i = 0; i < 1204; ++i) {
+    const double jump_m = i >= 1200 ? 1.5e-3 * static_cast<double>(i - 1199) : 0;
+    const double measured_m = position_m(seconds(i * kStep_ns)) + jump_m + 1e-4 * random.normal();
+    const auto axis = learned->process(sample_at(i * kStep_ns, measured_m), {}).axes[0];
+    if (i >= 1100 && i < 1200) corrected_before += axis.velocity_learned > 0 ? 1 : 0;
+    if (i >= 1200) {
+      EXPECT_EQ(axis.velocity_learned, 0) << i;
+    }
+  }
+  EXPECT_GT(corrected_before, 80);
+}
+
+struct Errors {
+  double plain = 0, learned = 0, held = 0, samples = 0;
+};
+
+// Of the velocity, after 12 s.
+template <class Scalar>
+Errors errors_of(std::uint64_t seed) {
+  const auto plain = std::make_unique<Plain<Scalar>>(with_kernels(96));
+  const auto learned = std::make_unique<Learned<Scalar>>(with_kernels(96));
+  Random random(seed);
+  Errors errors;
+  for (TimeNs i = 0; i < 2400; ++i) {
+    const double t = seconds(i * kStep_ns);
+    const Sample sample = sample_at(i * kStep_ns, position_m(t) + 1e-4 * random.normal());
+    const auto a = plain->process(sample, {}).axes[0].velocity_m_s;
+    const auto b = learned->process(sample, {}).axes[0].velocity_m_s;
+    if (i < 720) continue;
+    const double of_plain = static_cast<double>(a.value) - velocity_m_s(t);
+    const double of_learned = static_cast<double>(b.value) - velocity_m_s(t);
+    errors.plain += of_plain * of_plain;
+    errors.learned += of_learned * of_learned;
+    errors.held +=
+        std::abs(of_learned) < kNormalQuantile95 * static_cast<double>(b.standard_deviation);
+    ++errors.samples;
+  }
+  const LearningCounts& counts = learned->learning(0);
+  EXPECT_GT(counts.corrected, 9 * counts.samples / 10);
+  EXPECT_LT(counts.error_ratio(), 0.9);
+  return errors;
+}
+
+TEST(LearnedSensor, HalvesTheErrorOfARegularMotion) {
+  for (const std::uint64_t seed : {3U, 4U, 5U}) {
+    const Errors errors = errors_of<double>(seed);
+    EXPECT_LT(std::sqrt(errors.learned / errors.plain), 0.5) << seed;
+    EXPECT_GT(errors.held / errors.samples, 0.95) << seed;
+  }
+}
+
+TEST(LearnedSensor, FloatGivesWhatDoubleDoes) {
+  const Errors in_double = errors_of<double>(3), in_float = errors_of<float>(3);
+  EXPECT_NEAR(std::sqrt(in_float.learned / in_double.learned), 1, 0.02);
+}
+
+// Means of three positions: the teacher is as wrong as the filter. The monitor does not find a
+// first order low pass, so the corrector is not silent there.
+TEST(LearnedSensor, IsSilentWhileTheNoiseIsNotWhite) {
+  const auto learned = std::make_unique<Learned<double>>(with_kernels(96));
+  Random random(6);
+  double before_m = 0, last_m = 0;
+  for (TimeNs i = 0; i < 1800; ++i) {
+    const double raw_m = position_m(seconds(i * kStep_ns)) + 1e-4 * random.normal();
+    const double smoothed_m = (before_m + last_m + raw_m) / 3;
+    before_m = last_m;
+    last_m = raw_m;
+    const auto axis = learned->process(sample_at(i * kStep_ns, smoothed_m), {}).axes[0];
+    if (i >= 600) {
+      EXPECT_EQ(axis.velocity_learned, 0) << i;
+    }
+  }
+}
+
+TEST(VelocityHistory, IsAStraightLineBetweenItsEntries) {
+  VelocityHistory<double> history;
+  EXPECT_EQ(history.at(0, 100), 0);
+  const TimeNs first_ns = std::numeric_limits<TimeNs>::max() - 2'000'000'000;
+  for (TimeNs i = 0; i <= 100; ++i) {
+    history.add(first_ns + i * 10'000'000, static_cast<double>(i));
+  }
+  const TimeNs now_ns = first_ns + 1'000'000'000;
+  EXPECT_DOUBLE_EQ(history.at(now_ns, 0), 100);
+  EXPECT_DOUBLE_EQ(history.at(now_ns, 254'000'000), 74.6);
+  EXPECT_DOUBLE_EQ(history.at(now_ns, 1'000'000'000), 0);
+  EXPECT_EQ(history.at(now_ns, 1'000'000'001), 0);
+  EXPECT_DOUBLE_EQ(history.at(now_ns + 500'000'000, 10), 100);
+}
+
+}  // namespace
+}  // namespace condyle
