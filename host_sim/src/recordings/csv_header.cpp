@@ -104,6 +104,13 @@ std::size_t known_names(const Fields& fields) {
   }));
 }
 
+// Number of fields, those that are empty at the end too.
+std::size_t width_at(std::string_view line, char separator) {
+  Fields fields;
+  split_fields(line, separator, fields);
+  return fields.size();
+}
+
 // A separator at the end of a line is no field.
 Fields row_at(const std::vector<std::string_view>& lines, std::size_t index, char separator) {
   Fields fields;
@@ -138,7 +145,8 @@ bool heads_rows(const std::vector<std::string_view>& lines, std::size_t index,
     if (is_comment(lines[next]) || is_blank_row(lines[next], style.separator)) continue;
     const Fields fields = row_at(lines, next, style.separator);
     if (fields.size() > width || !are_numbers(fields, style)) return false;
-    if (filled(fields) == fields.size() && fields.size() < width) return false;
+    const bool has_all = width_at(lines[next], style.separator) >= width;  // missing at the end
+    if (!has_all && filled(fields) == fields.size() && fields.size() < width) return false;
     ++rows;
   }
   return rows > 0;
@@ -178,6 +186,11 @@ void find_rows_elsewhere(const std::vector<std::string_view>& lines, CsvHeader& 
   bool has_lines_between = false;
   for (std::size_t i = header.lines; i < end; ++i) {
     if (is_comment(lines[i]) || trim(lines[i]).empty()) continue;
+    if (header.names.size() > 1 &&
+        width_at(lines[i], header.style.separator) == header.names.size() &&
+        are_numbers(row_at(lines, i, header.style.separator), header.style)) {
+      return;
+    }
     const TextStyle style = style_from(lines, i);
     const Fields fields = row_at(lines, i, style.separator);
     if (fields.size() < 2 || !are_numbers(fields, style)) {
