@@ -51,6 +51,22 @@ std::string names(char separator) {
   return fmt::format("Time (s){0}Jaw x (mm){0}Jaw y (mm){0}Jaw z (mm)\n", separator);
 }
 
+// A point that is missing at first leaves rows of separators, with titles above or without.
+TEST(CsvTitles, RowsThatLackTheirLastPointsAreRows) {
+  for (const char* title : {"", "Jaw recording\n"}) {
+    for (const int lacking : {1, 2, 5}) {
+      std::string text = std::string(title) + "time_s;a_x_mm;a_y_mm;a_z_mm\n";
+      for (int row = 0; row < kRows; ++row) {
+        text += fmt::format("0,{:02};{}\n", row, row < lacking ? ";;" : "1,5;2,5;3,5");
+      }
+      const Read r = read(text);
+      ASSERT_EQ(r.samples.size(), std::size_t{kRows}) << title << lacking;
+      EXPECT_EQ(r.info.kind, SampleKind::one_point);
+      EXPECT_NEAR(r.samples.back().coordinates[2], 3.5e-3, 1e-12);
+    }
+  }
+}
+
 TEST(CsvTitles, LinesAboveTheNamesAreSkippedAndNamed) {
   const std::string titles[] = {"Jaw recording\n",
                                 "Jaw recording, subject 3; first visit\n",
