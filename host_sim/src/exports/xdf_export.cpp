@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // XDF, as https://github.com/sccn/xdf/wiki/Specifications describes it: one stream of the samples,
-// one of the estimates, one for each analogue channel, one of the events. Every sample has the time
-// of the recording as its stamp; there is no other clock, so no measurements of one.
+// one of the estimates, one for each analogue channel, one of the events. The stamp of a
+// sample is its time in the recording. All streams share this clock and state no clock offsets.
 #include <fmt/format.h>
 
 #include <algorithm>

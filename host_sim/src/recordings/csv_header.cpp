@@ -111,7 +111,7 @@ std::size_t width_at(std::string_view line, char separator) {
   return fields.size();
 }
 
-// A separator at the end of a line is no field.
+// The fields of a line, without the empty ones at its end.
 Fields row_at(const std::vector<std::string_view>& lines, std::size_t index, char separator) {
   Fields fields;
   if (index < lines.size()) split_fields(lines[index], separator, fields);

@@ -269,7 +269,8 @@ void write_in_place(const fs::path& path, const std::string& text) {
   }
 }
 
-// What BIDS asks of a folder of results. It has no names for readings: validators are told so.
+// The files that BIDS asks for in a folder of results. BIDS does not name files of readings, so
+// .bidsignore lists them.
 void write_description(const fs::path& out) {
   const Json description = {{"Name", "Readings of jaw motion"},
                             {"BIDSVersion", "1.9.0"},

@@ -235,38 +235,23 @@ TEST(ReportDescriptor, TellsReportsApart) {
 }
 
 TEST(ReportDescriptor, TakesTheFirstOfAlternativeUsages) {
-  const auto descriptor = decoded(DescriptorBytes()
-                                      .usage_page(1)
-                                      .begin()
-                                      .logical(0, 1)
-                                      .values(1, 1)
-                                      .item(0xA8, 1, 1)
-                                      .usage(0x30)
-                                      .usage(0x31)
-                                      .item(0xA8, 0, 1)
-                                      .input()
-                                      .end());
-  const DescriptorField& field = descriptor.reports.at(0).fields.at(0);
-  ASSERT_EQ(field.usages.size(), 1U);
-  EXPECT_EQ(field.usages[0].first, 0x00010030U);
-}
-
-TEST(ReportDescriptor, TakesNoRangeAsAnAlternativeToTheFirstUsage) {
-  const auto descriptor = decoded(DescriptorBytes()
-                                      .usage_page(1)
-                                      .begin()
-                                      .logical(0, 1)
-                                      .values(1, 1)
-                                      .item(0xA8, 1, 1)
-                                      .usage(0x30)
-                                      .item(0x18, 0x31, 1)
-                                      .item(0x28, 0x32, 1)
-                                      .item(0xA8, 0, 1)
-                                      .input()
-                                      .end());
-  const DescriptorField& field = descriptor.reports.at(0).fields.at(0);
-  ASSERT_EQ(field.usages.size(), 1U);
-  EXPECT_EQ(field.usages[0].first, 0x00010030U);
+  const auto bytes = [] {
+    return DescriptorBytes()
+        .usage_page(1)
+        .begin()
+        .logical(0, 1)
+        .values(1, 1)
+        .item(0xA8, 1, 1)
+        .usage(0x30);
+  };
+  const ReportDescriptor of_one = decoded(bytes().usage(0x31).item(0xA8, 0, 1).input().end());
+  const ReportDescriptor of_range =
+      decoded(bytes().item(0x18, 0x31, 1).item(0x28, 0x32, 1).item(0xA8, 0, 1).input().end());
+  for (const ReportDescriptor& descriptor : {of_one, of_range}) {
+    const DescriptorField& field = descriptor.reports.at(0).fields.at(0);
+    ASSERT_EQ(field.usages.size(), 1U);
+    EXPECT_EQ(field.usages[0].first, 0x00010030U);
+  }
 }
 
 TEST(ReportDescriptor, SignsAFieldThatReachesBelowZero) {

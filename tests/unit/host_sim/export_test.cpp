@@ -388,8 +388,7 @@ TEST(Export, GivesDistinctNamesAndCountsWhatIsLeftOut) {
   const std::string path = folder.write("jaw.csv",
                                         "time_s,p1_x_mm,p1_y_mm,p1_z_mm\n"
                                         "0,1,2,3\n0.01,1,2,4\n0.005,1,2,5\n,1,2,5\n0.02,,,\n");
-  RecordingOptions options;
-  options.faults = FaultPolicy::event;
+  const RecordingOptions options{.faults = FaultPolicy::event};
   const ExportData data = read_export_data(path, options, [](double) { return false; });
   EXPECT_EQ(data.samples(), 3U);
   EXPECT_FALSE(data.series[0].is_there(2));

@@ -55,7 +55,7 @@ class LearnedSensor : public Sensor {
   /// As the Sensor's.
   Estimate process(const Sample& sample, EventSet sample_events);
 
-  /// True if corrections are possible: kernels are given, and there is no lag.
+  /// True if the sensor corrects its values: the parameters state kernels, and the lag is 0.
   bool learns() const { return learns_; }
   /// What was learned along `axis`, 0 to kAxes - 1.
   const LearningCounts& learning(int axis) const { return counts_[axis]; }
