@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "hosted/files/input_error.h"
+#include "readings/analysis_stop.h"
 #include "readings/readings_files.h"
 #include "simulation/kinematic/jaw_text.h"
 #include "simulation/kinematic/kinematic_simulation.h"
@@ -67,6 +68,8 @@ TEST_F(ReportOfSession, StopsWhenAsked) {
   const ReportSection section = report_section(
       recording_, choice_, [](double) {}, [] { return true; });
   EXPECT_FALSE(section.analysis);
+  EXPECT_THROW(analyse_until(recording_, choice_.analysis, [] { return true; }), AnalysisStopped);
+  EXPECT_NO_THROW(analyse_until(recording_, choice_.analysis, [] { return false; }));
 }
 
 }  // namespace

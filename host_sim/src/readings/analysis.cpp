@@ -10,6 +10,7 @@
 
 #include "condyle/estimator/pose/rotation_vector.h"
 #include "hosted/files/input_error.h"
+#include "readings/analysis_stop.h"
 #include "readings/head_reference.h"
 #include "readings/stroke_readings.h"
 #include "readings/strokes.h"
@@ -264,21 +265,13 @@ std::string reference_assumption(Analysis& analysis) {
   return text;
 }
 
-}  // namespace
-
-Analysis analyse(const std::string& source, const AnalysisChoice& choice) {
-  std::optional<Landmarks> landmarks;
-  if (!choice.landmarks.empty()) landmarks = load_landmarks(choice.landmarks);
-  RecordingOptions reading = choice.reading;
-  reading.faults = FaultPolicy::event;  // missing rows are counted
-  return analyse(*open_with_all_points(source, reading), source, landmarks, choice);
-}
-
-Analysis analyse(Recording& recording, const std::string& name,
-                 const std::optional<Landmarks>& given, const AnalysisChoice& choice) {
+Analysis analyse_recording(Recording& recording, const std::string& name,
+                           const std::optional<Landmarks>& given, const AnalysisChoice& choice,
+                           const std::function<bool()>& should_stop) {
   Analysis analysis;
   analysis.recording = name;
   PoseTrack track = read_track(recording, name, choice.bodies);
+  stop_if_asked(should_stop);
   std::optional<Landmarks> stated = given;
   analysis.info = track.info;
   analysis.counts = track.counts;
@@ -305,8 +298,10 @@ Analysis analyse(Recording& recording, const std::string& name,
   const ReadingGeometry geometry = landmarks ? geometry_of(*landmarks, motion.middle_m)
                                              : geometry_without_landmarks(track, motion, rest);
   describe_path(motion, geometry, analysis);
+  stop_if_asked(should_stop);
 
   TaskContext context;
+  context.should_stop = should_stop;
   context.motion = &motion;
   context.noise = &analysis.noise;
   context.has_landmarks = analysis.has_landmarks;
@@ -356,6 +351,27 @@ Analysis analyse(Recording& recording, const std::string& name,
   }
   read_tasks_of(analysis, context);
   return analysis;
+}
+
+}  // namespace
+
+Analysis analyse_until(const std::string& source, const AnalysisChoice& choice,
+                       const std::function<bool()>& should_stop) {
+  std::optional<Landmarks> landmarks;
+  if (!choice.landmarks.empty()) landmarks = load_landmarks(choice.landmarks);
+  RecordingOptions reading = choice.reading;
+  reading.faults = FaultPolicy::event;  // missing rows are counted
+  return analyse_recording(*open_with_all_points(source, reading), source, landmarks, choice,
+                           should_stop);
+}
+
+Analysis analyse(const std::string& source, const AnalysisChoice& choice) {
+  return analyse_until(source, choice, {});
+}
+
+Analysis analyse(Recording& recording, const std::string& name,
+                 const std::optional<Landmarks>& given, const AnalysisChoice& choice) {
+  return analyse_recording(recording, name, given, choice, {});
 }
 
 }  // namespace condyle::host

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "readings/analysis_stop.h"
 #include "statistics/monte_carlo.h"
 
 namespace condyle::host {
@@ -61,6 +62,7 @@ std::vector<std::vector<UncertainValue>> values_of_cycles(const std::vector<Cycl
   run_monte_carlo(
       cycles.size(), 0,
       [&](std::uint64_t index) {
+        stop_if_asked(context.should_stop);
         return values_of(cycles[static_cast<std::size_t>(index)], context, kFirstStream + index);
       },
       [&all](std::vector<UncertainValue> values) { all.push_back(std::move(values)); }, {},

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 
+#include "readings/analysis_stop.h"
 #include "readings/chewing_summary.h"
 #include "readings/condyle_readings.h"
 #include "readings/cycle_values.h"
@@ -182,6 +183,7 @@ class TaskReader {
   }
 
   std::vector<UncertainValue> values_of(TaskKind kind, SampleRun stroke, std::size_t count) {
+    stop_if_asked(context_.should_stop);
     std::vector<UncertainValue> none(count);
     const double gap_s = longest_gap_s(analysis_.path.time_s, stroke.begin, stroke.end);
     const bool is_long = stroke.end - stroke.begin > kLongStroke;

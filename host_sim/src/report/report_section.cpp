@@ -2,6 +2,8 @@
 #include "report/report_section.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <future>
 #include <memory>
@@ -12,6 +14,7 @@
 #include "condyle/hal/clock.h"
 #include "hosted/files/input_error.h"
 #include "output/replay_summary.h"
+#include "readings/analysis_stop.h"
 
 namespace condyle::host {
 namespace {
@@ -160,9 +163,18 @@ ReportSection report_section(const std::string& source, const ReportChoice& choi
                                 {"drive", choice.drive_file, ""},
                                 {"profile", choice.analysis.reading.profile, ""}});
   });
-  auto analysis = std::async(std::launch::async, [&] { return analyse(source, choice.analysis); });
+  std::atomic<bool> is_over = false;
+  auto analysis = std::async(std::launch::async, [&] {
+    return analyse_until(source, choice.analysis, [&is_over] { return is_over.load(); });
+  });
+  // Whatever ends this function ends the readings too.
+  const std::unique_ptr<std::atomic<bool>, void (*)(std::atomic<bool>*)> end(
+      &is_over, [](std::atomic<bool>* over) { *over = true; });
   if (estimates) estimates->run([&](double share) { progress(share / 2); }, should_stop);
-  if (should_stop()) return section;
+  constexpr std::chrono::milliseconds kPatience(50);
+  do {
+    if (should_stop()) return section;
+  } while (analysis.wait_for(kPatience) != std::future_status::ready);
   section.identity = identity.get();
   if (!section.series.runs().empty() &&
       std::abs(section.series.runs().front().time_s) > kDistantOrigin_s) {
