@@ -72,6 +72,20 @@ TEST_F(Info, ShowsACsvFile) {
   EXPECT_EQ(json["markers"].size(), 0);
 }
 
+// Also the unit that was decided or that the file spells in another way.
+TEST_F(Info, NamesTheUnitInWhichItReads) {
+  std::string rows;
+  for (int k = 0; k < 50; ++k) rows += fmt::format("{},{}\n", k * 0.01, 80 + k % 20);
+  for (const auto& [names, unit] :
+       {std::pair("time_s,position", "mm"), std::pair("time_s,position (Millimeter)", "mm"),
+        std::pair("time_s,position_cm", "cm")}) {
+    const std::string path = folder_.write("unit.csv", std::string(names) + "\n" + rows);
+    const auto result = run_condyle({"info", path, "--json"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_EQ(nlohmann::json::parse(result.output)["unit"], unit) << names;
+  }
+}
+
 // The rate has no digits that a time in nanoseconds does not determine.
 TEST_F(Info, StatesARoundRateAsThat) {
   for (const double rate_Hz : {24.0, 60.0, 120.0, 239.76, 1000.0}) {
@@ -81,6 +95,35 @@ TEST_F(Info, StatesARoundRateAsThat) {
     ASSERT_EQ(result.exit_code, 0) << result.errors;
     EXPECT_EQ(nlohmann::json::parse(result.output)["rate_Hz"], rate_Hz);
   }
+}
+
+// Coarse times have other steps than the recording, and repeat at 200 Hz.
+TEST_F(Info, StatesTheRateBehindRoundedTimes) {
+  for (const auto& [rate_Hz, decimals] :
+       {std::pair(240.0, 3), std::pair(60.0, 3), std::pair(59.94, 3), std::pair(120.0, 2),
+        std::pair(200.0, 2)}) {
+    std::string rows = "time_s,position_mm\n";
+    for (int k = 0; k < 1500; ++k) {
+      if (k % 100 >= 90) continue;  // gaps are no steps
+      rows += fmt::format("{:.{}f},{}\n", k / rate_Hz, decimals, k % 90 * 0.1);
+    }
+    const auto result = run_condyle({"info", folder_.write("rounded.csv", rows), "--json"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_EQ(nlohmann::json::parse(result.output)["rate_Hz"], rate_Hz) << decimals << " decimals";
+  }
+}
+
+// A sample that is sent twice is no frame more.
+TEST_F(Info, CountsNoRepeatedSampleAsAFrame) {
+  std::string rows = "time_s,position_mm\n";
+  for (int k = 0; k < 200; ++k) {
+    for (int sent = 0; sent < (k % 3 == 0 ? 2 : 1); ++sent) {
+      rows += fmt::format("{:.3f},{}\n", k * 0.02, k * 0.1);
+    }
+  }
+  const auto result = run_condyle({"info", folder_.write("twice.csv", rows), "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_EQ(nlohmann::json::parse(result.output)["rate_Hz"], 50);
 }
 
 TEST_F(Info, ShowsAnXdfFileThatWasExported) {

@@ -9,6 +9,7 @@
 #include "hosted/files/clean_text.h"
 #include "options/analysis_options.h"
 #include "options/command_line.h"
+#include "recordings/file_units.h"
 #include "recordings/named_points.h"
 #include "recordings/recording_description.h"
 
@@ -25,6 +26,12 @@ struct InfoOptions {
 
 std::string line(const std::string& name, const std::string& text) {
   return fmt::format("{:<12}{}\n", name, clean_line(text));
+}
+
+// One name for each unit, however the file spells it.
+std::string unit_text(const RecordingInfo& info) {
+  const auto known = length_unit(info.stated.unit);
+  return known ? known->name : info.stated.unit;
 }
 
 std::string name_text(const PointDescription& point) {
@@ -63,7 +70,7 @@ std::string description_text(const RecordingDescription& found) {
       line("frames", fmt::format("{}{}, {:.6g} to {:.6g} s", found.samples,
                                  found.rate_Hz ? fmt::format(" at {:.6g} Hz", *found.rate_Hz) : "",
                                  found.first_s, found.last_s));
-  if (!info.stated.unit.empty()) text += line("unit", info.stated.unit);
+  if (!info.stated.unit.empty()) text += line("unit", unit_text(info));
   const auto count = [&](std::uint64_t number, const char* what) {
     if (number > 0) text += line("time", fmt::format("{} {}", number, what));
   };
@@ -137,7 +144,7 @@ std::string description_json(const RecordingDescription& found, const std::strin
                      {"rate_Hz", found.rate_Hz ? Json(*found.rate_Hz) : Json(nullptr)},
                      {"first_s", found.first_s},
                      {"last_s", found.last_s},
-                     {"unit", or_null(info.stated.unit)},
+                     {"unit", or_null(unit_text(info))},
                      {"markers", names},
                      {"points", points},
                      {"analog", channels},

@@ -10,6 +10,7 @@
 
 #include "readings/chewing_summary.h"
 #include "readings/condyle_readings.h"
+#include "readings/cycle_values.h"
 #include "readings/kinematic_centre.h"
 #include "readings/reading_groups.h"
 #include "readings/stroke_checks.h"
@@ -19,15 +20,11 @@
 namespace condyle::host {
 namespace {
 
-constexpr int kStrokePairs = 40, kCyclePairs = 12;
-constexpr double kCalmStroke_s = 0.16, kCalmCycle_s = 0.06;
-constexpr double kMildStroke_s = 0.2, kMildCycle_s = 0.1;
+constexpr int kStrokePairs = 40;
+constexpr double kCalmStroke_s = 0.16, kMildStroke_s = 0.2;
 constexpr double kLeastStroke_m = 1.5e-3;
 constexpr double kMargin_s = 0.15, kLongestGap_s = 0.15, kNewSequence_s = 2;
 constexpr std::size_t kLongStroke = 20'000;  // samples
-// Standard deviation of the instant at which the jaw leaves or reaches a pause: it begins and ends
-// so slowly that its form, which is not known, decides.
-constexpr double kPauseBoundary_s = 8e-3;
 
 class TaskReader {
  public:
@@ -244,8 +241,7 @@ class TaskReader {
   void read_chewing(const std::vector<SampleRun>& windows, bool is_found) {
     const JawPath& path = analysis_.path;
     const auto names = readings_of_cycle(context_.has_landmarks);
-    std::vector<std::vector<UncertainValue>> by_reading(names.size());
-    int taken = 0;
+    std::vector<CycleToRead> to_read;
     const std::vector<double> heights = heights_of(path, context_.has_landmarks);
     for (const SampleRun& window : windows) {
       if (window.end < window.begin + 5) continue;
@@ -268,14 +264,21 @@ class TaskReader {
               last.sequence + (cycle.begin_s - last.cycle.end_s > kNewSequence_s ? 1 : 0);
         }
         if (cycle.rejected.empty()) {
-          analysed.number = ++taken;
-          take_values(values_of(cycle, sd_m), names.size(), analysed);
-          for (std::size_t k = 0; k < names.size(); ++k)
-            by_reading[k].push_back(analysed.values[k]);
+          to_read.push_back({cycle, sd_m});
+          analysed.number = static_cast<int>(to_read.size());
         }
         analysis_.cycles.push_back(std::move(analysed));
       }
     }
+    auto values = values_of_cycles(to_read, context_);
+    std::vector<std::vector<UncertainValue>> by_reading(names.size());
+    for (AnalysedCycle& cycle : analysis_.cycles) {
+      if (cycle.number == 0) continue;
+      take_values(std::move(values[static_cast<std::size_t>(cycle.number - 1)]), names.size(),
+                  cycle);
+      for (std::size_t k = 0; k < names.size(); ++k) by_reading[k].push_back(cycle.values[k]);
+    }
+    const auto taken = static_cast<int>(to_read.size());
     UncertainValue count;
     count.value = taken;
     add(definition_of("cycle_count"), TaskKind::chewing, Side::none, 0, count, is_found);
@@ -348,34 +351,6 @@ class TaskReader {
     if (analysis_.has_landmarks && context_.unusable.empty()) {
       analysis_.average_cycles = average_cycles(analysis_.path, analysis_.cycles, context_.errors);
     }
-  }
-
-  std::vector<UncertainValue> values_of(const ChewingCycle& cycle, double sd_m) {
-    const auto& time_s = analysis_.path.time_s;
-    std::size_t begin = cycle.begin, end = cycle.end + 1;
-    const double before_s = cycle.begins_after_pause ? 0.3 : kMargin_s;
-    const double after_s = cycle.ends_with_pause ? 0.3 : kMargin_s;
-    while (begin > 0 && time_s[cycle.begin] - time_s[begin - 1] <= before_s) --begin;
-    // On to where the next opening has left the closed position.
-    const double closed_s = 5 * cycle.end_sd_s;
-    while (end < time_s.size() && time_s[end] - time_s[cycle.end] <= after_s + closed_s) ++end;
-    const std::vector<double> times_s(time_s.begin() + static_cast<std::ptrdiff_t>(begin),
-                                      time_s.begin() + static_cast<std::ptrdiff_t>(end));
-    const GreatestAt greatest(times_s, kCycleTopReach_s);
-    auto values = uncertain_values(
-        *context_.motion, begin, end, *context_.noise, context_.errors,
-        {kCyclePairs, kCalmCycle_s, kMildCycle_s, PathPart::incisor}, random_,
-        [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
-          read_cycle(cycle, begin, sd_m, context_.has_landmarks, path, greatest, into, why);
-        });
-    // Duration, opening time, closing time.
-    const double at_begin_s = cycle.begins_after_pause ? kPauseBoundary_s : cycle.begin_sd_s;
-    const double at_end_s = cycle.ends_with_pause ? kPauseBoundary_s : cycle.end_sd_s;
-    const double added_s[] = {std::hypot(at_begin_s, at_end_s), at_begin_s, at_end_s};
-    for (std::size_t i = 0; i < 3; ++i) {
-      values[i].noise_sd = std::hypot(values[i].noise_sd, added_s[i]);
-    }
-    return values;
   }
 
   Analysis& analysis_;

@@ -83,7 +83,7 @@ std::string_view without_joints(std::string_view text) {
   return text;
 }
 
-// Takes a unit off the end of `name`: "Time (s)", "x [mm]", "t_ms", "x, mm", "x/mm".
+// Takes a unit off the end of `name`: "Time (s)", "x [mm]", "t_ms", "x, mm", "x/mm", "x in mm".
 std::string_view take_unit(std::string_view& name) {
   name = trim(name);
   if (name.empty()) return {};
@@ -98,10 +98,12 @@ std::string_view take_unit(std::string_view& name) {
   const std::size_t joint = name.find_last_of("_ ,/");
   if (joint == std::string_view::npos || joint == 0) return {};
   const std::string_view unit = trim(name.substr(joint + 1));
-  // Capitals of one letter are part of a name, except newtons.
+  // Capitals of one letter are part of a name, except newtons, and the seconds of TIME_S.
   const bool is_capital = unit.size() == 1 && unit[0] >= 'A' && unit[0] <= 'Z' && unit[0] != 'N';
-  if (is_capital || !is_unit(unit)) return {};
+  const bool is_of_time = unit == "S" && lower(name.substr(0, joint)) == "time";
+  if ((is_capital && !is_of_time) || !is_unit(unit)) return {};
   name = trim(name.substr(0, joint));
+  if (name.size() > 3 && name.ends_with(" in")) name = trim(name.substr(0, name.size() - 3));
   while (name.ends_with(',') || name.ends_with('_')) name.remove_suffix(1);
   return unit;
 }

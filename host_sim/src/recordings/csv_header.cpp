@@ -275,6 +275,10 @@ CsvHeader read_csv_header(const TableStart& start) {
     header.units.assign(fields.begin(), fields.end());
     ++header.lines;
   }
+  // Blank lines below the names are no rows.
+  while (header.has_names && header.lines + 1 < lines.size() && trim(lines[header.lines]).empty()) {
+    ++header.lines;
+  }
   // A separator at the end of the line of names is no column.
   if (header.names.size() > 1 && header.names.back().empty()) header.names.pop_back();
   header.units.resize(header.names.size());

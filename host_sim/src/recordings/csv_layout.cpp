@@ -301,6 +301,7 @@ class CsvReading {
     }
     if (options_.units_per_metre) {
       each = 1 / *options_.units_per_metre;
+      layout_.info.stated.unit = each == 1 ? "m" : "mm";
     } else if (each == 0) {
       const UnitGuess guess = guess_length_unit(places);
       if (guess.each == 0) {
@@ -310,6 +311,7 @@ class CsvReading {
             "give --unit mm or --unit m");
       }
       each = guess.each;
+      layout_.info.stated.unit = guess.unit;
       warnings_.push_back(fmt::format(
           "the unit of the positions is not stated; read as {}: {} (--unit mm or --unit m decides)",
           guess.unit, guess.reason));

@@ -194,21 +194,32 @@ std::string problem_of_times(const std::vector<double>& times, double each) {
                      rate_text(rate_Hz));
 }
 
-std::string problem_of_places(const std::vector<std::vector<double>>& columns, double each) {
+std::string problem_of_distance(const std::vector<std::vector<double>>& columns, double each) {
   if (columns.empty() || count(columns[0]) < kLeastSamples) return "";
-  // Single values out of range are missing ones; the others tell the unit.
-  std::vector<std::vector<double>> near = columns;
-  double farthest_m = 0;
-  for (std::vector<double>& column : near) {
-    const std::size_t all = count(column);
-    for (double& value : column) {
-      if (std::abs(value * each) <= kFarthestPosition_m) continue;
+  for (const std::vector<double>& column : columns) {
+    double farthest_m = 0;
+    std::size_t far = 0;
+    for (const double value : column) {
+      if (!(std::abs(value * each) > kFarthestPosition_m)) continue;
       farthest_m = std::max(farthest_m, std::abs(value * each));
-      value = std::nan("");
+      ++far;
     }
-    if (2 * count(column) < all) {
+    if (2 * far > count(column)) {
       return fmt::format("most positions are beyond {:g} m, up to {:.3g} m, where no jaw is",
                          kFarthestPosition_m, farthest_m);
+    }
+  }
+  return "";
+}
+
+std::string problem_of_places(const std::vector<std::vector<double>>& columns, double each) {
+  if (columns.empty() || count(columns[0]) < kLeastSamples) return "";
+  if (std::string problem = problem_of_distance(columns, each); !problem.empty()) return problem;
+  // Single values out of range are missing ones; the others tell the unit.
+  std::vector<std::vector<double>> near = columns;
+  for (std::vector<double>& column : near) {
+    for (double& value : column) {
+      if (std::abs(value * each) > kFarthestPosition_m) value = std::nan("");
     }
   }
   const std::optional<Spread> spread = widest(near);

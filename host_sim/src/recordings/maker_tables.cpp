@@ -9,6 +9,7 @@
 
 #include "hosted/files/input_error.h"
 #include "recordings/csv_columns.h"
+#include "recordings/csv_units.h"
 
 namespace condyle::host {
 namespace {
@@ -48,6 +49,34 @@ void refuse_opensim(const MakerFile& file) {
                      "is an OpenSim MOT or STO file: its columns are angles, forces or states of a "
                      "model, not places of markers",
                      "give the recording of the markers, such as TRC or C3D");
+  }
+}
+
+// Refuses points where no jaw is, which would all count as missing.
+void refuse_far(const TableFile& table, const MakerFile& file) {
+  constexpr std::size_t kMostRows = 1000;
+  std::vector<std::vector<double>> values_m(3 * table.table.names.size());
+  const auto& lines = file.start.lines;
+  const std::size_t first = table.table.header_lines;
+  std::vector<std::string_view> fields;
+  for (std::size_t i = first; i < std::min(lines.size(), first + kMostRows); ++i) {
+    split_fields(lines[i], table.table.style.separator, fields);
+    for (std::size_t k = 0; k < std::min(fields.size(), table.table.columns.size()); ++k) {
+      const TableColumn& column = table.table.columns[k];
+      double value = 0;
+      if (column.role != TableColumn::Role::coordinate || column.coordinate >= values_m.size() ||
+          parse_field(fields[k], table.table.style, value) != NumberStatus::ok ||
+          is_missing_coordinate(value, 1 / column.per_SI_unit)) {
+        continue;
+      }
+      values_m[column.coordinate].push_back(value / column.per_SI_unit);
+    }
+  }
+  if (const std::string problem = problem_of_distance(values_m, 1); !problem.empty()) {
+    throw InputError(
+        file.path,
+        fmt::format("states its positions in {}: {}", quote(table.info.stated.unit), problem),
+        "correct the unit in its header");
   }
 }
 
@@ -165,6 +194,7 @@ std::unique_ptr<NamedPointsRecording> open_maker_table(std::unique_ptr<ByteReade
     table = read_vicon_csv(file);
   }
   if (!table) return nullptr;
+  refuse_far(*table, file);
   if (!options.columns.empty() || !options.ignored_columns.empty()) {
     throw InputError(path,
                      fmt::format("{} applies only to CSV",

@@ -77,8 +77,13 @@ std::optional<TableFile> read_ndi_text(const MakerFile& file) {
     column.name = std::string(name);
     const ColumnMeaning meaning = meaning_of(name, "", "");
     if (meaning.quantity == ColumnMeaning::Quantity::point) {
-      const std::string point(trim(name.substr(0, name.size() - 1)));
-      if (points.empty() || points.back() != point) points.push_back(point);
+      if (meaning.each > 0 ? meaning.each != metres_each : !meaning.unit.empty()) {
+        throw InputError(file.place(line),
+                         fmt::format("the column {} is in {}, the header states {}", quote(name),
+                                     quote(meaning.unit), quote(unit)),
+                         "give both in one unit");
+      }
+      if (points.empty() || points.back() != meaning.point) points.push_back(meaning.point);
       column.role = TableColumn::Role::coordinate;
       column.coordinate = 3 * (points.size() - 1) + meaning.axis;
       column.per_SI_unit = 1 / metres_each;

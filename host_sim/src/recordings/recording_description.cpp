@@ -16,20 +16,19 @@ namespace {
 
 using Eigen::Index;
 
-// The rate with the fewest digits whose step is `step_ns`, which is known to half a nanosecond.
-double rate_of(TimeNs step_ns) {
-  constexpr double kKnown_ns = 0.5 + 1e-6;
-  const auto step = static_cast<double>(step_ns);
-  const double rate_Hz = 1e9 / step;
+// The rate with the fewest digits whose step is `step_ns`, known to `known_ns`.
+double rate_of(double step_ns, double known_ns) {
+  const double rate_Hz = 1e9 / step_ns;
   for (int digits = 1; digits <= 15; ++digits) {
     double rounded_Hz = rate_Hz;
     static_cast<void>(parse_number(fmt::format("{:.{}g}", rate_Hz, digits), rounded_Hz));
-    if (std::abs(1e9 / rounded_Hz - step) <= kKnown_ns) return rounded_Hz;
+    if (std::abs(1e9 / rounded_Hz - step_ns) <= known_ns) return rounded_Hz;
   }
   return rate_Hz;
 }
 
-// The times of a recording.
+// The times of a recording. Its rate is that of the mean step: times rounded to milliseconds have
+// no other step than 4 or 5 ms at 240 Hz, and times rounded further repeat.
 class Clock {
  public:
   void add(const Sample& sample, RecordingDescription& found) {
@@ -40,49 +39,73 @@ class Clock {
     const double time_s = seconds(sample.time_ns);
     if (!has_time_) {
       found.first_s = found.last_s = time_s;
-    } else if (sample.time_ns <= last_ns_) {
+    } else if (sample.time_ns <= last_.time_ns) {
       ++found.time_reversed;
+      if (sample.time_ns == last_.time_ns && !repeats_position(sample)) take_step(0, found);
     } else {
-      take_step(sample.time_ns - last_ns_, found);
+      take_step(sample.time_ns - last_.time_ns, found);
     }
     has_time_ = true;
-    last_ns_ = sample.time_ns;
+    last_ = sample;
     found.first_s = std::min(found.first_s, time_s);
     found.last_s = std::max(found.last_s, time_s);
   }
 
   void finish(RecordingDescription& found) {
     if (!median_ns_) find_median(found);
-    if (median_ns_) found.rate_Hz = rate_of(*median_ns_);
+    if (!median_ns_) return;
+    // Half a nanosecond is lost when a time is read; rounding adds once to every run without gaps.
+    const double count = static_cast<double>(usual_);
+    const double spread_ns = static_cast<double>(longest_ns_ - shortest_ns_);
+    const double runs = 1 + static_cast<double>(found.time_gaps);
+    found.rate_Hz = rate_of(static_cast<double>(usual_sum_ns_) / count,
+                            0.5 + 1e-6 + spread_ns * std::sqrt(runs) / count);
   }
 
  private:
   static constexpr std::size_t kSteps = 1000;
 
-  bool is_gap(TimeNs step_ns) const { return step_ns > *median_ns_ + *median_ns_ / 2; }
+  bool repeats_position(const Sample& sample) const {
+    return sample.position_valid == last_.position_valid &&
+           std::equal(std::begin(sample.coordinates), std::end(sample.coordinates),
+                      std::begin(last_.coordinates));
+  }
 
   void take_step(TimeNs step_ns, RecordingDescription& found) {
-    if (median_ns_) {
-      found.time_gaps += is_gap(step_ns) ? 1U : 0U;
-      return;
-    }
+    if (median_ns_) return judge(step_ns, found);
     steps_ns_.push_back(step_ns);
     if (steps_ns_.size() == kSteps) find_median(found);
   }
 
+  void judge(TimeNs step_ns, RecordingDescription& found) {
+    if (step_ns > *median_ns_ + *median_ns_ / 2) {
+      ++found.time_gaps;
+      return;
+    }
+    ++usual_;
+    usual_sum_ns_ += step_ns;
+    shortest_ns_ = std::min(shortest_ns_, step_ns);
+    longest_ns_ = std::max(longest_ns_, step_ns);
+  }
+
   void find_median(RecordingDescription& found) {
-    if (steps_ns_.empty()) return;
-    std::vector<TimeNs> sorted_ns = steps_ns_;
+    std::vector<TimeNs> sorted_ns;
+    std::copy_if(steps_ns_.begin(), steps_ns_.end(), std::back_inserter(sorted_ns),
+                 [](TimeNs step_ns) { return step_ns > 0; });
+    if (sorted_ns.empty()) return;
     const auto middle = sorted_ns.begin() + static_cast<std::ptrdiff_t>(sorted_ns.size() / 2);
     std::nth_element(sorted_ns.begin(), middle, sorted_ns.end());
-    median_ns_ = *middle;
-    for (const TimeNs step_ns : steps_ns_) found.time_gaps += is_gap(step_ns) ? 1U : 0U;
+    median_ns_ = shortest_ns_ = longest_ns_ = *middle;
+    for (const TimeNs step_ns : steps_ns_) judge(step_ns, found);
   }
 
   bool has_time_ = false;
-  TimeNs last_ns_ = 0;
+  Sample last_;
   std::vector<TimeNs> steps_ns_;  // the first
   std::optional<TimeNs> median_ns_;
+  // Steps that are no gaps.
+  std::int64_t usual_ = 0;
+  TimeNs usual_sum_ns_ = 0, shortest_ns_ = 0, longest_ns_ = 0;
 };
 
 // The points of the sample last returned, NaN where missing.

@@ -30,7 +30,7 @@ struct RecordingDescription {
   RecordingInfo info;
   std::uint64_t samples = 0;
   double first_s = 0, last_s = 0;  ///< times of the first and the last sample with a time
-  std::optional<double> rate_Hz;   ///< as stated, or by the median of the first steps
+  std::optional<double> rate_Hz;   ///< as stated, or of the mean step without gaps
   std::uint64_t time_missing = 0, time_reversed = 0;
   std::uint64_t time_gaps = 0;  ///< steps of more than one and a half of the median
   std::uint64_t drive = 0;      ///< samples with a drive

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "comparison/compared_estimator.h"
@@ -58,65 +60,76 @@ void refuse_drive(const ReportChoice& choice, const std::string& source,
   }
 }
 
-void add_estimates(const std::string& source, const ReportChoice& choice,
-                   const std::function<void(double)>& progress,
-                   const std::function<bool()>& should_stop, ReportSection& section) {
-  RecordingChoice followed{choice.followed, choice.analysis.reading};
-  followed.reading.faults = FaultPolicy::event;
-  hal::SteadyClock clock;
-  ReplayFacebow facebow(source, followed.reading, 0, clock);
-  if (facebow.open() != hal::Status::ok) throw InputError(facebow.problem());
-  const RecordingInfo& info = facebow.info();
-  followed.check(source, info);
-  refuse_drive(choice, source, info);
-  section.format = info.format;
-  section.notes = info.notes;
-  const firmware::RunSettings settings = facebow.run_settings(followed.followed);
-  EstimatorChoice estimator;
-  const double step_s = seconds(settings.nominal_step_ns);
-  estimator.lag =
-      step_s > 0 ? std::clamp(static_cast<int>(std::lround(kReportLag_s / step_s)), 0, kMostLag)
-                 : 0;
-  BodyFits fits;
-  std::optional<DriveChannel> channel;
-  if (!choice.drive_file.empty()) channel.emplace(choice.drive_file, FaultPolicy::event);
-  const auto compared = make_compared_estimator(estimator, followed, choice.drive, source, facebow,
-                                                {&fits, channel ? &*channel : nullptr});
-  const RecommendedParameters parameters =
-      compared_parameters(estimator, choice.drive, source, info);
-  section.parameters = parameters;
-  section.lag = estimator.lag;
-  RecommendedSummary summary(parameters, estimator.lag, followed.followed.axis, fits);
-  std::optional<ImpedanceEstimate<double>> impedance;
-  summary.set_conclusion([&] { return *impedance; });
-  ReportedSensor sensor(*compared);
-  firmware::RunCounts counts;
-  const hal::Status status = firmware::run(
-      facebow, clock, sensor, settings, counts,
-      [&](const Sample&, const ReportedSensor::Estimate& estimate) {
-        if (!estimate.row) return;
-        section.series.add(*estimate.row);
-        section.fine.add(*estimate.row);
-        summary.add(*estimate.row);
-        if (is_usable(*estimate.row)) {
-          section.sample_times_s.push_back(seconds(*estimate.row->time_ns));
-        }
-        if (counts.samples % 1024 == 0) progress(facebow.progress());
-      },
-      [&] { return should_stop() || !facebow.problem().empty(); });
-  if (!facebow.problem().empty()) throw InputError(facebow.problem());
-  if (status == hal::Status::ok) return;  // stopped
-  impedance = compared->conclude();
-  if (impedance) {
-    section.impedance = impedance;
-    section.impedance_parameters = parameters.impedance;
-    const std::vector<std::string> notes = compared->drive_notes();
-    section.notes.insert(section.notes.end(), notes.begin(), notes.end());
+// The estimates over time of one recording.
+class ReportedEstimates {
+ public:
+  // Opens and checks the recording.
+  ReportedEstimates(const std::string& source, const ReportChoice& choice, ReportSection& section)
+      : followed_{choice.followed, choice.analysis.reading}, section_(section) {
+    followed_.reading.faults = FaultPolicy::event;
+    facebow_.emplace(source, followed_.reading, 0, clock_);
+    if (facebow_->open() != hal::Status::ok) throw InputError(facebow_->problem());
+    const RecordingInfo& info = facebow_->info();
+    followed_.check(source, info);
+    refuse_drive(choice, source, info);
+    section.format = info.format;
+    section.notes = info.notes;
+    settings_ = facebow_->run_settings(followed_.followed);
+    EstimatorChoice estimator;
+    const double step_s = seconds(settings_.nominal_step_ns);
+    estimator.lag =
+        step_s > 0 ? std::clamp(static_cast<int>(std::lround(kReportLag_s / step_s)), 0, kMostLag)
+                   : 0;
+    if (!choice.drive_file.empty()) channel_.emplace(choice.drive_file, FaultPolicy::event);
+    compared_ = make_compared_estimator(estimator, followed_, choice.drive, source, *facebow_,
+                                        {&fits_, channel_ ? &*channel_ : nullptr});
+    section.parameters = compared_parameters(estimator, choice.drive, source, info);
+    section.lag = estimator.lag;
   }
-  section.summary = summary.text();
-  section.estimates_json = summary.json().dump();
-  section.warnings = summary.warnings();
-}
+
+  void run(const std::function<void(double)>& progress, const std::function<bool()>& should_stop) {
+    RecommendedSummary summary(*section_.parameters, section_.lag, followed_.followed.axis, fits_);
+    std::optional<ImpedanceEstimate<double>> impedance;
+    summary.set_conclusion([&] { return *impedance; });
+    ReportedSensor sensor(*compared_);
+    firmware::RunCounts counts;
+    const hal::Status status = firmware::run(
+        *facebow_, clock_, sensor, settings_, counts,
+        [&](const Sample&, const ReportedSensor::Estimate& estimate) {
+          if (!estimate.row) return;
+          section_.series.add(*estimate.row);
+          section_.fine.add(*estimate.row);
+          summary.add(*estimate.row);
+          if (is_usable(*estimate.row)) {
+            section_.sample_times_s.push_back(seconds(*estimate.row->time_ns));
+          }
+          if (counts.samples % 1024 == 0) progress(facebow_->progress());
+        },
+        [&] { return should_stop() || !facebow_->problem().empty(); });
+    if (!facebow_->problem().empty()) throw InputError(facebow_->problem());
+    if (status == hal::Status::ok) return;  // stopped
+    impedance = compared_->conclude();
+    if (impedance) {
+      section_.impedance = impedance;
+      section_.impedance_parameters = section_.parameters->impedance;
+      const std::vector<std::string> notes = compared_->drive_notes();
+      section_.notes.insert(section_.notes.end(), notes.begin(), notes.end());
+    }
+    section_.summary = summary.text();
+    section_.estimates_json = summary.json().dump();
+    section_.warnings = summary.warnings();
+  }
+
+ private:
+  RecordingChoice followed_;
+  ReportSection& section_;
+  hal::SteadyClock clock_;
+  std::optional<ReplayFacebow> facebow_;
+  firmware::RunSettings settings_;
+  BodyFits fits_;
+  std::optional<DriveChannel> channel_;
+  std::unique_ptr<ComparedEstimator> compared_;
+};
 
 }  // namespace
 
@@ -125,38 +138,44 @@ ReportSection report_section(const std::string& source, const ReportChoice& choi
                              const std::function<bool()>& should_stop) {
   ReportSection section;
   section.recording = source;
-  section.identity = identity_of(source, {{"landmarks", choice.analysis.landmarks, ""},
-                                          {"tasks", choice.tasks_file, ""},
-                                          {"drive", choice.drive_file, ""},
-                                          {"profile", choice.analysis.reading.profile, ""}});
   RecordingOptions reading = choice.analysis.reading;
   reading.faults = FaultPolicy::event;
   const auto recording = open_with_all_points(source, reading);
+  std::optional<ReportedEstimates> estimates;
   if (is_read_as_bodies(*recording, choice.analysis.bodies)) {
     section.format = recording->info().format;
     section.notes.emplace_back(
         "estimates over time are left out: they follow one point of the instrument, and a body of "
         "several points was read");
   } else {
-    add_estimates(
-        source, choice, [&](double share) { progress(share / 2); }, should_stop, section);
-  }
-  if (should_stop()) return section;
-  if (!section.series.runs().empty() &&
-      std::abs(section.series.runs().front().time_s) > kDistantOrigin_s) {
-    section.origin_s = section.series.runs().front().time_s;
+    estimates.emplace(source, choice, section);
   }
   if (!choice.analysis.landmarks.empty()) {
     section.landmarks = load_landmarks(choice.analysis.landmarks);
   }
+  // Estimates and readings take about as long, and nothing here depends on the others.
+  auto identity = std::async(std::launch::async, [&] {
+    return identity_of(source, {{"landmarks", choice.analysis.landmarks, ""},
+                                {"tasks", choice.tasks_file, ""},
+                                {"drive", choice.drive_file, ""},
+                                {"profile", choice.analysis.reading.profile, ""}});
+  });
+  auto analysis = std::async(std::launch::async, [&] { return analyse(source, choice.analysis); });
+  if (estimates) estimates->run([&](double share) { progress(share / 2); }, should_stop);
+  if (should_stop()) return section;
+  section.identity = identity.get();
+  if (!section.series.runs().empty() &&
+      std::abs(section.series.runs().front().time_s) > kDistantOrigin_s) {
+    section.origin_s = section.series.runs().front().time_s;
+  }
   try {
-    section.analysis = analyse(source, choice.analysis);
+    section.analysis = analysis.get();
     section.sample_times_s.clear();
   } catch (const InputError& error) {
     // Tasks and landmarks that do not fit are the user's to mend.
-    const AnalysisChoice& analysis = choice.analysis;
-    if (!analysis.landmarks.empty() || !analysis.tasks.empty() || analysis.reference_s ||
-        analysis.bodies.is_given()) {
+    const AnalysisChoice& given = choice.analysis;
+    if (!given.landmarks.empty() || !given.tasks.empty() || given.reference_s ||
+        given.bodies.is_given()) {
       throw;
     }
     section.no_readings = error.what();

@@ -52,7 +52,8 @@ struct ReportSection {
 };
 
 /// Reads the recording at `source` twice: for the readings, and for the estimates with a lag of
-/// kReportLag_s. Throws InputError if it cannot be read. `progress`: called with 0 to 1.
+/// kReportLag_s. Throws InputError if it cannot be read. `progress`: called with 0 to 1, and like
+/// `should_stop` on the caller's thread; the readings are computed on others.
 ReportSection report_section(const std::string& source, const ReportChoice& choice,
                              const std::function<void(double)>& progress,
                              const std::function<bool()>& should_stop);

@@ -230,6 +230,29 @@ TEST(MakerTable, AHeaderThatStatesMoreFramesThanItHoldsIsNoted) {
   EXPECT_THAT(read(whole).info.notes, Not(Contains(HasSubstr("its header states"))));
 }
 
+TEST(MakerTable, RefusesAUnitThatLeavesNoPosition) {
+  std::string text = trc();
+  text.replace(text.find("\tmm\t"), 4, "\tm\t");
+  EXPECT_EQ(problem_of(text), "no error") << "too few rows to tell";
+  const std::size_t first = text.rfind("\n\n") + 2;
+  const std::string rows = text.substr(first);
+  for (int i = 0; i < 4; ++i) text += rows;
+  EXPECT_THAT(problem_of(text), AllOf(HasSubstr("states its positions in 'm'"),
+                                      HasSubstr("beyond 10 m"), HasSubstr("correct the unit")));
+}
+
+TEST(MakerTable, NdiColumnsMayStateTheirUnit) {
+  const auto named = [](const std::string& unit) {
+    std::string text = ndi();
+    for (const std::string name : {"A x", "A y", "A z", "B x", "B y", "B z"}) {
+      text.insert(text.find(name) + name.size(), " (" + unit + ")");
+    }
+    return text;
+  };
+  expect_recording(read(named("mm")), "mm", "NDI with units");
+  EXPECT_THAT(problem_of(named("m")), HasSubstr("is in 'm', the header states 'mm'"));
+}
+
 TEST(MakerTable, NamesWhatAHeaderLacks) {
   const auto without = [](std::string text, const std::string& part) {
     const std::size_t at = text.find(part);

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "readings/cycle_values.h"
+
+#include <cmath>
+#include <utility>
+
+#include "statistics/monte_carlo.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr std::uint64_t kSeed = 20, kFirstStream = 2;
+constexpr int kPairs = 12;
+constexpr double kCalm_s = 0.06, kMild_s = 0.1;
+constexpr double kMargin_s = 0.15, kMarginAtPause_s = 0.3;
+// Standard deviation of the instant at which the jaw leaves or reaches a pause: it begins and ends
+// so slowly that its form, which is not known, decides.
+constexpr double kPauseBoundary_s = 8e-3;
+
+std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext& context,
+                                      std::uint64_t stream) {
+  const ChewingCycle& cycle = read.cycle;
+  const auto& time_s = context.motion->time_s;
+  std::size_t begin = cycle.begin, end = cycle.end + 1;
+  const double before_s = cycle.begins_after_pause ? kMarginAtPause_s : kMargin_s;
+  const double after_s = cycle.ends_with_pause ? kMarginAtPause_s : kMargin_s;
+  while (begin > 0 && time_s[cycle.begin] - time_s[begin - 1] <= before_s) --begin;
+  // On to where the next opening has left the closed position.
+  const double closed_s = 5 * cycle.end_sd_s;
+  while (end < time_s.size() && time_s[end] - time_s[cycle.end] <= after_s + closed_s) ++end;
+  const std::vector<double> times_s(time_s.begin() + static_cast<std::ptrdiff_t>(begin),
+                                    time_s.begin() + static_cast<std::ptrdiff_t>(end));
+  const GreatestAt greatest(times_s, kCycleTopReach_s);
+  RandomGenerator random(kSeed, stream);
+  auto values = uncertain_values(
+      *context.motion, begin, end, *context.noise, context.errors,
+      {kPairs, kCalm_s, kMild_s, PathPart::incisor}, random,
+      [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
+        read_cycle(cycle, begin, read.height_sd_m, context.has_landmarks, path, greatest, into,
+                   why);
+      });
+  // Duration, opening time, closing time.
+  const double at_begin_s = cycle.begins_after_pause ? kPauseBoundary_s : cycle.begin_sd_s;
+  const double at_end_s = cycle.ends_with_pause ? kPauseBoundary_s : cycle.end_sd_s;
+  const double added_s[] = {std::hypot(at_begin_s, at_end_s), at_begin_s, at_end_s};
+  for (std::size_t i = 0; i < 3; ++i) {
+    values[i].noise_sd = std::hypot(values[i].noise_sd, added_s[i]);
+  }
+  return values;
+}
+
+}  // namespace
+
+std::vector<std::vector<UncertainValue>> values_of_cycles(const std::vector<CycleToRead>& cycles,
+                                                          const TaskContext& context,
+                                                          unsigned threads) {
+  std::vector<std::vector<UncertainValue>> all;
+  all.reserve(cycles.size());
+  MonteCarloControl control;
+  control.threads = threads;
+  run_monte_carlo(
+      cycles.size(), 0,
+      [&](std::uint64_t index) {
+        return values_of(cycles[static_cast<std::size_t>(index)], context, kFirstStream + index);
+      },
+      [&all](std::vector<UncertainValue> values) { all.push_back(std::move(values)); }, {},
+      control);
+  return all;
+}
+
+}  // namespace condyle::host
