@@ -56,6 +56,19 @@ TEST(SessionLog, RefusesAHeaderThatItCannotKeep) {
   EXPECT_EQ(folder.count(), 0);
 }
 
+// Also a chunk of as many events as reports. The wait is for a hang only.
+TEST(SessionLog, WritesAChunkAtItsTime) {
+  const TemporaryFolder folder;
+  hal::SessionLogWriter log({.chunk_time_ns = 1'000'000'000});
+  ASSERT_EQ(log.open(folder / "log.mcap", make_header()), SessionLogFailure::none);
+  ASSERT_TRUE(log.write(0, make_report(0, 29, 1)));
+  ASSERT_TRUE(log.write_event(0, 1, SessionEvent::note, "beside a report"));
+  for (int i = 0; log.status().chunks_written == 0 && i < 6000; ++i) usleep(10'000);
+  EXPECT_EQ(log.status().reports_written, 1U);
+  EXPECT_EQ(log.status().events_written, 1U);
+  EXPECT_EQ(log.close(), SessionLogFailure::none);
+}
+
 TEST(SessionLog, IsReadableByItsOwnerAlone) {
   const TemporaryFolder folder;
   const mode_t before = umask(0);

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <filesystem>
+
 #include "condyle/hal/facebow.h"
 #include "condyle/hal/log/usbmon_capture.h"
 #include "session_log/capture_file.h"
@@ -239,6 +241,23 @@ TEST_F(Capture, WhatIsNoSuchCaptureIsRefused) {
   EXPECT_EQ(missing.open(), Status::not_found);
   hal::UsbmonCapture folder(folder_.path(), {});
   EXPECT_EQ(folder.open(), Status::bad_report);
+}
+
+TEST_F(Capture, ItsProgressIsAShareOfTheFile) {
+  CaptureFile file({});
+  for (std::uint32_t i = 0; i < 100; ++i) file.add(report_packet(i));
+  auto capture = open(file, {});
+  EXPECT_EQ(capture.progress(), 0);
+  ASSERT_EQ(capture.open(), Status::ok);
+  double last = capture.progress();
+  while (read(capture) == Status::ok) {
+    EXPECT_GE(capture.progress(), last);
+    last = capture.progress();
+  }
+  EXPECT_EQ(last, 1);
+  // Emptied while it is read: nothing is known of its size.
+  std::filesystem::resize_file(folder_ / "capture.pcap", 0);
+  EXPECT_EQ(capture.progress(), 0);
 }
 
 TEST_F(Capture, CutAnywhereItGivesTheReportsBeforeAndSaysSo) {

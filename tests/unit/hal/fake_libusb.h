@@ -40,6 +40,7 @@ struct State {
   int transfer_length = 0, transfer_endpoint = 0;  ///< of the last that was asked for
   std::deque<Ending> endings;
   std::deque<libusb_transfer*> in_flight;
+  bool keeps_cancelled = false;              ///< cancelled transfers stay in flight
   std::vector<libusb_interface> interfaces;  // of the configuration that was given last
   libusb_config_descriptor configuration{};
   int configurations = 0;  ///< given and not freed
@@ -150,6 +151,7 @@ int libusb_submit_transfer(libusb_transfer* transfer) {
 int libusb_cancel_transfer(libusb_transfer* transfer) {
   const auto found = std::find(state.in_flight.begin(), state.in_flight.end(), transfer);
   if (found == state.in_flight.end()) return LIBUSB_ERROR_NOT_FOUND;
+  if (state.keeps_cancelled) return 0;
   state.in_flight.erase(found);
   transfer->status = LIBUSB_TRANSFER_CANCELLED;
   transfer->callback(transfer);

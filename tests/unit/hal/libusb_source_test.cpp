@@ -5,7 +5,16 @@
 
 #include <gmock/gmock.h>
 
+#include <deque>
+#include <utility>
+
 #include "unit/hal/fake_libusb.h"
+
+// Of the leak checker; null without one.
+extern "C" {
+[[gnu::weak]] void __lsan_disable();
+[[gnu::weak]] void __lsan_enable();
+}
 
 namespace condyle::hal {
 namespace {
@@ -146,6 +155,38 @@ TEST_F(LibusbSourceTest, CountsFailuresFromTheLastReport) {
   EXPECT_EQ(source.read(100, report_), Status::disconnected);
   EXPECT_EQ(source.counts().transfer_errors, 129U);
   EXPECT_EQ(state.opened, nullptr);
+}
+
+// The library may return transfers after the source was closed, or opened again: they are not its.
+TEST_F(LibusbSourceTest, IgnoresTransfersThatAreReturnedTooLate) {
+  LibusbSource source({0x1209, 1, -1, {}, {}}, clock_);
+  if (__lsan_disable != nullptr) __lsan_disable();  // buffers that may be written to are not freed
+  ASSERT_EQ(source.open(), Status::ok);
+  EXPECT_EQ(source.read(0, report_), Status::timeout);
+  const std::deque<libusb_transfer*> asked_for = state.in_flight;
+  ASSERT_FALSE(asked_for.empty());
+  state.keeps_cancelled = true;
+  source.close();
+  if (__lsan_enable != nullptr) __lsan_enable();
+  ASSERT_EQ(state.in_flight, asked_for);
+  state.keeps_cancelled = false;
+  state.in_flight.clear();
+
+  ASSERT_EQ(source.open(), Status::ok);
+  EXPECT_EQ(source.read(0, report_), Status::timeout);
+  EXPECT_EQ(state.in_flight.size(), asked_for.size()) << "as many are asked for as at first";
+  const std::deque<libusb_transfer*> asked_again = std::exchange(state.in_flight, asked_for);
+  for (std::size_t i = 0; i < asked_for.size(); ++i) {
+    fake_libusb::end_first({LIBUSB_TRANSFER_COMPLETED, {1, 2, 3}});
+  }
+  state.in_flight = asked_again;
+  EXPECT_EQ(source.read(0, report_), Status::timeout) << "what came late is not delivered";
+  state.endings.push_back({LIBUSB_TRANSFER_COMPLETED, {4}});
+  ASSERT_EQ(source.read(100, report_), Status::ok);
+  EXPECT_EQ(report_.size, 1);
+  EXPECT_EQ(report_.bytes[0], 4);
+  source.close();
+  for (libusb_transfer* transfer : asked_for) libusb_free_transfer(transfer);
 }
 
 }  // namespace

@@ -196,5 +196,31 @@ TEST(SerialPort, TakesASocketInTheLinesPlace) {
   std::filesystem::remove_all(folder);
 }
 
+// A service may start with its standard input closed: the first file that it opens has number 0.
+TEST(SerialPort, TakesASocketWhoseNumberIsZero) {
+  SteadyClock clock;
+  std::string folder = testing::TempDir() + "condyle-serial-XXXXXX";
+  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  const std::string path = folder + "/line";
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  const int listener = socket(AF_UNIX, SOCK_STREAM, 0);
+  ASSERT_EQ(bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  ASSERT_EQ(listen(listener, 1), 0);
+  const int input = fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
+  ::close(STDIN_FILENO);
+  SerialPort port(clock);
+  const Status status = port.open("unix:" + path, 0);
+  EXPECT_EQ(status, Status::ok) << port.problem();
+  EXPECT_NE(fcntl(STDIN_FILENO, F_GETFD), -1) << "it has number 0";
+  port.close();
+  EXPECT_EQ(fcntl(STDIN_FILENO, F_GETFD), -1) << "it is closed";
+  if (input >= 0) dup2(input, STDIN_FILENO);
+  if (input >= 0) ::close(input);
+  ::close(listener);
+  std::filesystem::remove_all(folder);
+}
+
 }  // namespace
 }  // namespace condyle::hal

@@ -5,7 +5,7 @@
 //
 //   p, v, a, s    filtered position, velocity, acceleration, and a standard deviation
 //   u             innovation in standard deviations, 0 without a measurement
-//   pL, vL, aL    smoothed motion `lag` samples ago, t_L s before now; sL its standard deviation
+//   pL, vL, aL    smoothed motion `lag` samples ago, t_L s before now
 //   v[t]          vL of the instant t s ago, from memory; 0 before the first
 //   mp, sp, sv, sa  running mean of pL and root mean squares of pL - mp, vL, aL, over 10 s
 //
@@ -18,15 +18,14 @@
 //   G     clamp((nearness - 0.15)/0.3, 0, 1): has such a place been seen?
 //   alpha share of g that past errors confirm: the lesser of two regressions of the error on G g,
 //         over 5 s and 0.5 s, 0 to 1
-//   rho   mean square of the corrected error against the teacher, in units of s^2, at most 1
 //   d   = alpha G clamp(g, -3 s, 3 s), less at a surprise;  x + d
-//   var = min(s^2, (1 - G (1 - rho)) s^2 + sL^2 + floor^2)
-// The smoothed value is uncorrelated with its own error, so the variances add. The floor is a
-// tremor that the noise hides from filter and teacher alike.
-//
-// Surprise.  m = max(u^2, m / (1 + T/0.1 s)); beta = clamp((m - 2)/2, 0, 1): the variance goes over
-//            to s^2 + d^2. The share is multiplied by 1 - clamp((m - 4)/4, 0, 1): at an impact the
-//            velocity jumps between samples, and the teacher, sure of itself, smooths the jump.
+// Interval.  s stays: what the teacher confirms narrows nothing. An instrument that smooths or
+//            delays its positions makes filter and teacher wrong alike, and positions need not show
+//            it. The corrected value is then as wrong as the filter's, not more.
+// Surprise.  m = max(u^2, m / (1 + T/0.1 s)): the variance becomes s^2 + beta d^2, beta =
+//            clamp((m - 2)/2, 0, 1), and the share is multiplied by 1 - clamp((m - 4)/4, 0, 1). At
+//            an impact the velocity jumps between samples, and the teacher, sure of itself, smooths
+//            the jump.
 // Silence.   The filter's values stay, with their intervals, until kFirst samples are learned, and
 //            while innovations or positions show that the noise is not white
 //            (innovation_monitor.h): the teacher is then as wrong as the filter.
@@ -62,8 +61,7 @@ template <class Scalar>
 struct TaughtMotion {
   TimeNs time_ns = 0;
   Scalar position_m = 0;
-  Array<Scalar, 2> value = {};     ///< velocity, acceleration
-  Array<Scalar, 2> variance = {};  ///< theirs
+  Array<Scalar, 2> value = {};  ///< velocity, acceleration
 };
 
 /// The corrected motion.
@@ -136,13 +134,12 @@ class MotionCorrector {
   static constexpr int kKept = kMostLag + 1, kWatch = 64;
   static constexpr Scalar kMostRatio = 5, kMostCorrection = 3, kScale_s = 10;
   static constexpr Scalar kSurprise_s = Scalar(0.1), kLearnStep_s = Scalar(0.009);
-  static constexpr Array<double, kOutputs> kFloor = {0.8e-3, 60e-3};  // m/s, m/s^2
 
   // What a sample was, until its teacher comes.
   struct Kept {
     bool is_usable = false;
     Features features = {};
-    Array<Scalar, kOutputs> value = {}, deviation = {}, scale = {}, predicted = {}, share = {};
+    Array<Scalar, kOutputs> value = {}, deviation = {}, scale = {}, predicted = {};
     Scalar gate = 0;
   };
 
@@ -180,8 +177,7 @@ class MotionCorrector {
       if (!std::isfinite(target[i]) || !(deviation[i] > Scalar(0))) return;
     }
     for (int i = 0; i < kOutputs; ++i) {
-      trust_[i].add(target[i] / deviation[i], was.predicted[i] / deviation[i], was.gate,
-                    was.share[i], T);
+      trust_[i].add(target[i] / deviation[i], was.predicted[i] / deviation[i], was.gate, T);
     }
     if (waiting_s_ < kLearnStep_s) return;
     regression_.learn(was.features, target, deviation, waiting_s_);
@@ -237,27 +233,21 @@ class MotionCorrector {
       kept.deviation[i] = now.standard_deviation[i];
       kept.scale[i] = scale_[i];
       kept.predicted[i] = prediction.value[i];
-      kept.share[i] = trust_[i].alpha() * kept.gate * (Scalar(1) - surprise_above(4));
-      if (!is_coloured_) correct(i, kept, taught->variance[i], result);
+      if (!is_coloured_) correct(i, kept, result);
     }
     return result;
   }
 
   // Output `i`.
-  void correct(int i, const Kept& kept, Scalar taught_variance, Corrected& result) const {
-    const Scalar share = kept.share[i], s = kept.deviation[i], variance = s * s;
-    if (!(share > Scalar(0)) || !std::isfinite(variance)) return;
-    const Scalar most = kMostCorrection * s;
+  void correct(int i, const Kept& kept, Corrected& result) const {
+    const Scalar share = trust_[i].alpha() * kept.gate * (Scalar(1) - surprise_above(4));
+    const Scalar s = kept.deviation[i], most = kMostCorrection * s;
+    if (!(share > Scalar(0))) return;
     const Scalar d = share * std::clamp(kept.predicted[i] * kept.scale[i], -most, most);
-    const Scalar rho = Scalar(1) - kept.gate * (Scalar(1) - trust_[i].rho());
-    const Scalar beta = surprise_above(2);
-    Scalar corrected = std::min(variance, rho * variance + taught_variance);
-    corrected += beta * (variance + d * d - corrected);
-    const Scalar floor = static_cast<Scalar>(kFloor[i]);
-    if (corrected < variance) corrected = std::min(variance, corrected + floor * floor);
+    const Scalar corrected = std::sqrt(s * s + surprise_above(2) * d * d);
     if (!std::isfinite(d) || !std::isfinite(corrected)) return;
     result.correction[i] = d;
-    result.standard_deviation[i] = std::sqrt(corrected);
+    result.standard_deviation[i] = corrected;
     result.share[i] = share;
   }
 

@@ -2,12 +2,9 @@
 // How far a prediction of a filter's error may be trusted, from the errors that came out.
 //
 //   y     error, in units of the filter's standard deviation, as are the others
-//   g     its prediction; G its gate (motion_corrector.h); tau the share of g that was used
-//   e     y - tau clamp(g, -3, 3), what was left
-//   E, B, A   running means of min(e^2, 25), G g y and (G g)^2, factors limited to +-5, over 5 s;
-//             Es, Bs, As over 0.5 s
+//   g     its prediction; G its gate (motion_corrector.h)
+//   B, A  running means of G g y and (G g)^2, factors limited to +-5, over 5 s; Bs, As over 0.5 s
 //   alpha clamp(min(B/A, Bs/As), 0, 1): the share of G g that predicts y best
-//   rho   min(1, max(E, Es))
 #pragma once
 
 #include <algorithm>
@@ -24,16 +21,14 @@ class OutputTrust {
   static constexpr int kFirst = 60;
 
   /// Adds an error `T` s after the last.
-  void add(Scalar y, Scalar g, Scalar gate, Scalar share, Scalar T) {
+  void add(Scalar y, Scalar g, Scalar gate, Scalar T) {
     if (count_ < kFirst) ++count_;
     gathered_ = std::min(gathered_ + Scalar(1), kMostGathered);
-    const Scalar left = y - share * std::clamp(g, Scalar(-3), Scalar(3));
-    const Scalar e = std::min(left * left, kLimit * kLimit);
     const Scalar X = std::clamp(gate * g, -kLimit, kLimit), Y = std::clamp(y, -kLimit, kLimit);
     const Scalar slow = std::clamp(T / kMemory_s, Scalar(1) / (gathered_ + Scalar(5)), Scalar(1));
     const Scalar fast = std::clamp(T / kShortMemory_s, slow, Scalar(1));
-    long_.add(e, X, Y, slow);
-    short_.add(e, X, Y, fast);
+    long_.add(X, Y, slow);
+    short_.add(X, Y, fast);
   }
 
   /// Share of the gated prediction to use, 0 to 1.
@@ -44,11 +39,6 @@ class OutputTrust {
     return std::clamp(alpha, Scalar(0), Scalar(1));
   }
 
-  /// Mean square of what is left of the errors, at most 1.
-  Scalar rho() const {
-    return count_ < kFirst ? Scalar(1) : std::min(Scalar(1), std::max(long_.E, short_.E));
-  }
-
   /// Errors so far, at most kFirst.
   int count() const { return count_; }
 
@@ -57,9 +47,8 @@ class OutputTrust {
   static constexpr Scalar kMostGathered = 100'000;
 
   struct Means {
-    Scalar E = 0, B = 0, A = 0;
-    void add(Scalar e, Scalar X, Scalar Y, Scalar gain) {
-      E += (e - E) * gain;
+    Scalar B = 0, A = 0;
+    void add(Scalar X, Scalar Y, Scalar gain) {
       B += (X * Y - B) * gain;
       A += (X * X - A) * gain;
     }

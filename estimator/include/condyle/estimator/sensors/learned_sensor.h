@@ -131,11 +131,8 @@ void LearnedSensor<Sensor, Scalar, kAxes, kMostLag, kKernels>::correct(Estimate&
   for (int axis = 0; axis < kAxes; ++axis) {
     TaughtMotion<Scalar> motion;
     if (is_taught) {
-      const auto& [mean, variance] = taught[axis];
-      motion = {taught_ns,
-                mean[kPosition],
-                {mean[kVelocity], mean[kThird]},
-                {variance[kVelocity], variance[kThird]}};
+      const auto& mean = taught[axis].mean;
+      motion = {taught_ns, mean[kPosition], {mean[kVelocity], mean[kThird]}};
     }
     correct(axis, estimate, is_taught ? &motion : nullptr);
   }
