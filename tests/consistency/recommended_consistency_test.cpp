@@ -257,7 +257,8 @@ TEST(RecommendedAdaptation, IntervalsHoldAndInnovationsAreWhite) {
     }
     const ErrorReport report = statistics.report(kConfidence);
     EXPECT_GT(report.coverage, 0.93) << density;
-    EXPECT_LT(report.coverage, 0.98) << density;
+    // The slowest may be a jaw at rest: its interval allows for a tremor (unseen_tremor.h).
+    EXPECT_LT(report.coverage, density < 1 ? 0.99 : 0.98) << density;
     // 16800 innovations: 1 % of white ones are beyond 0.02 by chance.
     EXPECT_LT(std::abs(products / squares), 0.03) << density;
     std::cout << "             density " << density << ": coverage " << report.coverage

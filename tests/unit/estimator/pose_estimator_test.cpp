@@ -198,11 +198,11 @@ TEST(PoseEstimator, IntervalsHoldOverTheMotionsOfAJaw) {
       testing::Test::RecordProperty(std::string(name) + "_lag_" + std::to_string(lag),
                                     std::to_string(coverage.share()));
     };
-    expect_share(all.position, 0.98, "position");
-    expect_share(all.twist, 0.98, "twist");
-    // An allowance for sudden movements makes rates wider where the jaw moves slowly.
-    expect_share(all.velocity, 0.995, "velocity");
-    expect_share(all.rate, 0.995, "angular_velocity");
+    // Allowances for sudden movements and a tremor make intervals wider where the jaw moves slowly.
+    expect_share(all.position, 0.99, "position");
+    expect_share(all.twist, 0.99, "twist");
+    expect_share(all.velocity, 0.999, "velocity");
+    expect_share(all.rate, 0.999, "angular_velocity");
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "condyle/estimator/motion/fixed_lag.h"
 #include "condyle/estimator/motion/motion_hypotheses.h"
+#include "condyle/estimator/motion/recommended_estimate.h"
 #include "condyle/estimator/sample.h"
 
 namespace condyle {
@@ -45,6 +46,23 @@ struct MotionInstant {
   /// The track of the bank `index`, if both are still possible.
   const Track& seen_by(int index) const { return tracks[is_open ? index : track]; }
   Track& seen_by(int index) { return tracks[is_open ? index : track]; }
+
+  /// Fills in the measurement and how far it was from its prediction.
+  void describe_measurement(RecommendedEstimate<Scalar>& estimate) const {
+    Scalar nis = 0;
+    bool has_nis = !is_first;
+    for (int axis = 0; axis < kAxes; ++axis) {
+      AxisEstimate<Scalar>& described = estimate.axes[axis];
+      described.measured_position_m = position_m[axis];
+      const Scalar variance_m2 = innovation_variance_m2[axis];
+      has_nis = has_nis && variance_m2 > Scalar(0) && std::isfinite(variance_m2);
+      if (!has_nis) continue;
+      described.innovation_m = innovation_m[axis];
+      described.innovation_sd_m = std::sqrt(variance_m2);
+      nis += innovation_m[axis] * innovation_m[axis] / variance_m2;
+    }
+    if (has_nis) estimate.nis = nis;
+  }
 };
 
 /// The last `kInstants` of them.
@@ -116,6 +134,19 @@ class MotionInstants {
       const auto& step = at(back).seen_by(index).members[i];
       for (int axis = 0; axis < kAxes; ++axis) smoothed[i][axis] = evidence.smoothed(step, axis);
     }
+  }
+
+  /// Time from the instant `back` samples ago to the last sample since that the bank `index` took
+  /// (s), or to its restart.
+  Scalar later_s(int index, int back) const {
+    Scalar since_s = 0, taken_s = 0;
+    for (int j = back - 1; j >= 0; --j) {
+      const auto& track = at(j).seen_by(index);
+      if (track.is_restart) break;
+      since_s += at(j).F.pv;
+      if (track.is_taken) taken_s = since_s;
+    }
+    return taken_s;
   }
 
  private:

@@ -7,6 +7,7 @@
 //   motion_hypotheses.h  outlier or change of the motion: both, until later samples decide
 //   rounding_step.h      rounded positions, whose noise is no less than that of rounding
 //   unseen_change.h      a change that has not shown yet: where nothing is taken, at a far sample
+//   unseen_tremor.h      a tremor that the noise hides
 //   fixed_lag.h          each estimate may wait for up to kMostLag later samples
 //   force                assumed mass times acceleration
 //
@@ -26,6 +27,7 @@
 #include "condyle/estimator/motion/motion_instant.h"
 #include "condyle/estimator/motion/recommended_estimate.h"
 #include "condyle/estimator/motion/rounding_step.h"
+#include "condyle/estimator/motion/unseen_tremor.h"
 
 namespace condyle {
 
@@ -47,7 +49,8 @@ class RecommendedEstimator {
         longest_gap_s_(static_cast<Scalar>(parameters.outliers.longest_gap_s)),
         lag_(lag),
         parameters_valid_(is_valid(parameters) && lag >= 0 && lag <= kMostLag),
-        motion_(parameters) {
+        motion_(parameters),
+        tremor_(prior_acceleration_variance_) {
     for (Scalar& sd_m : noise_sd_m_) sd_m = static_cast<Scalar>(parameters.noise.position_sd_m);
   }
 
@@ -266,7 +269,7 @@ class RecommendedEstimator {
     estimate.axis_count = kAxes;
     estimate.events = instant.events;
     const int main = motion_.main_index();
-    if (instant.is_measured) describe_measurement(instant, estimate);
+    if (instant.is_measured) instant.describe_measurement(estimate);
     if (!instant.has_state) return estimate;
     Array<MotionMoments<Scalar>, kAxes> moments;
     if (back > 0) {
@@ -292,7 +295,7 @@ class RecommendedEstimator {
     const bool is_unexpected = instant.is_measured && instant.events.has(Event::outlier_rejected);
     for (int axis = 0; axis < kAxes; ++axis) {
       moments[axis] = motion_.moments(axis);
-      widen(instant, axis, moments[axis]);
+      widen(0, axis, nullptr, moments[axis]);
       Vector3<Scalar>& variance = moments[axis].variance;
       if (is_taken && !instant.is_first && bank().is_adaptive()) {
         variance[kVelocity] += motion_.onset_variance(
@@ -306,11 +309,20 @@ class RecommendedEstimator {
     has_shown_ = true;
   }
 
-  // Adds what no filter of the bank knows of: rounding at rest, and, if no sample has been used
-  // since, a change of the motion.
-  void widen(const Instant& instant, int axis, MotionMoments<Scalar>& moments) const {
+  // Adds to the motion `back` samples ago what no filter of the bank knows of: rounding at rest, a
+  // tremor, and, if no sample has been used since, a change of the motion. `smoothed`: by main's
+  // members, null if nothing was smoothed.
+  void widen(int back, int axis, const typename Instants::Smoothed* smoothed,
+             MotionMoments<Scalar>& moments) const {
     if (!bank().is_adaptive()) return;
+    const Instant& instant = instants_.at(back);
+    const int main = motion_.main_index();
     moments.variance[kPosition] += instant.rounding_variance_m2[axis];
+    const auto filter = [&](int i) -> FilterShown<Scalar> {
+      if (smoothed == nullptr) return shown_by_itself(bank().step(i).P);
+      return {instant.seen_by(main).members[i].P, (*smoothed)[i][axis].variance};
+    };
+    moments.variance += tremor_.of_bank(bank(), axis, filter, instants_.later_s(main, back));
     if (instant.time_ns <= taken_ns_) return;
     moments.variance += motion_.gap_variance(difference_s<Scalar>(instant.time_ns, taken_ns_));
   }
@@ -322,29 +334,13 @@ class RecommendedEstimator {
     const auto member = [&](int axis) { return [&, axis](int i) { return smoothed[i][axis]; }; };
     for (int axis = 0; axis < kAxes; ++axis) {
       moments[axis] = motion_.main().mixture(axis, member(axis));
-      widen(instants_.at(back), axis, moments[axis]);
+      widen(back, axis, &smoothed, moments[axis]);
     }
     if (!(motion_.share_of_other() > Scalar(0))) return;
     instants_.smooth(motion_.other(), 1 - motion_.main_index(), back, smoothed);
     for (int axis = 0; axis < kAxes; ++axis) {
       moments[axis] = motion_.mixture(moments[axis], motion_.other().mixture(axis, member(axis)));
     }
-  }
-
-  static void describe_measurement(const Instant& instant, Estimate& estimate) {
-    Scalar nis = 0;
-    bool has_nis = !instant.is_first;
-    for (int axis = 0; axis < kAxes; ++axis) {
-      AxisEstimate<Scalar>& described = estimate.axes[axis];
-      described.measured_position_m = instant.position_m[axis];
-      const Scalar variance_m2 = instant.innovation_variance_m2[axis];
-      has_nis = has_nis && variance_m2 > Scalar(0) && std::isfinite(variance_m2);
-      if (!has_nis) continue;
-      described.innovation_m = instant.innovation_m[axis];
-      described.innovation_sd_m = std::sqrt(variance_m2);
-      nis += instant.innovation_m[axis] * instant.innovation_m[axis] / variance_m2;
-    }
-    if (has_nis) estimate.nis = nis;
   }
 
   void describe_state(const MotionMoments<Scalar>& moments, bool is_taken,
@@ -381,6 +377,7 @@ class RecommendedEstimator {
   bool keeps_steps_ = false;
   bool parameters_valid_;
   MotionHypotheses<Scalar, kAxes> motion_;
+  UnseenTremor<Scalar> tremor_;
   Array<RoundingStep<Scalar>, kAxes> rounding_;
   Array<Scalar, kAxes> noise_sd_m_;
   bool has_time_ = false;       // a sample's time is known,
