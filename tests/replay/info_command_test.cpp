@@ -113,7 +113,7 @@ TEST_F(Info, StatesTheRateBehindRoundedTimes) {
   }
 }
 
-// A sample that is sent twice is no frame more.
+// A sample that is sent twice counts once.
 TEST_F(Info, CountsNoRepeatedSampleAsAFrame) {
   std::string rows = "time_s,position_mm\n";
   for (int k = 0; k < 200; ++k) {
