@@ -36,8 +36,10 @@ build_rtsan() {
   build rtsan
 }
 
-# One more job than cores: some tests wait for a device.
+# One more job than cores: some tests wait for a device. A box's session ends once it is on the disk,
+# behind what a build has not written yet.
 run_ctest() {  # PRESET NAME_OF_RESULTS [OPTION...]
+  sync
   ctest --preset "$1" --parallel $(($(nproc) + 1)) --output-junit "$PWD/build/$1/$2.junit.xml" "${@:3}"
 }
 # In the release tier, run_statistics runs the long tests.
