@@ -164,20 +164,37 @@ TEST(SerialPort, SaysWhyItDoesNotOpen) {
   EXPECT_EQ(port.open("unix:" + std::string(200, 'x'), 115200), Status::bad_report);
 }
 
+// A socket in a folder of its own that waits for a port.
+class ListeningSocket {
+ public:
+  ListeningSocket() {
+    EXPECT_NE(mkdtemp(folder_.data()), nullptr);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path().copy(address.sun_path, sizeof address.sun_path - 1);
+    EXPECT_EQ(bind(file_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    EXPECT_EQ(listen(file_, 1), 0);
+  }
+  ~ListeningSocket() {
+    ::close(file_);
+    std::filesystem::remove_all(folder_);
+  }
+  ListeningSocket(const ListeningSocket&) = delete;
+  ListeningSocket& operator=(const ListeningSocket&) = delete;
+  std::string path() const { return folder_ + "/line"; }
+  int file() const { return file_; }
+
+ private:
+  std::string folder_ = testing::TempDir() + "condyle-serial-XXXXXX";
+  int file_ = socket(AF_UNIX, SOCK_STREAM, 0);
+};
+
 TEST(SerialPort, TakesASocketInTheLinesPlace) {
   ManualClock clock;  // it stands still: a reader that is slow is waited for
-  std::string folder = testing::TempDir() + "condyle-serial-XXXXXX";
-  ASSERT_NE(mkdtemp(folder.data()), nullptr);
-  const std::string path = folder + "/line";
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  path.copy(address.sun_path, sizeof address.sun_path - 1);
-  const int listener = socket(AF_UNIX, SOCK_STREAM, 0);
-  ASSERT_EQ(bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  ASSERT_EQ(listen(listener, 1), 0);
+  const ListeningSocket line;
   SerialPort port(clock);
-  ASSERT_EQ(port.open("unix:" + path, 0), Status::ok) << port.problem();
-  const int other = accept(listener, nullptr, nullptr);
+  ASSERT_EQ(port.open("unix:" + line.path(), 0), Status::ok) << port.problem();
+  const int other = accept(line.file(), nullptr, nullptr);
   // More than the socket takes at once: the writer waits for the reader.
   const std::size_t size = 4'000'000;
   std::thread writer([&] {
@@ -192,34 +209,22 @@ TEST(SerialPort, TakesASocketInTheLinesPlace) {
   writer.join();
   EXPECT_EQ(got, size);
   ::close(other);
-  ::close(listener);
-  std::filesystem::remove_all(folder);
 }
 
 // A service may start with its standard input closed: the first file that it opens has number 0.
 TEST(SerialPort, TakesASocketWhoseNumberIsZero) {
   SteadyClock clock;
-  std::string folder = testing::TempDir() + "condyle-serial-XXXXXX";
-  ASSERT_NE(mkdtemp(folder.data()), nullptr);
-  const std::string path = folder + "/line";
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  path.copy(address.sun_path, sizeof address.sun_path - 1);
-  const int listener = socket(AF_UNIX, SOCK_STREAM, 0);
-  ASSERT_EQ(bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  ASSERT_EQ(listen(listener, 1), 0);
+  const ListeningSocket line;
   const int input = fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
   ::close(STDIN_FILENO);
   SerialPort port(clock);
-  const Status status = port.open("unix:" + path, 0);
+  const Status status = port.open("unix:" + line.path(), 0);
   EXPECT_EQ(status, Status::ok) << port.problem();
   EXPECT_NE(fcntl(STDIN_FILENO, F_GETFD), -1) << "it has number 0";
   port.close();
   EXPECT_EQ(fcntl(STDIN_FILENO, F_GETFD), -1) << "it is closed";
   if (input >= 0) dup2(input, STDIN_FILENO);
   if (input >= 0) ::close(input);
-  ::close(listener);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace
