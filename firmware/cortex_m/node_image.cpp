@@ -2,7 +2,7 @@
 // The estimator as an image: reports in, estimates out, over the board's UART. CONDYLE_SCALAR: type
 // of the numbers, as the core's FPU computes. CONDYLE_MOST_LAG: longest lag in samples for which
 // the board has memory. CONDYLE_IDENTIFIES: whether the board has the memory for friction and mass,
-// and a core that computes with double.
+// and a core that computes with double. CONDYLE_KERNELS: kernels for which it has the memory.
 //
 // CONDYLE_FAILS_AT: for a test, the filter fails at that sample, as in fail_node; if that returns,
 // the filter's estimate is wrong.
@@ -114,10 +114,10 @@ class FailingSensor final : public Sensor {
  private:
   int samples_ = 0;
 };
-using Node = firmware::EstimatorNode<CONDYLE_SCALAR, FailingSensor, CONDYLE_MOST_LAG, false>;
+using Node = firmware::EstimatorNode<CONDYLE_SCALAR, FailingSensor, CONDYLE_MOST_LAG, false, 0>;
 #else
 using Node = firmware::EstimatorNode<CONDYLE_SCALAR, std::type_identity_t, CONDYLE_MOST_LAG,
-                                     CONDYLE_IDENTIFIES>;
+                                     CONDYLE_IDENTIFIES, CONDYLE_KERNELS>;
 #endif
 
 constinit UartStream g_line;

@@ -10,9 +10,11 @@
 #include "condyle/estimator/math/elementary.h"
 #include "condyle/estimator/motion/recommended_estimator.h"
 #include "condyle/estimator/published/cascade_core.h"
+#include "condyle/estimator/sensors/learned_sensor.h"
 #include "support/dense_cascade.h"
 
-// Compiled as a function of its own, with all it calls in it, whoever calls it.
+// Compiled as a function of its own, with all it calls in it, whoever calls it. Filters that would
+// take minutes to compile so have a `step` that is not inlined.
 #if defined(__GNUC__) && !defined(__clang__)
 #define CONDYLE_ONE_FUNCTION [[gnu::noipa, gnu::flatten]]
 #else
@@ -125,7 +127,7 @@ struct RecommendedCase {
   RecommendedEstimator<Scalar, kAxes> estimator{MotionEstimatorParameters{}, kLag};
   RecommendedEstimate<Scalar> last;
   TimeNs time_ns = 0;
-  void step(Scalar z, Scalar step_s) {
+  [[gnu::noinline]] void step(Scalar z, Scalar step_s) {
     time_ns += static_cast<TimeNs>(static_cast<double>(step_s) * 1e9);
     TimedPosition<Scalar, kAxes> measurement;
     measurement.time_ns = time_ns;
@@ -147,6 +149,54 @@ struct RecommendedLate : RecommendedCase<T, 3, 10> {
   static constexpr const char* kName = "recommended_three_axes_lag_10";
 };
 
+/// The recommended sensor that learns with `kKernels` kernels (learned_sensor.h). It has moved
+/// irregularly before, until it uses them all.
+template <class T, int kAxes, int kKernels>
+struct LearnedCase {
+  using Scalar = T;
+  using Sensor = LearnedSensor<RecommendedSensor<Scalar, kAxes, 16>, Scalar, kAxes, 16, kKernels>;
+  Sensor sensor{parameters(), 0};
+  typename Sensor::Estimate last;
+  Sample sample;
+
+  LearnedCase() {
+    sample.kind = kAxes == 1 ? SampleKind::one_axis : SampleKind::one_point;
+    ChewingJaw jaw;
+    for (int i = 0; i < 40 * kKernels; ++i) {
+      const double t = i / 60.0;
+      const auto measured = jaw.next<Scalar>();
+      step(
+          measured.position_m * static_cast<Scalar>(elementary::cos(0.9 * t + elementary::cos(t))) +
+              static_cast<Scalar>(0.005 * elementary::cos(15.7 * t)),
+          measured.step_s);
+    }
+  }
+  [[gnu::noinline]] void step(Scalar z, Scalar step_s) {
+    sample.time_ns += static_cast<TimeNs>(static_cast<double>(step_s) * 1e9);
+    for (int axis = 0; axis < kAxes; ++axis) sample.coordinates[axis] = static_cast<double>(z);
+    last = sensor.process(sample, EventSet());
+  }
+  static DrivenParameters parameters() {
+    DrivenParameters parameters;
+    parameters.learning.kernels = kKernels;
+    return parameters;
+  }
+};
+template <class T>
+struct LearnedOneAxis : LearnedCase<T, 1, 64> {
+  static constexpr const char* kName = "learned_one_axis_64";
+};
+template <class T>
+struct LearnedThreeAxes : LearnedCase<T, 3, 64> {
+  static constexpr const char* kName = "learned_three_axes_64";
+};
+#if !defined(__arm__)
+template <class T>
+struct LearnedThreeAxesOnHosts : LearnedCase<T, 3, kMostKernels> {
+  static constexpr const char* kName = "learned_three_axes_96";
+};
+#endif
+
 /// Friction and mass from a drive of the positions' rate; once a second a conclusion is drawn.
 template <class T>
 struct IdentifiedPoint {
@@ -154,7 +204,7 @@ struct IdentifiedPoint {
   static constexpr const char* kName = "identified_point";
   PointIdentification<Scalar> identification{ImpedanceParameters{}};
   TimeNs time_ns = 0;
-  void step(Scalar z, Scalar step_s) {
+  [[gnu::noinline]] void step(Scalar z, Scalar step_s) {
     time_ns += static_cast<TimeNs>(static_cast<double>(step_s) * 1e9);
     identification.add_drive(time_ns, Scalar(20) * z);
     identification.add_position(time_ns, z);
@@ -177,6 +227,11 @@ void for_each_filter(Visitor&& visit) {
   give.template operator()<RecommendedOneAxis<Scalar>>();
   give.template operator()<RecommendedThreeAxes<Scalar>>();
   give.template operator()<RecommendedLate<Scalar>>();
+  give.template operator()<LearnedOneAxis<Scalar>>();
+  give.template operator()<LearnedThreeAxes<Scalar>>();
+#if !defined(__arm__)
+  give.template operator()<LearnedThreeAxesOnHosts<Scalar>>();
+#endif
 #if !defined(__ARM_FP) || (__ARM_FP & 8) != 0  // conclusions are drawn in double
   give.template operator()<IdentifiedPoint<Scalar>>();
 #endif

@@ -43,7 +43,7 @@ struct WholePose {
   PoseEstimator<Scalar> estimator{MotionEstimatorParameters{}};
   PoseEstimate<Scalar> last;
   TimeNs time_ns = 0;
-  void step(Scalar z, Scalar step_s) {
+  [[gnu::noinline]] void step(Scalar z, Scalar step_s) {
     time_ns += static_cast<TimeNs>(static_cast<double>(step_s) * 1e9);
     const Scalar turn_rad = Scalar(10) * z;  // 0.15 rad at 15 mm
     TimedPose<Scalar> measurement;

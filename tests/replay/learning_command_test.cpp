@@ -37,17 +37,21 @@ class Learning : public testing::Test {
   const std::string plain_ = folder_ / "plain.csv", out_ = folder_ / "out.csv";
 };
 
-TEST_F(Learning, IsOffUnlessKernelsAreGiven) {
+TEST_F(Learning, IsOnWith96KernelsUnlessTurnedOff) {
   ASSERT_EQ(run_condyle({"replay", kShipped, "--out", plain_}).exit_code, 0);
-  const CommandResult result = replay("0", "0", out_);
+  CommandResult result = replay("96", "0", out_);
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, HasSubstr("\nlearned "));
+  EXPECT_EQ(read_file(out_), read_file(plain_));
+  result = replay("0", "0", out_);
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output, Not(HasSubstr("\nlearned ")));
-  EXPECT_EQ(read_file(out_), read_file(plain_));
+  EXPECT_THAT(read_file(out_), Not(HasSubstr("velocity_learned")));
 }
 
 // Only velocity, acceleration and force change, and only where a share is not 0.
 TEST_F(Learning, ShowsWhereItCorrected) {
-  ASSERT_EQ(run_condyle({"replay", kShipped, "--out", plain_}).exit_code, 0);
+  ASSERT_EQ(replay("0", "0", plain_).exit_code, 0);
   const CommandResult result = replay("96", "0", out_);
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output, HasSubstr("\nlearned     velocity corrected by learning in 9"));
@@ -80,9 +84,8 @@ TEST_F(Learning, IsOffWithALag) {
 
 // A share between samples lies between theirs.
 TEST_F(Learning, SharesAreResampled) {
-  std::ofstream(folder_ / "p.toml") << "[learning]\nkernels = 96\n";
-  const CommandResult result = run_condyle({"replay", kShipped, "--parameters", folder_ / "p.toml",
-                                            "--resample-Hz", "100", "--out", out_});
+  const CommandResult result =
+      run_condyle({"replay", kShipped, "--resample-Hz", "100", "--out", out_});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   const auto share = read_table(out_).numbers("velocity_learned");
   EXPECT_GT(std::count_if(share.begin(), share.end(), [](double s) { return s > 0; }), 2500);

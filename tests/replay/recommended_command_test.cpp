@@ -79,7 +79,7 @@ TEST(Recommended, WithALagEachRowIsStillTheInstantItEstimates) {
     ASSERT_EQ(table->rows, 1800U);
     EXPECT_EQ(table->numbers("time_s"), recording.numbers("time_s"));
   }
-  EXPECT_EQ(now.columns.at("velocity_m_s").back(), later.columns.at("velocity_m_s").back())
+  EXPECT_EQ(now.columns.at("position_m").back(), later.columns.at("position_m").back())
       << "the last row has no later samples to wait for";
   const auto sd_now = now.numbers("velocity_sd_m_s"), sd_later = later.numbers("velocity_sd_m_s");
   // Of the steady state, not of the last rows, which waited for less.

@@ -81,7 +81,7 @@ void NodeEstimator::do_run() {
     clock_.sleep_until(clock_.now_ns() + kAnswerWait_ns);
   }
   if (stops_) return;
-  client.begin(layout_, start_);
+  client.begin(layout_, client.within_memory(start_));
 
   run_ = has_report() ? next_.run : run;
   connection_ = 0;

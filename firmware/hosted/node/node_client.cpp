@@ -111,6 +111,12 @@ void NodeClient::expect_accepted(hal::MessageType message) {
   }
 }
 
+hal::StartMessage NodeClient::within_memory(hal::StartMessage start) const {
+  double& kernels = start.recommended.learning.kernels;
+  kernels = start.lag > 0 ? 0 : std::min(kernels, static_cast<double>(greeting_.most_kernels));
+  return start;
+}
+
 void NodeClient::refuse_what_it_cannot(const hal::ReportLayout& layout,
                                        const hal::StartMessage& start) const {
   if (hal::find_layout_problem(layout)) {

@@ -43,6 +43,8 @@ class NodeClient {
   /// What stopped it before its last start, if anything.
   const std::optional<hal::FaultMessage>& fault() const { return fault_; }
 
+  /// `start` with no more kernels than the target has the memory for; valid after connect.
+  hal::StartMessage within_memory(hal::StartMessage start) const;
   /// Begins a run, for which the target must have the memory (greeting). Counts start at zero.
   void begin(const hal::ReportLayout& layout, const hal::StartMessage& start);
   /// True if another report may be sent.

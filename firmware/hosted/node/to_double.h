@@ -50,7 +50,9 @@ RecommendedEstimate<double> to_double(const RecommendedEstimate<Scalar>& estimat
                     .innovation_m = static_cast<double>(axis.innovation_m),
                     .innovation_sd_m = static_cast<double>(axis.innovation_sd_m),
                     .noise_sd_m = static_cast<double>(axis.noise_sd_m),
-                    .jerk_density_m2_s5 = static_cast<double>(axis.jerk_density_m2_s5)};
+                    .jerk_density_m2_s5 = static_cast<double>(axis.jerk_density_m2_s5),
+                    .velocity_learned = static_cast<double>(axis.velocity_learned),
+                    .acceleration_learned = static_cast<double>(axis.acceleration_learned)};
   }
   return wide;
 }

@@ -68,7 +68,7 @@ void exchange(Archive& archive, Exchanged<Archive, LayoutMessage>& message) {
   archive.list(layout.auxiliary, part);
 }
 
-// Called by visit_fields, visit_motion_fields and visit_impedance_fields.
+// Called by visit_fields, visit_motion_fields, visit_learning_fields and visit_impedance_fields.
 template <class Archive>
 auto field_exchange(Archive& archive) {
   return [&archive](const char*, const char*, auto* values, std::size_t count, const char*,
@@ -116,6 +116,7 @@ void exchange(Archive& archive, Exchanged<Archive, StartMessage>& message) {
   } else {
     Exchanged<Archive, MotionEstimatorParameters>& motion = message.recommended;
     exchange(archive, motion);
+    visit_learning_fields(message.recommended.learning, field_exchange(archive));
     if (message.identifies) exchange(archive, message.recommended.impedance);
   }
 }
@@ -145,6 +146,7 @@ void exchange(Archive& archive, Exchanged<Archive, GreetingMessage>& message) {
                   RefusalReason::unknown_value);
   archive.boolean(message.identifies);
   archive.template integer<std::uint8_t>(message.longest_lag);
+  archive.template integer<std::uint8_t>(message.most_kernels);
   archive.template integer<std::uint32_t>(message.boot_count);
   archive.enumeration(message.reset_cause, ResetCause::fault);
   archive.boolean(message.has_fault);
@@ -158,7 +160,7 @@ void exchange(Archive& archive, Exchanged<Archive, AcceptedMessage>& message) {
 template <class Archive>
 void exchange(Archive& archive, Exchanged<Archive, RefusedMessage>& message) {
   archive.template integer<std::uint8_t>(message.message);
-  archive.enumeration(message.refusal.reason, RefusalReason::cannot_identify);
+  archive.enumeration(message.refusal.reason, RefusalReason::too_many_kernels);
   archive.template integer<std::uint16_t>(message.refusal.index);
 }
 
@@ -196,8 +198,9 @@ void exchange_axis(Archive& archive, Axis& axis) {
        {&axis.position_m, &axis.velocity_m_s, &axis.acceleration_m_s2, &axis.force_N}) {
     exchange_quantity(archive, *quantity);
   }
-  for (auto* number : {&axis.measured_position_m, &axis.innovation_m, &axis.innovation_sd_m,
-                       &axis.noise_sd_m, &axis.jerk_density_m2_s5}) {
+  for (auto* number :
+       {&axis.measured_position_m, &axis.innovation_m, &axis.innovation_sd_m, &axis.noise_sd_m,
+        &axis.jerk_density_m2_s5, &axis.velocity_learned, &axis.acceleration_learned}) {
     archive.number(*number);
   }
 }

@@ -193,12 +193,12 @@ void run_all(condyle_estimator& estimator, std::size_t count, const double* time
              double* const* columns) {
   const std::size_t width = coordinate_count(estimator.choice.kind);
   const int axes = axis_count_of(estimator.choice);
-  const bool has_drive = has_impedance(estimator.choice);
+  const bool has_drive = has_impedance(estimator.choice), learns = estimator.run->learns();
   std::size_t rows = 0;
   const auto write = [&](const EstimateRow& row) {
     ColumnValues values(columns, rows++);
     values.write(row.time_ns ? time_in_s(*row.time_ns) : kNone);
-    EstimateColumns<ColumnValues>(values, kForm).visit(row, axes, has_drive);
+    EstimateColumns<ColumnValues>(values, kForm).visit(row, axes, has_drive, learns);
   };
   for (std::size_t i = 0; i < count; ++i) {
     GivenSample given;
@@ -260,7 +260,7 @@ condyle_status condyle_estimator_create(int kind, int has_drive, double step_s,
     made->columns = {"time_s"};
     ColumnNames names{made->columns};
     EstimateColumns<ColumnNames>(names, kForm)
-        .visit({}, axis_count_of(choice), has_impedance(choice));
+        .visit({}, axis_count_of(choice), has_impedance(choice), made->run->learns());
     *estimator = made.release();
     return CONDYLE_OK;
   });

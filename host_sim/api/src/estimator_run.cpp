@@ -54,6 +54,7 @@ class RecommendedRun final : public EstimatorRun {
     row_ = row_of(waiting, axis_);
     return &row_;
   }
+  bool learns() const override { return sensor_.learns(); }
   const ImpedanceEstimate<double>* conclude() override {
     if constexpr (firmware::kIdentifying<Sensor>) {
       return &sensor_.conclude();
@@ -90,7 +91,7 @@ std::unique_ptr<EstimatorRun> make_estimator_run(const RunChoice& choice) {
   refuse_long_step(parameters, choice.step_s, kName, "their median step",
                    "check the unit of the times");
   choice.drive.apply(parameters.impedance);
-  return firmware::with_recommended_sensor<double>(
+  return firmware::with_hosted_sensor(
       {choice.kind, choice.has_drive, parameters, estimator.lag, choice.point(),
        choice.followed.axis},
       [&]<class Sensor>(std::type_identity<Sensor>,

@@ -31,6 +31,8 @@ class EstimatorRun {
   virtual const EstimateRow* process(const Sample& sample) = 0;
   /// After the last sample: the next estimate that waited, or null.
   virtual const EstimateRow* drain() = 0;
+  /// True if velocity and acceleration are corrected by what is learned from the samples.
+  virtual bool learns() const { return false; }
   /// Friction and mass from everything so far; null without a drive.
   virtual const ImpedanceEstimate<double>* conclude() { return nullptr; }
 };

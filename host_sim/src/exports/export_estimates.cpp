@@ -31,7 +31,7 @@ ExportEstimates::ExportEstimates(const std::string& source, RecordingChoice choi
 void ExportEstimates::run(const std::function<void(const EstimateRow&)>& take) {
   std::optional<ResampledRows> resampled;
   if (resample_Hz_) resampled.emplace(*resample_Hz_);
-  firmware::with_recommended_sensor<double>(
+  firmware::with_hosted_sensor(
       {info_.kind, info_.has_drive, parameters_, 0, choice_.point(), choice_.followed.axis},
       [&]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
         const auto run_through = [&](auto& sensor) {

@@ -48,8 +48,10 @@ class TestTarget final : public NodeTarget {
 // A node on a thread, and the PC's end of the line to it.
 class EstimatorNodeTest : public testing::Test {
  protected:
-  static constexpr int kMostLag = 4;
-  using Node = EstimatorNode<float, std::type_identity_t, kMostLag>;
+  static constexpr int kMostLag = 4, kKernels = 32;
+  using Node = EstimatorNode<float, std::type_identity_t, kMostLag, true, kKernels>;
+  template <bool kIdentifies>
+  using Expected = SensorOf<float, 1, kMostLag, kIdentifies, kKernels>;
 
   EstimatorNodeTest() {
     line_.attach_far();
@@ -102,9 +104,10 @@ class EstimatorNodeTest : public testing::Test {
     }
     return message;
   }
-  void begin(const hal::StartMessage& start, bool has_drive = false) {
+  void begin(hal::StartMessage start, bool has_drive = false) {
     tell(layout(has_drive));
     expect_accepted(MessageType::layout);
+    start.recommended.learning.kernels = kKernels;
     tell(start);
     expect_accepted(MessageType::start);
   }
@@ -173,6 +176,37 @@ TEST_F(EstimatorNodeTest, RefusesLayoutsPointsAndParametersThatCannotBeUsed) {
   start.lag = kMostLag + 1;
   tell(start);
   expect_refused(MessageType::start, RefusalReason::lag_too_long);
+  start = {};
+  start.recommended.learning.kernels = kKernels + 1;
+  tell(start);
+  expect_refused(MessageType::start, RefusalReason::too_many_kernels);
+  start.lag = kMostLag;  // nothing is learned
+  tell(start);
+  expect_accepted(MessageType::start);
+}
+
+// What is learned is what the sensor learns, bit for bit.
+TEST_F(EstimatorNodeTest, LearnsWithoutALag) {
+  const hal::StartMessage start;
+  begin(start);
+  Expected<false> sensor(start.recommended, 0);
+  SampleChecker checker;
+  testing_support::Random random(1);
+  int learned = 0;
+  for (int i = 0; i < 600; ++i) {
+    Sample sample;
+    sample.time_ns = TimeNs{i} * 16'666'667;
+    sample.coordinates[0] = 0.01 * std::sin(0.1 * i) + 5e-5 * random.normal();
+    report(sample.time_ns, sample.coordinates[0]);
+    const auto expected = sensor.process(sample, checker.check(sample));
+    const auto heard_now = heard<hal::RecommendedEstimateMessage<float>>().estimate.axes[0];
+    if (!expected.is_ready || !std::isfinite(expected.axes[0].velocity_m_s.value)) continue;
+    ASSERT_EQ(heard_now.velocity_m_s.value, expected.axes[0].velocity_m_s.value);
+    ASSERT_EQ(heard_now.velocity_learned, expected.axes[0].velocity_learned);
+    ASSERT_EQ(heard_now.acceleration_learned, expected.axes[0].acceleration_learned);
+    if (heard_now.velocity_learned > 0) ++learned;
+  }
+  EXPECT_GT(learned, 400);
 }
 
 // The estimates are those of the sensor itself, bit for bit; those that wait come after finish.
@@ -218,12 +252,13 @@ TEST_F(EstimatorNodeTest, IdentifiesFrictionAndMass) {
   start.identifies = true;
   start.recommended.impedance.drive.missing_share = 0;
   start.recommended.impedance.drive.delay_sd_s = 5e-4;
+  start.recommended.learning.kernels = kKernels;
   tell(layout());
   expect_accepted(MessageType::layout);
   tell(start);
   expect_refused(MessageType::start, RefusalReason::cannot_identify);
   begin(start, true);
-  DrivenSensor<float, 1> sensor(start.recommended, 0, {}, 0);
+  Expected<true> sensor(start.recommended, 0, FollowedPoint(), 0);
   SampleChecker checker;
   std::uint64_t conclusions = 0;
   const auto expect_conclusion = [&] {

@@ -233,6 +233,19 @@ TEST_F(NodeClientTest, SaysBeforehandWhatTheTargetCannot) {
   client_.begin(layout(), {});
 }
 
+TEST_F(NodeClientTest, LimitsTheKernelsToTheTargetsMemory) {
+  connect();
+  const int most = client_.greeting().most_kernels;
+  EXPECT_EQ(most, kMostKernels);
+  hal::StartMessage start;
+  for (const double kernels : {0.0, 40.0, 96.0}) {
+    start.recommended.learning.kernels = kernels;
+    EXPECT_EQ(client_.within_memory(start).recommended.learning.kernels, kernels);
+  }
+  start.lag = 2;
+  EXPECT_EQ(client_.within_memory(start).recommended.learning.kernels, 0);
+}
+
 TEST_F(NodeClientTest, SaysThatNobodyIsThere) {
   const TimeNs begin_ns = clock_.now_ns();
   try {

@@ -95,7 +95,7 @@ void check_recommended() {
     auto& a = e.axes[i];
     for (auto* q : {&a.position_m, &a.velocity_m_s, &a.acceleration_m_s2, &a.force_N}) any.set(*q);
     for (auto* n : {&a.measured_position_m, &a.innovation_m, &a.innovation_sd_m, &a.noise_sd_m,
-                    &a.jerk_density_m2_s5}) {
+                    &a.jerk_density_m2_s5, &a.velocity_learned, &a.acceleration_learned}) {
       any.set(*n);
     }
   }

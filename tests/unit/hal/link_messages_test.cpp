@@ -58,6 +58,7 @@ TEST(LinkMessages, GreetingsAndFaultsArrive) {
   greeting.software_version = fixed_text("0.1.0-sixteen-by");
   greeting.core_name = fixed_text("Cortex-M7");
   greeting.scalar_size = 4;
+  greeting.most_kernels = 64;
   greeting.boot_count = 0xFEDCBA98;
   greeting.reset_cause = ResetCause::watchdog;
   greeting.has_fault = true;
@@ -66,6 +67,7 @@ TEST(LinkMessages, GreetingsAndFaultsArrive) {
   EXPECT_EQ(text_of(a.software_version), "0.1.0-sixteen-by");
   EXPECT_EQ(text_of(a.core_name), "Cortex-M7");
   EXPECT_EQ(a.scalar_size, 4);
+  EXPECT_EQ(a.most_kernels, 64);
   EXPECT_EQ(a.boot_count, 0xFEDCBA98);
   EXPECT_EQ(a.reset_cause, ResetCause::watchdog);
   EXPECT_TRUE(a.has_fault);

@@ -29,6 +29,7 @@ StartMessage start(EstimatorChoice estimator) {
   };
   visit_fields(message.published, change);
   visit_driven_fields(message.recommended, change);
+  message.recommended.learning.kernels = 63.5;
   return message;
 }
 
@@ -72,6 +73,7 @@ TEST(LinkMessages, StartsArriveWithTheParametersOfTheRun) {
   EXPECT_EQ(d.recommended.noise.adaptation, Adaptation::off);
   EXPECT_EQ(d.recommended.impedance.delay, DelayModel::fitted);
   EXPECT_EQ(values_of(c.recommended, driven), values_of(d.recommended, driven));
+  EXPECT_EQ(d.recommended.learning.kernels, 63.5);
   expect_each_byte_counts(c);
 
   c.identifies = false;
@@ -120,6 +122,8 @@ TEST(LinkMessages, RefusesStartsThatCannotRun) {
       published, [](auto& m) { m.published.mass.initial_kg = kNaN; }, RefusalReason::not_finite);
   refused(
       recommended, [](auto& m) { m.recommended.assumed_mass_kg = -1; }, range, 8);
+  refused(
+      recommended, [](auto& m) { m.recommended.learning.kernels = kMostKernels + 1; }, range);
   refused(
       recommended,
       [](auto& m) {

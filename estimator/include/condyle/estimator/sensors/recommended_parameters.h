@@ -14,7 +14,7 @@ inline constexpr int kMostKernels = 96;
 
 /// Learning from the recording itself (learned_sensor.h), in estimates without delay.
 struct LearningParameters {
-  double kernels = 0;  ///< of the regression, rounded down; 0: nothing is learned
+  double kernels = kMostKernels;  ///< of the regression, rounded down; 0: nothing is learned
 };
 
 /// Calls `visit` as visit_motion_fields does, for each numeric field of a LearningParameters.
@@ -26,7 +26,7 @@ constexpr void visit_learning_fields(Parameters& learning, Visitor&& visit) {
 
 /// Parameters of motion, and of friction and mass for a measured drive (driven_sensor.h).
 struct DrivenParameters : MotionEstimatorParameters {
-  LearningParameters learning;  ///< not sent to a microcontroller, which does not learn
+  LearningParameters learning;
   ImpedanceParameters impedance;
 };
 

@@ -37,9 +37,10 @@ class NodeTarget {
 /// The estimator at the end of a line, with numbers of type `Scalar`. `Wrapped<Sensor>` stands for
 /// the sensor itself, or for one that a test makes fail. `kMostLag`: longest lag for which the
 /// target has memory. `kIdentifies`: whether it has the memory for friction and mass, about 50 kB
-/// with float.
+/// with float. `kKernels`: kernels for which it has the memory (learned_sensor.h); three axes with
+/// 64 take about 60 kB with float.
 template <class Scalar, template <class> class Wrapped = std::type_identity_t,
-          int kMostLag = hal::kMaxLinkLag, bool kIdentifies = true>
+          int kMostLag = hal::kMaxLinkLag, bool kIdentifies = true, int kKernels = kMostKernels>
 class EstimatorNode final : private hal::ReportSource {
  public:
   static constexpr TimeNs kPatience_ns = 20'000'000;
@@ -64,10 +65,6 @@ class EstimatorNode final : private hal::ReportSource {
 
  private:
   using Published = Wrapped<PublishedSensor<Scalar>>;
-  template <int kAxes>
-  using Recommended = Wrapped<RecommendedSensor<Scalar, kAxes, kMostLag>>;
-  template <int kAxes>
-  using Driven = Wrapped<DrivenSensor<Scalar, kAxes, kMostLag>>;
   using Type = hal::MessageType;
   using Reason = hal::RefusalReason;
 
@@ -84,6 +81,7 @@ class EstimatorNode final : private hal::ReportSource {
     greeting.scalar_size = sizeof(Scalar);
     greeting.identifies = kIdentifies;
     greeting.longest_lag = kMostLag;
+    greeting.most_kernels = kKernels;
     const std::optional<hal::FaultMessage> fault = target_.fault();
     greeting.has_fault = fault.has_value();
     send(greeting);
@@ -148,11 +146,15 @@ class EstimatorNode final : private hal::ReportSource {
     if (start_.identifies && !(kIdentifies && has_drive)) {
       return refuse({Reason::cannot_identify});
     }
+    if (start_.estimator == hal::EstimatorChoice::recommended && start_.lag == 0 &&
+        start_.recommended.learning.kernels >= kKernels + 1) {
+      return refuse({Reason::too_many_kernels});
+    }
     accept(Type::start);
     if (start_.estimator == hal::EstimatorChoice::published) {
       return run_with(*new (sensor_) Published(start_.published, start_.followed));
     }
-    with_recommended_sensor<Scalar, kMostLag, kIdentifies>(
+    with_recommended_sensor<Scalar, kMostLag, kIdentifies, kKernels>(
         {layout_.layout.kind, start_.identifies, start_.recommended, start_.lag,
          FollowedPoint{.point = start_.followed.point, .body_point_m = {}}, start_.followed.axis},
         [this]<class Sensor>(std::type_identity<Sensor>, const auto&... arguments) {
@@ -292,10 +294,12 @@ class EstimatorNode final : private hal::ReportSource {
   RunCounts counts_;
   std::uint64_t conclusions_ = 0;  // of the run, that were sent
   // The sensor of the run: one at a time, never destroyed (it owns nothing).
+  template <int kAxes, bool kIdentified>
+  static constexpr std::size_t kSizeOf =
+      sizeof(Wrapped<SensorOf<Scalar, kAxes, kMostLag, kIdentified, kKernels>>);
   static constexpr std::size_t kSensorSize = [] {
-    std::size_t size =
-        std::max({sizeof(Published), sizeof(Recommended<1>), sizeof(Recommended<3>)});
-    if constexpr (kIdentifies) size = std::max({size, sizeof(Driven<1>), sizeof(Driven<3>)});
+    std::size_t size = std::max({sizeof(Published), kSizeOf<1, false>, kSizeOf<3, false>});
+    if constexpr (kIdentifies) size = std::max({size, kSizeOf<1, true>, kSizeOf<3, true>});
     return size;
   }();
   alignas(std::max_align_t) std::byte sensor_[kSensorSize];

@@ -30,28 +30,32 @@ struct RecommendedChoice {
   Axis axis = Axis::z;  ///< followed
 };
 
+/// The sensor of the recommended estimator for `kAxes` axes. `kMostLag`: longest lag for which
+/// there is memory. `kIdentifies`: it identifies friction and mass. `kKernels`: kernels for which
+/// there is memory; if there is any, the sensor is a LearnedSensor.
+template <class Scalar, int kAxes, int kMostLag, bool kIdentifies>
+using FilterOf = std::conditional_t<kIdentifies, DrivenSensor<Scalar, kAxes, kMostLag>,
+                                    RecommendedSensor<Scalar, kAxes, kMostLag>>;
+template <class Scalar, int kAxes, int kMostLag, bool kIdentifies, int kKernels>
+using SensorOf = std::conditional_t<(kKernels > 0),
+                                    LearnedSensor<FilterOf<Scalar, kAxes, kMostLag, kIdentifies>,
+                                                  Scalar, kAxes, kMostLag, kKernels>,
+                                    FilterOf<Scalar, kAxes, kMostLag, kIdentifies>>;
+
 /// Calls `use(type, arguments...)` with the sensor for `choice`, as a std::type_identity, and the
-/// arguments of its constructor. `kMostLag`: longest lag for which there is memory. `kIdentifies`:
-/// whether there is memory for friction and mass. `kKernels`: kernels for which there is memory; if
-/// there is any, the sensor is a LearnedSensor.
+/// arguments of its constructor. `kIdentifies`: whether there is memory for friction and mass; the
+/// others as in SensorOf.
 template <class Scalar, int kMostLag = 16, bool kIdentifies = true, int kKernels = 0, class Use>
 decltype(auto) with_recommended_sensor(const RecommendedChoice& choice, Use&& use) {
   return with_axes(choice.kind, choice.axis, [&](auto axes, int axis) -> decltype(auto) {
     constexpr int kAxes = decltype(axes)::value;
-    const auto of_type = []<class Sensor>(std::type_identity<Sensor> type) {
-      if constexpr (kKernels > 0) {
-        return std::type_identity<LearnedSensor<Sensor, Scalar, kAxes, kMostLag, kKernels>>();
-      } else {
-        return type;
-      }
-    };
     if constexpr (kIdentifies) {
       if (choice.identifies) {
-        return use(of_type(std::type_identity<DrivenSensor<Scalar, kAxes, kMostLag>>()),
+        return use(std::type_identity<SensorOf<Scalar, kAxes, kMostLag, true, kKernels>>(),
                    choice.parameters, choice.lag, choice.point, axis);
       }
     }
-    return use(of_type(std::type_identity<RecommendedSensor<Scalar, kAxes, kMostLag>>()),
+    return use(std::type_identity<SensorOf<Scalar, kAxes, kMostLag, false, kKernels>>(),
                choice.parameters, choice.lag, choice.point);
   });
 }

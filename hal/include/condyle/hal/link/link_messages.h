@@ -32,7 +32,7 @@
 namespace condyle::hal {
 
 /// Version of this protocol. Both sides must have the same.
-inline constexpr std::uint16_t kLinkVersion = 5;
+inline constexpr std::uint16_t kLinkVersion = 6;
 
 /// LinkFrame::type.
 enum class MessageType : std::uint8_t {
@@ -78,7 +78,8 @@ enum class RefusalReason : std::uint8_t {
   unusable_layout,          ///< find_layout_problem
   coordinate_not_followed,  ///< the layout has no such point
   lag_too_long,             ///< for the target's memory (GreetingMessage)
-  cannot_identify  ///< friction and mass: the target has no memory for it, or there is no drive
+  cannot_identify,  ///< friction and mass: the target has no memory for it, or there is no drive
+  too_many_kernels  ///< for the target's memory (GreetingMessage)
 };
 
 /// Why a message is refused, and at which value.
@@ -159,11 +160,12 @@ struct GreetingMessage {
   static constexpr MessageType kType = MessageType::greeting;
   std::uint16_t version = kLinkVersion;
   FixedText software_version{};
-  FixedText core_name{};         ///< "Cortex-M7"
-  std::uint8_t scalar_size = 8;  ///< of the estimates' numbers (bytes): 4 or 8
-  bool identifies = false;       ///< it has the memory to identify friction and mass
-  std::uint8_t longest_lag = 0;  ///< for which it has the memory (samples)
-  std::uint32_t boot_count = 0;  ///< since power was last switched on
+  FixedText core_name{};          ///< "Cortex-M7"
+  std::uint8_t scalar_size = 8;   ///< of the estimates' numbers (bytes): 4 or 8
+  bool identifies = false;        ///< it has the memory to identify friction and mass
+  std::uint8_t longest_lag = 0;   ///< for which it has the memory (samples)
+  std::uint8_t most_kernels = 0;  ///< for which it has the memory (motion_corrector.h)
+  std::uint32_t boot_count = 0;   ///< since power was last switched on
   ResetCause reset_cause = ResetCause::unknown;
   bool has_fault = false;  ///< a FaultMessage follows
 };
