@@ -162,7 +162,7 @@ struct LearnedCase {
   LearnedCase() {
     sample.kind = kAxes == 1 ? SampleKind::one_axis : SampleKind::one_point;
     ChewingJaw jaw;
-    for (int i = 0; i < 40 * kKernels; ++i) {
+    for (int i = 0; i < 8 * kKernels; ++i) {
       const double t = i / 60.0;
       const auto measured = jaw.next<Scalar>();
       step(
