@@ -16,10 +16,10 @@ using namespace condyle::testing_support;
 namespace {
 
 constexpr const char* kHead =
-    "| instrument, laboratory | axes | velocity error, mean (worst): recommended | published | "
-    "95 % intervals that hold (%): recommended | published | valid samples refused (%) | "
-    "runaways: recommended | published |\n"
-    "|---|---|---|---|---|---|---|---|---|";
+    "| instrument, laboratory | axes | velocity error, mean (worst): recommended | without "
+    "learning | published | 95 % intervals that hold (%): recommended | published | valid samples "
+    "refused (%) | runaways: recommended | published |\n"
+    "|---|---|---|---|---|---|---|---|---|---|";
 
 std::vector<AxisScores> score_simulation(double rate_Hz) {
   std::vector<AxisScores> scores;
@@ -41,9 +41,10 @@ std::vector<AxisScores> score_simulation(double rate_Hz) {
 void print_row(const std::string& name, const std::vector<AxisScores>& scores,
                bool has_oracle = true) {
   const Summary recommended = summarise(scores, &AxisScores::recommended);
+  const Summary filter = summarise(scores, &AxisScores::filter);
   const Summary published = summarise(scores, &AxisScores::published);
   std::printf("| %s | %zu |", name.c_str(), recommended.axes);
-  for (const Summary* const one : {&recommended, &published}) {
+  for (const Summary* const one : {&recommended, &filter, &published}) {
     if (has_oracle) std::printf(" %.2f (%.2f) |", one->error_ratio, one->worst_error_ratio);
     if (!has_oracle) std::printf(" |");
   }
@@ -78,7 +79,7 @@ void print_axes(const std::vector<AxisScores>& scores, Treatment treatment) {
   for (const AxisScores& axis : scores) {
     for (const auto& [estimator, one] :
          {std::pair("oracle", &axis.oracle), std::pair("recommended", &axis.recommended),
-          std::pair("published", &axis.published)}) {
+          std::pair("filter", &axis.filter), std::pair("published", &axis.published)}) {
       std::printf("%s,%s,%c,%s,%.9g,%.9g,%.9g,%zu,%zu,%zu,%zu\n", name_of(treatment),
                   axis.recording.c_str(), axis.axis, estimator, one->velocity_error_m_s,
                   one->velocity_coverage, one->next_coverage, one->valid, one->valid_refused,

@@ -75,6 +75,22 @@ TEST_P(RealMotion, IsEstimatedWithinTheBounds) {
   }
 }
 
+// No error grows by more than 1 %, and as many intervals hold.
+TEST_P(RealMotion, IsNotWorseForLearning) {
+  const auto scores = score_all(recordings_, GetParam());
+  for (const AxisScores& axis : scores) {
+    EXPECT_LE(axis.recommended.velocity_error_m_s, 1.01 * axis.filter.velocity_error_m_s)
+        << axis.recording << ' ' << axis.axis;
+    EXPECT_GE(axis.recommended.velocity_coverage, axis.filter.velocity_coverage - 0.01)
+        << axis.recording << ' ' << axis.axis;
+  }
+  const Summary learned = summarise(scores, &AxisScores::recommended);
+  const Summary filter = summarise(scores, &AxisScores::filter);
+  std::cout << "             velocity error over that without learning "
+            << learned.error_ratio / filter.error_ratio << '\n';
+  EXPECT_LE(learned.error_ratio, filter.error_ratio);
+}
+
 // Recordings read but not judged would pass each bound.
 TEST_P(RealMotion, IsJudgedAlongMostAxes) {
   std::set<std::string> instruments;

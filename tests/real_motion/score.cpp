@@ -6,6 +6,7 @@
 #include <limits>
 #include <sstream>
 
+#include "condyle/estimator/sensors/recommended_parameters.h"
 #include "real_motion/order_statistics.h"
 
 namespace condyle::testing_support {
@@ -125,14 +126,15 @@ std::vector<AxisScores> score_axes(const TreatedRecording& treated) {
     references.push_back(reference_motion(treated, axis));
   }
   const auto oracle = oracle_tracks(treated, references);
-  const auto recommended = recommended_tracks(recording);
+  const auto filter = recommended_tracks(recording, 0);
+  const auto recommended = recommended_tracks(recording, kMostKernels);
   const auto published = published_tracks(recording);
   for (std::size_t axis = 0; axis < references.size(); ++axis) {
     if (!references[axis].is_scored) continue;
     const auto of = [&](const std::vector<Track>& tracks) {
       return score(recording, references[axis], tracks[axis]);
     };
-    scores.push_back({recording.name, recording.instrument, "xyz"[axis], of(oracle),
+    scores.push_back({recording.name, recording.instrument, "xyz"[axis], of(oracle), of(filter),
                       of(recommended), of(published)});
   }
   return scores;
@@ -168,7 +170,8 @@ AxisScores score_axis(const MotionRecording& recording, const Values& velocity_m
           recording.instrument,
           'x',
           of(oracle_tracks({recording, recording}, {truth})),
-          of(recommended_tracks(recording)),
+          of(recommended_tracks(recording, 0)),
+          of(recommended_tracks(recording, kMostKernels)),
           of(published_tracks(recording))};
 }
 

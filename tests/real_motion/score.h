@@ -33,7 +33,7 @@ AxisScore score(const MotionRecording& recording, const ReferenceMotion& referen
 struct AxisScores {
   std::string recording, instrument;
   char axis = 'x';
-  AxisScore oracle, recommended, published;
+  AxisScore oracle, filter, recommended, published;  ///< filter: recommended without learning
 };
 /// Scores of the axes of `treated` that can be judged.
 std::vector<AxisScores> score_axes(const TreatedRecording& treated);

@@ -5,8 +5,8 @@
 #include <limits>
 #include <memory>
 
+#include "condyle/estimator/sensors/learned_sensor.h"
 #include "condyle/estimator/sensors/published_sensor.h"
-#include "condyle/estimator/sensors/recommended_sensor.h"
 
 namespace condyle::testing_support {
 namespace {
@@ -28,10 +28,12 @@ std::vector<Sample> samples_of(const MotionRecording& recording) {
 }
 
 template <int kAxes>
-std::vector<Track> recommended(const MotionRecording& recording) {
+std::vector<Track> recommended(const MotionRecording& recording, int kernels) {
+  using Sensor = LearnedSensor<RecommendedSensor<double, kAxes>, double, kAxes, 16, kMostKernels>;
   std::vector<Track> tracks(kAxes, Track(recording.size()));
-  const auto sensor =
-      std::make_unique<RecommendedSensor<double, kAxes>>(MotionEstimatorParameters{});
+  DrivenParameters parameters;
+  parameters.learning.kernels = kernels;
+  const auto sensor = std::make_unique<Sensor>(parameters);
   SampleChecker checker(nanoseconds(recording.step_s()));
   for (const Sample& sample : samples_of(recording)) {
     const auto estimate = sensor->process(sample, checker.check(sample));
@@ -65,8 +67,9 @@ Track::Track(std::size_t samples)
   }
 }
 
-std::vector<Track> recommended_tracks(const MotionRecording& recording) {
-  return recording.position_m.size() == 1 ? recommended<1>(recording) : recommended<3>(recording);
+std::vector<Track> recommended_tracks(const MotionRecording& recording, int kernels) {
+  return recording.position_m.size() == 1 ? recommended<1>(recording, kernels)
+                                          : recommended<3>(recording, kernels);
 }
 
 std::vector<Track> published_tracks(const MotionRecording& recording) {

@@ -19,8 +19,8 @@ struct Track {
   explicit Track(std::size_t samples);
 };
 
-/// The recommended estimator, all axes at once.
-std::vector<Track> recommended_tracks(const MotionRecording& recording);
+/// The recommended estimator, all axes at once, with so many kernels for learning.
+std::vector<Track> recommended_tracks(const MotionRecording& recording, int kernels);
 
 /// The published cascade with its default parameters, axis by axis; its sample time is the
 /// recording's.
