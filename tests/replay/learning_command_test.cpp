@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -115,6 +117,83 @@ TEST_F(Learning, IsEvaluated) {
   const Result plain = evaluate("0"), learned = evaluate("96");
   EXPECT_LT(learned.error, 0.85 * plain.error);
   EXPECT_GE(learned.coverage, plain.coverage);
+}
+
+// The same subject on another day: the first seconds are better with what the day before taught.
+TEST_F(Learning, BeginsWithAnEarlierRecording) {
+  const std::string scenario = testing_support::source_path("/host_sim/scenarios/chewing.toml");
+  const std::string kept = folder_ / "learned.json", truth = folder_ / "truth.csv";
+  for (const char* seed : {"1", "2"}) {
+    ASSERT_EQ(run_condyle({"simulate", scenario, "--seed", seed, "--out",
+                           folder_ / (std::string(seed) + ".csv"), "--truth", truth})
+                  .exit_code,
+              0);
+  }
+  CommandResult result = run_condyle({"replay", folder_ / "1.csv", "--learned-out", kept});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, HasSubstr("learned     " + kept));
+  ASSERT_EQ(run_condyle({"replay", folder_ / "2.csv", "--out", plain_}).exit_code, 0);
+  result = run_condyle({"replay", folder_ / "2.csv", "--learned", kept, "--out", out_});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const Table true_motion = read_table(truth);
+  const auto error = [&](const std::string& file) {
+    const Table table = read_table(file);
+    const auto time_s = table.numbers("time_s"), said = table.numbers("velocity_m_s");
+    const auto true_m_s = true_motion.numbers("velocity_m_s");
+    double sum = 0;
+    for (std::size_t i = 0; i < table.rows; ++i) {
+      if (time_s[i] - time_s[0] > 2 && time_s[i] - time_s[0] < 10) {
+        sum += std::pow(said[i] - true_m_s[i], 2);
+      }
+    }
+    return std::sqrt(sum);
+  };
+  EXPECT_LT(error(out_), 0.95 * error(plain_));
+}
+
+TEST_F(Learning, RefusesWhatItCannotBeginWith) {
+  const std::string kept = folder_ / "learned.json";
+  const auto refused = [&](const std::vector<std::string>& more, const char* words) {
+    std::vector<std::string> arguments = {"replay", kShipped, "--out", out_};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const CommandResult result = run_condyle(arguments);
+    EXPECT_EQ(result.exit_code, 2) << words;
+    EXPECT_THAT(result.errors, HasSubstr(words));
+    EXPECT_FALSE(std::filesystem::exists(out_)) << words;
+  };
+  ASSERT_EQ(run_condyle({"replay", kShipped, "--learned-out", kept}).exit_code, 0);
+  const auto write = [&](const std::string& text) {
+    std::ofstream(folder_ / "bad.json") << text;
+    return std::vector<std::string>{"--learned", folder_ / "bad.json"};
+  };
+  refused({"--learned", kept, "--lag", "4"}, "--learned: needs learning; give neither a lag");
+  refused({"--learned-out", folder_ / "l.json", "--estimator", "published"},
+          "--learned-out: needs learning");
+  refused({"--learned", folder_ / "absent.json"}, "absent.json");
+  refused(write("{}"), "does not hold what a recording has taught; give a file that --learned-out");
+  refused(write("not JSON"), "does not hold what a recording has taught");
+  refused(write(R"({"format": "other"})"), "is not of format condyle-learned-1");
+  const std::string text = read_file(kept);
+  const auto spoilt = [&](const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return write(text.substr(0, at) + to + text.substr(at + from.size()));
+  };
+  refused(spoilt("\"kernels\":", "\"kernels\":9"), "kernels; give [learning] kernels = ");
+  refused(spoilt("\"squares\":[", "\"squares\":[1,"), "has 3 values of squares, not 2");
+  refused(spoilt("\"squares\":[", "\"squares\":[-"), "squares that is not above 0");
+  refused(spoilt("\"covariance\":[", "\"covariance\":[-"), "a variance that is not above 0");
+  refused(spoilt("\"use\":[", "\"use\":[1e9,"), " values of use, not ");
+  std::ofstream(folder_ / "points.csv") << "time_s,p1_x_mm,p1_y_mm,p1_z_mm\n0,0,0,1\n0.016,0,0,2\n";
+  CommandResult result = run_condyle({"replay", folder_ / "points.csv", "--learned", kept});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.errors, HasSubstr("was learned along 1 axes, and this recording has 3"));
+  std::string rows = "time_s,position_mm\n";
+  for (int i = 0; i < 100; ++i) rows += std::to_string(i * 0.005) + ",1\n";
+  std::ofstream(folder_ / "fast.csv") << rows;
+  result = run_condyle({"replay", folder_ / "fast.csv", "--learned", kept});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.errors, HasSubstr("Hz, and this recording has 200 Hz; learn from"));
 }
 
 TEST_F(Learning, TooManyKernelsAreRefused) {

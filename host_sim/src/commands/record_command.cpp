@@ -41,6 +41,7 @@ struct RecordOptions {
   std::string lsl_out;
   PoseOptions pose;
   CycleOptions cycles;
+  LearnedFiles learned;
   double duration_s = 0, idle_s = 0;
   std::uint64_t samples = 0;
 };
@@ -51,8 +52,11 @@ struct LiveFiles {
   std::unique_ptr<LivePoses> poses;
   std::unique_ptr<LiveCycles> cycles;
   std::unique_ptr<lsl::EstimateStream> stream;
+  std::unique_ptr<OutputFile> learned;  // at the end
 
   void finish() {
+    if (learned) learned->close();
+    if (learned) learned->commit();
     if (estimates) estimates->finish();
     if (poses) poses->finish();
     if (cycles) cycles->finish();
@@ -110,13 +114,14 @@ std::string summary(const RecordOptions& options, const SessionDevice& device,
   live_line("estimates", options.estimates, files.estimates);
   live_line("poses", options.pose.file, files.poses);
   live_line("cycles", options.cycles.file, files.cycles);
+  if (files.learned) line("learned", options.learned.out);
   if (files.stream) line("stream", files.stream->summary());
   return report.text();
 }
 
 int record_devices(const RecordOptions& options, const std::vector<SessionDevice>& devices,
-                   const RecommendedParameters& parameters, hal::SessionLogWriter& log,
-                   LiveFiles& files, hal::Clock& clock) {
+                   const RecommendedParameters& parameters, const LearnedMotion& prior,
+                   hal::SessionLogWriter& log, LiveFiles& files, hal::Clock& clock) {
   const hal::DeviceProfile& profile = devices.front().profile;
   hal::RecordedSource source(devices.front().source(), log, 0, clock);
   hal::DeviceFacebow facebow(source, hal::layout_of(profile));
@@ -148,6 +153,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
   };
   if (files.stream) files.stream->mark("recording started");
   const auto run = [&](auto sensor) {
+    begin_with(sensor, prior);
     (void)firmware::run(
         facebow, clock, sensor, settings, counts,
         [&](const Sample&, const auto& estimate) {
@@ -169,6 +175,9 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
                  (options.idle_s > 0 && seconds(monitor.idle_ns()) >= options.idle_s) ||
                  (options.duration_s > 0 && seconds(monitor.elapsed_ns()) >= options.duration_s);
         });
+    if (!files.learned) return;
+    const int axes = profile.kind == SampleKind::one_axis ? 1 : 3;
+    files.learned->write(learned_text(learned_of(sensor, axes)));
   };
   firmware::with_hosted_sensor(
       {profile.kind, profile.drive_N.has_value(), parameters, 0, options.choice.point(),
@@ -247,8 +256,9 @@ int record(const RecordOptions& options) {
     companions.push_back(split_serial(text));
     inputs.push_back(companions.back().first);
   }
-  refuse_same_files(inputs,
-                    {options.out, options.estimates, options.pose.file, options.cycles.file});
+  inputs.push_back(options.learned.begin_with);
+  refuse_same_files(inputs, {options.out, options.estimates, options.pose.file, options.cycles.file,
+                             options.learned.out});
   if (options.companions.size() >= hal::kMaxSessionSources) {
     throw InputError("--companion", "too many devices for one log",
                      fmt::format("give at most {}", hal::kMaxSessionSources - 1));
@@ -282,11 +292,22 @@ int record(const RecordOptions& options) {
   }
   RecommendedParameters parameters;
   if (!options.parameters.empty()) parameters = load_recommended_parameters(options.parameters);
+  const int axes = kind == SampleKind::one_axis ? 1 : 3;
+  options.learned.refuse_unless(parameters.learning.kernels >= 1);
+  LearnedMotion prior;
+  if (!options.learned.begin_with.empty()) {
+    const double rate_Hz = devices.front().profile.rate_Hz;
+    prior = read_learned(options.learned.begin_with, axes, rate_Hz > 0 ? 1 / rate_Hz : 0,
+                         parameters.learning.kernels);
+  }
   LiveFiles files;
+  if (!options.learned.out.empty()) {
+    files.learned = std::make_unique<OutputFile>(options.learned.out);
+  }
   if (!options.estimates.empty()) {
     files.estimates = std::make_unique<LiveEstimates>(
-        options.estimates, kind == SampleKind::one_axis ? 1 : 3,
-        devices.front().profile.drive_N.has_value(), TableForm(), parameters.learning.kernels >= 1);
+        options.estimates, axes, devices.front().profile.drive_N.has_value(), TableForm(),
+        parameters.learning.kernels >= 1);
   }
   if (!options.pose.file.empty()) {
     files.poses = std::make_unique<LivePoses>(options.pose.file, pose);
@@ -298,8 +319,8 @@ int record(const RecordOptions& options) {
     lsl::check_outlet_place(options.lsl_out);
     const hal::DeviceProfile& profile = devices.front().profile;
     files.stream = std::make_unique<lsl::EstimateStream>(
-        lsl::EstimateStreamSettings{options.lsl_out, kind == SampleKind::one_axis ? 1 : 3,
-                                    profile.drive_N.has_value(), profile.rate_Hz},
+        lsl::EstimateStreamSettings{options.lsl_out, axes, profile.drive_N.has_value(),
+                                    profile.rate_Hz},
         clock);
   }
   hal::SessionLogWriter log;
@@ -311,7 +332,7 @@ int record(const RecordOptions& options) {
     throw InputError(options.out, hal::session_log_failure_name(failure),
                      "name a new file in a writable folder");
   }
-  return record_devices(options, devices, parameters, log, files, clock);
+  return record_devices(options, devices, parameters, prior, log, files, clock);
 }
 
 }  // namespace
@@ -352,6 +373,7 @@ Command add_record(CommandLine app) {
   add_followed_options(command, options->choice);
   add_pose_options(command, options->pose);
   add_cycle_options(command, options->cycles);
+  add_learned_options(command, options->learned);
   command.add_option("--duration-s", options->duration_s, "Stop after this time; 0: never")
       .number_in({0, 1e7})
       .show_default();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -38,6 +39,7 @@ namespace {
 struct ReplayOptions : RecordingChoice {
   std::string recording;
   EstimatorChoice estimator;
+  LearnedFiles learned;
   std::string out;
   TableForm out_form;
   std::string figures;
@@ -84,19 +86,23 @@ std::string summary_json(const ReplayOptions& options, const RecordingInfo& info
 }
 
 // Runs `sensor` over the open `facebow` and writes the requested outputs. `row_of_step(sample,
-// estimate)` gives a row, or none while a lag fills.
+// estimate)` gives a row, or none while a lag fills; `learned()`, if not empty, what was learned.
 template <class Sensor, class RowOfStep>
 int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Clock& clock,
                    const firmware::RunSettings& settings, Sensor& sensor, int axis_count,
-                   bool has_impedance, bool has_learning, const RowOfStep& row_of_step,
-                   ReplaySummary& summary) {
+                   bool has_impedance, const std::function<std::string()>& learned,
+                   const RowOfStep& row_of_step, ReplaySummary& summary) {
   // Opened first, to report an output that cannot be written before the work.
   std::unique_ptr<OutputFolder> figure_folder;
   if (!options.figures.empty()) figure_folder = std::make_unique<OutputFolder>(options.figures);
   std::unique_ptr<EstimatesFile> estimates;
   if (!options.out.empty()) {
     estimates = std::make_unique<EstimatesFile>(options.out, axis_count, has_impedance,
-                                                options.out_form, has_learning);
+                                                options.out_form, learned != nullptr);
+  }
+  std::unique_ptr<OutputFile> learned_file;
+  if (!options.learned.out.empty()) {
+    learned_file = std::make_unique<OutputFile>(options.learned.out);
   }
   std::unique_ptr<PoseFile> poses;
   if (!options.pose.file.empty()) {
@@ -166,12 +172,17 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   if (estimates) estimates->close();
   if (poses) poses->close();
   if (cycles) cycles->close();
+  if (learned_file) {
+    learned_file->write(learned());
+    learned_file->close();
+  }
   if (stop_requested()) {
     return report_stop();
   }
   if (estimates) estimates->commit();
   if (poses) poses->commit();
   if (cycles) cycles->commit();
+  if (learned_file) learned_file->commit();
   for (const auto& figure : figures) figure->commit();
   for (const auto& file : values) file->commit();
 
@@ -200,6 +211,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
     line("cycles", cycles_summary.text());
     line("cycles", options.cycles.file);
   }
+  if (learned_file) line("learned", options.learned.out);
   for (const auto& figure : figures) {
     if (figure->path().ends_with(".png")) line("figure", figure->path() + " (and .svg)");
   }
@@ -225,7 +237,7 @@ int replay_published(const ReplayOptions& options, ReplayFacebow& facebow, hal::
   PublishedSensor<double> sensor(parameters, options.followed);
   PublishedSummary summary(parameters, options.followed.axis);
   return replay_through(
-      options, facebow, clock, settings, sensor, 0, false, false,
+      options, facebow, clock, settings, sensor, 0, false, nullptr,
       [&](const Sample& sample, const PublishedEstimate<double>& estimate) {
         return std::optional(row_of(sample, options.followed, estimate));
       },
@@ -243,12 +255,20 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
   options.drive_stated.apply(parameters.impedance);
   RecommendedSummary summary(parameters, options.estimator.lag, options.followed.axis, fits);
   const auto run = [&](auto& sensor, bool has_impedance) {
+    options.learned.refuse_unless(sensor.learns());
+    const int axes = info.kind == SampleKind::one_axis ? 1 : 3;
+    std::function<std::string()> learned;
     if (sensor.learns()) {
       summary.set_learning([&sensor](int axis) { return sensor.learning(axis); });
+      learned = [&sensor, axes] { return learned_text(learned_of(sensor, axes)); };
+    }
+    if (!options.learned.begin_with.empty()) {
+      const double step_s = seconds(settings.nominal_step_ns);
+      begin_with(sensor, read_learned(options.learned.begin_with, axes, step_s,
+                                      parameters.learning.kernels));
     }
     return replay_through(
-        options, facebow, clock, settings, sensor, info.kind == SampleKind::one_axis ? 1 : 3,
-        has_impedance, sensor.learns(),
+        options, facebow, clock, settings, sensor, axes, has_impedance, learned,
         [&](const Sample&, const auto& estimate) {
           return estimate.is_ready ? std::optional(row_of(estimate, options.followed.axis))
                                    : std::nullopt;
@@ -292,9 +312,9 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
 }
 
 int replay(const ReplayOptions& options) {
-  refuse_same_files(
-      {options.recording, options.estimator.parameters, options.reading.profile, options.drive},
-      {options.out, options.pose.file, options.cycles.file});
+  refuse_same_files({options.recording, options.estimator.parameters, options.reading.profile,
+                     options.drive, options.learned.begin_with},
+                    {options.out, options.pose.file, options.cycles.file, options.learned.out});
   static_cast<void>(options.pose.choice());  // to report bad points before the work
   hal::SteadyClock clock;
   ReplayFacebow facebow(options.recording, options.reading, options.speed, clock);
@@ -309,6 +329,7 @@ int replay(const ReplayOptions& options) {
   if (!options.pose.file.empty()) {
     refuse_without_pose(options.recording, info.kind, "leave out --pose");
   }
+  if (options.estimator.is_published()) options.learned.refuse_unless(false);
   options.estimator.refuse_if_published("--resample-Hz", options.out_form.resample_Hz.has_value());
   options.estimator.refuse_if_published("--drive",
                                         !options.drive.empty() || options.drive_stated.is_given());
@@ -348,6 +369,7 @@ Command add_replay(CommandLine app) {
                   "point each; or sim:SCENARIO.toml")
       .required();
   add_estimator_options(command, options->estimator);
+  add_learned_options(command, options->learned);
   add_recording_options(command, *options);
   add_pose_options(command, options->pose);
   add_cycle_options(command, options->cycles);

@@ -104,6 +104,14 @@ void add_estimator_options(CommandLine line, EstimatorChoice& choice) {
                      "TOML file with the parameters of the estimator");
 }
 
+void add_learned_options(CommandLine line, LearnedFiles& files) {
+  const CommandLine command = line.group("Estimator");
+  command.add_option("--learned=FILE", files.begin_with,
+                     "Begin with what an earlier recording of this subject has taught");
+  command.add_option("--learned-out=FILE", files.out,
+                     "JSON file for what this recording teaches, for --learned");
+}
+
 PoseChoice PoseOptions::choice() const {
   PoseChoice choice;
   choice.twist_axis = static_cast<Axis>(twist_axis[0] - 'x');

@@ -5,6 +5,7 @@
 
 #include "estimation/drive_statement.h"
 #include "estimation/estimator_choice.h"
+#include "estimation/learned_file.h"
 #include "hosted/estimates/followed_cycles.h"
 #include "hosted/estimates/pose_choice.h"
 #include "options/command_line.h"
@@ -36,6 +37,9 @@ void add_faults_option(CommandLine command, RecordingOptions& reading);
 /// The options of the three functions above.
 void add_recording_options(CommandLine command, RecordingChoice& choice,
                            JawPoints jaw_points = JawPoints::yes);
+
+/// --learned and --learned-out.
+void add_learned_options(CommandLine command, LearnedFiles& files);
 
 /// --estimator, --lag and --parameters.
 void add_estimator_options(CommandLine command, EstimatorChoice& choice);

@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
+#include <vector>
 
 #include "condyle/estimator/sensors/recommended_sensor.h"
 #include "support/random.h"
@@ -181,6 +183,60 @@ TEST(LearnedSensor, HalvesTheErrorOfARegularMotion) {
 TEST(LearnedSensor, FloatGivesWhatDoubleDoes) {
   const Errors in_double = errors_of<double>(3), in_float = errors_of<float>(3);
   EXPECT_NEAR(std::sqrt(in_float.learned / in_double.learned), 1, 0.02);
+}
+
+// Begins `to` with what `from` has learned.
+template <class Scalar>
+void hand_over(Learned<Scalar>& from, Learned<Scalar>& to) {
+  std::vector<std::vector<Scalar>> values;
+  from.corrector(0).visit_learned([&values](const char*, const Scalar* first, int count) {
+    values.emplace_back(first, first + count);
+  });
+  to.corrector(0).begin_with(from.corrector(0).kernels());
+  std::size_t next = 0;
+  to.corrector(0).visit_learned([&](const char* name, Scalar* first, int count) {
+    ASSERT_EQ(values[next].size(), static_cast<std::size_t>(count)) << name;
+    std::copy(values[next].begin(), values[next].end(), first);
+    ++next;
+  });
+}
+
+// Sum of squares of the velocity errors from 1.2 s to 4 s of the motion `slowed` times as slow;
+// nothing is corrected in the first 60 samples.
+double early_error(Learned<double>& sensor, double slowed, std::uint64_t seed) {
+  Random random(seed);
+  double sum = 0;
+  for (TimeNs i = 0; i < 240; ++i) {
+    const double t = seconds(i * kStep_ns) / slowed + 0.3;
+    const auto axis =
+        sensor.process(sample_at(i * kStep_ns, position_m(t) + 1e-4 * random.normal()), {}).axes[0];
+    if (i < 60) {
+      EXPECT_EQ(axis.velocity_learned, 0);
+    }
+    if (i >= 72) sum += std::pow(axis.velocity_m_s.value - velocity_m_s(t) / slowed, 2);
+  }
+  return sum;
+}
+
+TEST(LearnedSensor, BeginsWithWhatAnEarlierRecordingTaught) {
+  const auto earlier = std::make_unique<Learned<double>>(with_kernels(96));
+  Random random(21);
+  for (TimeNs i = 0; i < 1800; ++i) {
+    const double measured_m = position_m(seconds(i * kStep_ns)) + 1e-4 * random.normal();
+    earlier->process(sample_at(i * kStep_ns, measured_m), {});
+  }
+  // Of the same motion it knows more at once; of another, little is lost.
+  for (const double slowed : {1.0, 2.5}) {
+    double with = 0, without = 0;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const auto fresh = std::make_unique<Learned<double>>(with_kernels(96));
+      const auto taught = std::make_unique<Learned<double>>(with_kernels(96));
+      hand_over(*earlier, *taught);
+      without += early_error(*fresh, slowed, seed);
+      with += early_error(*taught, slowed, seed);
+    }
+    EXPECT_LT(std::sqrt(with / without), slowed == 1 ? 0.8 : 1.05) << slowed;
+  }
 }
 
 // What an instrument may do to positions with noise, before they are measured.

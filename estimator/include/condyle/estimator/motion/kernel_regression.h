@@ -71,6 +71,20 @@ class KernelRegression {
   /// Kernels in use.
   int used() const { return used_; }
 
+  /// Calls `visit(name, first, count)` for each array of what was learned: to keep it, or to begin
+  /// with it after `begin_with`.
+  template <class Visitor>
+  void visit_learned(Visitor&& visit) {
+    visit("centres", &centres_[0][0], used_ * kPlace);
+    visit("use", &use_[0], used_);
+    visit("velocity_weights", &weights_[0][0], size());
+    visit("acceleration_weights", &weights_[1][0], size());
+    visit("covariance", &covariance_[0], size() * (size() + 1) / 2);
+  }
+  /// Takes `used` kernels, at most those of limit_kernels, into use: visit_learned must then give
+  /// finite values, and a covariance with a positive diagonal.
+  void begin_with(int used) { used_ = std::min(used, kernels_); }
+
  private:
   static constexpr int kWeights = kLinear + kMostKernels;
   static constexpr int kEntries = kWeights * (kWeights + 1) / 2;

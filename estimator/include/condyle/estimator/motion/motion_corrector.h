@@ -16,9 +16,9 @@
 //
 // Correction of an output x (velocity or acceleration) by the regression's g:
 //   G     clamp((nearness - 0.15)/0.3, 0, 1): has such a place been seen?
-//   alpha share of g that past errors confirm: the lesser of two regressions of the error on G g,
-//         over 5 s and 0.5 s, 0 to 1
-//   d   = alpha G clamp(g, -3 s, 3 s), less at a surprise;  x + d
+//   alpha share of g that past errors confirm (output_trust.h), 0 to 1
+//   beta  largest share that the next positions do not contradict, 0 to 1: a teacher may err
+//   d   = min(alpha, beta) G clamp(g, -3 s, 3 s), less at a surprise;  x + d
 // Interval.  s stays: what the teacher confirms narrows nothing. An instrument that smooths or
 //            delays its positions makes filter and teacher wrong alike, and positions need not show
 //            it. The corrected value is then as wrong as the filter's, not more.
@@ -53,6 +53,7 @@ struct FilteredMotion {
   Array<Scalar, 2> value = {};               ///< velocity (m/s), acceleration (m/s^2)
   Array<Scalar, 2> standard_deviation = {};  ///< theirs
   Scalar standardised_innovation = 0;        ///< u
+  Scalar innovation_sd_m = 0;                ///< 0 if there is no innovation
   Scalar measured_position_m = 0;            ///< NaN if none was used
 };
 
@@ -84,6 +85,21 @@ class MotionCorrector {
   /// Uses at most `kernels` kernels, 0 to kMostKernels. Call it before the first sample.
   void limit_kernels(int kernels) { regression_.limit_kernels(kernels); }
 
+  /// What was learned, without the motion: calls `visit(name, first, count)` for each array. To
+  /// begin with what an earlier recording has taught, call `begin_with` with its kernels, and let
+  /// `visit` set the values: finite, squares and diagonal of the covariance positive. They are
+  /// trusted once kFirst errors of this recording have confirmed them.
+  template <class Visitor>
+  void visit_learned(Visitor&& visit) {
+    visit("position_square_m2", &position_square_, 1);
+    visit("squares", &square_[0], kOutputs);
+    regression_.visit_learned(visit);
+  }
+  void begin_with(int kernels) {
+    regression_.begin_with(kernels);
+    has_scales_ = true;
+  }
+
   /// Forgets the motion, of which the next sample is the first, but not what was learned.
   void lose_motion() {
     kept_count_ = 0;
@@ -111,6 +127,7 @@ class MotionCorrector {
                      : std::numeric_limits<Scalar>::quiet_NaN(),
                  filtered.measured_position_m, T);
     if (++watched_ % kWatch == 0) is_coloured_ = monitor_.is_correlated() || monitor_.is_filtered();
+    if (std::isfinite(filtered.measured_position_m)) hear_position(filtered, T);
     has_taught_ = taught != nullptr && T > Scalar(0);
     if (has_taught_) {
       take_scales(*taught, T);
@@ -154,7 +171,8 @@ class MotionCorrector {
 
   void take_scales(const Taught& taught, Scalar T) {
     if (scale_count_ == Scalar(0)) mean_position_m_ = taught.position_m;
-    scale_count_ = std::min(scale_count_ + Scalar(1), std::max(kScale_s / T, Scalar(1)));
+    const Scalar most = std::max(kScale_s / T, Scalar(1));
+    scale_count_ = has_scales_ ? most : std::min(scale_count_ + Scalar(1), most);
     const Scalar gain = Scalar(1) / (scale_count_ + Scalar(1));
     mean_position_m_ += (taught.position_m - mean_position_m_) * gain;
     const Scalar p = taught.position_m - mean_position_m_;
@@ -182,6 +200,20 @@ class MotionCorrector {
     if (waiting_s_ < kLearnStep_s) return;
     regression_.learn(was.features, target, deviation, waiting_s_);
     waiting_s_ = 0;
+  }
+
+  // Would the last sample's correction have predicted this one's position?
+  void hear_position(const Filtered& now, Scalar T) {
+    const Kept& last = kept_[newest_];
+    if (kept_count_ == 0 || !last.is_usable || !(now.innovation_sd_m > Scalar(0))) return;
+    const Scalar added_m = (change(0, last) + change(1, last) * T * Scalar(0.5)) * T;
+    positions_.add(now.standardised_innovation, last.gate * added_m / now.innovation_sd_m, T);
+  }
+
+  // The predicted error of output `i`, limited.
+  static Scalar change(int i, const Kept& kept) {
+    const Scalar most = kMostCorrection * kept.deviation[i];
+    return std::clamp(kept.predicted[i] * kept.scale[i], -most, most);
   }
 
   // 0 up to a surprise of `first`, 1 from twice that on.
@@ -240,10 +272,11 @@ class MotionCorrector {
 
   // Output `i`.
   void correct(int i, const Kept& kept, Corrected& result) const {
-    const Scalar share = trust_[i].alpha() * kept.gate * (Scalar(1) - surprise_above(4));
-    const Scalar s = kept.deviation[i], most = kMostCorrection * s;
+    const Scalar share = std::min(trust_[i].alpha(), positions_.beta()) * kept.gate *
+                         (Scalar(1) - surprise_above(4));
+    const Scalar s = kept.deviation[i];
     if (!(share > Scalar(0))) return;
-    const Scalar d = share * std::clamp(kept.predicted[i] * kept.scale[i], -most, most);
+    const Scalar d = share * change(i, kept);
     const Scalar corrected = std::sqrt(s * s + surprise_above(2) * d * d);
     if (!std::isfinite(d) || !std::isfinite(corrected)) return;
     result.correction[i] = d;
@@ -253,9 +286,11 @@ class MotionCorrector {
 
   Regression regression_;
   Array<OutputTrust<Scalar>, kOutputs> trust_;
+  PositionTrust<Scalar> positions_;
   InnovationMonitor<Scalar> monitor_;
   VelocityHistory<Scalar> history_;
   bool has_time_ = false, has_taught_ = false, is_coloured_ = false;
+  bool has_scales_ = false;  // of an earlier recording
   TimeNs time_ns_ = 0;
   std::uint32_t watched_ = 0;
   Scalar waiting_s_ = 0;                          // since a sample was learned

@@ -59,6 +59,11 @@ class LearnedSensor : public Sensor {
   bool learns() const { return learns_; }
   /// What was learned along `axis`, 0 to kAxes - 1.
   const LearningCounts& learning(int axis) const { return counts_[axis]; }
+  /// The corrector of `axis`, to keep what it has learned, or before the first sample to begin with
+  /// what was kept.
+  MotionCorrector<Scalar, kKernels, kMostLag>& corrector(int axis) { return correctors_[axis]; }
+  /// Mean step of the samples (s); 0 before the first two.
+  Scalar mean_step_s() const { return mean_step_s_; }
 
  private:
   using Corrector = MotionCorrector<Scalar, kKernels, kMostLag>;
@@ -153,6 +158,9 @@ void LearnedSensor<Sensor, Scalar, kAxes, kMostLag, kKernels>::correct(
       {values.velocity_m_s.standard_deviation, values.acceleration_m_s2.standard_deviation},
       std::isfinite(values.innovation_m) && values.innovation_sd_m > Scalar(0)
           ? values.innovation_m / values.innovation_sd_m
+          : Scalar(0),
+      std::isfinite(values.innovation_m) && values.innovation_sd_m > Scalar(0)
+          ? values.innovation_sd_m
           : Scalar(0),
       is_used ? values.measured_position_m : AxisEstimate<Scalar>::kNone};
   const CorrectedMotion<Scalar> corrected = correctors_[axis].step(filtered, taught, lag_);
