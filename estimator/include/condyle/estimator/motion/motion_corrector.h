@@ -18,7 +18,8 @@
 //   G     clamp((nearness - 0.15)/0.3, 0, 1): has such a place been seen?
 //   alpha share of g that past errors confirm (output_trust.h), 0 to 1
 //   beta  largest share that the next positions do not contradict, 0 to 1: a teacher may err
-//   d   = min(alpha, beta) G clamp(g, -3 s, 3 s), less at a surprise;  x + d
+//   su    mean of s over 10 s: far above it the filter has not settled
+//   d   = min(alpha, beta) G clamp(3 - s/su, 0, 1) clamp(g, -3 s, 3 s), less at a surprise;  x + d
 // Interval.  s stays: what the teacher confirms narrows nothing. An instrument that smooths or
 //            delays its positions makes filter and teacher wrong alike, and positions need not show
 //            it. The corrected value is then as wrong as the filter's, not more.
@@ -266,15 +267,17 @@ class MotionCorrector {
       kept.scale[i] = scale_[i];
       kept.predicted[i] = prediction.value[i];
       if (!is_coloured_) correct(i, kept, result);
+      usual_[i] += (kept.deviation[i] - usual_[i]) / (scale_count_ + Scalar(1));
     }
     return result;
   }
 
   // Output `i`.
   void correct(int i, const Kept& kept, Corrected& result) const {
-    const Scalar share = std::min(trust_[i].alpha(), positions_.beta()) * kept.gate *
-                         (Scalar(1) - surprise_above(4));
     const Scalar s = kept.deviation[i];
+    const Scalar settled = std::clamp(Scalar(3) - s / usual_[i], Scalar(0), Scalar(1));
+    const Scalar share = std::min(trust_[i].alpha(), positions_.beta()) * kept.gate * settled *
+                         (Scalar(1) - surprise_above(4));
     if (!(share > Scalar(0))) return;
     const Scalar d = share * change(i, kept);
     const Scalar corrected = std::sqrt(s * s + surprise_above(2) * d * d);
@@ -300,6 +303,7 @@ class MotionCorrector {
   Scalar position_square_ = Scalar(1e-8), position_scale_m_ = Scalar(1e-4);
   Array<Scalar, kOutputs> square_ = {Scalar(1e-6), Scalar(1e-2)};
   Array<Scalar, kOutputs> scale_ = {Scalar(1e-3), Scalar(1e-1)};
+  Array<Scalar, kOutputs> usual_ = {};  // deviations
   int newest_ = 0, kept_count_ = 0;
   Array<Kept, kKept> kept_ = {};
 };

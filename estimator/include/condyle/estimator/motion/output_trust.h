@@ -56,10 +56,10 @@ class OutputTrust {
   /// Share of the gated prediction to use, 0 to 1.
   Scalar alpha() const {
     if (count_ < kFirst || !(long_.A > Scalar(0))) return 0;
-    Scalar alpha = long_.B / long_.A;
-    const Scalar rest = std::max(long_.C - long_.B * alpha, Scalar(0));
-    alpha -= std::sqrt(rest * kIndependent_s / (elapsed_s_ * long_.A));
-    if (short_.A > Scalar(0)) alpha = std::min(alpha, short_.B / short_.A);
+    Scalar alpha = long_.B / long_.A - deviation(long_, elapsed_s_);
+    if (short_.A > Scalar(0)) {
+      alpha = std::min(alpha, short_.B / short_.A + deviation(short_, kShortMemory_s));
+    }
     return std::clamp(alpha, Scalar(0), Scalar(1));
   }
 
@@ -70,6 +70,12 @@ class OutputTrust {
   static constexpr Scalar kLimit = 5, kMemory_s = 5, kShortMemory_s = Scalar(0.5);
   static constexpr Scalar kIndependent_s = Scalar(0.05);
   static constexpr Scalar kMostGathered = 100'000;
+
+  // Of B/A over `memory_s`.
+  static Scalar deviation(const RegressionMeans<Scalar>& means, Scalar memory_s) {
+    const Scalar rest = std::max(means.C - means.B * means.B / means.A, Scalar(0));
+    return std::sqrt(rest * kIndependent_s / (memory_s * means.A));
+  }
 
   int count_ = 0;
   Scalar gathered_ = 0, elapsed_s_ = 0;
