@@ -76,7 +76,7 @@ TEST_P(RealMotion, IsEstimatedWithinTheBounds) {
 }
 
 // As recorded, no error grows by more than 1 %, and as many intervals hold; after a treatment, of
-// at most 3 in 100 axes.
+// at most 5 in 100 axes.
 TEST_P(RealMotion, IsNotWorseForLearning) {
   const auto scores = score_all(recordings_, GetParam());
   std::size_t worse = 0;
@@ -88,7 +88,7 @@ TEST_P(RealMotion, IsNotWorseForLearning) {
     EXPECT_GE(axis.recommended.velocity_coverage, axis.filter.velocity_coverage - 0.01)
         << axis.recording << ' ' << axis.axis;
   }
-  EXPECT_LE(worse, 3 * scores.size() / 100);
+  EXPECT_LE(worse, 5 * scores.size() / 100);
   const Summary learned = summarise(scores, &AxisScores::recommended);
   const Summary filter = summarise(scores, &AxisScores::filter);
   std::cout << "             velocity error over that without learning "

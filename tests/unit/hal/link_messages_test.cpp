@@ -33,7 +33,7 @@ TEST(LinkMessages, RefusesReportsThatAreTooLong) {
 
 TEST(LinkMessages, TheSmallOnesArrive) {
   EXPECT_EQ(sent(HelloMessage{0x1234}).version, 0x1234);
-  EXPECT_EQ(written(HelloMessage{}), (Bytes{5, 0}));  // the version that nodes answer
+  EXPECT_EQ(written(HelloMessage{}), (Bytes{6, 0}));  // the version that nodes answer
   EXPECT_TRUE(written(FinishMessage{}).empty());
   sent(FinishMessage{});
   EXPECT_TRUE(written(AskHealthMessage{}).empty());

@@ -173,9 +173,9 @@ class MotionCorrector {
   void take_scales(const Taught& taught, Scalar T) {
     if (scale_count_ == Scalar(0)) mean_position_m_ = taught.position_m;
     const Scalar most = std::max(kScale_s / T, Scalar(1));
-    scale_count_ = has_scales_ ? most : std::min(scale_count_ + Scalar(1), most);
-    const Scalar gain = Scalar(1) / (scale_count_ + Scalar(1));
-    mean_position_m_ += (taught.position_m - mean_position_m_) * gain;
+    scale_count_ = std::min(scale_count_ + Scalar(1), most);
+    mean_position_m_ += (taught.position_m - mean_position_m_) / (scale_count_ + Scalar(1));
+    const Scalar gain = Scalar(1) / ((has_scales_ ? most : scale_count_) + Scalar(1));
     const Scalar p = taught.position_m - mean_position_m_;
     position_square_ += (p * p - position_square_) * gain;
     for (int i = 0; i < kOutputs; ++i) {
