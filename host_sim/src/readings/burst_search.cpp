@@ -15,6 +15,7 @@ constexpr double kLongestBurst_s = 0.2, kLeastDeparture_m = 3e-4;
 constexpr std::size_t kSide = 4, kNeighbours = 20;
 constexpr std::size_t kLeastFrozen = 5;
 constexpr double kJumpRatio = 6, kMisfitRatio = 5;
+constexpr double kMostBend = 0.5;  // of the longest step, in a movement
 
 // How far sample k + 1 departs from the straight line through k - 1 and k.
 double bend(const std::vector<double>& time_s, const std::vector<Vector6>& path, std::size_t k) {
@@ -60,6 +61,20 @@ Departure departure_of(const std::vector<double>& time_s, const std::vector<Vect
   return departure;
 }
 
+// Whether the path goes to the samples `far` and comes back by steps that grow and shrink, as a
+// fast movement does: a jump bends it by as much as its longest step.
+bool is_movement(const std::vector<double>& bends, const std::vector<Vector6>& path,
+                 const std::vector<std::size_t>& far) {
+  const std::size_t begin = far.front(), end = far.back() + 1;
+  if (end - begin != far.size() || end >= path.size()) return false;
+  double bend_m = 0, step_m = 0;
+  for (std::size_t k = begin - 1; k <= end; ++k) bend_m = std::max(bend_m, bends[k]);
+  for (std::size_t k = begin; k <= end; ++k) {
+    step_m = std::max(step_m, (path[k] - path[k - 1]).norm());
+  }
+  return bend_m <= kMostBend * step_m;
+}
+
 }  // namespace
 
 std::vector<SampleRun> find_bursts(const std::vector<double>& time_s,
@@ -98,7 +113,9 @@ std::vector<SampleRun> find_bursts(const std::vector<double>& time_s,
       }
     }
     if (best.far.empty()) continue;
+    const bool is_fast = is_movement(bends, path, best.far);
     for (const std::size_t k : best.far) {
+      if (is_fast) break;
       is_bad[k] = true;
       if (!runs.empty() && runs.back().end == k) {
         ++runs.back().end;

@@ -19,7 +19,7 @@ struct SampleRun {
 /// Bursts in `path`: displacement (m), and rotation times kRotationLength_m. A burst lasts at most
 /// 0.2 s. A cubic through four samples before and four after it fits these, and the samples of the
 /// burst are far from it: five times the misfit, and 0.3 mm. Good samples between them are none of
-/// it.
+/// it. A movement out and back that is as short is none, if its steps show no jump.
 std::vector<SampleRun> find_bursts(const std::vector<double>& time_s,
                                    const std::vector<Eigen::Matrix<double, 6, 1>>& path);
 

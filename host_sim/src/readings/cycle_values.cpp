@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "readings/analysis_stop.h"
+#include "readings/speed_readings.h"
 #include "statistics/monte_carlo.h"
 
 namespace condyle::host {
@@ -47,6 +48,7 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
   for (std::size_t i = 0; i < 3; ++i) {
     values[i].noise_sd = std::hypot(values[i].noise_sd, added_s[i]);
   }
+  read_speeds_of_cycle(cycle, context, values);
   return values;
 }
 

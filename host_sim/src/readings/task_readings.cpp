@@ -14,6 +14,7 @@
 #include "readings/cycle_values.h"
 #include "readings/kinematic_centre.h"
 #include "readings/reading_groups.h"
+#include "readings/speed_readings.h"
 #include "readings/stroke_checks.h"
 #include "readings/stroke_readings.h"
 #include "readings/strokes.h"
@@ -219,6 +220,7 @@ class TaskReader {
         });
     const auto names = readings_of_stroke(kind, context_.has_landmarks);
     if (values.size() > names.size()) finish_separations(names, values);
+    if (is_stroke) read_speeds_of_stroke(names, analysis_.path, stroke, context_, values);
     const std::string onset =
         is_stroke && context_.has_landmarks ? problem_of_onset(analysis_.path, stroke) : "";
     if (!onset.empty()) withhold_condyles(names, onset, values);

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// The greatest speed of a point, with an interval that knows how fast the point moves.
+//
+//   D_n    slope of the cubic of least squares through n samples on both sides
+//   N      the widest window whose slope at its own peak agrees with those of all narrower ones,
+//          within 1.8 standard deviations of the noise of their difference
+//   value  D_n at that peak, n 1.6 times narrower, less what D_N - D_n says of its own error, which
+//          grows with the fourth power of the width, and less what noise adds
+// If even the narrowest windows differ by more than noise, the movement is fast for the rate: their
+// differences are in the interval, and beyond 5 % of the speed there is no value.
+#pragma once
+
+#include <vector>
+
+#include "readings/strokes.h"
+#include "readings/uncertainty.h"
+
+namespace condyle::host {
+
+/// The points whose speed is read.
+enum class SpeedPoint { incisor, condyle_left, condyle_right };
+
+/// The raw paths of these points around some samples of a motion.
+class SpeedReader {
+ public:
+  /// For peaks in `run`. `part`: all, or the incisor only. `widest_s`: half the widest window.
+  SpeedReader(const ReferredMotion& motion, SampleRun run, const PoseNoise& noise,
+              const SharedErrors& errors, PathPart part, double widest_s = 0.4);
+
+  /// The greatest speed (mm/s) of `point` at the samples of `run`. `way`: 0 the speed; 1 or -1 that
+  /// up or down.
+  UncertainValue greatest(SpeedPoint point, SampleRun run, int way) const;
+
+ private:
+  struct Slope;
+  struct Peak;
+  using Places = std::vector<Eigen::Vector3d>;
+
+  Slope slope_at(std::size_t k, int width) const;
+  double speed_at(const Places& places, std::size_t k, int width, int way) const;
+  std::vector<Peak> peaks_of(const Places& places, SampleRun run, int way) const;
+  Eigen::Matrix3d noise_of(SpeedPoint point, std::size_t k) const;
+  Places places_of(const ReadingGeometry& geometry, SpeedPoint point, std::size_t begin,
+                   std::size_t end) const;
+  double noise_of_place(const Places& places, const Slope& slope, std::size_t k, int width, int way,
+                        double variance) const;
+
+  const ReferredMotion& motion_;
+  const PoseNoise& noise_;
+  const SharedErrors& errors_;
+  PathPart part_;
+  double widest_s_;
+  std::size_t first_ = 0, last_ = 0;  // samples of the paths, last without
+  double step_s_ = 0;
+  JawPath path_;
+};
+
+}  // namespace condyle::host
