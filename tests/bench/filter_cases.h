@@ -13,8 +13,8 @@
 #include "condyle/estimator/sensors/learned_sensor.h"
 #include "support/dense_cascade.h"
 
-// Compiled as a function of its own, with all it calls in it, whoever calls it. Filters that would
-// take minutes to compile so have a `step` that is not inlined.
+// Compiled as a function of its own that contains all it calls. The large filters would take
+// minutes to compile in this way, so their `step` is not inlined.
 #if defined(__GNUC__) && !defined(__clang__)
 #define CONDYLE_ONE_FUNCTION [[gnu::noipa, gnu::flatten]]
 #else

@@ -7,7 +7,7 @@
 //   value  D_n at that peak, n 1.6 times narrower, less what D_N - D_n says of its own error, which
 //          grows with the fourth power of the width, and less what noise adds
 // If even the narrowest windows differ by more than noise, the movement is fast for the rate: their
-// differences are in the interval, and beyond 5 % of the speed there is no value.
+// differences are in the interval. Beyond 5 % of the speed, the value is withheld.
 #pragma once
 
 #include <vector>

@@ -11,7 +11,7 @@
 // PositionTrust: the same of the next position, which no teacher made.
 //
 //   u     innovation, in its standard deviations
-//   X     what the whole correction would have added to the prediction, likewise
+//   X     the whole correction's effect on the predicted position, in the same unit
 //   beta  clamp(min(B/A + sd, Bs/As + sds), 0, 1), sd = 1/sqrt(n A), each sample by itself: the
 //         largest share that the positions do not contradict; 1 where they cannot tell
 #pragma once

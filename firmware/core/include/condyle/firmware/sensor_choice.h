@@ -30,12 +30,13 @@ struct RecommendedChoice {
   Axis axis = Axis::z;  ///< followed
 };
 
-/// The sensor of the recommended estimator for `kAxes` axes. `kMostLag`: longest lag for which
-/// there is memory. `kIdentifies`: it identifies friction and mass. `kKernels`: kernels for which
-/// there is memory; if there is any, the sensor is a LearnedSensor.
+/// The sensor of the recommended estimator for `kAxes` axes, which learns nothing. `kMostLag`:
+/// longest lag for which there is memory. `kIdentifies`: it identifies friction and mass.
 template <class Scalar, int kAxes, int kMostLag, bool kIdentifies>
 using FilterOf = std::conditional_t<kIdentifies, DrivenSensor<Scalar, kAxes, kMostLag>,
                                     RecommendedSensor<Scalar, kAxes, kMostLag>>;
+
+/// The same; a LearnedSensor if there is memory for `kKernels` kernels, above 0.
 template <class Scalar, int kAxes, int kMostLag, bool kIdentifies, int kKernels>
 using SensorOf = std::conditional_t<(kKernels > 0),
                                     LearnedSensor<FilterOf<Scalar, kAxes, kMostLag, kIdentifies>,
