@@ -284,12 +284,10 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
   for (int back = 0; back < 2; ++back) {
     const std::size_t from = back == 0 ? begin : turn, to = back == 0 ? turn : end;
     values.push_back(greatest.of(speeds, from, to + 1).value * 1e3);
-    const double step_s =
-        (time_s[to] - time_s[from]) / static_cast<double>(std::max<std::size_t>(to - from, 1));
-    const std::vector<double> part(speeds.begin() + static_cast<std::ptrdiff_t>(from),
-                                   speeds.begin() + static_cast<std::ptrdiff_t>(to + 1));
-    smoothness[back][0] = spectral_arc_length(part, step_s);
-    smoothness[back][1] = log_dimensionless_jerk(part, step_s);
+    const Smoothness one =
+        smoothness_of(time_s, speeds, back == 0 ? begin_s : turn_s, back == 0 ? turn_s : end_s);
+    smoothness[back][0] = one.spectral_arc_length;
+    smoothness[back][1] = one.log_dimensionless_jerk;
   }
   for (const auto& phase : smoothness) values.insert(values.end(), phase, phase + 2);
   if (why != nullptr) why->assign(values.size(), "");

@@ -115,7 +115,7 @@ CycleSummary scatter(std::string_view name, const Values& values, bool is_relati
   return summary;
 }
 
-// Mean of the last third minus mean of the first third.
+// Mean of the last third minus mean of the first third, and how much of it the scatter explains.
 CycleSummary change(std::string_view name, const Values& values) {
   CycleSummary summary{name, Side::none, {}, {}, {}};
   const std::size_t third = values.size() / 3;
@@ -124,19 +124,24 @@ CycleSummary change(std::string_view name, const Values& values) {
     return summary;
   }
   double scatter = 0;
+  const auto size = static_cast<std::ptrdiff_t>(third);
   const auto measure = [&](const std::vector<double>& numbers) {
-    const auto size = static_cast<std::ptrdiff_t>(third);
     const auto [first, first_sd] = moments({numbers.begin(), numbers.begin() + size});
     const auto [last, last_sd] = moments({numbers.end() - size, numbers.end()});
     scatter = (first_sd * first_sd + last_sd * last_sd) / static_cast<double>(third);
     return last - first;
   };
   summary.value = with_shared_errors(values, measure);
+  const double noise = mean_variance({values.begin(), values.begin() + size}) +
+                       mean_variance({values.end() - size, values.end()});
+  summary.value.noise_sd = std::sqrt(noise / static_cast<double>(third));
   std::vector<double> numbers;
   for (const UncertainValue& value : values) numbers.push_back(value.value);
   measure(numbers);
-  const double factor = student_t_quantile(0.975, 2 * (static_cast<double>(third) - 1)) / kHalf95;
-  summary.value.noise_sd = factor * std::sqrt(scatter);
+  const double factor = student_t_quantile(0.975, 2 * (static_cast<double>(third) - 1));
+  summary.remark = fmt::format("cycles that only scatter as these do change by up to {:.2g} {}",
+                               factor * std::sqrt(scatter), definition_of(name).unit);
+  summary.is_derived = false;
   return summary;
 }
 

@@ -5,6 +5,7 @@
 // max(1 mm, 2 sd) midline. Loop reversed: it closes nearer to the midline than it opens.
 // Counts have as interval the cycles that surely are so and those that may be.
 // Scatter: standard deviation without that of the measurement, not below 0.
+// Change: of these cycles; whether they only scatter, its remark helps to judge.
 #pragma once
 
 #include <array>
@@ -23,7 +24,8 @@ struct CycleSummary {
   Side side = Side::none;
   UncertainValue value;
   std::optional<std::array<double, 2>> interval;  ///< if it does not lie about the value
-  std::string remark;                             ///< what the value takes for granted
+  std::string remark;      ///< what the value takes for granted, or how to read it
+  bool is_derived = true;  ///< if there is a remark: by what it says
 };
 
 /// Says the side of each cycle that is taken, with a note if the task states it.

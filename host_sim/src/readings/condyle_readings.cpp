@@ -20,6 +20,7 @@ constexpr double kOnset_m = 0.3e-3;  // travel of a condyle that has left the fo
 constexpr double kChord_m = 0.5e-3;  // of a path's length
 // Of the spread of instantaneous axes, on motion without noise.
 constexpr double kSpreadError_mm = 0.1;
+constexpr double kShareOfSmoothing = 0.5;
 // Paths that are nearer to each other coincide.
 constexpr double kLeastSeparation_mm = 0.05;
 constexpr std::size_t kSeparations = 8, kEnds = 20;
@@ -262,10 +263,13 @@ void finish_separations(const std::vector<StrokeReading>& names,
     mean.smoothing = std::hypot(mean.smoothing, closure_mm);
   }
   values.resize(names.size());
-  // The spread of axes is never negative, so that smoothing always adds to it.
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (!names[i].name.ends_with("_spread_mm")) continue;
-    values[i].smoothing = std::hypot(values[i].smoothing, kSpreadError_mm);
+    const bool is_spread = names[i].name.ends_with("_spread_mm");
+    if (!is_spread && !names[i].name.starts_with("condylar_path")) continue;
+    // What noise adds to a length follows from its variance, which is known to a few percent.
+    values[i].smoothing *= kShareOfSmoothing;
+    // The spread of axes is never negative, so that smoothing always adds to it.
+    if (is_spread) values[i].smoothing = std::hypot(values[i].smoothing, kSpreadError_mm);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "readings/analysis_stop.h"
+#include "readings/smoothness.h"
 #include "readings/speed_readings.h"
 #include "statistics/monte_carlo.h"
 
@@ -14,6 +15,11 @@ namespace {
 constexpr std::uint64_t kSeed = 20, kFirstStream = 2;
 constexpr int kPairs = 12;
 constexpr double kCalm_s = 0.06, kMild_s = 0.1;
+// A cycle turns sharply where the jaw is closed: a calm path shows a third of what smoothing
+// changes.
+constexpr double kTimesSmoothing = 3;
+// The jerk there, hardly any of it.
+constexpr double kTimesJerk = 5;
 constexpr double kMargin_s = 0.15, kMarginAtPause_s = 0.3;
 // Standard deviation of the instant at which the jaw leaves or reaches a pause: it begins and ends
 // so slowly that its form, which is not known, decides.
@@ -36,17 +42,24 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
   RandomGenerator random(kSeed, stream);
   auto values = uncertain_values(
       *context.motion, begin, end, *context.noise, context.errors,
-      {kPairs, kCalm_s, kMild_s, PathPart::incisor}, random,
+      {kPairs, kCalm_s, kMild_s, PathPart::incisor, kTimesSmoothing}, random,
       [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
         read_cycle(cycle, begin, read.height_sd_m, context.has_landmarks, path, greatest, into,
                    why);
       });
-  // Duration, opening time, closing time.
   const double at_begin_s = cycle.begins_after_pause ? kPauseBoundary_s : cycle.begin_sd_s;
   const double at_end_s = cycle.ends_with_pause ? kPauseBoundary_s : cycle.end_sd_s;
-  const double added_s[] = {std::hypot(at_begin_s, at_end_s), at_begin_s, at_end_s};
-  for (std::size_t i = 0; i < 3; ++i) {
-    values[i].noise_sd = std::hypot(values[i].noise_sd, added_s[i]);
+  const auto names = readings_of_cycle(context.has_landmarks);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string_view name = names[i];
+    const bool has_begin = name == "cycle_duration_s" || name == "opening_time_s";
+    const bool has_end =
+        name == "cycle_duration_s" || name == "closing_time_s" || name == "slow_close_time_s";
+    double& smoothing = values[i].smoothing;
+    if (name.ends_with("ldlj")) smoothing *= kTimesJerk;
+    smoothing = std::hypot(smoothing, sampling_error_of(name));
+    if (has_begin) values[i].noise_sd = std::hypot(values[i].noise_sd, at_begin_s);
+    if (has_end) values[i].noise_sd = std::hypot(values[i].noise_sd, at_end_s);
   }
   read_speeds_of_cycle(cycle, context, values);
   return values;

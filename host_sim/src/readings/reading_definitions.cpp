@@ -128,9 +128,7 @@ const std::vector<ReadingDefinition>& reading_definitions() {
       {"cycle_duration_cv_percent", "%", "cycle_duration_sd_s over the mean duration", 10, false,
        false},
       {"cycle_duration_change_s", "s",
-       "mean duration of the last third of the cycles minus that of the first; interval with the "
-       "scatter of the cycles",
-       0.2, false, false},
+       "mean duration of the last third of the cycles minus that of the first", 0.2, false, false},
       {"closing_peak_speed_sd_mm_s", "mm/s",
        "standard deviation of the cycles' closing peak speeds, without that of their measurement, "
        "at least 0",
@@ -138,9 +136,8 @@ const std::vector<ReadingDefinition>& reading_definitions() {
       {"closing_peak_speed_cv_percent", "%",
        "closing_peak_speed_sd_mm_s over the mean closing peak speed", 10, false, false},
       {"closing_peak_speed_change_mm_s", "mm/s",
-       "mean closing peak speed of the last third of the cycles minus that of the first; interval "
-       "with the scatter of the cycles",
-       30, false, false},
+       "mean closing peak speed of the last third of the cycles minus that of the first", 30, false,
+       false},
       {"cycle_frequency_Hz", "Hz", "1 over the mean duration", 0.2, false, false},
       {"cycle_height_mm", "mm", "mean vertical range of the lower incisor in a cycle", 2, false,
        true},
@@ -153,17 +150,13 @@ const std::vector<ReadingDefinition>& reading_definitions() {
        2, false, true},
       {"cycle_height_cv_percent", "%", "cycle_height_sd_mm over the mean height", 10, false, true},
       {"cycle_height_change_mm", "mm",
-       "mean height of the last third of the cycles minus that of the first; interval with the "
-       "scatter of the cycles",
-       4, false, true},
+       "mean height of the last third of the cycles minus that of the first", 4, false, true},
       {"cycle_width_sd_mm", "mm",
        "standard deviation of the cycles' widths, without that of their measurement, at least 0", 2,
        false, true},
       {"cycle_width_cv_percent", "%", "cycle_width_sd_mm over the mean width", 20, false, true},
       {"cycle_width_change_mm", "mm",
-       "mean width of the last third of the cycles minus that of the first; interval with the "
-       "scatter of the cycles",
-       4, false, true},
+       "mean width of the last third of the cycles minus that of the first", 4, false, true},
       {"cycle_path_mm", "mm", "mean length of the lower incisor's path in a cycle", 5, false,
        false},
       {"opening_peak_vertical_speed_mm_s", "mm/s",

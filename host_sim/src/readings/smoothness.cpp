@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kHighest_Hz = 10, kLeastAmplitude = 0.05;
-constexpr int kPadding = 4;  // powers of two
+constexpr int kPadding = 4;          // powers of two
+constexpr std::size_t kStencil = 4;  // of the interpolation
 
 // Bins whose amplitudes are computed together, in pairs that fit the processor's registers.
 using Pair = double __attribute__((vector_size(16)));
@@ -83,16 +84,54 @@ double spectral_arc_length(const std::vector<double>& speed, double step_s) {
   return -length;
 }
 
-double log_dimensionless_jerk(const std::vector<double>& speed, double step_s) {
+double log_dimensionless_jerk(const std::vector<double>& speed, double step_s, EndJerk ends) {
   if (speed.size() < 5 || !(step_s > 0)) return kNone;
   double peak = 0, sum = 0;
   for (const double v : speed) peak = std::max(peak, std::abs(v));
-  for (std::size_t i = 2; i < speed.size(); ++i) {
-    const double jerk = (speed[i] - 2 * speed[i - 1] + speed[i - 2]) / (step_s * step_s);
-    sum += jerk * jerk * step_s;
+  const auto jerk = [&](std::size_t middle) {
+    return (speed[middle + 1] - 2 * speed[middle] + speed[middle - 1]) / (step_s * step_s);
+  };
+  const std::size_t last = speed.size() - 2;
+  for (std::size_t i = 1; i <= last; ++i) sum += jerk(i) * jerk(i) * step_s;
+  if (ends == EndJerk::extrapolated) {
+    const double first = 2 * jerk(1) - jerk(2), end = 2 * jerk(last) - jerk(last - 1);
+    sum += (first * first + end * end) * step_s;
   }
   const double duration_s = static_cast<double>(speed.size()) * step_s;
   return -std::log(duration_s * duration_s * duration_s / (peak * peak) * sum);
+}
+
+Smoothness smoothness_of(const std::vector<double>& time_s, const std::vector<double>& speed,
+                         double from_s, double to_s) {
+  Smoothness none{kNone, kNone};
+  const auto first_inside = std::lower_bound(time_s.begin(), time_s.end(), from_s);
+  const auto end_inside = std::upper_bound(first_inside, time_s.end(), to_s);
+  const auto inside = static_cast<std::size_t>(end_inside - first_inside);
+  if (inside < kStencil) return none;
+  const auto first = static_cast<std::size_t>(first_inside - time_s.begin());
+  const double step_s = (*(end_inside - 1) - *first_inside) / static_cast<double>(inside - 1);
+  const auto parts = static_cast<std::size_t>(std::lround((to_s - from_s) / step_s));
+  const double part_s = (to_s - from_s) / static_cast<double>(parts);
+  std::vector<double> even;
+  even.reserve(parts);
+  std::size_t k = 0;  // of the four samples between which the speed is cubic
+  for (std::size_t i = 0; i < parts; ++i) {
+    const double at_s = from_s + (static_cast<double>(i) + 0.5) * part_s;
+    while (k + kStencil < inside && time_s[first + k + kStencil / 2] <= at_s) ++k;
+    double value = 0;
+    for (std::size_t m = 0; m < kStencil; ++m) {
+      const double here_s = time_s[first + k + m];
+      double weight = speed[first + k + m];
+      for (std::size_t n = 0; n < kStencil; ++n) {
+        const double there_s = time_s[first + k + n];
+        if (n != m) weight *= (at_s - there_s) / (here_s - there_s);
+      }
+      value += weight;
+    }
+    even.push_back(std::max(value, 0.0));
+  }
+  return {spectral_arc_length(even, part_s),
+          log_dimensionless_jerk(even, part_s, EndJerk::extrapolated)};
 }
 
 }  // namespace condyle::host

@@ -6,9 +6,13 @@
 //           value, from the first to the last frequency up to 10 Hz with V >= 0.05; zero padding
 //           to 16 times the next power of two
 //   LDLJ    -ln (T^3 / v_peak^2 sum (d^2 v / dt^2)^2 dt), T = N dt
+// A movement between samples: the speed at the middles of N equal parts, so that its first and last
+// instants need not be samples. Without extrapolation the sum of LDLJ lacks two parts, where the
+// jerk of a movement is greatest.
 // Balasubramanian, Melendez-Calderon, Roby-Brami, Burdet 2015, J NeuroEng Rehabil 12:112.
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 namespace condyle::host {
@@ -16,7 +20,25 @@ namespace condyle::host {
 /// Spectral arc length of `speed`, sampled every `step_s`; NaN if there is none.
 double spectral_arc_length(const std::vector<double>& speed, double step_s);
 
+/// Second derivatives at the first and last sample.
+enum class EndJerk { left_out, extrapolated };
+
 /// Log dimensionless jerk of `speed`; NaN if there is none.
-double log_dimensionless_jerk(const std::vector<double>& speed, double step_s);
+double log_dimensionless_jerk(const std::vector<double>& speed, double step_s,
+                              EndJerk ends = EndJerk::left_out);
+
+/// Both are defined for samples: how much the reading `name` changes with the number of samples of
+/// the same movement. 0 for other readings.
+inline double sampling_error_of(std::string_view name) {
+  return name.ends_with("sparc") ? 0.01 : name.ends_with("ldlj") ? 0.02 : 0;
+}
+
+struct Smoothness {
+  double spectral_arc_length, log_dimensionless_jerk;
+};
+
+/// Those of the movement from `from_s` to `to_s` with the rising times `time_s`.
+Smoothness smoothness_of(const std::vector<double>& time_s, const std::vector<double>& speed,
+                         double from_s, double to_s);
 
 }  // namespace condyle::host

@@ -24,26 +24,24 @@ constexpr double kReturn_m = 1e-3;         // near the reference position
 
 // Speed from `begin` to `end` (without): its peak, and the movement around the peak.
 struct Movement {
-  double peak_m_s = 0, step_s = 0;
-  std::vector<double> speed_m_s;
+  double peak_m_s, begin_s, end_s;
 };
 
 Movement movement_of(const JawPath& path, const std::vector<double>& speeds, std::size_t begin,
                      std::size_t end) {
-  Movement movement;
-  const Greatest peak = greatest_of(path.time_s, speeds, begin, end, kTopReach_s);
-  const std::size_t at = peak.at;
-  movement.peak_m_s = peak.value;
-  std::size_t first = at, last = at;
-  const double least = kLeastSpeedShare * movement.peak_m_s;
+  const auto& time_s = path.time_s;
+  const Greatest peak = greatest_of(time_s, speeds, begin, end, kTopReach_s);
+  const double least = kLeastSpeedShare * peak.value;
+  std::size_t first = peak.at, last = peak.at;
   while (first > begin && speeds[first - 1] >= least) --first;
   while (last + 1 < end && speeds[last + 1] >= least) ++last;
-  movement.speed_m_s.assign(speeds.begin() + static_cast<std::ptrdiff_t>(first),
-                            speeds.begin() + static_cast<std::ptrdiff_t>(last + 1));
-  movement.step_s =
-      last > first ? (path.time_s[last] - path.time_s[first]) / static_cast<double>(last - first)
-                   : 0;
-  return movement;
+  // Where the speed is `least`, between this sample and the one outside.
+  const auto passage_s = [&](std::size_t inside, std::size_t outside) {
+    const double share = (speeds[inside] - least) / (speeds[inside] - speeds[outside]);
+    return time_s[inside] + std::clamp(share, 0.0, 1.0) * (time_s[outside] - time_s[inside]);
+  };
+  return {peak.value, first > begin ? passage_s(first, first - 1) : time_s[first],
+          last + 1 < end ? passage_s(last, last + 1) : time_s[last]};
 }
 
 void add_opening(const JawPath& path, std::size_t turn, double turning_sd_rad_s,
@@ -85,8 +83,10 @@ void add_speeds(const JawPath& path, std::size_t turn, ReadingValues& out) {
     }
     const Movement movement = movement_of(path, speeds, begin, end);
     out.add(movement.peak_m_s / kMillimetre);
-    out.add(spectral_arc_length(movement.speed_m_s, movement.step_s));
-    out.add(log_dimensionless_jerk(movement.speed_m_s, movement.step_s));
+    const Smoothness smoothness =
+        smoothness_of(path.time_s, speeds, movement.begin_s, movement.end_s);
+    out.add(smoothness.spectral_arc_length);
+    out.add(smoothness.log_dimensionless_jerk);
   }
 }
 

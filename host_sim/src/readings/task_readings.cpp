@@ -14,6 +14,7 @@
 #include "readings/cycle_values.h"
 #include "readings/kinematic_centre.h"
 #include "readings/reading_groups.h"
+#include "readings/smoothness.h"
 #include "readings/speed_readings.h"
 #include "readings/stroke_checks.h"
 #include "readings/stroke_readings.h"
@@ -220,6 +221,9 @@ class TaskReader {
         });
     const auto names = readings_of_stroke(kind, context_.has_landmarks);
     if (values.size() > names.size()) finish_separations(names, values);
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      values[k].smoothing = std::hypot(values[k].smoothing, sampling_error_of(names[k].name));
+    }
     if (is_stroke) read_speeds_of_stroke(names, analysis_.path, stroke, context_, values);
     const std::string onset =
         is_stroke && context_.has_landmarks ? problem_of_onset(analysis_.path, stroke) : "";
@@ -350,7 +354,7 @@ class TaskReader {
       }
       if (summary.remark.empty()) continue;
       reading.reason += (reading.reason.empty() ? "" : "; ") + summary.remark;
-      reading.provenance = ReadingProvenance::derived;
+      if (summary.is_derived) reading.provenance = ReadingProvenance::derived;
     }
     if (analysis_.has_landmarks && context_.unusable.empty()) {
       analysis_.average_cycles = average_cycles(analysis_.path, analysis_.cycles, context_.errors);

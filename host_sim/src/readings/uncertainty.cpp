@@ -9,9 +9,6 @@ namespace {
 
 // Beyond this share of draws without a value, the value depends on chance.
 constexpr double kMostMissing = 0.1;
-// What is left after the correction is far less than what was corrected; the interval contains this
-// many times that, and all that was subtracted for noise.
-constexpr double kTimesSmoothing = 2;
 constexpr double kTimesNoise = 6, kGreatestReach_s = 0.6;
 
 std::vector<double> part_of(const std::vector<double>& values, std::size_t begin, std::size_t end) {
@@ -233,7 +230,8 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
     const double smoothing = once[i] - calm_values[i];
     result.value = values[i] - smoothing - mean;
     result.noise_sd = std::sqrt(std::max(drawn.squares / count - mean * mean, 0.0));
-    result.smoothing = std::hypot(kTimesSmoothing * smoothing, mean);
+    // What is left after the correction is less than what was corrected.
+    result.smoothing = std::hypot(settings.times_smoothing * smoothing, mean);
     for (const double change : result.fixed) {
       if (!std::isfinite(change))
         result.missing = "whether the movement reaches it depends on the landmarks";

@@ -4,8 +4,8 @@
 //   y    smoothed motion of the stroke; F(y) the measures; S smoothing; e noise of the samples
 //   z    the motion smoothed over a wider window, with hardly any noise
 //   m    the motion smoothed over a still wider window, then averaged over half of it
-//   smoothing   F(S z) - F(z), what smoothing changes, is subtracted, and twice of it is in the
-//               interval
+//   smoothing   F(S z) - F(z), what smoothing changes, is subtracted, and a multiple of it is in
+//               the interval
 //   noise       mean of F(S(m + e)) - F(S m), what noise adds, is subtracted; the standard
 //   deviation
 //               of these is that of the value
@@ -44,6 +44,7 @@ struct DrawSettings {
   double calm_half_s;             ///< half window of z
   double mild_half_s;             ///< half window of m
   PathPart part = PathPart::all;  ///< what `read` needs
+  double times_smoothing = 2;     ///< of what smoothing changed: what the interval contains
 };
 
 /// The values that `read` gives for the samples `begin` to `end` (without) of `motion`.

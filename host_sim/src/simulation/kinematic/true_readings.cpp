@@ -66,6 +66,7 @@ class TruthOfJaw {
     stroke_ = stroke.stroke;
     const Span out{stroke.begin_s, stroke.outward_end_s}, back{stroke.return_begin_s, stroke.end_s};
     const Span whole{stroke.begin_s, stroke.end_s};
+    add_greatest(whole);
     switch (stroke.kind) {
       case JawTaskKind::opening:
         add("opening_mm", greatest([this](double t) { return incisor_mm(t).norm(); }, whole), "mm");
@@ -270,14 +271,22 @@ class TruthOfJaw {
     readings_.insert(readings_.end(), means.begin(), means.end());
   }
 
-  void read_task(const JawTaskSpan& task) {
-    task_ = task.name();
-    stroke_ = 0;
-    const Span span{task.begin_s, task.end_s};
+  // In a stroke, or in a task without strokes.
+  void add_greatest(const Span& span) {
     add("rotation_deg",
         greatest([this](double t) { return rotation_angle_deg(jaw_.pose_at(t).rotation); }, span),
         "deg");
     add("displacement_mm", greatest([this](double t) { return incisor_mm(t).norm(); }, span), "mm");
+  }
+
+  void read_task(const JawTaskSpan& task) {
+    task_ = task.name();
+    stroke_ = 0;
+    const Span span{task.begin_s, task.end_s};
+    const bool has_strokes = task.kind == JawTaskKind::opening ||
+                             task.kind == JawTaskKind::protrusion ||
+                             task.kind == JawTaskKind::left || task.kind == JawTaskKind::right;
+    if (!has_strokes) add_greatest(span);
     if (task.kind == JawTaskKind::border) read_border(span);
   }
 
