@@ -44,12 +44,6 @@ Analysis analyse_simulation(const KinematicSimulation& simulation, const Landmar
   return analyse(recording, "simulation", stated_landmarks(simulation, errors), choice);
 }
 
-// What the other two definitions of a task's mean do not share with the truth.
-bool is_defined_otherwise(const std::string& key) {
-  return key.ends_with("/displacement_mm") || key.ends_with("/rotation_deg") ||
-         key.starts_with("rest/");
-}
-
 // Values of the reference implementation of Balasubramanian et al. 2015.
 TEST(Smoothness, EqualsThePublishedValues) {
   std::vector<double> speed;
@@ -98,13 +92,15 @@ TEST(StrokeReadings, EqualTheTruthOnExactPoses) {
       const std::string key = fmt::format("{}/{}/{}/{}", name_of(kind), name_of(names[i].side),
                                           names[i].name, stroke.stroke);
       const auto expected = truth.find(key);
-      if (expected == truth.end() || is_defined_otherwise(key.substr(0, key.rfind('/')))) continue;
+      if (expected == truth.end()) continue;
       ++compared;
       // Lengths by chords of 0.5 mm are shorter than the arc; the side shift is a fit to 31 points;
       // the truth of a speed is that of the fastest sample; instantaneous axes begin and end at
-      // samples.
+      // samples; smoothness depends on the number of samples.
       const std::string_view name = names[i].name;
-      const double tolerance = name == "condylar_path_mm"             ? 2e-3
+      const double tolerance = name.ends_with("sparc")                ? 2e-2
+                               : name.ends_with("ldlj")               ? 2e-2
+                               : name == "condylar_path_mm"           ? 2e-3
                                : name == "side_shift_mm"              ? 2e-4
                                : name == "progressive_side_shift_deg" ? 2e-3
                                : name.starts_with("instantaneous")    ? 2e-2
@@ -214,10 +210,12 @@ TEST(Analysis, WithoutNoiseDeviatesByAQuarterOfItsHalfInterval) {
     compare_means(analyse_simulation(simulation, {1, 1, 1}), true_readings(*jaw), coverages);
     int compared = 0;
     for (const auto& [key, coverage] : coverages) {
-      if (is_defined_otherwise(key) || coverage.shown == 0) continue;
+      if (coverage.shown == 0) continue;
       ++compared;
       if (key.ends_with("/cycle_count")) continue;
-      const bool is_time = key.starts_with("chewing/");  // landmarks hardly matter
+      // Landmarks hardly matter.
+      const bool is_time =
+          key.starts_with("chewing/") || key.ends_with("ldlj") || key.ends_with("sparc");
       // Instantaneous axes are averaged over samples, the truth every 0.5 ms.
       const double least = key.ends_with("instantaneous_axis_spread_mm") ? 0.04 : 2e-3;
       EXPECT_LE(std::sqrt(coverage.squares), (is_time ? 1 : 0.25) * coverage.halves + least)
@@ -324,7 +322,7 @@ TEST_P(ReadingCoverage, IsThatOfTheInterval) {
   }
   std::printf("%s: reading, shown, covered, rms error, mean half interval\n", cell.name);
   for (const auto& [key, coverage] : coverages) {
-    if (is_defined_otherwise(key) || coverage.shown == 0) continue;
+    if (coverage.shown == 0) continue;
     std::printf("  %-52s %4d of %d  %5.1f %%  %8.4f  %8.4f\n", key.c_str(), coverage.shown,
                 coverage.wanted, 100.0 * coverage.covered / coverage.shown,
                 std::sqrt(coverage.squares / coverage.shown), coverage.halves / coverage.shown);

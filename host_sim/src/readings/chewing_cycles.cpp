@@ -280,7 +280,7 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
   const std::vector<double> rates = height_rates_of(path, has_landmarks);
   const double turn_s = standstill_s(time_s, rates, turn);
   values = {end_s - begin_s, turn_s - begin_s, end_s - turn_s};
-  double smoothness[2][2];
+  double smoothness[2][2], doubts[2];
   for (int back = 0; back < 2; ++back) {
     const std::size_t from = back == 0 ? begin : turn, to = back == 0 ? turn : end;
     values.push_back(greatest.of(speeds, from, to + 1).value * 1e3);
@@ -288,6 +288,7 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
         smoothness_of(time_s, speeds, back == 0 ? begin_s : turn_s, back == 0 ? turn_s : end_s);
     smoothness[back][0] = one.spectral_arc_length;
     smoothness[back][1] = one.log_dimensionless_jerk;
+    doubts[back] = one.arc_length_doubt;
   }
   for (const auto& phase : smoothness) values.insert(values.end(), phase, phase + 2);
   if (why != nullptr) why->assign(values.size(), "");
@@ -310,6 +311,8 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
     values.push_back(begin_s - cycle.begin_s);
     if (why != nullptr) why->emplace_back();
   }
+  values.insert(values.end(), doubts, doubts + 2);
+  if (why != nullptr) why->resize(values.size());
 }
 
 }  // namespace condyle::host

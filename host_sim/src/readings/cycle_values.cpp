@@ -42,7 +42,7 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
   RandomGenerator random(kSeed, stream);
   auto values = uncertain_values(
       *context.motion, begin, end, *context.noise, context.errors,
-      {kPairs, kCalm_s, kMild_s, PathPart::incisor, kTimesSmoothing}, random,
+      {kPairs, kCalmCycle_s, kMildCycle_s, PathPart::incisor, kTimesSmoothingOfCycle}, random,
       [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
         read_cycle(cycle, begin, read.height_sd_m, context.has_landmarks, path, greatest, into,
                    why);
@@ -50,14 +50,14 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
   const double at_begin_s = cycle.begins_after_pause ? kPauseBoundary_s : cycle.begin_sd_s;
   const double at_end_s = cycle.ends_with_pause ? kPauseBoundary_s : cycle.end_sd_s;
   const auto names = readings_of_cycle(context.has_landmarks);
+  const auto doubts = take_arc_length_doubts(values);
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string_view name = names[i];
     const bool has_begin = name == "cycle_duration_s" || name == "opening_time_s";
     const bool has_end =
         name == "cycle_duration_s" || name == "closing_time_s" || name == "slow_close_time_s";
-    double& smoothing = values[i].smoothing;
-    if (name.ends_with("ldlj")) smoothing *= kTimesJerk;
-    smoothing = std::hypot(smoothing, sampling_error_of(name));
+    if (name.ends_with("ldlj")) values[i].smoothing *= kTimesJerk;
+    widen_smoothness(name, doubts, values[i]);
     if (has_begin) values[i].noise_sd = std::hypot(values[i].noise_sd, at_begin_s);
     if (has_end) values[i].noise_sd = std::hypot(values[i].noise_sd, at_end_s);
   }

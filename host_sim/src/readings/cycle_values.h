@@ -11,6 +11,10 @@
 
 namespace condyle::host {
 
+/// Half windows of a calm path and a mild one (s). A cycle turns sharply where the jaw is closed: a
+/// calm path shows a third of what smoothing changes.
+inline constexpr double kCalmCycle_s = 0.06, kMildCycle_s = 0.1, kTimesSmoothingOfCycle = 3;
+
 /// A cycle of a path, and the standard deviation of the path's smoothed heights there.
 struct CycleToRead {
   ChewingCycle cycle;

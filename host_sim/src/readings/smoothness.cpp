@@ -13,6 +13,9 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kHighest_Hz = 10, kLeastAmplitude = 0.05;
+// What is not known of an amplitude near the threshold; of an arc length at least, and at most,
+// which is a lobe as high as the threshold; of LDLJ.
+constexpr double kAmplitudeDoubt = 0.1, kLeastDoubt = 0.01, kLobe = 0.1, kJerkDoubt = 0.02;
 constexpr int kPadding = 4;          // powers of two
 constexpr std::size_t kStencil = 4;  // of the interpolation
 
@@ -38,15 +41,19 @@ const std::vector<Block>& cosines_of(double bins, std::size_t last) {
 
 }  // namespace
 
-double spectral_arc_length(const std::vector<double>& speed, double step_s) {
-  if (speed.size() < 4 || !(step_s > 0)) return kNone;
+namespace {
+
+// Amplitudes up to kHighest_Hz, over that of frequency 0, at multiples of one frequency; empty if
+// there are none.
+std::vector<double> spectrum_of(const std::vector<double>& speed, double step_s) {
+  if (speed.size() < 4 || !(step_s > 0)) return {};
   const double exponent = std::ceil(std::log2(static_cast<double>(speed.size()))) + kPadding;
   const double bins = std::exp2(exponent);
   const double bin_Hz = 1 / (step_s * bins);
   // No bin of a speed, which is nowhere negative, exceeds that of frequency 0.
   double largest = 0;
   for (const double v : speed) largest += v;
-  if (!(largest > 0)) return kNone;
+  if (!(largest > 0)) return {};
   const auto highest =
       static_cast<std::size_t>(std::min(kHighest_Hz / bin_Hz * (1 + 1e-12), bins - 1));
   const std::vector<Block>& cosines = cosines_of(bins, highest);
@@ -72,8 +79,15 @@ double spectral_arc_length(const std::vector<double>& speed, double step_s) {
       }
     }
   }
-  std::size_t last = highest;
-  while (last > 0 && amplitudes[last] < kLeastAmplitude) --last;
+  amplitudes.resize(highest + 1);
+  return amplitudes;
+}
+
+// Up to the last frequency with an amplitude of at least `least`.
+double arc_length(const std::vector<double>& amplitudes, double least) {
+  if (amplitudes.empty()) return kNone;
+  std::size_t last = amplitudes.size() - 1;
+  while (last > 0 && amplitudes[last] < least) --last;
   if (last == 0) return kNone;
   const double df = 1 / static_cast<double>(last);
   double length = 0;
@@ -82,6 +96,12 @@ double spectral_arc_length(const std::vector<double>& speed, double step_s) {
     length += std::sqrt(df * df + change * change);
   }
   return -length;
+}
+
+}  // namespace
+
+double spectral_arc_length(const std::vector<double>& speed, double step_s) {
+  return arc_length(spectrum_of(speed, step_s), kLeastAmplitude);
 }
 
 double log_dimensionless_jerk(const std::vector<double>& speed, double step_s, EndJerk ends) {
@@ -103,7 +123,7 @@ double log_dimensionless_jerk(const std::vector<double>& speed, double step_s, E
 
 Smoothness smoothness_of(const std::vector<double>& time_s, const std::vector<double>& speed,
                          double from_s, double to_s) {
-  Smoothness none{kNone, kNone};
+  Smoothness none{kNone, kNone, kNone};
   const auto first_inside = std::lower_bound(time_s.begin(), time_s.end(), from_s);
   const auto end_inside = std::upper_bound(first_inside, time_s.end(), to_s);
   const auto inside = static_cast<std::size_t>(end_inside - first_inside);
@@ -130,8 +150,32 @@ Smoothness smoothness_of(const std::vector<double>& time_s, const std::vector<do
     }
     even.push_back(std::max(value, 0.0));
   }
-  return {spectral_arc_length(even, part_s),
-          log_dimensionless_jerk(even, part_s, EndJerk::extrapolated)};
+  const std::vector<double> spectrum = spectrum_of(even, part_s);
+  const double length = arc_length(spectrum, kLeastAmplitude);
+  double doubt = 0;
+  for (const double factor : {1 - kAmplitudeDoubt, 1 + kAmplitudeDoubt}) {
+    doubt = std::max(doubt, std::abs(arc_length(spectrum, factor * kLeastAmplitude) - length));
+  }
+  return {length, doubt, log_dimensionless_jerk(even, part_s, EndJerk::extrapolated)};
+}
+
+std::array<double, 2> take_arc_length_doubts(std::vector<UncertainValue>& values) {
+  std::array<double, 2> doubts{};
+  for (const std::size_t back : {std::size_t{1}, std::size_t{0}}) {
+    const double doubt = values.back().value;
+    doubts[back] = std::isfinite(doubt) ? std::max(doubt, kLeastDoubt) : kLobe;
+    values.pop_back();
+  }
+  return doubts;
+}
+
+void widen_smoothness(std::string_view name, const std::array<double, 2>& doubts,
+                      UncertainValue& value) {
+  const double doubt = name == "sparc"           ? doubts[0]
+                       : name == "closing_sparc" ? doubts[1]
+                       : name.ends_with("ldlj")  ? kJerkDoubt
+                                                 : 0;
+  value.smoothing = std::hypot(value.smoothing, doubt);
 }
 
 }  // namespace condyle::host

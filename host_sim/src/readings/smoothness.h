@@ -9,11 +9,15 @@
 // A movement between samples: the speed at the middles of N equal parts, so that its first and last
 // instants need not be samples. Without extrapolation the sum of LDLJ lacks two parts, where the
 // jerk of a movement is greatest.
+// Where the spectrum has a lobe near the threshold, a little noise decides whether it counts.
 // Balasubramanian, Melendez-Calderon, Roby-Brami, Burdet 2015, J NeuroEng Rehabil 12:112.
 #pragma once
 
+#include <array>
 #include <string_view>
 #include <vector>
+
+#include "readings/reading.h"
 
 namespace condyle::host {
 
@@ -27,18 +31,23 @@ enum class EndJerk { left_out, extrapolated };
 double log_dimensionless_jerk(const std::vector<double>& speed, double step_s,
                               EndJerk ends = EndJerk::left_out);
 
-/// Both are defined for samples: how much the reading `name` changes with the number of samples of
-/// the same movement. 0 for other readings.
-inline double sampling_error_of(std::string_view name) {
-  return name.ends_with("sparc") ? 0.01 : name.ends_with("ldlj") ? 0.02 : 0;
-}
-
 struct Smoothness {
-  double spectral_arc_length, log_dimensionless_jerk;
+  double spectral_arc_length;
+  double arc_length_doubt;  ///< what a threshold lower or higher by 10 % changes
+  double log_dimensionless_jerk;
 };
 
 /// Those of the movement from `from_s` to `to_s` with the rising times `time_s`.
 Smoothness smoothness_of(const std::vector<double>& time_s, const std::vector<double>& speed,
                          double from_s, double to_s);
+
+/// Doubts about the arc lengths of the ways out and back, which are the last two of `values`, and
+/// are removed.
+std::array<double, 2> take_arc_length_doubts(std::vector<UncertainValue>& values);
+
+/// Adds to a reading called `name` what its definition leaves open: these doubts, or how much LDLJ
+/// changes with the number of samples.
+void widen_smoothness(std::string_view name, const std::array<double, 2>& doubts,
+                      UncertainValue& value);
 
 }  // namespace condyle::host

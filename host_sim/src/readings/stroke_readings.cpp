@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "readings/axis_readings.h"
+#include "readings/chewing_cycles.h"
 #include "readings/condyle_readings.h"
 #include "readings/reading_values.h"
 #include "readings/smoothness.h"
@@ -67,9 +69,11 @@ void add_opening(const JawPath& path, std::size_t turn, double turning_sd_rad_s,
   add_axes(path, twists, widest, turning_sd_rad_s, out);
 }
 
-void add_speeds(const JawPath& path, std::size_t turn, ReadingValues& out) {
+// Returns the doubts about the arc lengths.
+std::array<double, 2> add_speeds(const JawPath& path, std::size_t turn, ReadingValues& out) {
+  std::array<double, 2> doubts{};
   const std::vector<double> speeds = sizes_of(path.incisor_m_s);
-  for (int back = 0; back < 2; ++back) {
+  for (std::size_t back = 0; back < 2; ++back) {
     const std::size_t begin = back == 1 ? turn : 0;
     const std::size_t end = back == 1 ? path.time_s.size() : turn + 1;
     if (end - begin < 5) {
@@ -87,7 +91,9 @@ void add_speeds(const JawPath& path, std::size_t turn, ReadingValues& out) {
         smoothness_of(path.time_s, speeds, movement.begin_s, movement.end_s);
     out.add(smoothness.spectral_arc_length);
     out.add(smoothness.log_dimensionless_jerk);
+    doubts[back] = smoothness.arc_length_doubt;
   }
+  return doubts;
 }
 
 }  // namespace
@@ -137,11 +143,12 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
                  double turning_sd_rad_s) {
   ReadingValues out(values, why);
   const std::vector<double> distances = sizes_of(path.incisor_m);
-  const Greatest farthest = greatest_of(path.time_s, distances, 0, distances.size(), kTopReach_s);
+  const double reach_s = kind == TaskKind::whole ? kCycleTopReach_s : kTopReach_s;
+  const Greatest farthest = greatest_of(path.time_s, distances, 0, distances.size(), reach_s);
   const std::size_t turn = farthest.at;
   out.add(farthest.value / kMillimetre);
   const std::vector<double> angles = sizes_of(path.rotation_rad);
-  out.add(greatest_of(path.time_s, angles, 0, angles.size(), kTopReach_s).value / kDegree);
+  out.add(greatest_of(path.time_s, angles, 0, angles.size(), reach_s).value / kDegree);
   if (kind == TaskKind::rest || kind == TaskKind::whole) return;
   if (kind == TaskKind::border) {
     if (!has_landmarks) return;
@@ -153,12 +160,16 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
     out.add(greatest_loop_m2(path.incisor_m, 0, 1, kReturn_m) * 1e6);
     return;
   }
-  add_speeds(path, turn, out);
+  const std::array<double, 2> doubts = add_speeds(path, turn, out);
+  const auto add_doubts = [&] {
+    for (const double doubt : doubts) out.add(doubt);
+  };
   if (!has_landmarks) {
     if (kind == TaskKind::opening) {
       out.add(kNone,
               [] { return std::string("the lower incisor is not known; give --landmarks"); });
     }
+    add_doubts();
     return;
   }
   if (kind == TaskKind::opening) add_opening(path, turn, turning_sd_rad_s, out);
@@ -182,6 +193,7 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
   }
   add_condyles(kind, path, out);
   add_separations(kind, path, out);
+  add_doubts();
 }
 
 }  // namespace condyle::host

@@ -213,17 +213,25 @@ class TaskReader {
       stroke = {0, motion->time_s.size()};
     }
     const bool is_still_long = stroke.end - stroke.begin > kLongStroke;
+    // A whole recording may contain chewing, which turns as sharply as in its cycles.
+    const bool is_whole = kind == TaskKind::whole;
     auto values = uncertain_values(
         *motion, stroke.begin, stroke.end, *context_.noise, context_.errors,
-        {is_still_long ? 4 : kStrokePairs, kCalmStroke_s, kMildStroke_s}, random_,
+        {is_still_long ? 4 : kStrokePairs, is_whole ? kCalmCycle_s : kCalmStroke_s,
+         is_whole ? kMildCycle_s : kMildStroke_s, PathPart::all,
+         is_whole ? kTimesSmoothingOfCycle : 2},
+        random_,
         [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
           read_stroke(kind, context_.has_landmarks, path, into, why, turning_sd_rad_s);
         });
     const auto names = readings_of_stroke(kind, context_.has_landmarks);
-    if (values.size() > names.size()) finish_separations(names, values);
-    for (std::size_t k = 0; k < names.size(); ++k) {
-      values[k].smoothing = std::hypot(values[k].smoothing, sampling_error_of(names[k].name));
+    if (is_stroke) {
+      const auto doubts = take_arc_length_doubts(values);
+      for (std::size_t k = 0; k < names.size(); ++k) {
+        widen_smoothness(names[k].name, doubts, values[k]);
+      }
     }
+    if (values.size() > names.size()) finish_separations(names, values);
     if (is_stroke) read_speeds_of_stroke(names, analysis_.path, stroke, context_, values);
     const std::string onset =
         is_stroke && context_.has_landmarks ? problem_of_onset(analysis_.path, stroke) : "";

@@ -86,6 +86,11 @@ void TruthOfCycles::read_sizes(const JawCycle& cycle, TrueCycle& into) const {
   const auto speed = [this](double t) { return speed_mm_s(t); };
   const auto upward = [this](double t) { return upward_mm_s(t); };
   const auto downward = [this](double t) { return -upward_mm_s(t); };
+  const TrueSmoothness there = smoothness(speed, opening, 0), home = smoothness(speed, closing, 0);
+  into.values.push_back({"sparc", there.sparc, "1"});
+  into.values.push_back({"ldlj", there.ldlj, "1"});
+  into.values.push_back({"closing_sparc", home.sparc, "1"});
+  into.values.push_back({"closing_ldlj", home.ldlj, "1"});
   into.values.push_back({"opening_peak_speed_mm_s", greatest(speed, opening), "mm/s"});
   into.values.push_back({"closing_peak_speed_mm_s", greatest(speed, closing), "mm/s"});
   into.values.push_back({"opening_peak_vertical_speed_mm_s", greatest(downward, opening), "mm/s"});

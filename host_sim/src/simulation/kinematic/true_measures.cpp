@@ -1,7 +1,60 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/kinematic/true_measures.h"
 
+#include <complex>
+#include <vector>
+
 namespace condyle::host::truth {
+namespace {
+
+double sparc(const std::vector<double>& speeds) {
+  const double count = std::exp2(std::ceil(std::log2(static_cast<double>(speeds.size()))) + 4);
+  const double frequency_Hz = 1 / (kStep_s * count);
+  std::vector<double> amplitudes;
+  for (double k = 0; k * frequency_Hz <= 10; ++k) {
+    const std::complex<double> turn = std::polar(1.0, -2 * std::numbers::pi * k / count);
+    std::complex<double> sum = 0, phase = 1;
+    for (const double speed : speeds) {
+      sum += speed * phase;
+      phase *= turn;
+    }
+    amplitudes.push_back(std::abs(sum));
+  }
+  const double most = *std::max_element(amplitudes.begin(), amplitudes.end());
+  std::size_t last = amplitudes.size() - 1;
+  while (last > 0 && amplitudes[last] < 0.05 * most) --last;
+  double length = 0;
+  for (std::size_t k = 1; k <= last; ++k) {
+    length += std::hypot(1 / static_cast<double>(last), (amplitudes[k] - amplitudes[k - 1]) / most);
+  }
+  return -length;
+}
+
+double ldlj(const std::vector<double>& speeds, double peak) {
+  double sum = 0;
+  for (std::size_t k = 1; k + 1 < speeds.size(); ++k) {
+    const double jerk = (speeds[k + 1] - 2 * speeds[k] + speeds[k - 1]) / (kStep_s * kStep_s);
+    sum += jerk * jerk * kStep_s;
+  }
+  const double duration_s = static_cast<double>(speeds.size()) * kStep_s;
+  return -std::log(std::pow(duration_s, 3) / (peak * peak) * sum);
+}
+
+}  // namespace
+
+TrueSmoothness smoothness(const Function& speed, const Span& span, double least_share) {
+  std::vector<double> speeds;
+  for (double time_s = span.begin_s; time_s <= span.end_s; time_s += kStep_s) {
+    speeds.push_back(speed(time_s));
+  }
+  const auto peak = std::max_element(speeds.begin(), speeds.end());
+  const double greatest = *peak;
+  auto begin = peak, end = peak;
+  while (begin != speeds.begin() && *(begin - 1) >= least_share * greatest) --begin;
+  while (end != speeds.end() && *end >= least_share * greatest) ++end;
+  speeds = std::vector<double>(begin, end);
+  return {sparc(speeds), ldlj(speeds, greatest)};
+}
 
 double greatest(const Function& value, const Span& span) {
   double most = value(span.begin_s);

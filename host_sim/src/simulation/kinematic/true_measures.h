@@ -38,6 +38,13 @@ double greatest_at_s(const Function& value, const Span& span);
 /// First instant at which `value` reaches `level` from below.
 std::optional<double> first_passage_s(const Function& value, const Span& span, double level);
 
+/// SPARC and LDLJ (Balasubramanian et al. 2015) of a speed; of the part about its peak that is at
+/// least `least_share` of it.
+struct TrueSmoothness {
+  double sparc, ldlj;
+};
+TrueSmoothness smoothness(const Function& speed, const Span& span, double least_share);
+
 /// Displacement of the jaw's point from the reference position in A (mm).
 Eigen::Vector3d displacement_mm(const JawPose& pose, const Eigen::Vector3d& point_m);
 

@@ -21,7 +21,8 @@ using namespace truth;
 constexpr double kPathStart_mm = 0.3;                                         // of travel
 constexpr double kTravels_mm[] = {3, 5, 10};                                  // of the angles
 constexpr double kShiftStart_mm = 2, kShiftEnd_mm = 5, kShiftStep_mm = 0.05;  // of the fit, in x
-constexpr double kEarlyShift_mm = 0.5;  // x at which side_shift_05mm is read
+constexpr double kLeastSpeedShare = 0.05;  // of the peak: begin and end of a movement
+constexpr double kEarlyShift_mm = 0.5;     // x at which side_shift_05mm is read
 
 double rotation_angle_deg(const Matrix3d& rotation) {
   const Vector3d twice_sine(rotation(2, 1) - rotation(1, 2), rotation(0, 2) - rotation(2, 0),
@@ -67,6 +68,13 @@ class TruthOfJaw {
     const Span out{stroke.begin_s, stroke.outward_end_s}, back{stroke.return_begin_s, stroke.end_s};
     const Span whole{stroke.begin_s, stroke.end_s};
     add_greatest(whole);
+    const auto speed = [this](double t) { return incisor_speed_mm_s(t); };
+    const TrueSmoothness there = smoothness(speed, out, kLeastSpeedShare);
+    const TrueSmoothness home = smoothness(speed, back, kLeastSpeedShare);
+    add("sparc", there.sparc, "1");
+    add("ldlj", there.ldlj, "1");
+    add("closing_sparc", home.sparc, "1");
+    add("closing_ldlj", home.ldlj, "1");
     switch (stroke.kind) {
       case JawTaskKind::opening:
         add("opening_mm", greatest([this](double t) { return incisor_mm(t).norm(); }, whole), "mm");
