@@ -321,6 +321,9 @@ Analysis analyse_recording(Recording& recording, const std::string& name,
         "lost its rotation",
         analysis.largest_displacement_mm, analysis.largest_rotation_deg);
   }
+  if (!analysis.noise.is_known) {
+    analysis.unusable = "too few samples lie within 0.1 s of each other to know their noise";
+  }
   if (analysis.unusable.empty()) analysis.unusable = body_problem(track, analysis);
   context.unusable = analysis.unusable;
   context.reference_assumption = reference_assumption(analysis);

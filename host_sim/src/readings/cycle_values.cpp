@@ -47,8 +47,11 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
         read_cycle(cycle, begin, read.height_sd_m, context.has_landmarks, path, greatest, into,
                    why);
       });
-  const double at_begin_s = cycle.begins_after_pause ? kPauseBoundary_s : cycle.begin_sd_s;
-  const double at_end_s = cycle.ends_with_pause ? kPauseBoundary_s : cycle.end_sd_s;
+  const double stamp_s = context.noise->stamp_sd_s;
+  const double at_begin_s =
+      cycle.begins_after_pause ? kPauseBoundary_s : std::hypot(cycle.begin_sd_s, stamp_s);
+  const double at_end_s =
+      cycle.ends_with_pause ? kPauseBoundary_s : std::hypot(cycle.end_sd_s, stamp_s);
   const auto names = readings_of_cycle(context.has_landmarks);
   const auto doubts = take_arc_length_doubts(values);
   for (std::size_t i = 0; i < names.size(); ++i) {

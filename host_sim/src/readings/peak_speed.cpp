@@ -111,8 +111,9 @@ SpeedReader::Places SpeedReader::places_of(const ReadingGeometry& geometry, Spee
                                       : path.condyle_m[point == SpeedPoint::condyle_left ? 0 : 1];
 }
 
-// Of one sample of the point at sample `k`.
-Eigen::Matrix3d SpeedReader::noise_of(SpeedPoint point, std::size_t k) const {
+// Of one sample of the point at sample `k`, where it moves with `velocity`.
+Eigen::Matrix3d SpeedReader::noise_of(SpeedPoint point, std::size_t k,
+                                      const Vector3d& velocity) const {
   SmoothMotion moved;
   for (int i = -1; i < 6; ++i) {
     moved.time_s.push_back(0);
@@ -130,7 +131,8 @@ Eigen::Matrix3d SpeedReader::noise_of(SpeedPoint point, std::size_t k) const {
     const Vector3d change = places[i] - places[0];
     covariance += change * change.transpose();
   }
-  return covariance;
+  const Vector3d displaced = noise_.stamp_sd_s * velocity;
+  return covariance + displaced * displaced.transpose();
 }
 
 SpeedReader::Slope SpeedReader::slope_at(std::size_t k, int width) const {
@@ -244,7 +246,7 @@ UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) c
     const std::size_t at = peaks[wide].at;
     const Slope slope = slope_at(at, peaks[wide].width);
     const Vector3d along = direction_of(slope);
-    const double variance = along.dot(noise_of(point, at) * along);
+    const double variance = along.dot(noise_of(point, at, slope.of(places)) * along);
     agrees = true;
     for (std::size_t i = 0; i < wide && agrees; ++i) {
       const Slope narrower = slope_at(at, peaks[i].width);
@@ -266,7 +268,7 @@ UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) c
     return result;
   }
   const Vector3d velocity = slope.of(places), along = direction_of(slope);
-  const Eigen::Matrix3d noise = noise_of(point, at);
+  const Eigen::Matrix3d noise = noise_of(point, at, velocity);
   const double variance = along.dot(noise * along);
   const double ratio = std::pow(static_cast<double>(peaks[narrow].width) / peaks[wide].width, 4);
   const double share = ratio / (1 - ratio);

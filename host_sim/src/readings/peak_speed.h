@@ -39,7 +39,7 @@ class SpeedReader {
   Slope slope_at(std::size_t k, int width) const;
   double speed_at(const Places& places, std::size_t k, int width, int way) const;
   std::vector<Peak> peaks_of(const Places& places, SampleRun run, int way) const;
-  Eigen::Matrix3d noise_of(SpeedPoint point, std::size_t k) const;
+  Eigen::Matrix3d noise_of(SpeedPoint point, std::size_t k, const Eigen::Vector3d& velocity) const;
   Places places_of(const ReadingGeometry& geometry, SpeedPoint point, std::size_t begin,
                    std::size_t end) const;
   double noise_of_place(const Places& places, const Slope& slope, std::size_t k, int width, int way,

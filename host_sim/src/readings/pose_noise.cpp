@@ -9,40 +9,89 @@
 namespace condyle::host {
 namespace {
 
-constexpr double kBinomial12Over6 = 924;      // variance of a sixth difference of white noise
-constexpr double kMedianOfSize = 0.67448975;  // of a standard normal number
-constexpr double kLongestStep_s = 0.06;       // as long as the windows of LocalFit
+constexpr std::size_t kOrder = 6;
+constexpr double kLongestOfSteps = 3, kShortestOfSteps = 0.02;  // over the mean
+constexpr std::ptrdiff_t kFastOf = 5, kLeastFast = 40;          // the fastest fifth, if so many
+constexpr double kMedianOfSize = 0.67448975;                    // of a standard normal number
+constexpr double kLongestStep_s = 0.06;  // as long as the windows of LocalFit
 constexpr std::size_t kMostDifferences = 200'000;
 
-// Whether seven samples from `k` are evenly spaced.
-bool is_even(const std::vector<double>& time_s, std::size_t k) {
-  const double step_s = (time_s[k + 6] - time_s[k]) / 6;
-  for (std::size_t i = 0; i < 6; ++i) {
-    if (std::abs(time_s[k + i + 1] - time_s[k + i] - step_s) > 0.25 * step_s) return false;
+// A sixth divided difference, and the rates of the motion there (per s).
+struct Difference {
+  Vector6 value, rate;
+};
+
+// Whether seven samples from `k` are near enough to each other.
+bool is_close(const std::vector<double>& time_s, std::size_t k) {
+  const double step_s = (time_s[k + kOrder] - time_s[k]) / kOrder;
+  for (std::size_t i = 0; i < kOrder; ++i) {
+    const double here_s = time_s[k + i + 1] - time_s[k + i];
+    if (here_s > kLongestOfSteps * step_s || here_s < kShortestOfSteps * step_s) return false;
   }
   return step_s < 0.1;
 }
 
-std::vector<Vector6> sixth_differences(const ReferredMotion& motion) {
-  std::vector<Vector6> differences;
-  const std::size_t count = motion.time_s.size();
-  const std::size_t stride = 1 + count / kMostDifferences;
-  for (std::size_t k = 0; k + 6 < count; k += stride) {
-    if (!is_even(motion.time_s, k)) continue;
-    const auto& m = motion.motion;
-    differences.push_back(m[k] + m[k + 6] - 6 * (m[k + 1] + m[k + 5]) + 15 * (m[k + 2] + m[k + 4]) -
-                          20 * m[k + 3]);
+std::vector<Difference> sixth_differences(const ReferredMotion& motion) {
+  std::vector<Difference> differences;
+  const auto& time_s = motion.time_s;
+  const std::size_t count = time_s.size(), stride = 1 + count / kMostDifferences;
+  for (std::size_t k = 0; k + kOrder < count; k += stride) {
+    if (!is_close(time_s, k)) continue;
+    const double span_s = time_s[k + kOrder] - time_s[k];
+    Difference difference{Vector6::Zero(), (motion.motion[k + kOrder] - motion.motion[k]) / span_s};
+    double squares = 0;
+    for (std::size_t i = 0; i <= kOrder; ++i) {
+      double weight = 1;
+      for (std::size_t j = 0; j <= kOrder; ++j) {
+        if (j != i) weight *= span_s / (time_s[k + i] - time_s[k + j]);
+      }
+      squares += weight * weight;
+      difference.value += weight * motion.motion[k + i];
+    }
+    difference.value /= std::sqrt(squares);
+    differences.push_back(difference);
   }
   return differences;
 }
 
-double median_size(const std::vector<Vector6>& differences, int i) {
+// Standard deviation of component `i` of the differences from `begin` to `end`, from the median of
+// its size.
+double sd_of(std::vector<Difference>::const_iterator begin,
+             std::vector<Difference>::const_iterator end, int i) {
   std::vector<double> sizes;
-  sizes.reserve(differences.size());
-  for (const Vector6& difference : differences) sizes.push_back(std::abs(difference[i]));
+  sizes.reserve(static_cast<std::size_t>(end - begin));
+  for (auto at = begin; at != end; ++at) sizes.push_back(std::abs(at->value[i]));
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
   std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle;
+  return *middle / kMedianOfSize;
+}
+
+// Standard deviation of the times (s), and of the noise without them; `sd` stays where the times
+// are right.
+double stamp_sd_s(std::vector<Difference> differences, Vector6& sd) {
+  const auto count = static_cast<std::ptrdiff_t>(differences.size());
+  const std::ptrdiff_t fast_count = count / kFastOf;
+  // Seven neighbours share samples; a median has 1.65 times the relative error of a variance.
+  const double chance = 4 * 1.65 / std::sqrt(std::max(static_cast<double>(fast_count) / 4, 1.0));
+  if (fast_count < kLeastFast) return 0;
+  double greatest_s2 = 0;
+  Vector6 slow_sd = sd;
+  for (int i = 0; i < 6; ++i) {
+    std::sort(differences.begin(), differences.end(), [i](const auto& a, const auto& b) {
+      return std::abs(a.rate[i]) < std::abs(b.rate[i]);
+    });
+    const auto fast = differences.end() - fast_count;
+    slow_sd[i] = sd_of(differences.begin(), differences.begin() + count / 2, i);
+    const double fast_sd = sd_of(fast, differences.end(), i);
+    double squares = 0;
+    for (auto at = fast; at != differences.end(); ++at) squares += at->rate[i] * at->rate[i];
+    const double slow2 = slow_sd[i] * slow_sd[i], fast2 = fast_sd * fast_sd;
+    if (!(fast2 > slow2 * (1 + chance)) || !(squares > 0)) continue;
+    greatest_s2 =
+        std::max(greatest_s2, (fast2 - slow2) / (squares / static_cast<double>(fast_count)));
+  }
+  if (greatest_s2 > 0) sd = slow_sd;
+  return std::sqrt(greatest_s2);
 }
 
 // Ratio of the variance that second differences over `step` samples show to that over one, less
@@ -70,19 +119,20 @@ double ratio_over(const ReferredMotion& motion, std::size_t begin, std::size_t e
 
 PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t end) {
   PoseNoise noise;
-  const std::vector<Vector6> differences = sixth_differences(motion);
+  const std::vector<Difference> differences = sixth_differences(motion);
   if (differences.size() < 7) return noise;
+  noise.is_known = true;
   Vector6 sd;
-  for (int i = 0; i < 6; ++i) {
-    sd[i] = median_size(differences, i) / kMedianOfSize / std::sqrt(kBinomial12Over6);
-  }
+  for (int i = 0; i < 6; ++i) sd[i] = sd_of(differences.begin(), differences.end(), i);
+  noise.stamp_sd_s = stamp_sd_s(differences, sd);
   const double count = static_cast<double>(differences.size());
   for (int i = 0; i < 6; ++i) {
     noise.covariance(i, i) = sd[i] * sd[i];
     for (int j = 0; j < i; ++j) {
       double equal = 0;
-      for (const Vector6& d : differences) {
-        equal += d[i] * d[j] > 0 ? 1 : d[i] * d[j] < 0 ? -1 : 0;
+      for (const Difference& d : differences) {
+        const double product = d.value[i] * d.value[j];
+        equal += product > 0 ? 1 : product < 0 ? -1 : 0;
       }
       const double correlation = std::sin(std::numbers::pi / 2 * equal / count);
       // Below what chance gives, no correlation.

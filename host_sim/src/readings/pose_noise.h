@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The noise of a recording's poses, from the recording itself.
 //
-//   sixth differences of neighbouring samples cancel the motion; median of their size -> variance,
-//   share of equal signs -> correlation (sin(pi/2 q), Greiner's relation)
+//   d    sixth divided difference of neighbouring samples, weights w with sum w^2 = 1: it cancels
+//        the motion; median of its size -> variance, share of equal signs -> correlation
+//        (sin(pi/2 q), Greiner's relation)
+//   times that are off by tau (sd) displace a sample along its path: var d = variance + tau^2 v^2.
+//   tau follows from d where the jaw is fast and where it is slow, if they differ beyond chance
 //   smoothed recordings: noise that neighbours share vanishes in these differences. At rest,
 //   differences over longer steps show it; the covariance grows by the largest ratio, as far as it
 //   is beyond chance.
@@ -19,7 +22,9 @@ struct PoseNoise {
   Matrix6 covariance = Matrix6::Zero();  ///< m^2, m rad, rad^2
   Matrix6 root = Matrix6::Zero();        ///< root root' = covariance
   double coloured = 1;                   ///< variance of what averages slowly, over that above
+  bool is_known = false;                 ///< enough samples are near to others
   bool is_checked_at_rest = false;       ///< the rest was long enough to see colour
+  double stamp_sd_s = 0;                 ///< of the times; 0: no more than noise explains
 
   /// About one axis, root of the mean variance (rad).
   double rotation_sd_rad() const {

@@ -78,6 +78,7 @@ std::string readings_json(const std::vector<Analysis>& analyses) {
         {"rotation_noise_sd_deg", analysis.noise.rotation_sd_rad() / kDegree},
         {"position_noise_sd_mm",
          std::sqrt(analysis.noise.covariance.topLeftCorner<3, 3>().trace() / 3) * 1e3},
+        {"time_error_sd_s", analysis.noise.stamp_sd_s},
         {"samples", analysis.counts.samples},
         {"samples_not_used", analysis.counts.missing + analysis.counts.not_rigid +
                                  analysis.counts.time_reversed + analysis.counts.in_bursts +

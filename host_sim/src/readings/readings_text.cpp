@@ -52,10 +52,14 @@ std::string samples_text(const PoseCounts& counts) {
 
 std::string noise_text(const Analysis& analysis) {
   const auto& covariance = analysis.noise.covariance;
-  return fmt::format("{:.3f} mm, {:.3f} deg (sd){}",
-                     std::sqrt(covariance.topLeftCorner<3, 3>().trace() / 3) * 1e3,
-                     analysis.noise.rotation_sd_rad() / kDegree,
-                     analysis.noise.coloured > 1.5 ? "; smoothed by the instrument" : "");
+  std::string text = fmt::format("{:.3f} mm, {:.3f} deg (sd)",
+                                 std::sqrt(covariance.topLeftCorner<3, 3>().trace() / 3) * 1e3,
+                                 analysis.noise.rotation_sd_rad() / kDegree);
+  if (analysis.noise.coloured > 1.5) text += "; smoothed by the instrument";
+  if (analysis.noise.stamp_sd_s > 0) {
+    text += fmt::format("; times off by {:.2g} ms (sd)", analysis.noise.stamp_sd_s * 1e3);
+  }
+  return text;
 }
 
 std::string analysis_text(const Analysis& analysis) {

@@ -191,10 +191,11 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
   // Smoothing is linear: the smoothed noise is added to the smoothed path, and subtracted.
   std::vector<Vector6> error(mild.size()), error_value, error_slope;
   for (int pair = 0; pair < settings.pairs; ++pair) {
-    for (Vector6& sample : error) {
+    for (std::size_t k = 0; k < error.size(); ++k) {
       Vector6 normal;
       for (double& number : normal) number = random.normal();
-      sample = noise.root * normal;
+      error[k] = noise.root * normal;
+      if (noise.stamp_sd_s > 0) error[k] += noise.stamp_sd_s * random.normal() * slopes[k];
     }
     fit.apply(error, first, begin, end, error_value, error_slope);
     const auto read_with = [&](double sign, std::vector<double>& into) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What measures of a path are worth: values with the parts of their uncertainty.
 //
-//   y    smoothed motion of the stroke; F(y) the measures; S smoothing; e noise of the samples
+//   y    smoothed motion of the stroke; F(y) the measures; S smoothing; e noise of the samples,
+//        and how far the motion goes while their times are off
 //   z    the motion smoothed over a wider window, with hardly any noise
 //   m    the motion smoothed over a still wider window, then averaged over half of it
 //   smoothing   F(S z) - F(z), what smoothing changes, is subtracted, and a multiple of it is in
