@@ -74,7 +74,7 @@ double stamp_sd_s(std::vector<Difference> differences, Vector6& sd) {
   // Seven neighbours share samples; a median has 1.65 times the relative error of a variance.
   const double chance = 4 * 1.65 / std::sqrt(std::max(static_cast<double>(fast_count) / 4, 1.0));
   if (fast_count < kLeastFast) return 0;
-  double greatest_s2 = 0;
+  double greatest_ratio = 1, stamp_s2 = 0;
   Vector6 slow_sd = sd;
   for (int i = 0; i < 6; ++i) {
     std::sort(differences.begin(), differences.end(), [i](const auto& a, const auto& b) {
@@ -86,12 +86,13 @@ double stamp_sd_s(std::vector<Difference> differences, Vector6& sd) {
     double squares = 0;
     for (auto at = fast; at != differences.end(); ++at) squares += at->rate[i] * at->rate[i];
     const double slow2 = slow_sd[i] * slow_sd[i], fast2 = fast_sd * fast_sd;
-    if (!(fast2 > slow2 * (1 + chance)) || !(squares > 0)) continue;
-    greatest_s2 =
-        std::max(greatest_s2, (fast2 - slow2) / (squares / static_cast<double>(fast_count)));
+    // The component where the times matter most.
+    if (!(fast2 > slow2 * std::max(1 + chance, greatest_ratio)) || !(squares > 0)) continue;
+    greatest_ratio = fast2 / slow2;
+    stamp_s2 = (fast2 - slow2) / (squares / static_cast<double>(fast_count));
   }
-  if (greatest_s2 > 0) sd = slow_sd;
-  return std::sqrt(greatest_s2);
+  if (stamp_s2 > 0) sd = slow_sd;
+  return std::sqrt(stamp_s2);
 }
 
 // Ratio of the variance that second differences over `step` samples show to that over one, less
