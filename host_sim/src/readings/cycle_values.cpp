@@ -14,11 +14,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20, kFirstStream = 2;
 constexpr int kPairs = 12;
-constexpr double kCalm_s = 0.06, kMild_s = 0.1;
-// A cycle turns sharply where the jaw is closed: a calm path shows a third of what smoothing
-// changes.
-constexpr double kTimesSmoothing = 3;
-// The jerk there, hardly any of it.
+// Of LDLJ: a calm path shows hardly any of the jerk.
 constexpr double kTimesJerk = 5;
 constexpr double kMargin_s = 0.15, kMarginAtPause_s = 0.3;
 // Standard deviation of the instant at which the jaw leaves or reaches a pause: it begins and ends
