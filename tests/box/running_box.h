@@ -66,7 +66,8 @@ class RunningBox {
     return wait_for([this] { return box->status().counts.estimates > 0; });
   }
 
-  TemporaryFolder folder;  ///< of recordings
+  /// Of recordings: a session's start and end wait for the disk, which others may keep busy.
+  TemporaryFolder folder{TemporaryFolder::in_memory()};
   box::Configuration configuration;
   PacedClock clock;
   box::BoxLog log{clock};

@@ -77,11 +77,13 @@ double stamp_sd_s(std::vector<Difference> differences, Vector6& sd) {
   double greatest_ratio = 1, stamp_s2 = 0;
   Vector6 slow_sd = sd;
   for (int i = 0; i < 6; ++i) {
-    std::sort(differences.begin(), differences.end(), [i](const auto& a, const auto& b) {
+    const auto is_slower = [i](const Difference& a, const Difference& b) {
       return std::abs(a.rate[i]) < std::abs(b.rate[i]);
-    });
-    const auto fast = differences.end() - fast_count;
-    slow_sd[i] = sd_of(differences.begin(), differences.begin() + count / 2, i);
+    };
+    const auto middle = differences.begin() + count / 2, fast = differences.end() - fast_count;
+    std::nth_element(differences.begin(), middle, differences.end(), is_slower);
+    std::nth_element(middle, fast, differences.end(), is_slower);
+    slow_sd[i] = sd_of(differences.begin(), middle, i);
     const double fast_sd = sd_of(fast, differences.end(), i);
     double squares = 0;
     for (auto at = fast; at != differences.end(); ++at) squares += at->rate[i] * at->rate[i];
