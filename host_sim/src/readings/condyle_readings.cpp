@@ -23,7 +23,7 @@ constexpr double kSpreadError_mm = 0.1;
 constexpr double kShareOfSmoothing = 0.5;
 // Paths that are nearer to each other coincide.
 constexpr double kLeastSeparation_mm = 0.05;
-constexpr std::size_t kSeparations = 8, kEnds = 20;
+constexpr std::size_t kEnds = 20;
 constexpr double kLeastTravelShare = 0.2, kMostTravelShare = 0.9;  // of separations
 constexpr double kSlopeFrom = 0.2, kSlopeTo = 0.8;                 // the middle 60 % of the travel
 constexpr double kLeastSlopeTravel_m = 3e-3;
@@ -42,16 +42,11 @@ bool goes_forward(TaskKind kind, std::size_t side) {
   return kind == TaskKind::opening || kind == TaskKind::protrusion || orbits(kind, side);
 }
 
-double sagittal(const Vector3d& point) {
-  return std::hypot(point.x(), point.z());
-}
-
 Outward outward_of(const std::vector<double>& time_s, const Points& condyle_m) {
-  std::vector<double> travels;
-  for (const Vector3d& point : condyle_m) travels.push_back(sagittal(point));
+  const std::vector<double> travels = sagittal_sizes_of(condyle_m);
   const Greatest greatest = greatest_of(time_s, travels, 0, travels.size(), kTopReach_s);
   Outward outward{greatest.at, greatest.at, greatest.value};
-  while (outward.begin > 0 && sagittal(condyle_m[outward.begin]) > kOnset_m) --outward.begin;
+  while (outward.begin > 0 && sagittal_size(condyle_m[outward.begin]) > kOnset_m) --outward.begin;
   return outward;
 }
 
@@ -60,17 +55,18 @@ double outward_length_m(const JawPath& path, std::size_t side, const Outward& ou
   if (outward.travel_m < kOnset_m || outward.end == 0) return kNone;
   Points points = path.condyle_m[side];
   const auto onset = first_passage(path.time_s, points, path.condyle_m_s[side], outward.begin,
-                                   outward.begin + 1, kOnset_m, sagittal);
+                                   outward.begin + 1, kOnset_m, sagittal_size);
   if (onset) points[outward.begin] = onset->point;
-  const double beyond_m = outward.travel_m - sagittal(points[outward.end]);
+  const double beyond_m = outward.travel_m - sagittal_size(points[outward.end]);
   return path_length_m(points, outward.begin, outward.end, kChord_m) + beyond_m;
 }
 
 void add_inclinations(const JawPath& path, std::size_t side, const Outward& outward, bool bennett,
                       ReadingValues& out) {
   for (const double travel_mm : {3.0, 5.0, 10.0}) {
-    const auto at = first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side],
-                                  outward.begin, outward.end, travel_mm * kMillimetre, sagittal);
+    const auto at =
+        first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side], outward.begin,
+                      outward.end, travel_mm * kMillimetre, sagittal_size);
     const auto reason = [&] {
       return fmt::format("the condyle travels {:.1f} mm, not {:g} mm",
                          outward.travel_m / kMillimetre, travel_mm);
@@ -116,17 +112,18 @@ void add_side_shift(const JawPath& path, std::size_t side, const Outward& outwar
 
 // Separations at equal steps of travel (mm); NaN where the condyle does not reach it on the way out
 // and back.
-std::array<double, kSeparations> separations_mm(const JawPath& path, std::size_t side,
-                                                const Outward& outward) {
-  std::array<double, kSeparations> separations;
-  const auto inward = [](const Vector3d& point) { return -sagittal(point); };
+CondylarSeparations::Side separations_mm(const JawPath& path, std::size_t side,
+                                         const Outward& outward) {
+  CondylarSeparations::Side separations;
+  const auto inward = [](const Vector3d& point) { return -sagittal_size(point); };
   const auto inclination = [](const Vector3d& point) { return std::atan2(-point.z(), point.x()); };
-  for (std::size_t i = 0; i < kSeparations; ++i) {
+  for (std::size_t i = 0; i < CondylarSeparations::kPlaces; ++i) {
     const double share = kLeastTravelShare + (kMostTravelShare - kLeastTravelShare) *
-                                                 static_cast<double>(i) / (kSeparations - 1);
+                                                 static_cast<double>(i) /
+                                                 (CondylarSeparations::kPlaces - 1);
     const double travel_m = share * outward.travel_m;
     const auto out = first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side],
-                                   outward.begin, outward.end, travel_m, sagittal);
+                                   outward.begin, outward.end, travel_m, sagittal_size);
     const auto back = first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side],
                                     outward.end, path.time_s.size() - 1, -travel_m, inward);
     separations[i] = kNone;
@@ -143,7 +140,7 @@ double rotation_per_travel(const JawPath& path, std::size_t side, const Outward&
   for (int i = 0; i < 2; ++i) {
     const double travel_m = (i == 0 ? kSlopeFrom : kSlopeTo) * outward.travel_m;
     const auto at = first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side],
-                                  outward.begin, outward.end, travel_m, sagittal);
+                                  outward.begin, outward.end, travel_m, sagittal_size);
     if (!at || outward.travel_m < kLeastSlopeTravel_m) return kNone;
     angle_rad[i] = (1 - at->share) * twist_about(path.rotation_rad[at->after], 1) +
                    at->share * twist_about(path.rotation_rad[at->after + 1], 1);
@@ -153,12 +150,13 @@ double rotation_per_travel(const JawPath& path, std::size_t side, const Outward&
 }
 
 void add_condylar_motion(TaskKind kind, const JawPath& path, std::size_t side,
-                         const Outward& outward, ReadingValues& out) {
+                         const Outward& outward, const CondylarSeparations::Side& separations,
+                         ReadingValues& out) {
   const std::vector<double> speeds = sizes_of(path.condyle_m_s[side]);
   out.add(greatest_of(path.time_s, speeds, 0, outward.end + 1, kTopReach_s).value / kMillimetre);
   double sum_mm = 0;
-  for (const double mm : separations_mm(path, side, outward)) sum_mm += std::abs(mm);
-  out.add(sum_mm / kSeparations,
+  for (const double mm : separations) sum_mm += std::abs(mm);
+  out.add(sum_mm / static_cast<double>(separations.size()),
           [] { return std::string("the condyle does not come back over its whole path"); });
   out.add(0);  // crossings, which are counted later
   if (kind != TaskKind::opening) return;
@@ -201,7 +199,8 @@ void add_condyle_names(TaskKind kind, std::vector<StrokeReading>& names) {
   names.push_back({"condylar_translation_difference_mm", Side::none});
 }
 
-void add_condyles(TaskKind kind, const JawPath& path, ReadingValues& out) {
+CondylarSeparations add_condyles(TaskKind kind, const JawPath& path, ReadingValues& out) {
+  CondylarSeparations separations{};
   double length_mm[2], translation_mm[2];
   for (std::size_t side = 0; side < 2; ++side) {
     const Outward outward = outward_of(path.time_s, path.condyle_m[side]);
@@ -212,17 +211,19 @@ void add_condyles(TaskKind kind, const JawPath& path, ReadingValues& out) {
     if (!goes_forward(kind, side)) continue;
     add_inclinations(path, side, outward, orbits(kind, side), out);
     if (orbits(kind, side)) add_side_shift(path, side, outward, out);
-    add_condylar_motion(kind, path, side, outward, out);
+    separations.mm[side] = separations_mm(path, side, outward);
+    add_condylar_motion(kind, path, side, outward, separations.mm[side], out);
   }
   out.add(length_mm[0] - length_mm[1]);
   out.add(translation_mm[0] - translation_mm[1]);
+  return separations;
 }
 
-void add_separations(TaskKind kind, const JawPath& path, ReadingValues& out) {
+void add_separations(TaskKind kind, const JawPath& path, const CondylarSeparations& separations,
+                     ReadingValues& out) {
   for (std::size_t side = 0; side < 2; ++side) {
     if (!goes_forward(kind, side)) continue;
-    const Outward outward = outward_of(path.time_s, path.condyle_m[side]);
-    for (const double separation_mm : separations_mm(path, side, outward)) {
+    for (const double separation_mm : separations.mm[side]) {
       out.add(separation_mm,
               [] { return std::string("the condyle does not come back over its whole path"); });
     }
@@ -231,7 +232,7 @@ void add_separations(TaskKind kind, const JawPath& path, ReadingValues& out) {
     const std::size_t count = std::max<std::size_t>(points.size() / kEnds, 1);
     Vector3d closure = Vector3d::Zero();
     for (std::size_t k = 0; k < count; ++k) closure += points[points.size() - 1 - k] - points[k];
-    out.add(sagittal(closure) / static_cast<double>(count) / kMillimetre);
+    out.add(sagittal_size(closure) / static_cast<double>(count) / kMillimetre);
   }
 }
 
@@ -243,7 +244,7 @@ void finish_separations(const std::vector<StrokeReading>& names,
     UncertainValue count;
     count.value = 0;
     int last = 0;
-    for (std::size_t k = 0; k < kSeparations && next < values.size(); ++k, ++next) {
+    for (std::size_t k = 0; k < CondylarSeparations::kPlaces && next < values.size(); ++k, ++next) {
       const UncertainValue& separation = values[next];
       if (!std::isfinite(separation.value)) {
         count.value = kNone;

@@ -13,13 +13,22 @@
 
 namespace condyle::host {
 
+/// Separations of the ways out and back at equal steps of travel (mm), left and right; NaN where
+/// the condyle does not reach the travel on both ways.
+struct CondylarSeparations {
+  static constexpr std::size_t kPlaces = 8;
+  using Side = std::array<double, kPlaces>;
+  std::array<Side, 2> mm;
+};
+
 /// The names of their readings, and the readings in this order.
 void add_condyle_names(TaskKind kind, std::vector<StrokeReading>& names);
-void add_condyles(TaskKind kind, const JawPath& path, ReadingValues& out);
+CondylarSeparations add_condyles(TaskKind kind, const JawPath& path, ReadingValues& out);
 
-/// Appends what only decides on crossings: for each condylar_crossing_count in turn the separations
-/// at several travels, and how far the condyle ends from where it began (mm).
-void add_separations(TaskKind kind, const JawPath& path, ReadingValues& out);
+/// Appends what only decides on crossings: for each condylar_crossing_count in turn the
+/// separations, and how far the condyle ends from where it began (mm).
+void add_separations(TaskKind kind, const JawPath& path, const CondylarSeparations& separations,
+                     ReadingValues& out);
 /// Counts the crossings from these, which follow the values of `names`, and removes them. The
 /// interval of the condylar_separation_mm before each count takes in what the way back missed, that
 /// of a spread of axes the error of the method.

@@ -35,12 +35,9 @@ double crossing_s(double from_s, double to_s, double from, double to, double fro
     return y * y * (1 + 2 * x) * from + x * x * (1 + 2 * y) * to +
            x * y * step_s * (y * from_rate - x * to_rate);
   };
-  double low = 0, high = 1;
-  for (int i = 0; i < 40; ++i) {
-    const double middle = (low + high) / 2;
-    ((at(middle) < level) == (from < level) ? low : high) = middle;
-  }
-  return from_s + step_s * (low + high) / 2;
+  const double sign = from < level ? 1 : -1;
+  return from_s + step_s * share_of_passage(sign * (from - level), sign * (to - level),
+                                            [&](double x) { return sign * (at(x) - level); });
 }
 
 double occlusal_time_s(const CycleMarks& cycle, const std::vector<double>& time_s,

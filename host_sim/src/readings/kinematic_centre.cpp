@@ -9,6 +9,7 @@
 
 #include "condyle/estimator/pose/rotation_vector.h"
 #include "readings/path_measures.h"
+#include "readings/reading_values.h"
 #include "statistics/chi_square.h"
 
 namespace condyle::host {
@@ -21,17 +22,14 @@ constexpr std::size_t kLeastPairs = 3;
 constexpr double kLeastTravel_m = 6e-3, kOnset_m = 0.3e-3, kStep_m = 0.25e-3, kReach_m = 12e-3;
 constexpr double kCommonShare = 0.95;   // of the opening path that a protrusive one is held against
 constexpr int kGrid = 4, kShrinks = 5;  // steps to each side; times that they are made smaller
-constexpr double kShrink = 3.5, kTopReach_s = 0.12, kHalf95 = 1.959964;
+constexpr double kShrink = 3.5, kHalf95 = 1.959964;
 constexpr int kDraws = 2;  // pairs of opposite noise for each pair of strokes
 
 // The way out of a stroke: of any point b of the jaw, in the sagittal plane, a + M b.
 class WayOut {
  public:
   WayOut(const JawPath& path, std::size_t side) {
-    std::vector<double> travels;
-    for (const Vector3d& point : path.condyle_m[side]) {
-      travels.push_back(std::hypot(point.x(), point.z()));
-    }
+    const std::vector<double> travels = sagittal_sizes_of(path.condyle_m[side]);
     const Greatest greatest = greatest_of(path.time_s, travels, 0, travels.size(), kTopReach_s);
     travel_m_ = greatest.value;
     Vector3d last = Vector3d::Constant(1);
@@ -66,9 +64,19 @@ class WayOut {
   double travel_m_ = 0;
 };
 
+// Distance of `point` from the segments at the nearest corner of `line`.
 double distance_m(const Vector2d& point, const std::vector<Vector2d>& line) {
-  double least = 1;
+  if (line.size() < 2) return 1;
+  std::size_t nearest = 0;
+  double least = (point - line[0]).squaredNorm();
   for (std::size_t k = 1; k < line.size(); ++k) {
+    const double square = (point - line[k]).squaredNorm();
+    if (!(square < least)) continue;
+    least = square;
+    nearest = k;
+  }
+  for (std::size_t k = std::max<std::size_t>(nearest, 1);
+       k <= std::min(nearest + 1, line.size() - 1); ++k) {
     const Vector2d along = line[k] - line[k - 1], from = point - line[k - 1];
     const double square = along.squaredNorm();
     const double share = square > 0 ? std::clamp(from.dot(along) / square, 0.0, 1.0) : 0;
@@ -77,10 +85,14 @@ double distance_m(const Vector2d& point, const std::vector<Vector2d>& line) {
   return std::sqrt(least);
 }
 
-double misfit_m(const WayOut& opening, const WayOut& protrusion, const Vector3d& point_m) {
+// Mean distance of the ways of one point; 1 if it is certainly not below `least_m`.
+double misfit_m(const WayOut& opening, const WayOut& protrusion, const Vector3d& point_m,
+                double least_m) {
   const std::vector<Vector2d> line = opening.of(point_m), way = protrusion.of(point_m);
-  double reach_m = 0;
+  double reach_m = 0, length_m = 0;
   for (const Vector2d& point : line) reach_m = std::max(reach_m, point.norm());
+  for (std::size_t k = 1; k < way.size(); ++k) length_m += (way[k] - way[k - 1]).norm();
+  const double most_m = least_m * (std::max(length_m - kOnset_m, 0.0) / kStep_m + 2);
   double sum_m = 0, count = 0, next_m = kOnset_m, arc_m = 0;
   for (std::size_t k = 1; k < way.size(); ++k) {
     const double step_m = (way[k] - way[k - 1]).norm();
@@ -90,6 +102,7 @@ double misfit_m(const WayOut& opening, const WayOut& protrusion, const Vector3d&
       sum_m += distance_m(point, line);
       ++count;
     }
+    if (sum_m > most_m) return 1;
     arc_m += step_m;
   }
   return count > 0 ? sum_m / count : 1;
@@ -109,7 +122,7 @@ std::optional<Vector2d> centre_of(const JawPath& opened, const JawPath& protrude
       for (int z = -kGrid; z <= kGrid; ++z) {
         const Vector2d shift = middle + step_m * Vector2d(x, z);
         const double misfit =
-            misfit_m(opening, protrusion, condyle + Vector3d(shift.x(), 0, shift.y()));
+            misfit_m(opening, protrusion, condyle + Vector3d(shift.x(), 0, shift.y()), least_m);
         if (misfit >= least_m) continue;
         least_m = misfit;
         best = shift;

@@ -80,19 +80,20 @@ Greatest greatest_by(const std::vector<double>& time_s, const std::vector<double
   return greatest;
 }
 
-// Triangular weight of the samples k - i and k + i in the mean around k.
-double weight_of(const std::vector<double>& time_s, std::size_t k, std::size_t i, double reach_s) {
-  return 1 - (time_s[k + i] - time_s[k - i]) / 2 / reach_s;
+// Triangular weight of the samples k - i and k + i in the mean around k; `per_s` = 1/(2 reach).
+double weight_of(const std::vector<double>& time_s, std::size_t k, std::size_t i, double per_s) {
+  return 1 - (time_s[k + i] - time_s[k - i]) * per_s;
 }
 
 }  // namespace
 
 Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double>& values,
                      std::size_t begin, std::size_t end, double reach_s) {
+  const double per_s = 0.5 / reach_s;
   const auto mean = [&](std::size_t k) {
     double sum = values[k], weights = 1;
     for (std::size_t i = 1; k >= begin + i && k + i < end; ++i) {
-      const double weight = weight_of(time_s, k, i, reach_s);
+      const double weight = weight_of(time_s, k, i, per_s);
       if (weight <= 0) break;
       sum += weight * (values[k - i] + values[k + i]);
       weights += 2 * weight;
@@ -100,16 +101,17 @@ Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double
     return sum / weights;
   };
   return greatest_by(time_s, values, begin, end, mean, [&](std::size_t k, std::size_t i) {
-    return weight_of(time_s, k, i, reach_s) > 0;
+    return weight_of(time_s, k, i, per_s) > 0;
   });
 }
 
 GreatestAt::GreatestAt(const std::vector<double>& time_s, double reach_s) : time_s_(time_s) {
+  const double per_s = 0.5 / reach_s;
   for (std::size_t k = 0; k < time_s.size(); ++k) {
     first_.push_back(weights_.size());
     double sum = 1;
     for (std::size_t i = 1; k >= i && k + i < time_s.size(); ++i) {
-      const double weight = weight_of(time_s, k, i, reach_s);
+      const double weight = weight_of(time_s, k, i, per_s);
       if (weight <= 0) break;
       sum += 2 * weight;
       weights_.push_back({weight, sum});

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
 #include <type_traits>
 #include <vector>
@@ -56,14 +57,44 @@ struct CoordinateOf {
   double operator()(const Eigen::Vector3d& point) const { return point[axis]; }
 };
 
+/// Where between 0 and 1 `value(x)` is 0, to 1e-12: it is `at_0` <= 0 at 0 and `at_1` >= 0 at 1.
+/// Secants that keep the sign change between them, by the rule of Illinois (Dowell, Jarratt 1971).
+template <class Value>
+double share_of_passage(double at_0, double at_1, const Value& value) {
+  double low = 0, high = 1, at_low = at_0, at_high = at_1, last = 2;
+  bool was_low = false, was_high = false;
+  for (int i = 0; i < 100 && at_low < 0 && at_high > 0; ++i) {
+    const double x = (low * at_high - high * at_low) / (at_high - at_low);
+    if (std::abs(x - last) < 1e-12 || high - low < 1e-12) return x;
+    last = x;
+    const double here = value(x);
+    if (here == 0) return x;
+    if (here < 0) {
+      low = x;
+      at_low = here;
+      if (was_low) at_high /= 2;
+    } else {
+      high = x;
+      at_high = here;
+      if (was_high) at_low /= 2;
+    }
+    was_low = here < 0;
+    was_high = !was_low;
+  }
+  return at_high == 0 && at_low < 0 ? high : low;
+}
+
 /// The first passage, from sample `begin` to `end` (included), of a curve through `points` with
 /// the velocities `rates`, where `measure(point)` reaches `level`. Cubic between samples.
 template <class Measure>
 std::optional<Passage> first_passage(const std::vector<double>& time_s, const Points& points,
                                      const Points& rates, std::size_t begin, std::size_t end,
                                      double level, const Measure& measure) {
+  double next = begin < end ? measure(points[begin]) : 0;
   for (std::size_t k = begin; k < end; ++k) {
-    if (measure(points[k]) > level || measure(points[k + 1]) < level) continue;
+    const double here = next;
+    next = measure(points[k + 1]);
+    if (here > level || next < level) continue;
     const double step_s = time_s[k + 1] - time_s[k];
     const auto at = [&](double x) -> Eigen::Vector3d {
       const double y = 1 - x;
@@ -80,12 +111,9 @@ std::optional<Passage> first_passage(const std::vector<double>& time_s, const Po
         return measure(at(x));
       }
     };
-    double low = 0, high = 1;
-    for (int i = 0; i < 40; ++i) {
-      const double middle = (low + high) / 2;
-      (measured_at(middle) < level ? low : high) = middle;
-    }
-    return Passage{k, at(high), high};
+    const double share = share_of_passage(here - level, next - level,
+                                          [&](double x) { return measured_at(x) - level; });
+    return Passage{k, at(share), share};
   }
   return std::nullopt;
 }

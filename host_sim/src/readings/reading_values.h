@@ -50,6 +50,19 @@ inline std::vector<double> sizes_of(const Points& points) {
   return sizes;
 }
 
+/// Distance from the origin in the sagittal plane. The lengths of a jaw cannot overflow, so that
+/// std::hypot, which is ten times as slow, is not needed.
+inline constexpr auto sagittal_size = [](const Eigen::Vector3d& point) {
+  return std::sqrt(point.x() * point.x() + point.z() * point.z());
+};
+
+inline std::vector<double> sagittal_sizes_of(const Points& points) {
+  std::vector<double> sizes;
+  sizes.reserve(points.size());
+  for (const Eigen::Vector3d& point : points) sizes.push_back(sagittal_size(point));
+  return sizes;
+}
+
 inline std::vector<double> coordinate_of(const Points& points, int axis, double sign) {
   std::vector<double> values;
   values.reserve(points.size());

@@ -191,8 +191,8 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
     out.add(-medial(working, side) / kMillimetre);
     out.add(std::atan2(working.x(), -medial(working, side)) / kDegree);
   }
-  add_condyles(kind, path, out);
-  add_separations(kind, path, out);
+  const CondylarSeparations separations = add_condyles(kind, path, out);
+  add_separations(kind, path, separations, out);
   add_doubts();
 }
 
