@@ -11,15 +11,28 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Angular velocity of the rotation vector w with the rate `rate`.
-Vector3d angular_velocity(const Vector3d& w, const Vector3d& rate) {
-  const double angle = w.norm();
-  const double square = angle * angle;
-  const double a = angle < 1e-4 ? 0.5 - square / 24 : (1 - std::cos(angle)) / square;
-  const double b =
-      angle < 1e-3 ? 1.0 / 6 - square / 120 : (angle - std::sin(angle)) / (square * angle);
-  const Vector3d across = w.cross(rate);
-  return rate + a * across + b * w.cross(across);
+// Of a rotation vector w: sin x/x, (1 - cos x)/x^2 and (x - sin x)/x^3 at its length x.
+struct Turn {
+  double sine, cosine, cubic;
+};
+Turn turn_of(const Vector3d& w) {
+  const double square = w.squaredNorm();
+  if (square > 1) {
+    const double angle = std::sqrt(square);
+    return {internal::sinc(angle), internal::cosine_share(angle), internal::sine_share(angle)};
+  }
+  // A jaw turns by less than 1 rad: Taylor series, all of whose terms above 1e-17 are here.
+  constexpr std::size_t kTerms = 10;
+  constexpr auto kSine = elementary::detail::reciprocal_factorials<double, kTerms>(1, 2);
+  constexpr auto kCosine = elementary::detail::reciprocal_factorials<double, kTerms>(2, 2);
+  constexpr auto kCubic = elementary::detail::reciprocal_factorials<double, kTerms>(3, 2);
+  Turn turn{0, 0, 0};
+  for (std::size_t i = kTerms; i-- > 0;) {
+    turn.sine = kSine[i] - square * turn.sine;
+    turn.cosine = kCosine[i] - square * turn.cosine;
+    turn.cubic = kCubic[i] - square * turn.cubic;
+  }
+  return turn;
 }
 
 }  // namespace
@@ -41,8 +54,10 @@ void turning_of(const SmoothMotion& motion, TurningMotion& turning) {
   turning.angular_velocity_rad_s.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
     const Vector3d w = motion.value[k].tail<3>();
-    turning.rotation[k] = rotation_of<double>(w);
-    turning.angular_velocity_rad_s[k] = angular_velocity(w, motion.slope[k].tail<3>());
+    const Vector3d rate = motion.slope[k].tail<3>(), across = w.cross(rate);
+    const Turn turn = turn_of(w);
+    turning.rotation[k] = internal::with_powers(w, turn.sine, turn.cosine);
+    turning.angular_velocity_rad_s[k] = rate + turn.cosine * across + turn.cubic * w.cross(across);
   }
 }
 

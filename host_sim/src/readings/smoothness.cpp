@@ -66,7 +66,7 @@ std::vector<double> spectrum_of(const std::vector<double>& speed, double step_s)
     for (const double v : speed) {
 #pragma GCC unroll 4
       for (std::size_t i = 0; i < kPairs; ++i) {
-        const Pair next = twice[i] * last[i] - before[i] + v;
+        const Pair next = twice[i] * last[i] + (v - before[i]);  // the shorter chain
         before[i] = last[i];
         last[i] = next;
       }
