@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace condyle::host {
@@ -26,6 +27,27 @@ constexpr double kMostDifference = 0.05;  // of the speed
 // A gap of more steps and more of the wide window may hide a greater speed.
 constexpr double kStepsOfGap = 2.5, kGapShare = 0.5;
 constexpr double kNowhere = -1e300;  // the speed where there are too few samples
+
+// Sums of the powers 0 to 6 of places, of a cubic's normal equations.
+using PowerSums = std::array<double, 7>;
+void add_powers(double x, PowerSums& sums) {
+  const double square = x * x, cube = square * x;
+  sums[0] += 1;
+  sums[1] += x;
+  sums[2] += square;
+  sums[3] += cube;
+  sums[4] += square * square;
+  sums[5] += square * cube;
+  sums[6] += cube * cube;
+}
+// What the moments of the samples are weighted with for the slope at 0.
+Eigen::RowVector4d slope_row(const PowerSums& sums) {
+  Eigen::Matrix4d normal;
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) normal(i, j) = sums[static_cast<std::size_t>(i + j)];
+  }
+  return normal.inverse().row(1);
+}
 
 }  // namespace
 
@@ -135,43 +157,56 @@ Eigen::Matrix3d SpeedReader::noise_of(SpeedPoint point, std::size_t k,
   return covariance + displaced * displaced.transpose();
 }
 
+// The samples of the cubic around sample `k`; none if there are too few.
+SampleRun SpeedReader::window_at(std::size_t k, double half_s) const {
+  const auto& time_s = path_.time_s;
+  SampleRun window{k, k + 1};
+  while (window.begin > 0 && time_s[k] - time_s[window.begin - 1] <= half_s) --window.begin;
+  while (window.end < time_s.size() && time_s[window.end] - time_s[k] <= half_s) ++window.end;
+  const bool is_enough = k >= window.begin + kNarrowest && window.end >= k + 1 + kNarrowest;
+  return is_enough ? window : SampleRun{k, k};
+}
+
 SpeedReader::Slope SpeedReader::slope_at(std::size_t k, int width) const {
   const auto& time_s = path_.time_s;
   const double half_s = (width + 0.25) * step_s_;
+  const SampleRun window = window_at(k, half_s);
   Slope slope;
-  std::size_t end = k + 1;
-  slope.first = k;
-  while (slope.first > 0 && time_s[k] - time_s[slope.first - 1] <= half_s) --slope.first;
-  while (end < time_s.size() && time_s[end] - time_s[k] <= half_s) ++end;
-  if (k < slope.first + kNarrowest || end < k + 1 + kNarrowest) return slope;
-  // Sums of powers, of a cubic's normal equations.
-  double powers[7] = {};
-  for (std::size_t i = slope.first; i < end; ++i) {
-    double power = 1;
-    const double x = (time_s[i] - time_s[k]) / half_s;
-    for (double& sum : powers) {
-      sum += power;
-      power *= x;
-    }
+  slope.first = window.begin;
+  if (window.begin == window.end) return slope;
+  PowerSums powers{};
+  for (std::size_t i = window.begin; i < window.end; ++i) {
+    add_powers((time_s[i] - time_s[k]) / half_s, powers);
   }
-  Eigen::Matrix4d normal;
-  for (int i = 0; i < 4; ++i) {
-    for (int j = 0; j < 4; ++j) normal(i, j) = powers[i + j];
-  }
-  const Eigen::Matrix4d inverse = normal.inverse();
-  for (std::size_t i = slope.first; i < end; ++i) {
+  const Eigen::RowVector4d row = slope_row(powers);
+  for (std::size_t i = window.begin; i < window.end; ++i) {
     const double x = (time_s[i] - time_s[k]) / half_s;
-    slope.weights.push_back(
-        (inverse(1, 0) + x * (inverse(1, 1) + x * (inverse(1, 2) + x * inverse(1, 3)))) / half_s);
+    slope.weights.push_back((row[0] + x * (row[1] + x * (row[2] + x * row[3]))) / half_s);
   }
   return slope;
 }
 
-// kNowhere if there are too few samples.
+// kNowhere if there are too few samples. The slope as in slope_at, from the samples' moments.
 double SpeedReader::speed_at(const Places& places, std::size_t k, int width, int way) const {
-  const Slope slope = slope_at(k, width);
-  if (slope.weights.empty()) return kNowhere;
-  const Vector3d velocity = slope.of(places);
+  const auto& time_s = path_.time_s;
+  const double half_s = (width + 0.25) * step_s_;
+  const SampleRun window = window_at(k, half_s);
+  if (window.begin == window.end) return kNowhere;
+  PowerSums powers{};
+  std::array<Vector3d, 4> moments;
+  moments.fill(Vector3d::Zero());
+  for (std::size_t i = window.begin; i < window.end; ++i) {
+    const double x = (time_s[i] - time_s[k]) / half_s, square = x * x;
+    add_powers(x, powers);
+    const Vector3d from_here = places[i] - places[k];
+    moments[0] += from_here;
+    moments[1] += x * from_here;
+    moments[2] += square * from_here;
+    moments[3] += square * x * from_here;
+  }
+  const Eigen::RowVector4d row = slope_row(powers);
+  Vector3d velocity = Vector3d::Zero();
+  for (int i = 0; i < 4; ++i) velocity += row[i] / half_s * moments[static_cast<std::size_t>(i)];
   return way == 0 ? velocity.norm() : way * velocity.z();
 }
 

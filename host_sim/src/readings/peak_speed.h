@@ -36,6 +36,7 @@ class SpeedReader {
   struct Peak;
   using Places = std::vector<Eigen::Vector3d>;
 
+  SampleRun window_at(std::size_t k, double half_s) const;
   Slope slope_at(std::size_t k, int width) const;
   double speed_at(const Places& places, std::size_t k, int width, int way) const;
   std::vector<Peak> peaks_of(const Places& places, SampleRun run, int way) const;
