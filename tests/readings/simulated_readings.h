@@ -100,15 +100,16 @@ inline std::string coverage_key(const std::string& task, const std::string& side
   return task + "/" + side + "/" + reading;
 }
 
-/// Adds the means of `analysis` to `coverages`.
-inline void compare_means(const Analysis& analysis, const std::vector<TrueReading>& truth,
-                          Coverages& coverages) {
+/// Adds the means of `analysis` to `coverages`. The share of covered ones among those shown.
+inline double compare_means(const Analysis& analysis, const std::vector<TrueReading>& truth,
+                            Coverages& coverages) {
   std::map<std::string, double> values;
   for (const TrueReading& reading : truth) {
     if (reading.stroke == 0) {
       values[coverage_key(reading.task, reading.side, reading.reading)] = reading.value;
     }
   }
+  int shown = 0, covered = 0;
   for (const JawReading& reading : analysis.readings) {
     if (reading.stroke > 0) continue;
     const std::string key = coverage_key(name_of(reading.task), name_of(reading.side),
@@ -119,12 +120,16 @@ inline void compare_means(const Analysis& analysis, const std::vector<TrueReadin
     ++coverage.wanted;
     if (reading.provenance == ReadingProvenance::withheld) continue;
     const double error = reading.value - truth_of->second;
+    const bool is_covered = reading.low <= truth_of->second && truth_of->second <= reading.high;
+    ++shown;
+    covered += is_covered;
     ++coverage.shown;
-    coverage.covered += reading.low <= truth_of->second && truth_of->second <= reading.high;
+    coverage.covered += is_covered;
     coverage.sum += error;
     coverage.squares += error * error;
     coverage.halves += (reading.high - reading.low) / 2;
   }
+  return shown == 0 ? 0 : static_cast<double>(covered) / shown;
 }
 
 }  // namespace condyle::host
