@@ -59,8 +59,9 @@ inline std::vector<Task> stated_tasks(const KinematicSimulation& simulation) {
   return tasks;
 }
 
-/// The exact path of `jaw` at 2 kHz.
-inline JawPath exact_path(const KinematicJaw& jaw, double begin_s, double end_s) {
+/// The exact path of `jaw`, at 2 kHz by default.
+inline JawPath exact_path(const KinematicJaw& jaw, double begin_s, double end_s,
+                          double step_s = 0.0005) {
   const JawLandmarks& points = jaw.landmarks();
   ReadingGeometry geometry;
   geometry.has_landmarks = true;
@@ -76,12 +77,13 @@ inline JawPath exact_path(const KinematicJaw& jaw, double begin_s, double end_s)
         rotation_vector_of<double>(pose.rotation);
     return value;
   };
-  for (double time_s = begin_s; time_s < end_s; time_s += 0.0005) {
+  for (double time_s = begin_s; time_s < end_s; time_s += step_s) {
     motion.time_s.push_back(time_s);
     motion.value.push_back(at(time_s));
     motion.slope.push_back((at(time_s + 1e-5) - at(time_s - 1e-5)) / 2e-5);
   }
   JawPath path;
+  path.is_exact = true;
   paths_of(motion, geometry, path);
   return path;
 }

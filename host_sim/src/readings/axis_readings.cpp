@@ -106,15 +106,32 @@ void add_instantaneous_axes(const JawPath& path, std::size_t widest, double turn
   Crossings crossings;
   const std::vector<double> rates = sizes_of(path.turning_rad_s);
   const double fast_rad_s =
-      kFastShare * greatest_of(path.time_s, rates, 0, widest + 1, kTopReach_s).value;
+      kFastShare * greatest_of(path.time_s, rates, 0, widest + 1, top_reach_s(path)).value;
   const bool is_clear = fast_rad_s > kLeastRateSds * turning_sd_rad_s;
-  for (std::size_t k = 1; k < widest && is_clear; ++k) {
-    if (rates[k] < fast_rad_s) continue;
+  const auto crossing_at = [&](std::size_t k) {
     const Vector3d& omega = path.turning_rad_s[k];
     const Vector3d place = path.condyle_at_m[0] + path.condyle_m[0][k];
     const Vector3d point = place + omega.cross(path.condyle_m_s[0][k]) / omega.squaredNorm();
-    const double step_s = (path.time_s[k + 1] - path.time_s[k - 1]) / 2;
-    if (const auto point_m = crossing_m(point, omega)) crossings.add(*point_m, rates[k] * step_s);
+    return crossing_m(point, omega);
+  };
+  // Integrals by the trapezoidal rule, to the very passages of `fast_rad_s`.
+  std::optional<Vector3d> before;
+  for (std::size_t k = 1; k <= widest && is_clear; ++k) {
+    const bool was_fast = rates[k - 1] >= fast_rad_s, is_fast = rates[k] >= fast_rad_s;
+    if (!was_fast) before = is_fast ? crossing_at(k - 1) : std::nullopt;
+    if (!was_fast && !is_fast) continue;
+    const auto now = crossing_at(k);
+    const double share = was_fast == is_fast ? 1
+                                             : (rates[is_fast ? k : k - 1] - fast_rad_s) /
+                                                   std::abs(rates[k] - rates[k - 1]);
+    const double half_s = share * (path.time_s[k] - path.time_s[k - 1]) / 2;
+    if (before && now) {
+      const Vector3d first = was_fast ? *before : *now + share * (*before - *now);
+      const Vector3d last = is_fast ? *now : *before + share * (*now - *before);
+      crossings.add(first, half_s * (was_fast ? rates[k - 1] : fast_rad_s));
+      crossings.add(last, half_s * (is_fast ? rates[k] : fast_rad_s));
+    }
+    before = now;
   }
   crossings.give(
       [&] {

@@ -18,15 +18,13 @@ constexpr double kNone = JawReading::kNone;
 constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
 constexpr double kOnset_m = 0.3e-3;  // travel of a condyle that has left the fossa
 constexpr double kChord_m = 0.5e-3;  // of a path's length
-// Of the spread of instantaneous axes, on motion without noise.
-constexpr double kSpreadError_mm = 0.1;
-constexpr double kShareOfSmoothing = 0.5;
 // Paths that are nearer to each other coincide.
 constexpr double kLeastSeparation_mm = 0.05;
 constexpr std::size_t kEnds = 20;
 constexpr double kLeastTravelShare = 0.2, kMostTravelShare = 0.9;  // of separations
 constexpr double kSlopeFrom = 0.2, kSlopeTo = 0.8;                 // the middle 60 % of the travel
 constexpr double kLeastSlopeTravel_m = 3e-3;
+constexpr double kShiftFrom_mm = 2, kShiftTo_mm = 5;  // x of the line that gives the side shift
 
 // The outward path of a condyle: from kOnset_m to the greatest sagittal travel.
 struct Outward {
@@ -42,9 +40,10 @@ bool goes_forward(TaskKind kind, std::size_t side) {
   return kind == TaskKind::opening || kind == TaskKind::protrusion || orbits(kind, side);
 }
 
-Outward outward_of(const std::vector<double>& time_s, const Points& condyle_m) {
+Outward outward_of(const JawPath& path, std::size_t side) {
+  const Points& condyle_m = path.condyle_m[side];
   const std::vector<double> travels = sagittal_sizes_of(condyle_m);
-  const Greatest greatest = greatest_of(time_s, travels, 0, travels.size(), kTopReach_s);
+  const Greatest greatest = greatest_of(path.time_s, travels, 0, travels.size(), top_reach_s(path));
   Outward outward{greatest.at, greatest.at, greatest.value};
   while (outward.begin > 0 && sagittal_size(condyle_m[outward.begin]) > kOnset_m) --outward.begin;
   return outward;
@@ -85,24 +84,21 @@ void add_side_shift(const JawPath& path, std::size_t side, const Outward& outwar
     return first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side], outward.begin,
                          outward.end, x_mm * kMillimetre, forward);
   };
+  // Least squares over all x, by Simpson's rule.
   constexpr int kSteps = 30;
-  double sum = 0, sum_x = 0, sum_xx = 0, sum_y = 0, sum_xy = 0;
+  constexpr double kMiddle_mm = (kShiftFrom_mm + kShiftTo_mm) / 2;
+  constexpr double kHalf_mm = (kShiftTo_mm - kShiftFrom_mm) / 2;
+  double mean_y = 0, mean_uy = 0;  // u = x - kMiddle_mm
   for (int i = 0; i <= kSteps; ++i) {
-    const double x_mm = 2 + 3.0 * i / kSteps;
-    const auto point = at(x_mm);
-    if (!point) break;
-    const double y_mm = medial(point->point, side) / kMillimetre;
-    ++sum;
-    sum_x += x_mm;
-    sum_xx += x_mm * x_mm;
-    sum_y += y_mm;
-    sum_xy += x_mm * y_mm;
+    const double u_mm = kHalf_mm * (2.0 * i / kSteps - 1);
+    const auto point = at(kMiddle_mm + u_mm);
+    const double y_mm = point ? medial(point->point, side) / kMillimetre : kNone;
+    const double weight = (i % kSteps == 0 ? 1 : i % 2 == 1 ? 4 : 2) / (3.0 * kSteps);
+    mean_y += weight * y_mm;
+    mean_uy += weight * u_mm * y_mm;
   }
-  double a = kNone, b = kNone;
-  if (sum > kSteps) {
-    b = (sum * sum_xy - sum_x * sum_y) / (sum * sum_xx - sum_x * sum_x);
-    a = (sum_y - b * sum_x) / sum;
-  }
+  const double b = mean_uy / (kHalf_mm * kHalf_mm / 3);
+  const double a = mean_y - b * kMiddle_mm;
   const auto reason = [] { return std::string("the condyle moves less than 5 mm forward"); };
   out.add(a, reason);
   const auto early = at(0.5);
@@ -153,7 +149,8 @@ void add_condylar_motion(TaskKind kind, const JawPath& path, std::size_t side,
                          const Outward& outward, const CondylarSeparations::Side& separations,
                          ReadingValues& out) {
   const std::vector<double> speeds = sizes_of(path.condyle_m_s[side]);
-  out.add(greatest_of(path.time_s, speeds, 0, outward.end + 1, kTopReach_s).value / kMillimetre);
+  out.add(greatest_of(path.time_s, speeds, 0, outward.end + 1, top_reach_s(path)).value /
+          kMillimetre);
   double sum_mm = 0;
   for (const double mm : separations) sum_mm += std::abs(mm);
   out.add(sum_mm / static_cast<double>(separations.size()),
@@ -203,7 +200,7 @@ CondylarSeparations add_condyles(TaskKind kind, const JawPath& path, ReadingValu
   CondylarSeparations separations{};
   double length_mm[2], translation_mm[2];
   for (std::size_t side = 0; side < 2; ++side) {
-    const Outward outward = outward_of(path.time_s, path.condyle_m[side]);
+    const Outward outward = outward_of(path, side);
     length_mm[side] = outward_length_m(path, side, outward) / kMillimetre;
     out.add(length_mm[side], [] { return std::string("the condyle travels less than 0.3 mm"); });
     translation_mm[side] = greatest_mm(path, sizes_of(path.condyle_m[side]));
@@ -264,14 +261,6 @@ void finish_separations(const std::vector<StrokeReading>& names,
     mean.smoothing = std::hypot(mean.smoothing, closure_mm);
   }
   values.resize(names.size());
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const bool is_spread = names[i].name.ends_with("_spread_mm");
-    if (!is_spread && !names[i].name.starts_with("condylar_path")) continue;
-    // What noise adds to a length follows from its variance, which is known to a few percent.
-    values[i].smoothing *= kShareOfSmoothing;
-    // The spread of axes is never negative, so that smoothing always adds to it.
-    if (is_spread) values[i].smoothing = std::hypot(values[i].smoothing, kSpreadError_mm);
-  }
 }
 
 void withhold_condyles(const std::vector<StrokeReading>& names, const std::string& why,

@@ -30,8 +30,7 @@ CondylarSeparations add_condyles(TaskKind kind, const JawPath& path, ReadingValu
 void add_separations(TaskKind kind, const JawPath& path, const CondylarSeparations& separations,
                      ReadingValues& out);
 /// Counts the crossings from these, which follow the values of `names`, and removes them. The
-/// interval of the condylar_separation_mm before each count takes in what the way back missed, that
-/// of a spread of axes the error of the method.
+/// interval of the condylar_separation_mm before each count takes in what the way back missed.
 void finish_separations(const std::vector<StrokeReading>& names,
                         std::vector<UncertainValue>& values);
 

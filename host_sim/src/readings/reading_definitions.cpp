@@ -236,6 +236,8 @@ const std::vector<ReadingDefinition>& reading_definitions() {
        80, false, true},
       {"border_loop_frontal_mm2", "mm2", "the same in the frontal plane", 80, false, true},
       {"border_loop_horizontal_mm2", "mm2", "the same in the horizontal plane", 80, false, true},
+      {"border_volume_mm3", "mm3", "volume of the convex hull of the incisor's path", 500, false,
+       true},
   };
   return all;
 }

@@ -41,6 +41,7 @@ struct JawPath {
   Eigen::Vector3d incisor_at_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d middle_at_m = Eigen::Vector3d::Zero();  ///< f
   std::vector<Eigen::Vector3d> middle_m;                  ///< displacement of f
+  bool is_exact = false;  ///< without noise: a greatest value is not sought among means
 };
 
 /// Which parts of a path are wanted: all, or time and incisor.

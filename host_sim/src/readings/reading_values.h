@@ -42,6 +42,10 @@ struct StrokeReading {
 
 /// Smoothing of a stroke's greatest values (s).
 inline constexpr double kTopReach_s = 0.12;
+inline double top_reach_s(const JawPath& path, double reach_s = kTopReach_s) {
+  constexpr double kNoReach_s = 1e-9;
+  return path.is_exact ? kNoReach_s : reach_s;
+}
 
 inline std::vector<double> sizes_of(const Points& points) {
   std::vector<double> sizes;
@@ -71,7 +75,7 @@ inline std::vector<double> coordinate_of(const Points& points, int axis, double 
 }
 
 inline double greatest_mm(const JawPath& path, const std::vector<double>& values_m) {
-  return greatest_of(path.time_s, values_m, 0, values_m.size(), kTopReach_s).value * 1e3;
+  return greatest_of(path.time_s, values_m, 0, values_m.size(), top_reach_s(path)).value * 1e3;
 }
 
 }  // namespace condyle::host

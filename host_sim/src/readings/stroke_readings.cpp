@@ -11,6 +11,7 @@
 #include "readings/axis_readings.h"
 #include "readings/chewing_cycles.h"
 #include "readings/condyle_readings.h"
+#include "readings/convex_hull.h"
 #include "readings/reading_values.h"
 #include "readings/smoothness.h"
 
@@ -23,6 +24,9 @@ constexpr double kNone = JawReading::kNone;
 constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
 constexpr double kLeastSpeedShare = 0.05;  // of the peak: begin and end of a movement
 constexpr double kReturn_m = 1e-3;         // near the reference position
+// Of the spread of instantaneous axes, on motion without noise.
+constexpr double kSpreadError_mm = 0.1;
+constexpr double kShareOfSmoothing = 0.5;
 
 // Speed from `begin` to `end` (without): its peak, and the movement around the peak.
 struct Movement {
@@ -32,15 +36,23 @@ struct Movement {
 Movement movement_of(const JawPath& path, const std::vector<double>& speeds, std::size_t begin,
                      std::size_t end) {
   const auto& time_s = path.time_s;
-  const Greatest peak = greatest_of(time_s, speeds, begin, end, kTopReach_s);
+  const Greatest peak = greatest_of(time_s, speeds, begin, end, top_reach_s(path));
   const double least = kLeastSpeedShare * peak.value;
   std::size_t first = peak.at, last = peak.at;
   while (first > begin && speeds[first - 1] >= least) --first;
   while (last + 1 < end && speeds[last + 1] >= least) ++last;
-  // Where the speed is `least`, between this sample and the one outside.
+  // Where the speed is `least`, between this sample and the one outside: on the parabola through
+  // both and the next one inside.
   const auto passage_s = [&](std::size_t inside, std::size_t outside) {
-    const double share = (speeds[inside] - least) / (speeds[inside] - speeds[outside]);
-    return time_s[inside] + std::clamp(share, 0.0, 1.0) * (time_s[outside] - time_s[inside]);
+    const std::size_t within = inside < outside ? inside - 1 : inside + 1;
+    const double fall = speeds[inside] - speeds[outside];
+    const double curve =
+        within < speeds.size() ? (speeds[within] - 2 * speeds[inside] + speeds[outside]) / 2 : 0;
+    double share = 0.5;
+    for (int i = 0; i < 4; ++i) {
+      share = std::clamp((speeds[inside] - least - curve * share * (1 - share)) / fall, 0.0, 1.0);
+    }
+    return time_s[inside] + share * (time_s[outside] - time_s[inside]);
   };
   return {peak.value, first > begin ? passage_s(first, first - 1) : time_s[first],
           last + 1 < end ? passage_s(last, last + 1) : time_s[last]};
@@ -52,7 +64,7 @@ void add_opening(const JawPath& path, std::size_t turn, double turning_sd_rad_s,
   out.add(greatest_mm(path, coordinate_of(path.incisor_m, 2, -1)));
   std::vector<double> twists;
   for (const Vector3d& w : path.rotation_rad) twists.push_back(twist_about(w, 1));
-  const Greatest twist = greatest_of(path.time_s, twists, 0, twists.size(), kTopReach_s);
+  const Greatest twist = greatest_of(path.time_s, twists, 0, twists.size(), top_reach_s(path));
   const std::size_t widest = twist.at;
   out.add(twist.value / kDegree);
   out.add(path.incisor_m[turn].y() / kMillimetre);
@@ -105,7 +117,8 @@ std::vector<StrokeReading> readings_of_stroke(TaskKind kind, bool has_landmarks)
     if (has_landmarks) {
       for (const char* name :
            {"border_area_sagittal_mm2", "border_area_frontal_mm2", "border_area_horizontal_mm2",
-            "border_loop_sagittal_mm2", "border_loop_frontal_mm2", "border_loop_horizontal_mm2"}) {
+            "border_loop_sagittal_mm2", "border_loop_frontal_mm2", "border_loop_horizontal_mm2",
+            "border_volume_mm3"}) {
         names.push_back({name});
       }
     }
@@ -143,7 +156,8 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
                  double turning_sd_rad_s) {
   ReadingValues out(values, why);
   const std::vector<double> distances = sizes_of(path.incisor_m);
-  const double reach_s = kind == TaskKind::whole ? kCycleTopReach_s : kTopReach_s;
+  const double reach_s =
+      top_reach_s(path, kind == TaskKind::whole ? kCycleTopReach_s : kTopReach_s);
   const Greatest farthest = greatest_of(path.time_s, distances, 0, distances.size(), reach_s);
   const std::size_t turn = farthest.at;
   out.add(farthest.value / kMillimetre);
@@ -152,12 +166,14 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
   if (kind == TaskKind::rest || kind == TaskKind::whole) return;
   if (kind == TaskKind::border) {
     if (!has_landmarks) return;
-    out.add(hull_area(path.incisor_m, 0, 2) * 1e6);
-    out.add(hull_area(path.incisor_m, 1, 2) * 1e6);
-    out.add(hull_area(path.incisor_m, 0, 1) * 1e6);
+    const ConvexHull hull = convex_hull(path.incisor_m);
+    out.add(hull_area(hull.corners, 0, 2) * 1e6);
+    out.add(hull_area(hull.corners, 1, 2) * 1e6);
+    out.add(hull_area(hull.corners, 0, 1) * 1e6);
     out.add(greatest_loop_m2(path.incisor_m, 0, 2, kReturn_m) * 1e6);
     out.add(greatest_loop_m2(path.incisor_m, 1, 2, kReturn_m) * 1e6);
     out.add(greatest_loop_m2(path.incisor_m, 0, 1, kReturn_m) * 1e6);
+    out.add(hull.volume * 1e9);
     return;
   }
   const std::array<double, 2> doubts = add_speeds(path, turn, out);
@@ -179,12 +195,13 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
   if (kind == TaskKind::left || kind == TaskKind::right) {
     const bool is_left = kind == TaskKind::left;
     const std::vector<double> aside = coordinate_of(path.incisor_m, 1, is_left ? 1 : -1);
-    const Greatest farthest_aside = greatest_of(path.time_s, aside, 0, aside.size(), kTopReach_s);
+    const Greatest farthest_aside =
+        greatest_of(path.time_s, aside, 0, aside.size(), top_reach_s(path));
     out.add(farthest_aside.value / kMillimetre);
     std::vector<double> yaws;
     for (const Vector3d& w : path.rotation_rad)
       yaws.push_back((is_left ? 1 : -1) * twist_about(w, 2));
-    out.add(greatest_of(path.time_s, yaws, 0, yaws.size(), kTopReach_s).value / kDegree);
+    out.add(greatest_of(path.time_s, yaws, 0, yaws.size(), top_reach_s(path)).value / kDegree);
     const std::size_t side = is_left ? 0 : 1;
     const std::size_t at = farthest_aside.at;
     const Vector3d& working = path.condyle_m[side][at];
@@ -194,6 +211,21 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
   const CondylarSeparations separations = add_condyles(kind, path, out);
   add_separations(kind, path, separations, out);
   add_doubts();
+}
+
+void narrow_what_noise_adds(const std::vector<StrokeReading>& names,
+                            std::vector<UncertainValue>& values) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string_view name = names[i].name;
+    const bool is_spread = name.ends_with("_spread_mm");
+    const bool is_hull = name.starts_with("border_area") || name.starts_with("border_volume");
+    if (!is_spread && !is_hull && !name.starts_with("condylar_path")) continue;
+    // What noise adds to a length or a hull follows from its variance, which is known to a few
+    // percent.
+    values[i].smoothing *= kShareOfSmoothing;
+    // The spread of axes is never negative, so that smoothing always adds to it.
+    if (is_spread) values[i].smoothing = std::hypot(values[i].smoothing, kSpreadError_mm);
+  }
 }
 
 }  // namespace condyle::host

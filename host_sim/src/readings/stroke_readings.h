@@ -20,4 +20,10 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
                  std::vector<double>& values, std::vector<std::string>* why,
                  double turning_sd_rad_s = 0);
 
+/// Of lengths, hulls and spreads, named in `names`: noise adds to them what its variance decides,
+/// so that little of the correction is uncertain. A spread of axes takes in the error of the
+/// method.
+void narrow_what_noise_adds(const std::vector<StrokeReading>& names,
+                            std::vector<UncertainValue>& values);
+
 }  // namespace condyle::host

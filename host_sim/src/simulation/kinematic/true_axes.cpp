@@ -79,22 +79,29 @@ std::vector<TrueAxisValue> true_axes(const KinematicJaw& jaw, const Span& out) {
     }
     finite.give("finite_axes", values);
   }
-  constexpr double h_s = 1e-4;
   Mean instantaneous;
+  const auto slope = [](const auto& value, double t) {
+    constexpr double h_s = 2e-4;  // fourth order
+    return ((8 * (value(t + h_s) - value(t - h_s)) - (value(t + 2 * h_s) - value(t - 2 * h_s))) /
+            (12 * h_s))
+        .eval();
+  };
   const auto spin = [&](double t) {
-    return Matrix3d((jaw.pose_at(t + h_s).rotation - jaw.pose_at(t - h_s).rotation) / (2 * h_s) *
+    return Matrix3d(slope([&](double at) { return jaw.pose_at(at).rotation; }, t) *
                     jaw.pose_at(t).rotation.transpose());
   };
   const auto rate = [&](double t) { return (axis_of(spin(t)) / 2).norm(); };
-  const double fast = greatest(rate, out) / 2;
-  at_instants(out, [&](double t) {
-    if (rate(t) < fast) return;
+  const double fastest_s = greatest_at_s(rate, out), fast = rate(fastest_s) / 2;
+  // Integrals over the time in which the jaw turns fast, by the trapezoidal rule.
+  const Span turning{fall_s(rate, fastest_s, out.begin_s, fast),
+                     fall_s(rate, fastest_s, out.end_s, fast)};
+  at_instants(turning, [&](double t) {
     const Matrix3d W = spin(t);
-    const Vector3d drift =
-        (jaw.pose_at(t + h_s).translation_m - jaw.pose_at(t - h_s).translation_m) / (2 * h_s);
+    const Vector3d drift = slope([&](double at) { return jaw.pose_at(at).translation_m; }, t);
     instantaneous.points.push_back(
         1e3 * standing_point(axis_of(W) / 2, drift - W * jaw.pose_at(t).translation_m, W));
-    instantaneous.weights.push_back(rate(t));
+    const bool is_end = t == turning.begin_s || t >= turning.end_s;
+    instantaneous.weights.push_back((is_end ? 0.5 : 1) * rate(t));
   });
   instantaneous.give("instantaneous_axis", values);
   return values;

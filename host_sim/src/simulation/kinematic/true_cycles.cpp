@@ -35,13 +35,11 @@ Vector3d TruthOfCycles::incisor_mm(double time_s) const {
 }
 
 double TruthOfCycles::speed_mm_s(double time_s) const {
-  constexpr double h_s = 1e-4;
-  return (incisor_mm(time_s + h_s) - incisor_mm(time_s - h_s)).norm() / (2 * h_s);
+  return truth::speed_mm_s([this](double t) { return incisor_mm(t); }, time_s);
 }
 
 double TruthOfCycles::upward_mm_s(double time_s) const {
-  constexpr double h_s = 1e-4;
-  return (incisor_mm(time_s + h_s).z() - incisor_mm(time_s - h_s).z()) / (2 * h_s);
+  return velocity_mm_s([this](double t) { return incisor_mm(t); }, time_s).z();
 }
 
 void TruthOfCycles::read_times(std::size_t at, TrueCycle& into) const {
@@ -75,15 +73,8 @@ void TruthOfCycles::read_sizes(const JawCycle& cycle, TrueCycle& into) const {
   into.values.push_back({"cycle_height_mm", range(2), "mm"});
   into.values.push_back({"cycle_width_mm", range(1), "mm"});
   into.values.push_back({"cycle_depth_mm", range(0), "mm"});
-  double path_mm = 0;
-  Vector3d last = incisor_mm(whole.begin_s);
-  at_instants(whole, [&](double time_s) {
-    const Vector3d now = incisor_mm(time_s);
-    path_mm += (now - last).norm();
-    last = now;
-  });
-  into.values.push_back({"cycle_path_mm", path_mm, "mm"});
   const auto speed = [this](double t) { return speed_mm_s(t); };
+  into.values.push_back({"cycle_path_mm", integral(speed, whole), "mm"});
   const auto upward = [this](double t) { return upward_mm_s(t); };
   const auto downward = [this](double t) { return -upward_mm_s(t); };
   const TrueSmoothness there = smoothness(speed, opening, 0), home = smoothness(speed, closing, 0);
@@ -98,17 +89,18 @@ void TruthOfCycles::read_sizes(const JawCycle& cycle, TrueCycle& into) const {
 }
 
 void TruthOfCycles::read_loop(const JawCycle& cycle, TrueCycle& into) const {
-  // Twice the areas, by triangles from the origin.
-  double frontal = 0, sagittal = 0;
+  // Twice the areas: what the ray from the origin sweeps, and the triangle that closes the loop.
   const Vector3d first = incisor_mm(cycle.begin_s), end = incisor_mm(cycle.end_s);
-  Vector3d last = first;
-  const auto to = [&](const Vector3d& now) {
-    frontal += last.y() * now.z() - now.y() * last.z();
-    sagittal += last.x() * now.z() - now.x() * last.z();
-    last = now;
+  const auto place_mm = [this](double t) { return incisor_mm(t); };
+  const auto swept = [&](int axis) {
+    const auto rate = [&](double t) {
+      const Vector3d p = incisor_mm(t), v = velocity_mm_s(place_mm, t);
+      return p[axis] * v.z() - p.z() * v[axis];
+    };
+    return integral(rate, {cycle.begin_s, cycle.end_s}) + end[axis] * first.z() -
+           first[axis] * end.z();
   };
-  at_instants({cycle.begin_s, cycle.end_s}, [&](double time_s) { to(incisor_mm(time_s)); });
-  to(first);
+  const double frontal = swept(1), sagittal = swept(0);
   into.values.push_back({"cycle_frontal_area_mm2", std::abs(frontal) / 2, "mm2"});
   into.values.push_back({"cycle_sagittal_area_mm2", std::abs(sagittal) / 2, "mm2"});
   const Vector3d bottom = incisor_mm(cycle.opening_end_s);

@@ -7,9 +7,9 @@
 namespace condyle::host::truth {
 namespace {
 
-double sparc(const std::vector<double>& speeds) {
+double sparc(const std::vector<double>& speeds, double step_s) {
   const double count = std::exp2(std::ceil(std::log2(static_cast<double>(speeds.size()))) + 4);
-  const double frequency_Hz = 1 / (kStep_s * count);
+  const double frequency_Hz = 1 / (step_s * count);
   std::vector<double> amplitudes;
   for (double k = 0; k * frequency_Hz <= 10; ++k) {
     const std::complex<double> turn = std::polar(1.0, -2 * std::numbers::pi * k / count);
@@ -30,36 +30,37 @@ double sparc(const std::vector<double>& speeds) {
   return -length;
 }
 
-double ldlj(const std::vector<double>& speeds, double peak) {
-  double sum = 0;
+// The jerk of the first and the last sample continues that of the next two.
+double ldlj(const std::vector<double>& speeds, double step_s) {
+  std::vector<double> jerks;
   for (std::size_t k = 1; k + 1 < speeds.size(); ++k) {
-    const double jerk = (speeds[k + 1] - 2 * speeds[k] + speeds[k - 1]) / (kStep_s * kStep_s);
-    sum += jerk * jerk * kStep_s;
+    jerks.push_back((speeds[k + 1] - 2 * speeds[k] + speeds[k - 1]) / (step_s * step_s));
   }
-  const double duration_s = static_cast<double>(speeds.size()) * kStep_s;
-  return -std::log(std::pow(duration_s, 3) / (peak * peak) * sum);
+  const auto before = [](double next, double second) { return 2 * next - second; };
+  const double first = before(jerks[0], jerks[1]);
+  const double last = before(jerks.back(), jerks[jerks.size() - 2]);
+  double sum = first * first + last * last;
+  for (const double jerk : jerks) sum += jerk * jerk;
+  const double peak = *std::max_element(speeds.begin(), speeds.end());
+  const double duration_s = static_cast<double>(speeds.size()) * step_s;
+  return -std::log(std::pow(duration_s, 3) / (peak * peak) * sum * step_s);
 }
 
 }  // namespace
 
 TrueSmoothness smoothness(const Function& speed, const Span& span, double least_share) {
+  const double peak_s = greatest_at_s(speed, span), least = least_share * speed(peak_s);
+  const double begin_s = fall_s(speed, peak_s, span.begin_s, least);
+  const double end_s = fall_s(speed, peak_s, span.end_s, least);
+  const double parts = std::round((end_s - begin_s) / kStep_s);
+  const double part_s = (end_s - begin_s) / parts;
   std::vector<double> speeds;
-  for (double time_s = span.begin_s; time_s <= span.end_s; time_s += kStep_s) {
-    speeds.push_back(speed(time_s));
-  }
-  const auto peak = std::max_element(speeds.begin(), speeds.end());
-  const double greatest = *peak;
-  auto begin = peak, end = peak;
-  while (begin != speeds.begin() && *(begin - 1) >= least_share * greatest) --begin;
-  while (end != speeds.end() && *end >= least_share * greatest) ++end;
-  speeds = std::vector<double>(begin, end);
-  return {sparc(speeds), ldlj(speeds, greatest)};
+  for (double i = 0; i < parts; ++i) speeds.push_back(speed(begin_s + (i + 0.5) * part_s));
+  return {sparc(speeds, part_s), ldlj(speeds, part_s)};
 }
 
 double greatest(const Function& value, const Span& span) {
-  double most = value(span.begin_s);
-  at_instants(span, [&](double time_s) { most = std::max(most, value(time_s)); });
-  return most;
+  return value(greatest_at_s(value, span));
 }
 
 double greatest_at_s(const Function& value, const Span& span) {
@@ -71,7 +72,41 @@ double greatest_at_s(const Function& value, const Span& span) {
       where_s = time_s;
     }
   });
-  return where_s;
+  // Between the neighbours.
+  double from_s = std::max(where_s - kStep_s, span.begin_s);
+  double to_s = std::min(where_s + kStep_s, span.end_s);
+  for (int i = 0; i < 30; ++i) {
+    const double third_s = (to_s - from_s) / 3;
+    if (value(from_s + third_s) < value(to_s - third_s)) {
+      from_s += third_s;
+    } else {
+      to_s -= third_s;
+    }
+  }
+  return value((from_s + to_s) / 2) > most ? (from_s + to_s) / 2 : where_s;
+}
+
+double integral(const Function& value, const Span& span) {
+  double sum = 0, last_s = span.begin_s, last = value(last_s);
+  at_instants(span, [&](double time_s) {
+    const double now = value(time_s);
+    sum += (time_s - last_s) / 6 * (last + 4 * value((last_s + time_s) / 2) + now);
+    last_s = time_s;
+    last = now;
+  });
+  return sum;
+}
+
+double speed_mm_s(const PathFunction& place_mm, double time_s) {
+  return velocity_mm_s(place_mm, time_s).norm();
+}
+
+// Fourth order.
+Eigen::Vector3d velocity_mm_s(const PathFunction& place_mm, double time_s) {
+  constexpr double h_s = 2e-4;
+  return (8 * (place_mm(time_s + h_s) - place_mm(time_s - h_s)) -
+          (place_mm(time_s + 2 * h_s) - place_mm(time_s - 2 * h_s))) /
+         (12 * h_s);
 }
 
 std::optional<double> first_passage_s(const Function& value, const Span& span, double level) {
@@ -92,6 +127,27 @@ std::optional<double> first_passage_s(const Function& value, const Span& span, d
     (value(middle_s) >= level ? late_s : before_s) = middle_s;
   }
   return late_s;
+}
+
+double fall_s(const Function& value, double inside_s, double limit_s, double level) {
+  const double step_s = limit_s < inside_s ? -kStep_s : kStep_s;
+  const auto is_beyond = [&](double time_s) {
+    return step_s > 0 ? time_s >= limit_s : time_s <= limit_s;
+  };
+  double outside_s = inside_s + step_s;
+  while (!is_beyond(outside_s) && value(outside_s) >= level) {
+    inside_s = outside_s;
+    outside_s += step_s;
+  }
+  if (is_beyond(outside_s)) {
+    outside_s = limit_s;
+    if (value(outside_s) >= level) return limit_s;
+  }
+  for (int i = 0; i < 50; ++i) {
+    const double middle_s = (inside_s + outside_s) / 2;
+    (value(middle_s) >= level ? inside_s : outside_s) = middle_s;
+  }
+  return inside_s;
 }
 
 Eigen::Vector3d displacement_mm(const JawPose& pose, const Eigen::Vector3d& point_m) {

@@ -38,12 +38,24 @@ double greatest_at_s(const Function& value, const Span& span);
 /// First instant at which `value` reaches `level` from below.
 std::optional<double> first_passage_s(const Function& value, const Span& span, double level);
 
+/// Where `value`, from `inside_s` towards `limit_s`, first falls below `level`; if nowhere, the
+/// limit.
+double fall_s(const Function& value, double inside_s, double limit_s, double level);
+
+/// The integral, by Simpson's rule in steps of kStep_s.
+double integral(const Function& value, const Span& span);
+
 /// SPARC and LDLJ (Balasubramanian et al. 2015) of a speed; of the part about its peak that is at
-/// least `least_share` of it.
+/// least `least_share` of it. Both are defined for samples: the middles of parts of about kStep_s.
 struct TrueSmoothness {
   double sparc, ldlj;
 };
 TrueSmoothness smoothness(const Function& speed, const Span& span, double least_share);
+
+/// Of a point.
+using PathFunction = std::function<Eigen::Vector3d(double)>;
+double speed_mm_s(const PathFunction& place_mm, double time_s);
+Eigen::Vector3d velocity_mm_s(const PathFunction& place_mm, double time_s);
 
 /// Displacement of the jaw's point from the reference position in A (mm).
 Eigen::Vector3d displacement_mm(const JawPose& pose, const Eigen::Vector3d& point_m);

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "simulation/kinematic/true_axes.h"
+#include "simulation/kinematic/true_border.h"
 #include "simulation/kinematic/true_cycles.h"
 #include "simulation/kinematic/true_measures.h"
 
@@ -18,9 +19,11 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using namespace truth;
 
-constexpr double kPathStart_mm = 0.3;                                         // of travel
-constexpr double kTravels_mm[] = {3, 5, 10};                                  // of the angles
-constexpr double kShiftStart_mm = 2, kShiftEnd_mm = 5, kShiftStep_mm = 0.05;  // of the fit, in x
+constexpr double kPathStart_mm = 0.3;                   // of travel
+constexpr double kChord_mm = 0.5;                       // of the path's length
+constexpr double kTravels_mm[] = {3, 5, 10};            // of the angles
+constexpr double kShiftStart_mm = 2, kShiftEnd_mm = 5;  // of the fit, in x
+constexpr int kShiftSteps = 60;
 constexpr double kLeastSpeedShare = 0.05;  // of the peak: begin and end of a movement
 constexpr double kEarlyShift_mm = 0.5;     // x at which side_shift_05mm is read
 
@@ -54,8 +57,7 @@ class TruthOfJaw {
                            side == JawSide::left ? points.condyle_left : points.condyle_right);
   }
   double incisor_speed_mm_s(double time_s) const {
-    constexpr double h_s = 1e-4;
-    return (incisor_mm(time_s + h_s) - incisor_mm(time_s - h_s)).norm() / (2 * h_s);
+    return speed_mm_s([this](double t) { return incisor_mm(t); }, time_s);
   }
   void add(const std::string& reading, double value, const char* unit,
            JawSide side = JawSide::none) {
@@ -88,6 +90,7 @@ class TruthOfJaw {
             greatest([this](double t) { return incisor_speed_mm_s(t); }, out), "mm/s");
         add("closing_peak_speed_mm_s",
             greatest([this](double t) { return incisor_speed_mm_s(t); }, back), "mm/s");
+        read_aside(whole);
         for (const TrueAxisValue& one : true_axes(jaw_, out)) add(one.reading, one.value_mm, "mm");
         break;
       case JawTaskKind::protrusion:
@@ -113,7 +116,9 @@ class TruthOfJaw {
         return;
       }
     }
-    for (const JawSide side : {JawSide::left, JawSide::right}) read_condyle(side, out, back);
+    const double left_mm = read_condyle(JawSide::left, out, back);
+    const double right_mm = read_condyle(JawSide::right, out, back);
+    add("condylar_path_difference_mm", left_mm - right_mm, "mm");
     const auto translation_mm = [&](JawSide side) {
       return greatest([&](double t) { return condyle_mm(side, t).norm(); }, out);
     };
@@ -121,6 +126,22 @@ class TruthOfJaw {
         translation_mm(JawSide::left) - translation_mm(JawSide::right), "mm");
     if (stroke.kind != JawTaskKind::opening) return;
     for (const JawSide side : {JawSide::left, JawSide::right}) read_rotation(side, out);
+  }
+
+  // Deflection and deviation of the way to the greatest opening.
+  void read_aside(const Span& whole) {
+    const double open_s = greatest_at_s([this](double t) { return incisor_mm(t).norm(); }, whole);
+    const Vector3d begin = incisor_mm(whole.begin_s), open = incisor_mm(open_s);
+    add("opening_deflection_mm", open.y(), "mm");
+    const Vector3d chord = open - begin;
+    const auto aside_mm = [&](double t) {
+      const Vector3d now = incisor_mm(t) - begin;
+      return now.y() - now.z() / chord.z() * chord.y();
+    };
+    const Span way{whole.begin_s, open_s};
+    const double leftmost = greatest(aside_mm, way);
+    const double rightmost = greatest([&](double t) { return -aside_mm(t); }, way);
+    add("opening_deviation_mm", leftmost > rightmost ? leftmost : -rightmost, "mm");
   }
 
   // Degrees of opening a millimetre, between two shares of the greatest travel.
@@ -150,22 +171,27 @@ class TruthOfJaw {
     add("working_shift_angle_deg", kDegrees * std::atan2(c.x(), outwards * c.y()), "deg", side);
   }
 
-  // Path, translation and inclinations of the outward stroke.
-  void read_condyle(JawSide side, const Span& out, const Span& back) {
+  // Path, which is returned (mm), translation and inclinations of the outward stroke.
+  double read_condyle(JawSide side, const Span& out, const Span& back) {
     const auto travel_mm = [this, side](double time_s) {
       const Vector3d c = condyle_mm(side, time_s);
       return std::sqrt(c.x() * c.x() + c.z() * c.z());
     };
     add("condylar_translation_mm",
         greatest([&](double t) { return condyle_mm(side, t).norm(); }, out), "mm", side);
+    double path_mm = 0;
     if (const auto start_s = first_passage_s(travel_mm, out, kPathStart_mm)) {
-      double path_mm = 0;
-      Vector3d last = condyle_mm(side, *start_s);
-      at_instants({*start_s, greatest_at_s(travel_mm, out)}, [&](double time_s) {
-        const Vector3d now = condyle_mm(side, time_s);
-        path_mm += (now - last).norm();
-        last = now;
-      });
+      // By chords of this length; the last one is shorter.
+      double from_s = *start_s;
+      const double end_s = greatest_at_s(travel_mm, out);
+      const auto chord_mm = [&](double t) {
+        return (condyle_mm(side, t) - condyle_mm(side, from_s)).norm();
+      };
+      while (const auto next_s = first_passage_s(chord_mm, {from_s, end_s}, kChord_mm)) {
+        path_mm += kChord_mm;
+        from_s = *next_s;
+      }
+      path_mm += chord_mm(end_s);
       add("condylar_path_mm", path_mm, "mm", side);
     }
     for (const double at_mm : kTravels_mm) {
@@ -175,14 +201,9 @@ class TruthOfJaw {
       add(fmt::format("condylar_inclination_{:g}mm_deg", at_mm),
           kDegrees * std::atan2(-c.z(), c.x()), "deg", side);
     }
-    constexpr double h_s = 1e-4;
+    const auto place_mm = [this, side](double t) { return condyle_mm(side, t); };
     add("condylar_peak_speed_mm_s",
-        greatest(
-            [&](double t) {
-              return (condyle_mm(side, t + h_s) - condyle_mm(side, t - h_s)).norm() / (2 * h_s);
-            },
-            out),
-        "mm/s", side);
+        greatest([&](double t) { return speed_mm_s(place_mm, t); }, out), "mm/s", side);
     const auto inclination_rad = [&](double time_s) {
       const Vector3d c = condyle_mm(side, time_s);
       return std::atan2(-c.z(), c.x());
@@ -193,10 +214,11 @@ class TruthOfJaw {
       const double at_mm = (0.2 + 0.1 * i) * most_mm;
       const auto out_s = first_passage_s(travel_mm, out, at_mm);
       const auto back_s = first_passage_s([&](double t) { return -travel_mm(t); }, back, -at_mm);
-      if (!out_s || !back_s) return;
+      if (!out_s || !back_s) return path_mm;
       apart_mm += std::abs(inclination_rad(*back_s) - inclination_rad(*out_s)) * at_mm / 8;
     }
     add("condylar_separation_mm", apart_mm, "mm", side);
+    return path_mm;
   }
 
   // Bennett angles and side shift of the orbiting condyle.
@@ -224,20 +246,21 @@ class TruthOfJaw {
     if (const auto early_mm = medial_mm(kEarlyShift_mm)) {
       add("side_shift_05mm_mm", *early_mm, "mm", side);
     }
-    double n = 0, sum_x = 0, sum_y = 0, sum_xx = 0, sum_xy = 0;
-    const auto points = std::lround((kShiftEnd_mm - kShiftStart_mm) / kShiftStep_mm);
-    for (long i = 0; i <= points; ++i) {
-      const double x_mm = kShiftStart_mm + kShiftStep_mm * static_cast<double>(i);
-      const auto y_mm = medial_mm(x_mm);
+    // Least squares of y = a + b u over u = x - middle: a = mean of y, b = mean of u y over that of
+    // u^2. Means by Simpson's rule.
+    constexpr double half_mm = (kShiftEnd_mm - kShiftStart_mm) / 2;
+    double mean_y = 0, mean_uy = 0;
+    for (int i = 0; i <= kShiftSteps; ++i) {
+      const double u_mm = half_mm * (2.0 * i / kShiftSteps - 1);
+      const auto y_mm = medial_mm(kShiftStart_mm + half_mm + u_mm);
       if (!y_mm) return;
-      n += 1;
-      sum_x += x_mm;
-      sum_y += *y_mm;
-      sum_xx += x_mm * x_mm;
-      sum_xy += x_mm * *y_mm;
+      const double weight =
+          (i == 0 || i == kShiftSteps ? 1 : 2 + 2 * (i % 2)) / (3.0 * kShiftSteps);
+      mean_y += weight * *y_mm;
+      mean_uy += weight * u_mm * *y_mm;
     }
-    const double slope = (n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x);
-    add("side_shift_mm", (sum_y - slope * sum_x) / n, "mm", side);
+    const double slope = mean_uy / (half_mm * half_mm / 3);
+    add("side_shift_mm", mean_y - slope * (kShiftStart_mm + half_mm), "mm", side);
     add("progressive_side_shift_deg", kDegrees * std::atan(slope), "deg", side);
   }
 
@@ -295,31 +318,11 @@ class TruthOfJaw {
                              task.kind == JawTaskKind::protrusion ||
                              task.kind == JawTaskKind::left || task.kind == JawTaskKind::right;
     if (!has_strokes) add_greatest(span);
-    if (task.kind == JawTaskKind::border) read_border(span);
-  }
-
-  // Greatest area of an excursion beyond 1 mm.
-  void read_border(const Span& span) {
-    double swept[3] = {}, greatest_mm2[3] = {};  // sagittal, frontal, horizontal
-    Vector3d last = incisor_mm(span.begin_s);
-    const auto close = [&] {
-      for (int i = 0; i < 3; ++i) {
-        greatest_mm2[i] = std::max(greatest_mm2[i], std::abs(swept[i]) / 2);
-        swept[i] = 0;
-      }
-    };
-    at_instants(span, [&](double time_s) {
-      const Vector3d now = incisor_mm(time_s), area = last.cross(now);
-      swept[0] += area.y();
-      swept[1] += area.x();
-      swept[2] += area.z();
-      last = now;
-      if (now.norm() < 1) close();
-    });
-    close();
-    add("border_loop_sagittal_mm2", greatest_mm2[0], "mm2");
-    add("border_loop_frontal_mm2", greatest_mm2[1], "mm2");
-    add("border_loop_horizontal_mm2", greatest_mm2[2], "mm2");
+    if (task.kind != JawTaskKind::border) return;
+    for (const TrueBorderValue& one :
+         true_border([this](double t) { return incisor_mm(t); }, span)) {
+      add(one.reading, one.value, one.unit);
+    }
   }
 
   std::optional<double> inclination_5mm_deg(JawTaskKind task, JawSide side) const {
