@@ -221,39 +221,6 @@ TEST(Analysis, WithoutNoiseDeviatesByAQuarterOfItsHalfInterval) {
   }
 }
 
-TEST(Analysis, DoesNotDependOnTheFrameOfTheInstrument) {
-  const JawScenario scenario = session(60, kFineNoise_m, kFineNoise_rad, 0);
-  const KinematicSimulation simulation(scenario, 5);
-  AnalysisChoice choice;
-  choice.tasks = stated_tasks(simulation);
-  Landmarks landmarks = stated_landmarks(simulation, {1, 1, 1});
-  SampleRecording recording(simulation.samples());
-  const Analysis straight = analyse(recording, "straight", landmarks, choice);
-  Eigen::Isometry3d change = Eigen::Isometry3d::Identity();
-  change.linear() = rotation_of<double>({0.7, -0.4, 2.1});
-  change.translation() = Eigen::Vector3d(0.05, 0.35, -0.2);
-  std::vector<Sample> samples = simulation.samples();
-  for (Sample& sample : samples) {
-    for (int point = 0; point < 3; ++point) {
-      Eigen::Map<Eigen::Vector3d> place(sample.coordinates + 3 * point);
-      place = (change * place).eval();
-    }
-  }
-  for (Eigen::Vector3d& point : landmarks.point_m) point = change * point;
-  SampleRecording turned_recording(samples);
-  const Analysis turned = analyse(turned_recording, "turned", landmarks, choice);
-  ASSERT_EQ(straight.readings.size(), turned.readings.size());
-  for (std::size_t i = 0; i < straight.readings.size(); ++i) {
-    const JawReading& a = straight.readings[i];
-    const JawReading& b = turned.readings[i];
-    ASSERT_EQ(a.definition, b.definition);
-    ASSERT_EQ(a.provenance, b.provenance);
-    if (a.provenance == ReadingProvenance::withheld) continue;
-    EXPECT_NEAR(a.value, b.value, 1e-6 * (a.high - a.low) + 1e-6)
-        << name_of(a.task) << " " << a.definition->name << " " << a.stroke;
-  }
-}
-
 TEST(Analysis, ReadsTheSameWhicheverBodyMoves) {
   JawScenario scenario = session(200, 0, 0, 0);
   const auto jaw = std::make_shared<const KinematicJaw>(scenario);

@@ -112,6 +112,27 @@ PointColumns typical_sample(const std::vector<PointColumns>& samples) {
                                               misfit_m.begin())];
 }
 
+// The points in a frame of their own, so that medians of coordinates do not depend on the
+// instrument's: X along the first two, and towards +Y the first that is clearly off that line.
+PointColumns in_own_frame(const PointColumns& points_m) {
+  const std::vector<Index> there = points_in(points_m);
+  const Vector3d origin_m = points_m.col(there[0]);
+  const Vector3d x = (points_m.col(there[1]) - origin_m).normalized();
+  const auto off_line = [&](Index i) -> Vector3d {
+    const Vector3d from_m = points_m.col(i) - origin_m;
+    return from_m - from_m.dot(x) * x;
+  };
+  double farthest_m = 0;
+  for (const Index i : there) farthest_m = std::max(farthest_m, off_line(i).norm());
+  const auto third = std::find_if(there.begin(), there.end(),
+                                  [&](Index i) { return off_line(i).norm() > farthest_m / 2; });
+  Matrix3d axes;
+  axes.col(0) = x;
+  axes.col(1) = off_line(*third).normalized();
+  axes.col(2) = axes.col(0).cross(axes.col(1));
+  return axes.transpose() * (points_m.colwise() - origin_m);
+}
+
 // Each point's median place in the frame of the points `shape_m`.
 PointColumns refined(const std::vector<const PointColumns*>& samples, const PointColumns& shape_m) {
   const auto count = static_cast<std::size_t>(shape_m.cols());
@@ -163,6 +184,7 @@ PointBody::PointBody(const std::vector<PointColumns>& samples,
                      "give three or more points of one rigid body that span a triangle, at least "
                      "5 mm off a line");
   }
+  shape_m = in_own_frame(shape_m);
   const auto learned = some_of(samples, kMostLearned);
   for (int round = 0; round < kRounds; ++round) shape_m = refined(learned, shape_m);
   for (Index i = 0; i < shape_m.cols(); ++i) {

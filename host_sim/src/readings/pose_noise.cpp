@@ -13,6 +13,8 @@ constexpr std::size_t kOrder = 6;
 constexpr double kLongestOfSteps = 3, kShortestOfSteps = 0.02;  // over the mean
 constexpr std::ptrdiff_t kFastOf = 5, kLeastFast = 40;          // the fastest fifth, if so many
 constexpr double kMedianOfSize = 0.67448975;                    // of a standard normal number
+// Below any recording's digits (m, rad): without noise, rounding must not decide.
+constexpr double kRounding = 1e-11;
 constexpr double kLongestStep_s = 0.06;  // as long as the windows of LocalFit
 constexpr std::size_t kMostDifferences = 200'000;
 
@@ -87,7 +89,8 @@ double stamp_sd_s(std::vector<Difference> differences, Vector6& sd) {
     const double fast_sd = sd_of(fast, differences.end(), i);
     double squares = 0;
     for (auto at = fast; at != differences.end(); ++at) squares += at->rate[i] * at->rate[i];
-    const double slow2 = slow_sd[i] * slow_sd[i], fast2 = fast_sd * fast_sd;
+    const double slow2 = slow_sd[i] * slow_sd[i] + kRounding * kRounding;
+    const double fast2 = fast_sd * fast_sd;
     // The component where the times matter most.
     if (!(fast2 > slow2 * std::max(1 + chance, greatest_ratio)) || !(squares > 0)) continue;
     greatest_ratio = fast2 / slow2;
@@ -164,7 +167,16 @@ PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t 
     noise.root = noise.covariance.diagonal().cwiseSqrt().asDiagonal();
     noise.covariance = noise.covariance.diagonal().asDiagonal();
   }
+  // What changes sign in a mirror at Y = 0 is drawn from the side to which the jaw moves, so that a
+  // mirrored recording draws mirrored noise.
+  double aside = 0;
+  for (const Vector6& place : motion.motion) aside += place[1];
+  if (aside < 0) mirror_columns(noise.root);
   return noise;
+}
+
+void mirror_columns(Matrix6& root) {
+  for (const int i : {1, 3, 5}) root.col(i) *= -1;
 }
 
 }  // namespace condyle::host

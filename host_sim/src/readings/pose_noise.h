@@ -35,4 +35,8 @@ struct PoseNoise {
 /// The noise of `motion`, at rest from `begin` to `end` (without).
 PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t end);
 
+/// Turns the signs of the columns of a motion's components that a mirror at Y = 0 turns, of the
+/// root of a covariance: it stays one.
+void mirror_columns(Matrix6& root);
+
 }  // namespace condyle::host

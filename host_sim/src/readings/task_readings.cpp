@@ -23,6 +23,8 @@
 namespace condyle::host {
 namespace {
 
+// Of random numbers: those of cycles lie between.
+constexpr std::uint64_t kSeed = 20, kStreamOfCentres = 1, kFirstStreamOfStrokes = 1ULL << 32;
 constexpr int kStrokePairs = 40;
 constexpr double kCalmStroke_s = 0.16, kMildStroke_s = 0.2;
 constexpr double kLeastStroke_m = 1.5e-3;
@@ -32,7 +34,7 @@ constexpr std::size_t kLongStroke = 20'000;  // samples
 class TaskReader {
  public:
   TaskReader(Analysis& analysis, const TaskContext& context)
-      : analysis_(analysis), context_(context), random_(20, 1) {}
+      : analysis_(analysis), context_(context) {}
 
   void read(TaskKind kind) {
     std::vector<SampleRun> windows;
@@ -81,11 +83,12 @@ class TaskReader {
       return;
     }
     for (const Side side : {Side::left, Side::right}) {
+      RandomGenerator random(kSeed, kStreamOfCentres);
       std::array<UncertainValue, 2> centre;
       if (context_.rotation_problem.empty()) {
         centre = kinematic_centre(
             *context_.motion, *context_.noise, context_.errors, whole_strokes_[TaskKind::opening],
-            whole_strokes_[TaskKind::protrusion], side == Side::left ? 0 : 1, random_);
+            whole_strokes_[TaskKind::protrusion], side == Side::left ? 0 : 1, random);
       }
       add(definition_of("kinematic_centre_x_mm"), TaskKind::protrusion, side, 0, centre[0], false);
       add(definition_of("kinematic_centre_z_mm"), TaskKind::protrusion, side, 0, centre[1], false);
@@ -185,6 +188,8 @@ class TaskReader {
   }
 
   std::vector<UncertainValue> values_of(TaskKind kind, SampleRun stroke, std::size_t count) {
+    // The same draws whatever other strokes there are.
+    RandomGenerator random(kSeed, kFirstStreamOfStrokes + stroke.begin);
     stop_if_asked(context_.should_stop);
     std::vector<UncertainValue> none(count);
     const double gap_s = longest_gap_s(analysis_.path.time_s, stroke.begin, stroke.end);
@@ -220,8 +225,7 @@ class TaskReader {
         {is_still_long ? 4 : kStrokePairs, is_whole ? kCalmCycle_s : kCalmStroke_s,
          is_whole ? kMildCycle_s : kMildStroke_s, PathPart::all,
          is_whole ? kTimesSmoothingOfCycle : 2},
-        random_,
-        [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
+        random, [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
           read_stroke(kind, context_.has_landmarks, path, into, why, turning_sd_rad_s);
         });
     const auto names = readings_of_stroke(kind, context_.has_landmarks);
@@ -372,7 +376,6 @@ class TaskReader {
 
   Analysis& analysis_;
   const TaskContext& context_;
-  RandomGenerator random_;
   std::map<std::string, UncertainValue> means_;
   std::map<TaskKind, std::vector<SampleRun>> whole_strokes_;
 };

@@ -9,6 +9,7 @@ namespace {
 
 // Beyond this share of draws without a value, the value depends on chance.
 constexpr double kMostMissing = 0.1;
+constexpr double kAside_m = 1e-6;  // nearer to Y = 0, rounding must not decide on the side
 constexpr double kTimesNoise = 6, kGreatestReach_s = 0.6;
 
 std::vector<double> part_of(const std::vector<double>& values, std::size_t begin, std::size_t end) {
@@ -120,12 +121,15 @@ SharedErrors shared_errors(const Landmarks* landmarks, const ReadingGeometry& ge
       if (!(landmarks->sd_m[i] > 0)) continue;
       for (int axis = 0; axis < 3; ++axis) {
         Landmarks moved = *landmarks;
-        moved.point_m[i][axis] += landmarks->sd_m[i];
+        double& coordinate_m = moved.point_m[i][axis];
+        // Sideways away from Y = 0, so that a mirrored recording has mirrored errors.
+        coordinate_m += (axis == 1 && coordinate_m < -kAside_m ? -1 : 1) * landmarks->sd_m[i];
         errors.off_by_one_sd.push_back(geometry_of(moved, geometry.middle_m));
       }
     }
   }
-  const Matrix6 root = reference.llt().matrixL();
+  Matrix6 root = reference.llt().matrixL();
+  if (geometry.incisor_m.y() < -kAside_m) mirror_columns(root);
   for (int i = 0; i < 6 && root.allFinite(); ++i) {
     if (root.col(i).isZero(0)) continue;
     ReadingGeometry moved = geometry;
