@@ -69,6 +69,12 @@ double mean_variance(const Values& values) {
   return sum / static_cast<double>(values.size());
 }
 
+// Of an error that differs from cycle to cycle: noise, and what smoothing changed.
+double own_variance(const UncertainValue& value) {
+  const double of_smoothing = value.smoothing / kHalf95;
+  return value.noise_sd * value.noise_sd + of_smoothing * of_smoothing;
+}
+
 // The standard deviation `sd_of(numbers)` without that of the measurement; `scale`: of the result.
 // `method_share`: error of the method in each value, as a share of it.
 CycleSummary scatter(std::string_view name, const Values& values, bool is_relative,
@@ -92,13 +98,11 @@ CycleSummary scatter(std::string_view name, const Values& values, bool is_relati
   for (const UncertainValue& value : values) numbers.push_back(value.value);
   measure(numbers);
   const double scale = is_relative ? 100 / std::abs(mean) : 1;
-  // Of the variance: of the products of scatter and error, and of the error's own square. What
-  // smoothing changed differs from cycle to cycle as well.
+  // Of the variance: of the products of scatter and error, and of the error's own square.
   double squares = 0;
   for (const UncertainValue& value : values) {
-    const double error = value.noise_sd * value.noise_sd +
-                         value.smoothing * value.smoothing / (kHalf95 * kHalf95) +
-                         method_share * method_share * value.value * value.value;
+    const double error =
+        own_variance(value) + method_share * method_share * value.value * value.value;
     const double from_mean = value.value - mean;
     squares += 4 * from_mean * from_mean * error + 2 * error * error;
   }
@@ -132,9 +136,11 @@ CycleSummary change(std::string_view name, const Values& values) {
     return last - first;
   };
   summary.value = with_shared_errors(values, measure);
-  const double noise = mean_variance({values.begin(), values.begin() + size}) +
-                       mean_variance({values.end() - size, values.end()});
-  summary.value.noise_sd = std::sqrt(noise / static_cast<double>(third));
+  double own = 0;
+  for (std::ptrdiff_t i = 0; i < size; ++i) {
+    own += own_variance(*(values.begin() + i)) + own_variance(*(values.end() - 1 - i));
+  }
+  summary.value.noise_sd = std::sqrt(own) / static_cast<double>(third);
   std::vector<double> numbers;
   for (const UncertainValue& value : values) numbers.push_back(value.value);
   measure(numbers);

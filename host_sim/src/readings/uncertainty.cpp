@@ -77,6 +77,28 @@ std::vector<Vector6> means_of(const std::vector<double>& time_s, const std::vect
   return means;
 }
 
+// What smoothing changed, S C y - C y, is subtracted, with the noise that the calm window C leaves:
+// standard deviation of S e - (S C e - C e) over that of S e, of white noise e. `first`: of the
+// samples of `calm`; `begin` to `end`: those that are read.
+double growth_of_noise(const LocalFit& fit, const LocalFit& calm, std::size_t first,
+                       std::size_t begin, std::size_t end) {
+  RandomGenerator random(1);
+  const SampleRun used = calm.used();
+  std::vector<Vector6> white(used.end - used.begin), smooth, calmed, both, slopes;
+  for (Vector6& numbers : white) {
+    for (double& number : numbers) number = random.normal();
+  }
+  calm.apply(white, used.begin, calmed, slopes);
+  fit.apply(white, used.begin, begin, end, smooth, slopes);
+  fit.apply(calmed, first, begin, end, both, slopes);
+  double corrected = 0, uncorrected = 0;
+  for (std::size_t k = 0; k < smooth.size(); ++k) {
+    corrected += (smooth[k] - both[k] + calmed[k + begin - first]).squaredNorm();
+    uncorrected += smooth[k].squaredNorm();
+  }
+  return uncorrected > 0 ? std::sqrt(std::max(corrected / uncorrected, 1.0)) : 1;
+}
+
 }  // namespace
 
 ReferredMotion near_greatest_of(const JawPath& path, const ReferredMotion& motion,
@@ -221,6 +243,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
       }
     }
   }
+  const double growth = growth_of_noise(fit, calm_fit, first, begin, end);
   for (std::size_t i = 0; i < results.size(); ++i) {
     UncertainValue& result = results[i];
     result.missing = why[i];
@@ -234,7 +257,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
     const double count = std::max(drawn.count, 1.0), mean = drawn.sum / count;
     const double smoothing = once[i] - calm_values[i];
     result.value = values[i] - smoothing - mean;
-    result.noise_sd = std::sqrt(std::max(drawn.squares / count - mean * mean, 0.0));
+    result.noise_sd = growth * std::sqrt(std::max(drawn.squares / count - mean * mean, 0.0));
     // What is left after the correction is less than what was corrected.
     result.smoothing = std::hypot(settings.times_smoothing * smoothing, mean);
     for (const double change : result.fixed) {
