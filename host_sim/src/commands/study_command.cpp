@@ -106,6 +106,7 @@ std::string words_of(const StudyOptions& options) {
   if (options.reading.units_per_metre) {
     add("--unit", *options.reading.units_per_metre > 1 ? "mm" : "m");
   }
+  add("--missing", options.reading.missing.text);
   if (options.reading.movement != 1) {
     words += fmt::format("--movement {} ", options.reading.movement);
   }

@@ -84,6 +84,10 @@ void add_reading_options(CommandLine command, RecordingOptions& reading, FrameRa
   };
   command.on_option("--unit", take_unit, "Unit of the coordinates, if the format does not state it")
       .one_of({"mm", "m"});
+  command.on_option(
+      "--missing=NUMBER,...", [&reading](const std::string& text) { reading.missing.state(text); },
+      "Numbers that stand for a missing place where they are on all axes, such as -1,-999; none: "
+      "all are places");
   command.add_option("--movement", reading.movement, "Movement of a Zebris XML file")
       .within(1, 1'000'000)
       .show_default();

@@ -89,7 +89,7 @@ class C3dFrames {
 class C3dRecording final : public NamedPointsRecording {
  public:
   C3dRecording(std::unique_ptr<ByteReader> reader, const RecordingOptions& options)
-      : frames_(std::move(reader), options.faults) {
+      : frames_(std::move(reader), options.faults), filled_(options.missing) {
     frames_.find_unit(options.units_per_metre);
     const C3dLayout& layout = frames_.layout();
     info_.format = "C3D";
@@ -105,6 +105,7 @@ class C3dRecording final : public NamedPointsRecording {
     const C3dLayout& layout = frames_.layout();
     if (!frames_.next()) {
       info_.notes = layout.notes;
+      for (std::string& note : filled_.notes()) info_.notes.push_back(std::move(note));
       return false;
     }
     sample = Sample{};
@@ -120,6 +121,7 @@ class C3dRecording final : public NamedPointsRecording {
       points_m_.col(i) =
           is_there ? place_m : Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
     }
+    filled_.drop(points_m_, layout.units_per_metre, [this] { return place(); });
     return true;
   }
 
@@ -131,6 +133,7 @@ class C3dRecording final : public NamedPointsRecording {
 
  private:
   C3dFrames frames_;
+  FilledNumbers filled_;
   RecordingInfo info_;
   Eigen::Matrix3Xd points_m_;
 };

@@ -271,7 +271,7 @@ class CsvReading {
 
   void decide_length() {
     std::map<std::string, std::vector<std::vector<double>>> places;
-    std::vector<std::vector<double>> stated;
+    std::map<std::string, std::vector<std::vector<double>>> stated_places;
     double each = 0;
     std::size_t first = 0;
     for (std::size_t i = meanings_.size(); i-- > 0;) {
@@ -279,13 +279,19 @@ class CsvReading {
           meanings_[i].quantity == Quantity::point || meanings_[i].quantity == Quantity::one_axis;
       if (!is_place) continue;
       if (meanings_[i].each > 0) {
-        stated.push_back(values_[i]);
+        stated_places[meanings_[i].point].push_back(values_[i]);
         each = meanings_[i].each;
         layout_.info.stated.unit = meanings_[i].unit;
       } else {
         places[meanings_[i].point].push_back(values_[i]);
         first = i;
       }
+    }
+    std::vector<std::vector<double>> stated;
+    for (auto& [point, columns] : places) drop_equal(columns);
+    for (auto& [point, columns] : stated_places) {
+      drop_equal(columns);
+      for (auto& column : columns) stated.push_back(std::move(column));
     }
     if (places.empty()) {
       if (options_.units_per_metre) {

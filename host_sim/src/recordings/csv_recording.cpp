@@ -9,7 +9,7 @@ namespace {
 std::unique_ptr<NamedPointsRecording> open(std::unique_ptr<ByteReader> reader,
                                            const RecordingOptions& options, bool takes_any_number) {
   TableFile file = csv_layout(start_of(*reader), reader->path(), options, takes_any_number);
-  return open_table(std::move(reader), std::move(file), options.faults);
+  return open_table(std::move(reader), std::move(file), options);
 }
 
 }  // namespace

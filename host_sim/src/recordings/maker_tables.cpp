@@ -205,7 +205,7 @@ std::unique_ptr<NamedPointsRecording> open_maker_table(std::unique_ptr<ByteReade
     throw InputError(path, "--rate-Hz is given, and the file states its rate or times",
                      "leave it out");
   }
-  return open_table(std::move(reader), std::move(*table), options.faults);
+  return open_table(std::move(reader), std::move(*table), options);
 }
 
 }  // namespace condyle::host

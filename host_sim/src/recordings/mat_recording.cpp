@@ -86,7 +86,7 @@ std::unique_ptr<NamedPointsRecording> open_mat(const std::string& path,
   }
   TableFile layout = std::move(table->file);
   return open_number_table(std::make_unique<MatRows>(std::move(file), std::move(*table), path),
-                           std::move(layout), options.faults);
+                           std::move(layout), options);
 }
 
 }  // namespace condyle::host

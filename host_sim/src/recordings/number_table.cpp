@@ -17,9 +17,10 @@ using Role = TableColumn::Role;
 
 class NumberTable final : public NamedPointsRecording {
  public:
-  NumberTable(std::unique_ptr<NumberRows> rows, TableFile file, FaultPolicy faults)
+  NumberTable(std::unique_ptr<NumberRows> rows, TableFile file, const RecordingOptions& options)
       : rows_(std::move(rows)),
-        rule_(faults),
+        rule_(options.faults),
+        filled_(options.missing),
         layout_(std::move(file.table)),
         info_(std::move(file.info)) {
     points_m_.resize(3, static_cast<Eigen::Index>(layout_.names.size()));
@@ -32,7 +33,13 @@ class NumberTable final : public NamedPointsRecording {
   }
 
   bool next(Sample& sample) override {
-    if (!rows_->next(row_)) return false;
+    if (!rows_->next(row_)) {
+      if (!has_ended_) {
+        for (std::string& note : filled_.notes()) info_.notes.push_back(std::move(note));
+      }
+      has_ended_ = true;
+      return false;
+    }
     sample = Sample{};
     sample.kind = info_.kind;
     sample.sequence = sequence_++;
@@ -42,6 +49,12 @@ class NumberTable final : public NamedPointsRecording {
     for (std::size_t i = 0; i < layout_.columns.size(); ++i) {
       read_column(layout_.columns[i], row_[i], sample);
     }
+    const double units = units_per_metre(layout_);
+    const bool is_filled = !layout_.names.empty()
+                               ? filled_.drop(points_m_, units, [this] { return place(); })
+                               : sample.position_valid && info_.kind == SampleKind::one_axis &&
+                                     filled_.is_missing(sample.coordinates[0], units);
+    if (is_filled) sample.position_valid = false;
     if (info_.kind == SampleKind::one_axis || layout_.names.size() <= 3) {
       if (is_out_of_range(sample.kind, sample.coordinates)) sample.position_valid = false;
     }
@@ -122,9 +135,10 @@ class NumberTable final : public NamedPointsRecording {
 
   std::unique_ptr<NumberRows> rows_;
   FaultRule rule_;
+  FilledNumbers filled_;
   TableLayout layout_;
   RecordingInfo info_;
-  bool has_frames_ = false;
+  bool has_frames_ = false, has_ended_ = false;
   std::vector<double> row_;
   Eigen::Matrix3Xd points_m_;  // of the sample last returned, one a column
   std::uint64_t sequence_ = 0;
@@ -134,8 +148,9 @@ class NumberTable final : public NamedPointsRecording {
 }  // namespace
 
 std::unique_ptr<NamedPointsRecording> open_number_table(std::unique_ptr<NumberRows> rows,
-                                                        TableFile file, FaultPolicy faults) {
-  return std::make_unique<NumberTable>(std::move(rows), std::move(file), faults);
+                                                        TableFile file,
+                                                        const RecordingOptions& options) {
+  return std::make_unique<NumberTable>(std::move(rows), std::move(file), options);
 }
 
 }  // namespace condyle::host

@@ -24,6 +24,7 @@ class NumberRows {
 
 /// The table `rows` as a recording.
 std::unique_ptr<NamedPointsRecording> open_number_table(std::unique_ptr<NumberRows> rows,
-                                                        TableFile file, FaultPolicy faults);
+                                                        TableFile file,
+                                                        const RecordingOptions& options);
 
 }  // namespace condyle::host

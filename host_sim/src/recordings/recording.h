@@ -11,6 +11,7 @@
 #include "condyle/estimator/sample.h"
 #include "condyle/hal/status.h"
 #include "hosted/devices/source_spec.h"
+#include "recordings/filled_numbers.h"
 
 namespace condyle::host {
 
@@ -28,6 +29,7 @@ struct RecordingOptions {
   std::vector<std::string> columns;          ///< NEW=OLD: names for the columns of a CSV file
   std::optional<double> rate_Hz;             ///< frames per second; for files without times
   std::optional<double> units_per_metre;     ///< 1000: mm; for formats that do not state their unit
+  MissingNumbers missing;                    ///< which numbers stand for missing places
   int movement = 1;                          ///< which movement of a Zebris XML file, from 1
   std::string profile;                       ///< TOML file with the profile of a device
   std::vector<std::string> markers;          ///< points to read, by name; empty: not chosen

@@ -17,10 +17,12 @@ using Role = TableColumn::Role;
 
 class TableRecording final : public NamedPointsRecording {
  public:
-  TableRecording(std::unique_ptr<ByteReader> reader, TableFile file, FaultPolicy faults)
+  TableRecording(std::unique_ptr<ByteReader> reader, TableFile file,
+                 const RecordingOptions& options)
       : reader_(std::move(reader)),
         rows_(*reader_, file.table.style.separator, file.table.has_comments),
-        rule_(faults),
+        rule_(options.faults),
+        filled_(options.missing),
         layout_(std::move(file.table)),
         info_(std::move(file.info)) {
     std::string_view line;
@@ -64,6 +66,7 @@ class TableRecording final : public NamedPointsRecording {
  private:
   void end() {
     has_ended_ = true;
+    for (std::string& note : filled_.notes()) info_.notes.push_back(std::move(note));
     if (!info_.stated.frames || *info_.stated.frames == sequence_) return;
     info_.notes.push_back(
         fmt::format("its header states {} frames; it holds {}", *info_.stated.frames, sequence_));
@@ -134,7 +137,12 @@ class TableRecording final : public NamedPointsRecording {
         set_time(static_cast<double>(sample.sequence), sample);
       }
     }
-    if (!layout_.names.empty()) drop_unseen(sample);
+    if (!layout_.names.empty()) {
+      drop_unseen(sample);
+    } else if (sample.position_valid && info_.kind == SampleKind::one_axis &&
+               filled_.is_missing(sample.coordinates[0], units_per_metre(layout_))) {
+      sample.position_valid = false;
+    }
     if (info_.kind == SampleKind::one_axis || layout_.names.size() <= 3) {
       if (is_out_of_range(sample.kind, sample.coordinates)) sample.position_valid = false;
     }
@@ -206,11 +214,15 @@ class TableRecording final : public NamedPointsRecording {
       points_m_.col(point).setConstant(std::numeric_limits<double>::quiet_NaN());
       sample.position_valid = false;
     }
+    if (filled_.drop(points_m_, units_per_metre(layout_), [this] { return place(); })) {
+      sample.position_valid = false;
+    }
   }
 
   std::unique_ptr<ByteReader> reader_;
   RowReader rows_;
   FaultRule rule_;
+  FilledNumbers filled_;
   TableLayout layout_;
   RecordingInfo info_;
   std::vector<std::string_view> fields_;  // of the row being read
@@ -225,8 +237,8 @@ class TableRecording final : public NamedPointsRecording {
 }  // namespace
 
 std::unique_ptr<NamedPointsRecording> open_table(std::unique_ptr<ByteReader> reader, TableFile file,
-                                                 FaultPolicy faults) {
-  return std::make_unique<TableRecording>(std::move(reader), std::move(file), faults);
+                                                 const RecordingOptions& options) {
+  return std::make_unique<TableRecording>(std::move(reader), std::move(file), options);
 }
 
 TableStart start_of(ByteReader& reader) {
@@ -235,6 +247,13 @@ TableStart start_of(ByteReader& reader) {
   start.is_whole = bytes.size() < ByteReader::kLongestLine;
   start.lines = lines_of(bytes, start.is_whole);
   return start;
+}
+
+double units_per_metre(const TableLayout& layout) {
+  const auto first = std::find_if(
+      layout.columns.begin(), layout.columns.end(),
+      [](const TableColumn& column) { return column.role == TableColumn::Role::coordinate; });
+  return first == layout.columns.end() ? 1 : first->per_SI_unit;
 }
 
 void add_point_columns(TableLayout& layout, const std::string& name, double metres_each) {

@@ -51,7 +51,7 @@ struct TableFile {
 
 /// The table in `reader`, from the first line of its header.
 std::unique_ptr<NamedPointsRecording> open_table(std::unique_ptr<ByteReader> reader, TableFile file,
-                                                 FaultPolicy faults);
+                                                 const RecordingOptions& options);
 
 /// The lines at the beginning of a file that are looked at to recognise its header.
 struct TableStart {
@@ -59,6 +59,9 @@ struct TableStart {
   bool is_whole = false;                ///< they are the whole file
 };
 TableStart start_of(ByteReader& reader);
+
+/// The unit of the first coordinate; 1 without one.
+double units_per_metre(const TableLayout& layout);
 
 /// The next three columns: x, y, z of the point `name`.
 void add_point_columns(TableLayout& layout, const std::string& name, double metres_each);

@@ -214,7 +214,7 @@ std::unique_ptr<NamedPointsRecording> open_xdf(const std::string& path,
   file.info.stated.frames = stream.samples;
   add_notes(content, stream, clock, path, file.info);
   return open_number_table(std::make_unique<XdfRows>(path, index, clock), std::move(file),
-                           options.faults);
+                           options);
 }
 
 }  // namespace condyle::host

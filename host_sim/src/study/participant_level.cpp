@@ -38,14 +38,15 @@ std::string dump(const Json& json) {
 Json options_json(const StudyChoice& choice) {
   const AnalysisChoice& analysis = choice.analysis;
   // Named one by one, so that a new option cannot be forgotten.
-  const auto& [faults, ignored, may_lack, columns, rate_Hz, units, movement, profile, markers,
-               drive_alone, drive_column] = analysis.reading;
+  const auto& [faults, ignored, may_lack, columns, rate_Hz, units, missing, movement, profile,
+               markers, drive_alone, drive_column] = analysis.reading;
   Json json = {{"faults", faults == FaultPolicy::event ? "event" : "refuse"},
                {"ignored_columns", ignored},
                {"may_lack_ignored", may_lack},
                {"columns", columns},
                {"rate_Hz", rate_Hz ? Json(*rate_Hz) : Json()},
                {"units_per_metre", units ? Json(*units) : Json()},
+               {"missing", missing.text},
                {"movement", movement},
                {"profile", profile.empty() ? "" : file_digest(profile)},
                {"markers", markers},

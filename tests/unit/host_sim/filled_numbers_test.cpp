@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// Numbers that stand for missing places are found, and places of a jaw are not taken for them, over
+// tracks, rates and roundings far beyond those of recordings.
+#include "recordings/filled_numbers.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "hosted/files/input_error.h"
+#include "recordings/named_points.h"
+#include "statistics/random.h"
+#include "support/rapidcheck_gtest.h"
+#include "support/read_recording.h"
+
+namespace condyle::host {
+namespace {
+
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+using testing::HasSubstr;
+
+constexpr double kMillimetre = 1e-3;
+
+// A point that swings by up to 40 mm within 0.3 s or longer, anywhere within 0.8 m, as a file in mm
+// with a number of decimals states it.
+class Track {
+ public:
+  Track(std::uint64_t seed, int decimals)
+      : random_(seed, 5), round_(std::pow(10, decimals)), rate_Hz_(50 + 450 * random_.uniform()) {
+    for (int i = 0; i < 3; ++i) {
+      middle_mm_[i] = 800 * (2 * random_.uniform() - 1) * (random_.uniform() < 0.5 ? 1 : 0.02);
+      swing_mm_[i] = 20 * random_.uniform();
+      period_s_[i] = 0.6 + 2 * random_.uniform();
+    }
+  }
+  Vector3d next_m() {
+    const double time_s = next_++ / rate_Hz_;
+    Vector3d place_m;
+    for (int i = 0; i < 3; ++i) {
+      const double place_mm = middle_mm_[i] +
+                              swing_mm_[i] * std::sin(6.28 * time_s / period_s_[i]) +
+                              0.1 * random_.normal();
+      place_m[i] = std::round(place_mm * round_) / round_ / 1000;
+    }
+    return place_m;
+  }
+
+ private:
+  RandomGenerator random_;
+  double round_, rate_Hz_;
+  int next_ = 0;
+  Vector3d middle_mm_, swing_mm_, period_s_;
+};
+
+const auto no_place = [] { return std::string("sample"); };
+
+// One refusal is expected in some 1e8 samples: -1 on three axes of a jaw at rest there.
+RC_GTEST_PROP(FilledNumbers, TakeNoPlaceOfAJaw, ()) {
+  Track track(*rc::gen::arbitrary<std::uint64_t>(), *rc::gen::inRange(0, 5));
+  FilledNumbers filled({});
+  Matrix3Xd point(3, 1);
+  for (int i = 0; i < 300; ++i) {
+    point.col(0) = track.next_m();
+    const Matrix3Xd before = point;
+    RC_ASSERT(!filled.drop(point, 1000, no_place));
+    RC_ASSERT(point == before);
+  }
+  RC_ASSERT(filled.notes().empty());
+}
+
+// Missing from the beginning or later, for one sample or many.
+RC_GTEST_PROP(FilledNumbers, AreMissing, ()) {
+  const double number =
+      *rc::gen::element(-1.0, -9.0, 99.0, -99.0, 999.0, -999.0, 9999.0, -9999.0, 0.0, 5000.0);
+  const bool is_usual = std::abs(number) > 0 && number != 5000;
+  Track track(*rc::gen::arbitrary<std::uint64_t>(), *rc::gen::inRange(1, 5));
+  FilledNumbers filled({});
+  const int from = *rc::gen::inRange(is_usual ? 0 : 1, 50), count = *rc::gen::inRange(1, 100);
+  const Vector3d filled_m = Vector3d::Constant(number * kMillimetre);
+  Matrix3Xd point(3, 1);
+  Vector3d last_m = Vector3d::Constant(1);
+  for (int i = 0; i < 200; ++i) {
+    const Vector3d place_m = track.next_m();
+    const bool is_missing = i >= from && i < from + count;
+    // Nearer than a jump it is unclear, or 0 a place.
+    if (is_missing && i > 0 && (last_m - filled_m).norm() <= 0.011) RC_DISCARD();
+    point.col(0) = is_missing ? filled_m : place_m;
+    RC_ASSERT(filled.drop(point, 1000, no_place) == is_missing);
+    RC_ASSERT(point.allFinite() == !is_missing);
+    if (!is_missing) last_m = place_m;
+  }
+  RC_ASSERT(filled.notes().size() == 1U);
+}
+
+TEST(FilledNumbers, AreRefusedWhereTheyMayBeAPlace) {
+  FilledNumbers filled({});
+  Matrix3Xd point(3, 1);
+  point.col(0) = Vector3d(-1.2, 0.4, -3.1) * kMillimetre;
+  EXPECT_FALSE(filled.drop(point, 1000, no_place));
+  point.setConstant(-kMillimetre);
+  try {
+    filled.drop(point, 1000, no_place);
+    FAIL() << "not refused";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("--missing -1"));
+    EXPECT_THAT(error.what(), HasSubstr("--missing none"));
+  }
+}
+
+TEST(FilledNumbers, AreThoseThatTheUserStates) {
+  MissingNumbers stated;
+  stated.state("-1,7.5");
+  FilledNumbers filled(stated);
+  Matrix3Xd points(3, 2);
+  points << 7.5, -999, 7.5, -999, 7.5, -999;
+  points *= kMillimetre;
+  EXPECT_TRUE(filled.drop(points, 1000, no_place));
+  EXPECT_TRUE(std::isnan(points(0, 0)));
+  EXPECT_FALSE(std::isnan(points(0, 1)));
+  EXPECT_TRUE(filled.is_missing(-kMillimetre, 1000));
+  EXPECT_FALSE(filled.is_missing(-2 * kMillimetre, 1000));
+  stated.state("none");
+  FilledNumbers nothing(stated);
+  points.setConstant(-0.999);
+  EXPECT_FALSE(nothing.drop(points, 1000, no_place));
+  for (const char* words : {"", "x", "-1,", "1;2", "none,1", "nan"}) {
+    EXPECT_THROW(stated.state(words), InputError) << words;
+  }
+}
+
+// A movement through these numbers, and a jump to them.
+TEST(FilledNumbers, OfOneAxisAreFarFromThePlaceBefore) {
+  for (const double number : {-1.0, 0.0, -9.0, 99.0, -99.0, 999.0}) {
+    FilledNumbers filled({});
+    for (int i = -50; i <= 50; ++i) {
+      EXPECT_FALSE(filled.is_missing((number + i) * kMillimetre, 1000)) << number + i;
+    }
+  }
+  FilledNumbers filled({});
+  EXPECT_FALSE(filled.is_missing(0.02, 1000));
+  for (const double number : {-99.0, 999.0, -999.0, -9999.0}) {
+    EXPECT_TRUE(filled.is_missing(number * kMillimetre, 1000)) << number;
+  }
+  EXPECT_FALSE(filled.is_missing(-kMillimetre, 1000));
+}
+
+// In a file: counted, noted, and without effect on the unit that is found.
+TEST(FilledNumbers, OfAFileAreCountedAndDecideOnNoUnit) {
+  for (const char* number : {"-999", "-99.0", "0.000"}) {
+    Track track(3, 3);
+    std::string text = "time_s,jaw_x,jaw_y,jaw_z\n";
+    for (int i = 0; i < 400; ++i) {
+      const Vector3d place_mm = 1000 * track.next_m();
+      text += std::to_string(i * 0.01);
+      for (const double place : place_mm) {
+        text += "," + (i >= 20 && i < 120 ? std::string(number) : std::to_string(place));
+      }
+      text += "\n";
+    }
+    const auto read = testing_support::samples::read(text);
+    int missing = 0;
+    for (const Sample& sample : read.samples) missing += !sample.position_valid;
+    EXPECT_EQ(missing, 100) << number;
+    EXPECT_EQ(read.info.stated.unit, "mm") << number;
+  }
+}
+
+}  // namespace
+}  // namespace condyle::host
