@@ -281,5 +281,26 @@ TEST_F(AdviceTest, OfTheOtherEstimator) {
   }
 }
 
+// A number that may be a place or stand for a missing one.
+TEST_F(AdviceTest, OfANumberOnAllAxes) {
+  std::string text = "time_s,x_mm,y_mm,z_mm\n";
+  for (int i = 0; i < 400; ++i) {
+    const bool is_filled = i >= 100 && i < 120;
+    text += std::to_string(0.01 * i) + (is_filled ? ",-1,-1,-1\n" : ",0.5,-1.25,") +
+            (is_filled ? "" : std::to_string(3 + (i % 7) * 0.1) + "\n");
+  }
+  const std::string recording = folder_.write("filled.csv", text);
+  const CommandResult refused = run_condyle({"replay", recording});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.errors, HasSubstr(":102: -1 on all three axes"));
+  EXPECT_THAT(refused.errors, HasSubstr("give --missing -1 if it is missing, or --missing none"));
+  const CommandResult missing = run_condyle({"replay", recording, "--missing", "-1"});
+  EXPECT_EQ(missing.exit_code, 0) << missing.errors;
+  EXPECT_THAT(missing.output, HasSubstr("20 position_missing"));
+  const CommandResult places = run_condyle({"replay", recording, "--missing", "none"});
+  EXPECT_EQ(places.exit_code, 0) << places.errors;
+  EXPECT_THAT(places.output, Not(HasSubstr("position_missing")));
+}
+
 }  // namespace
 }  // namespace condyle

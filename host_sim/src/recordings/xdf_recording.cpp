@@ -213,8 +213,7 @@ std::unique_ptr<NamedPointsRecording> open_xdf(const std::string& path,
   file.info.format = "XDF";
   file.info.stated.frames = stream.samples;
   add_notes(content, stream, clock, path, file.info);
-  return open_number_table(std::make_unique<XdfRows>(path, index, clock), std::move(file),
-                           options);
+  return open_number_table(std::make_unique<XdfRows>(path, index, clock), std::move(file), options);
 }
 
 }  // namespace condyle::host
