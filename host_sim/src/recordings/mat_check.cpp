@@ -31,13 +31,15 @@ class ArrayWalk {
   ArrayWalk(std::function<std::string_view()> refill, bool swaps)
       : refill_(std::move(refill)), swaps_(swaps) {}
 
-  /// Passes all bytes. False if an array has fewer bytes than its parts need.
-  bool pass(bool starts_with_tag) {
-    std::uint64_t size = 0;
-    if (!starts_with_tag || (word() == kMatrix && !is_over_)) {
-      if (starts_with_tag) size = word();
-      walk(starts_with_tag ? size : ~std::uint64_t{0}, 0);
-    }
+  /// Passes all bytes, of an array with its tag.
+  bool pass() {
+    const bool is_array = word() == kMatrix && !is_over_;
+    return pass(is_array ? word() : 0);
+  }
+  /// The same of an array after its tag, of `size` bytes. False if an array has fewer bytes than
+  /// its parts need or state.
+  bool pass(std::uint64_t size) {
+    walk(size, 0);
     while (!part_.empty() || fill()) skip(part_.size());
     return is_usable_ && needed_ <= passed_;
   }
@@ -81,6 +83,14 @@ class ArrayWalk {
     return {size, (size + 7) / 8 * 8};
   }
 
+  // The same in an array that ends at `end`.
+  Element element_within(std::uint64_t end) {
+    const Element one = element();
+    if (passed_ <= end && one.size <= end - passed_) return one;
+    is_usable_ = false;
+    return {};
+  }
+
   // An array after its tag, of `size` bytes.
   void walk(std::uint64_t size, int depth) {
     const std::uint64_t end = size > ~std::uint64_t{0} - passed_ ? size : passed_ + size;
@@ -92,24 +102,23 @@ class ArrayWalk {
     const Element flags = element();
     const std::uint32_t kind = word() & 0xffU;
     skip(flags.padded - std::min<std::uint64_t>(flags.padded, 4));
-    constexpr std::uint32_t kCell = 1, kStruct = 2;
-    if (kind != kCell && kind != kStruct) return skip_to(end);
-    const Element dimensions = element();
+    constexpr std::uint32_t kCell = 1, kStruct = 2, kLastPlain = 15;
+    if (kind > kLastPlain) return skip_to(end);  // other parts
+    const Element dimensions = element_within(end);
     std::uint64_t count = 1;
     for (std::uint64_t at = 0; at < dimensions.size && !is_over_; at += 4) {
       count *= word();
-      if (count > kMostMatBytes) {
-        is_usable_ = false;
-        return;
-      }
+      if (count > kMostMatBytes) is_usable_ = false;
+      if (!is_usable_) return;
     }
     skip(dimensions.padded - std::min(dimensions.padded, (dimensions.size + 3) / 4 * 4));
-    skip(element().padded);  // name
+    skip(element_within(end).padded);  // name
+    if (kind != kCell && kind != kStruct) return skip_to(end);
     if (kind == kStruct) {
-      const Element length_of_name = element();
+      const Element length_of_name = element_within(end);
       const std::uint64_t length = word();
       skip(length_of_name.padded - std::min<std::uint64_t>(length_of_name.padded, 4));
-      const Element names = element();
+      const Element names = element_within(end);
       const std::uint64_t fields = length > 0 ? names.size / length : 0;
       skip(names.padded);
       if (fields > kMostFields) {
@@ -192,6 +201,7 @@ void MatCheck::take(std::uint64_t count) {
 
 void MatCheck::pass_plain(std::uint64_t count) {
   take(count);
+  const std::uint64_t array_size = count;
   std::size_t passed = 0;  // of the part given last
   ArrayWalk walk(
       [&]() -> std::string_view {
@@ -206,7 +216,7 @@ void MatCheck::pass_plain(std::uint64_t count) {
         return part;
       },
       swaps_);
-  if (!walk.pass(false)) fail_damaged("the sizes");
+  if (!walk.pass(array_size)) fail_damaged("the sizes");
 }
 
 void MatCheck::pass_compressed(std::uint64_t count) {
@@ -243,7 +253,7 @@ void MatCheck::pass_compressed(std::uint64_t count) {
         return {};
       },
       swaps_);
-  const bool is_usable = walk.pass(true);
+  const bool is_usable = walk.pass();
   while (count > 0) load();  // what follows the end of the compressed bytes
   if (status != Z_STREAM_END) fail_damaged("the compressed bytes");
   if (!is_usable) fail_damaged("the sizes");

@@ -243,7 +243,6 @@ TEST(MatRecording, RefusesCutDamagedAndOtherVersions) {
   EXPECT_THAT(problem_of(hdf5), AllOf(HasSubstr("7.3"), HasSubstr("-v7")));
 }
 
-// Any change of any byte gives a recording or a message.
 // libmatio would allocate gigabytes for the parts that these 200 bytes state.
 TEST(MatRecording, RefusesPartsThatTheFileCannotHold) {
   const auto words = [](const std::vector<std::uint32_t>& values) {
@@ -254,7 +253,17 @@ TEST(MatRecording, RefusesPartsThatTheFileCannotHold) {
   const std::string array_of_struct = words({6, 8, 2, 0, 5, 8, 1, 30'000'000, 1, 1}) + name +
                                       words({4U << 16U | 5U, 32, 1, 64}) + std::string(64, 'a');
   const std::string cells = words({6, 8, 1, 0, 5, 8, 30'000, 30'000, 1, 1}) + name;
-  for (const std::string& array : {array_of_struct, cells}) {
+  // Elements that state more bytes than their array has: dimensions of zeros, and names.
+  constexpr std::uint32_t kHuge = 0xff000008U;
+  const std::string number = words({6, 8, 6, 0, 5, kHuge, 1, 1, 1, 1}) + name + words({9, 8, 0, 0});
+  const std::string named = words({6, 8, 6, 0, 5, 8, 1, 1, 1, kHuge}) + name + words({9, 8, 0, 0});
+  const std::string dimensions = words({6, 8, 1, 0, 5, kHuge, 0, 0, 1, 1}) + name;
+  const std::string inner = words({14, static_cast<std::uint32_t>(dimensions.size())}) + dimensions;
+  const std::string in_cell = words({6, 8, 1, 0, 5, 8, 1, 1, 1, 1}) + name + inner;
+  const std::string fields = words({6, 8, 2, 0, 5, 8, 1, 1, 1, 1}) + name +
+                             words({4U << 16U | 5U, 32, 1, kHuge}) + std::string(64, 'a');
+  for (const std::string& array :
+       {array_of_struct, cells, number, named, dimensions, in_cell, fields}) {
     const std::string matrix = words({14, static_cast<std::uint32_t>(array.size())}) + array;
     EXPECT_THAT(problem_of(cut + matrix), HasSubstr("the sizes of variable 1 are damaged"));
     std::string packed(2000, '\0');
@@ -268,6 +277,7 @@ TEST(MatRecording, RefusesPartsThatTheFileCannotHold) {
   }
 }
 
+// Any change of any byte gives a recording or a message.
 TEST(MatRecording, ChangedBytesGiveARecordingOrAMessage) {
   const std::string plain = qualisys(200, false), compressed = qualisys(200, true);
   std::mt19937 random(7);
