@@ -154,7 +154,8 @@ bool ByteReader::next_line(std::string_view& line) {
                            : available;
       line = {start, length};
       if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-      skip(length + (found != nullptr ? 1 : 0));
+      is_line_ended_ = found != nullptr;
+      skip(length + (is_line_ended_ ? 1 : 0));
       ++line_number_;
       return true;
     }

@@ -31,6 +31,8 @@ class ByteReader {
   /// call.
   bool next_line(std::string_view& line);
 
+  /// Whether the line last returned had an end; the last one of a file may have none.
+  bool is_line_ended() const { return is_line_ended_; }
   /// Number of the line last returned, from 1.
   std::uint64_t line_number() const { return line_number_; }
   /// Bytes consumed so far.
@@ -56,7 +58,7 @@ class ByteReader {
   std::unique_ptr<std::FILE, Closer> file_;
   std::unique_ptr<char[]> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // unread bytes of the buffer
-  bool at_end_ = false;
+  bool at_end_ = false, is_line_ended_ = true;
   enum class Encoding { bytes, utf16_little, utf16_big } encoding_ = Encoding::bytes;
   std::string undecoded_;  // bytes of UTF-16
   std::uint64_t line_number_ = 0, consumed_ = 0, size_ = 0;

@@ -15,6 +15,32 @@ namespace {
 
 using Role = TableColumn::Role;
 
+// Characters of a number from its decimal sign on; nothing for a missing value.
+std::optional<std::size_t> decimals_of(std::string_view text) {
+  if (is_missing_word(text)) return std::nullopt;
+  const std::size_t sign = text.find_last_of(".,");
+  return sign == std::string_view::npos ? 0 : text.size() - sign;
+}
+
+// Whether a file ends within its last number: the last line has no end, and the number has fewer
+// decimals than that of every row before.
+class CutEnd {
+ public:
+  bool is_at(std::string_view last_field, bool is_line_ended) {
+    const std::optional<std::size_t> decimals = decimals_of(last_field);
+    if (!decimals) return false;
+    const bool is_cut = !is_line_ended && rows_ > 1 && !varies_ && *decimals < decimals_;
+    varies_ = varies_ || (rows_ > 0 && *decimals != decimals_);
+    decimals_ = *decimals;
+    ++rows_;
+    return is_cut;
+  }
+
+ private:
+  std::size_t rows_ = 0, decimals_ = 0;
+  bool varies_ = false;
+};
+
 class TableRecording final : public NamedPointsRecording {
  public:
   TableRecording(std::unique_ptr<ByteReader> reader, TableFile file,
@@ -101,6 +127,13 @@ class TableRecording final : public NamedPointsRecording {
   void parse_row(std::string_view line, Sample& sample) {
     split_fields(line, layout_.style.separator, fields_);
     check_width();
+    if (fields_.size() == layout_.columns.size() &&
+        cut_end_.is_at(fields_.back(), reader_->is_line_ended())) {
+      fields_.back() = {};
+      info_.notes.push_back(fmt::format(
+          "{}: the file ends within its last number, which is not read; copy the file again",
+          place()));
+    }
     bool has_frame = false;
     for (std::size_t i = 0; i < layout_.columns.size(); ++i) {
       const TableColumn& column = layout_.columns[i];
@@ -229,6 +262,7 @@ class TableRecording final : public NamedPointsRecording {
   Eigen::Matrix3Xd points_m_;             // of the sample last returned, one a column
   std::uint64_t sequence_ = 0;
   bool has_ended_ = false;
+  CutEnd cut_end_;
   TimeNs start_ns_ = 0;
   std::optional<double> first_frame_;
   double frame_ = 0;  // since the first

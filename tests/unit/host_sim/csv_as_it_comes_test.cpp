@@ -171,6 +171,27 @@ TEST(CsvAsItComes, CountsMissingValuesAndRefusesOtherText) {
   EXPECT_TRUE(read("time_s,position_um\n0,9999\n").samples[0].position_valid) << "10 mm";
 }
 
+// Cut anywhere in the last row, the file ends with a missing place or is refused. A number without
+// decimals cannot show that it is cut.
+TEST(CsvAsItComes, ReadsNoNumberThatTheEndOfTheFileCuts) {
+  const Style style;
+  std::string text = table(style, "time_s,jaw_x_mm,jaw_y_mm,jaw_z_mm");
+  text.pop_back();  // many programs end no last line
+  const Read whole = read(text);
+  ASSERT_EQ(whole.samples.size(), static_cast<std::size_t>(kRows));
+  EXPECT_TRUE(whole.samples.back().position_valid);
+  EXPECT_THAT(notes_of(whole), testing::Not(HasSubstr("ends within")));
+  for (std::size_t cut = 1; text[text.size() - cut] != ','; ++cut) {
+    const Read r = read(text.substr(0, text.size() - cut));
+    ASSERT_EQ(r.samples.size(), static_cast<std::size_t>(kRows));
+    EXPECT_FALSE(r.samples.back().position_valid) << cut;
+    if (text[text.size() - cut - 1] == ',') break;  // an empty field
+    EXPECT_THAT(notes_of(r), HasSubstr(":201: the file ends within its last number")) << cut;
+  }
+  const std::size_t comma = text.rfind(',');
+  EXPECT_THAT(problem_of(text.substr(0, comma - 2)), HasSubstr(":201"));
+}
+
 TEST(CsvAsItComes, StopsWhereTheUnitIsNotKnown) {
   Style in_m{.per_metre = 1};
   // 0.3 mm in mm, or 300 mm in m: neither can be excluded.
