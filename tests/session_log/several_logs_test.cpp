@@ -63,5 +63,33 @@ TEST(SessionLog, WritesOneLogAfterAnother) {
   EXPECT_EQ(folder.count(), 9);
 }
 
+// It comes last, belongs to its log alone, and is not there if the log was not closed.
+TEST(SessionLog, KeepsWhatWasLearned) {
+  const testing_support::TemporaryFolder folder;
+  const std::string first = folder / "first.mcap", second = folder / "second.mcap";
+  hal::SessionLogWriter log({.ring_reports = 64, .chunk_time_ns = 0});
+  EXPECT_FALSE(log.keep_learned("{}")) << "no log is open";
+  const std::string learned(hal::kMaxTextBytes, 'x');
+  std::string text = "?";
+  for (const std::string& path : {first, second}) {
+    ASSERT_EQ(log.open(path, make_header(2)), SessionLogFailure::none);
+    for (std::uint32_t i = 0; i < 40; ++i) EXPECT_TRUE(log.write(0, make_report(i, 29, i)));
+    EXPECT_FALSE(log.keep_learned(learned + "x"));
+    if (path == first) {
+      EXPECT_TRUE(log.keep_learned("{\"old\": 1}"));
+      EXPECT_TRUE(log.keep_learned(learned));
+    }
+    EXPECT_EQ(hal::read_learned_text(path, text), hal::Status::ok);
+    EXPECT_EQ(text, "") << "the log is not complete";
+    ASSERT_EQ(log.close(), SessionLogFailure::none);
+    EXPECT_EQ(hal::read_learned_text(path, text), hal::Status::ok);
+    EXPECT_EQ(text == (path == first ? learned : ""), true) << text.size();
+    const auto read = testing_support::read_log(path);
+    EXPECT_EQ(read.condition.outcome, hal::McapRead::end);
+    EXPECT_EQ(read.reports[0].size(), 40U);
+  }
+  EXPECT_EQ(hal::read_learned_text(folder / "none.mcap", text), hal::Status::not_found);
+}
+
 }  // namespace
 }  // namespace condyle

@@ -113,7 +113,7 @@ void NodeClient::expect_accepted(hal::MessageType message) {
 
 hal::StartMessage NodeClient::within_memory(hal::StartMessage start) const {
   double& kernels = start.recommended.learning.kernels;
-  kernels = start.lag > 0 ? 0 : std::min(kernels, static_cast<double>(greeting_.most_kernels));
+  kernels = std::min(kernels, static_cast<double>(greeting_.most_kernels));
   return start;
 }
 

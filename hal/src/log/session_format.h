@@ -20,8 +20,6 @@ inline constexpr std::string_view kSessionFormat = "1";
 /// 500 Hz fill less in 200 ms, and larger chunks do not compress better.
 inline constexpr std::size_t kFullChunkBytes = std::size_t{64} << 10;
 inline constexpr std::size_t kMaxChunkBytes = std::size_t{1} << 20;
-/// Longest profile or parameters text.
-inline constexpr std::size_t kMaxTextBytes = std::size_t{1} << 20;
 inline constexpr std::string_view kParametersName = "parameters.toml";
 inline constexpr std::string_view kReportSchemaName = "condyle_msgs/msg/RawReport";
 inline constexpr std::string_view kReportSchema =

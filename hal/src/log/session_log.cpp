@@ -137,6 +137,7 @@ SessionLogFailure SessionLogWriter::open(const std::string& path, const SessionH
   index_ = std::make_unique<IndexFile>(path);
   add_header(header);
   for (const auto& source : sources_) source->last_time_ns = header.start_monotonic_ns;
+  learned_.clear();
   stops_ = is_complete_ = false;
   if (create(path) != SessionLogFailure::none) {
     index_.reset();
@@ -216,6 +217,13 @@ bool SessionLogWriter::write_event(std::size_t source_index, TimeNs time_ns, Ses
   if (is_cut) std::fill_n(end, 3, '.');
   slot->report.size = static_cast<std::uint16_t>(is_cut ? kMaxEventText : size);
   ring.publish();
+  return true;
+}
+
+bool SessionLogWriter::keep_learned(std::string text) {
+  if (!is_open_.load(std::memory_order_acquire) || text.size() > kMaxTextBytes) return false;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  learned_ = std::move(text);
   return true;
 }
 

@@ -24,9 +24,14 @@ std::string describe(const SessionLogCondition& condition) {
   return "damaged: " + where;
 }
 
-SessionLogReader::SessionLogReader()
-    : mcap_({.record_bytes = 2 * kMaxTextBytes, .chunk_bytes = kMaxChunkBytes, .is_strict = true}) {
-}
+namespace {
+
+constexpr McapLimits kLimits = {
+    .record_bytes = 2 * kMaxTextBytes, .chunk_bytes = kMaxChunkBytes, .is_strict = true};
+
+}  // namespace
+
+SessionLogReader::SessionLogReader() : mcap_(kLimits) {}
 
 void SessionLogReader::close() {
   mcap_.close();
@@ -97,12 +102,28 @@ McapRead SessionLogReader::next(SessionEntry& entry) {
       if (!entry.is_event) condition_.last_report_time_ns = entry.report.host_time_ns;
       return McapRead::record;
     }
+    const auto* attachment = std::get_if<McapAttachment>(&record);
+    if (attachment != nullptr && attachment->name == kLearnedName) continue;
     const auto* schema = std::get_if<McapSchema>(&record);
     const auto* channel = std::get_if<McapChannel>(&record);
     if ((schema == nullptr || !take(*schema)) && (channel == nullptr || !take(*channel))) {
       return stop(McapRead::damaged, "a record does not belong to a session log");
     }
   }
+}
+
+Status read_learned_text(const std::string& path, std::string& text) {
+  text.clear();
+  McapReader mcap(kLimits);
+  const Status status = mcap.open(path);
+  if (status != Status::ok) return status;
+  McapRecord record;
+  while (mcap.next(record) == McapRead::record) {
+    const auto* attachment = std::get_if<McapAttachment>(&record);
+    if (attachment == nullptr || attachment->name != kLearnedName) continue;
+    text.assign(attachment->data.begin(), attachment->data.end());
+  }
+  return Status::ok;
 }
 
 bool SessionLogReader::take(const McapSchema& schema) {

@@ -64,6 +64,7 @@ void SessionLogWriter::run() {
   }
   flush();
   if (failure_ != SessionLogFailure::none) return;
+  add_learned();
   if (!mcap_->finish([this] { return write_pending(); })) {
     return fail(SessionLogFailure::io_error, ENOMEM);
   }
@@ -139,6 +140,15 @@ void SessionLogWriter::flush() {
   // Empty if the chunk was written.
   reports_unwritten_ += std::exchange(chunk_reports_, 0);
   events_unwritten_ += std::exchange(chunk_events_, 0);
+}
+
+void SessionLogWriter::add_learned() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (learned_.empty()) return;
+  mcap_->add_attachment({.log_time_ns = static_cast<std::uint64_t>(start_wall_ns_),
+                         .name = kLearnedName,
+                         .media_type = "application/json",
+                         .data = bytes_of(learned_)});
 }
 
 bool SessionLogWriter::write_pending() {

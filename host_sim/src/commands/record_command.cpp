@@ -175,9 +175,12 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
                  (options.idle_s > 0 && seconds(monitor.idle_ns()) >= options.idle_s) ||
                  (options.duration_s > 0 && seconds(monitor.elapsed_ns()) >= options.duration_s);
         });
-    if (!files.learned) return;
+    if (!sensor.learns()) return;
     const int axes = profile.kind == SampleKind::one_axis ? 1 : 3;
-    files.learned->write(learned_text(learned_of(sensor, axes)));
+    const std::string learned = learned_text(learned_of(sensor, axes));
+    const bool has_learned = sensor.corrector(0).learned() > 0;
+    if (has_learned && !log.keep_learned(learned)) print_error("what was learned is too long for the log");
+    if (files.learned) files.learned->write(learned);
   };
   firmware::with_hosted_sensor(
       {profile.kind, profile.drive_N.has_value(), parameters, 0, options.choice.point(),
@@ -298,7 +301,7 @@ int record(const RecordOptions& options) {
   if (!options.learned.begin_with.empty()) {
     const double rate_Hz = devices.front().profile.rate_Hz;
     prior = read_learned(options.learned.begin_with, axes, rate_Hz > 0 ? 1 / rate_Hz : 0,
-                         parameters.learning.kernels);
+                         parameters.learning.kernels, 0);
   }
   LiveFiles files;
   if (!options.learned.out.empty()) {

@@ -265,7 +265,7 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
     if (!options.learned.begin_with.empty()) {
       const double step_s = seconds(settings.nominal_step_ns);
       begin_with(sensor, read_learned(options.learned.begin_with, axes, step_s,
-                                      parameters.learning.kernels));
+                                      parameters.learning.kernels, options.estimator.lag));
     }
     return replay_through(
         options, facebow, clock, settings, sensor, axes, has_impedance, learned,

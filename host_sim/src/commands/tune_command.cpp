@@ -17,6 +17,7 @@
 #include "tuning/likelihood_tuning.h"
 #include "tuning/published_recording.h"
 #include "tuning/published_tuning_report.h"
+#include "tuning/tuned_learning.h"
 #include "tuning/tuning_report.h"
 
 namespace condyle::host {
@@ -138,7 +139,8 @@ int tune_likelihood(const TuneOptions& options, std::vector<std::unique_ptr<Outp
       files.push_back(std::move(figure));
     }
   }
-  return report(tuning_text(recordings, plan, tuning), files, kExitOk);
+  const LearningCounts learned = learning_with(parameters, recordings);
+  return report(tuning_text(recordings, plan, tuning) + learning_text(learned), files, kExitOk);
 }
 
 int tune_published(const TuneOptions& options, std::vector<std::unique_ptr<OutputFile>>& files) {

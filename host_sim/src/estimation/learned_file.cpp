@@ -3,11 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "condyle/estimator/motion/kernel_regression.h"
 #include "condyle/estimator/sensors/recommended_parameters.h"
+#include "condyle/hal/log/session_log_reader.h"
 #include "hosted/files/input_error.h"
 #include "hosted/files/text_file.h"
 
@@ -18,6 +22,14 @@ constexpr const char* kFormat = "condyle-learned-1";
 constexpr double kMostRateRatio = 1.25;
 constexpr double kLargest = 1e6;
 using Regression = KernelRegression<double, 1>;
+
+bool is_mcap(const std::string& path) {
+  std::array<char, hal::kMcapMagic.size()> begin{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(begin.data(), begin.size());
+  return file && std::equal(begin.begin(), begin.end(), hal::kMcapMagic.begin(),
+                            [](char a, auto b) { return static_cast<std::uint8_t>(a) == b; });
+}
 
 std::size_t size_of(const std::string& name, std::size_t kernels) {
   const std::size_t weights = Regression::kLinear + kernels;
@@ -73,13 +85,16 @@ LearnedAxis axis_in(const nlohmann::json& json, const std::string& path, double 
 void LearnedFiles::refuse_unless(bool learns) const {
   if (learns || !are_given()) return;
   throw InputError(begin_with.empty() ? "--learned-out" : "--learned", "needs learning",
-                   "give neither a lag, nor [learning] kernels = 0, nor the published cascade; or "
+                   "give no lag of 16, nor [learning] kernels = 0, nor the published cascade; or "
                    "leave it out");
 }
 
 std::string learned_text(const LearnedMotion& learned) {
   nlohmann::ordered_json json = {
-      {"format", kFormat}, {"condyle", CONDYLE_VERSION}, {"rate_Hz", learned.rate_Hz}};
+      {"format", kFormat},
+      {"condyle", CONDYLE_VERSION},
+      {"rate_Hz", learned.rate_Hz},
+      {"lag", learned.lag}};
   nlohmann::ordered_json& axes = json["axes"] = nlohmann::ordered_json::array();
   for (const LearnedAxis& axis : learned.axes) {
     nlohmann::ordered_json one = {{"kernels", axis.kernels}};
@@ -90,9 +105,18 @@ std::string learned_text(const LearnedMotion& learned) {
 }
 
 LearnedMotion read_learned(const std::string& path, int axis_count, double step_s,
-                           double most_kernels) {
-  const std::string text = read_text_file(path);
-  const char* const mend = "give a file that --learned-out has written";
+                           double most_kernels, int lag) {
+  const char* const mend = "give a session log, or a file that --learned-out has written";
+  std::string text;
+  if (is_mcap(path)) {
+    if (hal::read_learned_text(path, text) != hal::Status::ok || text.empty()) {
+      throw InputError(path, "does not hold what a session has taught",
+                       "give a complete log that condyle record has written with learning on, or "
+                       "replay it with --learned-out FILE and give that file");
+    }
+  } else {
+    text = read_text_file(path);
+  }
   LearnedMotion learned;
   try {
     const auto json = nlohmann::json::parse(text);
@@ -100,6 +124,7 @@ LearnedMotion read_learned(const std::string& path, int axis_count, double step_
       throw InputError(path, fmt::format("is not of format {}", kFormat), mend);
     }
     learned.rate_Hz = json.at("rate_Hz").get<double>();
+    learned.lag = json.value("lag", 0);
     for (const nlohmann::json& axis : json.at("axes")) {
       learned.axes.push_back(axis_in(axis, path, most_kernels));
     }
@@ -111,6 +136,14 @@ LearnedMotion read_learned(const std::string& path, int axis_count, double step_
                      fmt::format("was learned along {} axes, and this recording has {}",
                                  learned.axes.size(), axis_count),
                      "learn from a recording of the same kind");
+  }
+  if (learned.lag != lag) {
+    throw InputError(path,
+                     fmt::format("was learned with a lag of {} samples, and this recording is "
+                                 "estimated with {}",
+                                 learned.lag, lag),
+                     lag == 0 ? fmt::format("give --lag {}, or learn without a lag", learned.lag)
+                              : fmt::format("learn with --lag {}", lag));
   }
   const double ratio = learned.rate_Hz * step_s;
   if (step_s > 0 && !(ratio < kMostRateRatio && ratio > 1 / kMostRateRatio)) {

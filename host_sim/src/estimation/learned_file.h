@@ -28,15 +28,16 @@ struct LearnedAxis {
 /// What a recording has taught, axis by axis.
 struct LearnedMotion {
   double rate_Hz = 0;  ///< of the recording; 0: not known
+  int lag = 0;         ///< of the estimates (samples)
   std::vector<LearnedAxis> axes;
 };
 
 /// The text of a file of it, as JSON.
 std::string learned_text(const LearnedMotion& learned);
-/// Reads such a file. Throws InputError if it cannot be used along `axis_count` axes, for samples
-/// `step_s` apart (0: not known), with `most_kernels`.
+/// Reads such a file, or a session log that holds one. Throws InputError if it cannot be used along
+/// `axis_count` axes, for samples `step_s` apart (0: not known), with `most_kernels` and `lag`.
 LearnedMotion read_learned(const std::string& path, int axis_count, double step_s,
-                           double most_kernels);
+                           double most_kernels, int lag);
 
 /// What `sensor`, a LearnedSensor for `axis_count` axes, has learned.
 template <class Sensor>
@@ -44,6 +45,7 @@ LearnedMotion learned_of(Sensor& sensor, int axis_count) {
   LearnedMotion learned;
   const auto step_s = static_cast<double>(sensor.mean_step_s());
   learned.rate_Hz = step_s > 0 ? 1 / step_s : 0;
+  learned.lag = sensor.estimator().lag();
   for (int axis = 0; axis < axis_count; ++axis) {
     LearnedAxis& one = learned.axes.emplace_back();
     auto& corrector = sensor.corrector(axis);

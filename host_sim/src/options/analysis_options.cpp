@@ -111,7 +111,8 @@ void add_estimator_options(CommandLine line, EstimatorChoice& choice) {
 void add_learned_options(CommandLine line, LearnedFiles& files) {
   const CommandLine command = line.group("Estimator");
   command.add_option("--learned=FILE", files.begin_with,
-                     "Begin with what an earlier recording of this subject has taught");
+                     "Begin with what an earlier recording of this subject has taught: a file of "
+                     "--learned-out, or a session log");
   command.add_option("--learned-out=FILE", files.out,
                      "JSON file for what this recording teaches, for --learned");
 }

@@ -100,11 +100,13 @@ std::string RecommendedSummary::consistency_text() const {
 std::string RecommendedSummary::learning_text() const {
   if (!learning_) return {};
   std::string corrected, gained, silent;
+  bool is_corrected = false;
   for (int axis = 0; axis < axis_count(); ++axis) {
     const LearningCounts counts = learning_(axis);
     const std::string name = axis_count() == 3 ? std::string{"xyz"[axis], ' '} : "";
     const char* const comma = axis > 0 ? ", " : "";
     const auto samples = static_cast<double>(std::max<std::uint64_t>(counts.samples, 1));
+    is_corrected = is_corrected || counts.corrected > 0;
     corrected += fmt::format("{}{}{:.0f}", comma, name,
                              100 * static_cast<double>(counts.corrected) / samples);
     gained += counts.compared < kFewestInnovations
@@ -116,7 +118,11 @@ std::string RecommendedSummary::learning_text() const {
   }
   std::string words =
       fmt::format("velocity corrected by learning in {} % of the samples", corrected);
-  words += fmt::format("; error of the next position there, divided by the filter's: {}", gained);
+  if (lag_ == 0) {
+    words += fmt::format("; error of the next position there, divided by the filter's: {}", gained);
+  } else if (!is_corrected) {
+    words = "nothing: the lag is not below the 50 ms after which learning corrects";
+  }
   if (!silent.empty()) words += "; noise not white, so nothing is corrected: " + silent;
   std::string text;
   add_line(text, "learned", words);

@@ -207,6 +207,19 @@ std::string tuning_text(const std::vector<TuningRecording>& recordings, const Li
   return text;
 }
 
+std::string learning_text(const LearningCounts& counts) {
+  constexpr std::uint64_t kFewest = 100;
+  if (counts.samples == 0) return {};
+  std::string words = fmt::format(
+      "with these values, velocity is corrected in {:.0f} % of the samples",
+      100 * static_cast<double>(counts.corrected) / static_cast<double>(counts.samples));
+  if (counts.compared >= kFewest) {
+    words += fmt::format("; error of the next position there, divided by the filter's: {:.2f}",
+                         counts.error_ratio());
+  }
+  return line("learning", words);
+}
+
 std::string tuning_comment(const std::vector<TuningRecording>& recordings,
                            const LikelihoodPlan& plan, const LikelihoodTuning& tuning) {
   std::string text = fmt::format(

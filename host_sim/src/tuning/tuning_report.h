@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "condyle/estimator/sensors/learned_sensor.h"
 #include "output/output_file.h"
 #include "tuning/likelihood_tuning.h"
 
@@ -14,6 +15,9 @@ namespace condyle::host {
 /// Values with their intervals, the held-out part, and deviations from the model.
 std::string tuning_text(const std::vector<TuningRecording>& recordings, const LikelihoodPlan& plan,
                         const LikelihoodTuning& tuning);
+
+/// What learning gains with the tuned values; empty if nothing was counted.
+std::string learning_text(const LearningCounts& counts);
 
 /// The head of the parameter file, as comments: recordings and certainty of the tuning.
 std::string tuning_comment(const std::vector<TuningRecording>& recordings,

@@ -242,8 +242,6 @@ TEST_F(NodeClientTest, LimitsTheKernelsToTheTargetsMemory) {
     start.recommended.learning.kernels = kernels;
     EXPECT_EQ(client_.within_memory(start).recommended.learning.kernels, kernels);
   }
-  start.lag = 2;
-  EXPECT_EQ(client_.within_memory(start).recommended.learning.kernels, 0);
 }
 
 TEST_F(NodeClientTest, SaysThatNobodyIsThere) {

@@ -23,10 +23,10 @@
 // Interval.  s stays: what the teacher confirms narrows nothing. An instrument that smooths or
 //            delays its positions makes filter and teacher wrong alike, and positions need not show
 //            it. The corrected value is then as wrong as the filter's, not more.
-// Surprise.  m = max(u^2, m / (1 + T/0.1 s)): the variance becomes s^2 + beta d^2, beta =
-//            clamp((m - 2)/2, 0, 1), and the share is multiplied by 1 - clamp((m - 4)/4, 0, 1). At
-//            an impact the velocity jumps between samples, and the teacher, sure of itself, smooths
-//            the jump.
+// Surprise.  m = max(e^2, m / (1 + T/0.1 s)), e: u less what the last correction has announced of
+//            it. The variance becomes s^2 + k d^2, k = clamp((m - 2)/2, 0, 1), and the share is
+//            multiplied by 1 - clamp((m - 4)/4, 0, 1). At an impact the velocity jumps between
+//            samples, and the teacher, sure of itself, smooths the jump.
 // Silence.   The filter's values stay, with their intervals, until kFirst samples are learned, and
 //            while innovations or positions show that the noise is not white
 //            (innovation_monitor.h): the teacher is then as wrong as the filter.
@@ -122,7 +122,9 @@ class MotionCorrector {
     const Scalar u = std::clamp(filtered.standardised_innovation, -kMostRatio, kMostRatio);
     for (int i = kInnovations - 1; i > 0; --i) innovations_[i] = innovations_[i - 1];
     innovations_[0] = u;
-    surprise_ = std::max(u * u, surprise_ / (Scalar(1) + T / kSurprise_s));
+    const Scalar e = std::clamp(filtered.standardised_innovation - announced(filtered, T),
+                                -kMostRatio, kMostRatio);
+    surprise_ = std::max(e * e, surprise_ / (Scalar(1) + T / kSurprise_s));
     monitor_.add(std::isfinite(filtered.measured_position_m)
                      ? filtered.standardised_innovation
                      : std::numeric_limits<Scalar>::quiet_NaN(),
@@ -157,7 +159,7 @@ class MotionCorrector {
   struct Kept {
     bool is_usable = false;
     Features features = {};
-    Array<Scalar, kOutputs> value = {}, deviation = {}, scale = {}, predicted = {};
+    Array<Scalar, kOutputs> value = {}, deviation = {}, scale = {}, predicted = {}, given = {};
     Scalar gate = 0;
   };
 
@@ -209,6 +211,13 @@ class MotionCorrector {
     if (kept_count_ == 0 || !last.is_usable || !(now.innovation_sd_m > Scalar(0))) return;
     const Scalar added_m = (change(0, last) + change(1, last) * T * Scalar(0.5)) * T;
     positions_.add(now.standardised_innovation, last.gate * added_m / now.innovation_sd_m, T);
+  }
+
+  // The innovation, in standard deviations, that the last sample's correction has announced.
+  Scalar announced(const Filtered& now, Scalar T) const {
+    if (kept_count_ == 0 || !(now.innovation_sd_m > Scalar(0))) return 0;
+    const auto& given = kept_[newest_].given;
+    return (given[0] + given[1] * T * Scalar(0.5)) * T / now.innovation_sd_m;
   }
 
   // The predicted error of output `i`, limited.
@@ -273,7 +282,7 @@ class MotionCorrector {
   }
 
   // Output `i`.
-  void correct(int i, const Kept& kept, Corrected& result) const {
+  void correct(int i, Kept& kept, Corrected& result) const {
     const Scalar s = kept.deviation[i];
     const Scalar settled = std::clamp(Scalar(3) - s / usual_[i], Scalar(0), Scalar(1));
     const Scalar share = std::min(trust_[i].alpha(), positions_.beta()) * kept.gate * settled *
@@ -282,7 +291,7 @@ class MotionCorrector {
     const Scalar d = share * change(i, kept);
     const Scalar corrected = std::sqrt(s * s + surprise_above(2) * d * d);
     if (!std::isfinite(d) || !std::isfinite(corrected)) return;
-    result.correction[i] = d;
+    result.correction[i] = kept.given[i] = d;
     result.standard_deviation[i] = corrected;
     result.share[i] = share;
   }

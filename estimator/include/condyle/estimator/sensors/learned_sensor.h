@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sensor of the recommended estimator whose velocity, acceleration and force without delay are
-// corrected by what it learns from the recording itself (motion_corrector.h), each axis by itself.
+// A sensor of the recommended estimator whose velocity, acceleration and force are corrected by what
+// it learns from the recording itself (motion_corrector.h), each axis by itself.
 //
-// The teacher is the estimator's own motion kTeacher_s later, 2 to kMostLag samples. A correction
-// that is not made, for whichever reason, leaves value and interval of the estimator.
+// The teacher is the estimator's own motion kTeacher_s later, 2 to kMostLag samples. Estimates with
+// a lag below the teacher's are corrected too; innovations then say nothing about the correction,
+// because the estimates have used them. A correction that is not made, for whichever reason, leaves
+// value and interval of the estimator.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +25,7 @@ namespace condyle {
 struct LearningCounts {
   std::uint64_t samples = 0;           ///< with a velocity
   std::uint64_t corrected = 0;         ///< of those, with a correction of the velocity
-  std::uint64_t compared = 0;          ///< corrected ones whose next sample was measured
+  std::uint64_t compared = 0;          ///< corrected ones whose next sample was measured; lag 0
   double filter_square_m2 = 0;         ///< sum of squares of the filter's errors of that sample,
   double corrected_square_m2 = 0;      ///< and of the corrected motion's
   std::uint64_t silent_for_noise = 0;  ///< samples at which the noise was not white
@@ -40,14 +42,14 @@ class LearnedSensor : public Sensor {
  public:
   using Estimate = typename Sensor::Estimate;
 
-  /// As the Sensor's, with lag 0. `parameters.learning.kernels` of more than kKernels counts as
-  /// kKernels; of 0 leaves the Sensor's estimates as they are.
+  /// As the Sensor's. `parameters.learning.kernels` of more than kKernels counts as kKernels; of 0
+  /// leaves the Sensor's estimates as they are.
   template <class Parameters, class... Arguments>
   explicit LearnedSensor(const Parameters& parameters, Arguments&&... arguments)
       : Sensor(parameters, std::forward<Arguments>(arguments)...),
         assumed_mass_kg_(static_cast<Scalar>(parameters.assumed_mass_kg)),
         learns_(is_valid(parameters) && kernels_of(parameters) > 0 &&
-                this->estimator().lag() == 0) {
+                this->estimator().lag() >= 0 && this->estimator().lag() < kMostLag) {
     if (learns_) this->keep_steps();
     for (Corrector& corrector : correctors_) corrector.limit_kernels(kernels_of(parameters));
   }
@@ -55,7 +57,8 @@ class LearnedSensor : public Sensor {
   /// As the Sensor's.
   Estimate process(const Sample& sample, EventSet sample_events);
 
-  /// True if the sensor corrects its values: the parameters state kernels, and the lag is 0.
+  /// True if the sensor may correct its values: the parameters state kernels, and the lag is below
+  /// kMostLag.
   bool learns() const { return learns_; }
   /// What was learned along `axis`, 0 to kAxes - 1.
   const LearningCounts& learning(int axis) const { return counts_[axis]; }
@@ -132,7 +135,8 @@ void LearnedSensor<Sensor, Scalar, kAxes, kMostLag, kKernels>::correct(Estimate&
   find_lag(estimate.time_ns);
   TimeNs taught_ns = 0;
   Array<MotionMoments<Scalar>, kAxes> taught;
-  const bool is_taught = lag_ > 0 && this->estimator().look_back(lag_, taught_ns, taught);
+  const bool is_taught = lag_ > this->estimator().lag() &&
+                         this->estimator().look_back(lag_, taught_ns, taught);
   for (int axis = 0; axis < kAxes; ++axis) {
     TaughtMotion<Scalar> motion;
     if (is_taught) {
@@ -148,7 +152,8 @@ void LearnedSensor<Sensor, Scalar, kAxes, kMostLag, kKernels>::correct(
     int axis, Estimate& estimate, const TaughtMotion<Scalar>* taught) {
   AxisEstimate<Scalar>& values = estimate.axes[axis];
   LearningCounts& counts = counts_[axis];
-  compare(axis, values, estimate);
+  const int late = this->estimator().lag();
+  if (late == 0) compare(axis, values, estimate);
   const bool is_used = !estimate.events.has(Event::outlier_rejected) &&
                        std::isfinite(values.innovation_m) && values.innovation_sd_m > Scalar(0);
   const FilteredMotion<Scalar> filtered = {
@@ -159,11 +164,11 @@ void LearnedSensor<Sensor, Scalar, kAxes, kMostLag, kKernels>::correct(
       std::isfinite(values.innovation_m) && values.innovation_sd_m > Scalar(0)
           ? values.innovation_m / values.innovation_sd_m
           : Scalar(0),
-      std::isfinite(values.innovation_m) && values.innovation_sd_m > Scalar(0)
+      std::isfinite(values.innovation_m) && values.innovation_sd_m > Scalar(0) && late == 0
           ? values.innovation_sd_m
           : Scalar(0),
       is_used ? values.measured_position_m : AxisEstimate<Scalar>::kNone};
-  const CorrectedMotion<Scalar> corrected = correctors_[axis].step(filtered, taught, lag_);
+  const CorrectedMotion<Scalar> corrected = correctors_[axis].step(filtered, taught, lag_ - late);
   ++counts.samples;
   if (correctors_[axis].is_coloured()) ++counts.silent_for_noise;
   expectations_[axis] = {estimate.time_ns,

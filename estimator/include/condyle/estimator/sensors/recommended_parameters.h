@@ -12,7 +12,7 @@ namespace condyle {
 /// Most kernels of the regression in motion_corrector.h.
 inline constexpr int kMostKernels = 96;
 
-/// Learning from the recording itself (learned_sensor.h), in estimates without delay.
+/// Learning from the recording itself (learned_sensor.h).
 struct LearningParameters {
   double kernels = kMostKernels;  ///< of the regression, rounded down; 0: nothing is learned
 };

@@ -146,7 +146,7 @@ class EstimatorNode final : private hal::ReportSource {
     if (start_.identifies && !(kIdentifies && has_drive)) {
       return refuse({Reason::cannot_identify});
     }
-    if (start_.estimator == hal::EstimatorChoice::recommended && start_.lag == 0 &&
+    if (start_.estimator == hal::EstimatorChoice::recommended &&
         start_.recommended.learning.kernels >= kKernels + 1) {
       return refuse({Reason::too_many_kernels});
     }

@@ -26,6 +26,11 @@ inline constexpr std::size_t kMaxSessionSources = 8;
 /// Longest text of an event in bytes; a longer one is cut and ends in "...".
 inline constexpr std::size_t kMaxEventText = 512;
 
+/// Name of the attachment with what the estimator has learned during the session, as JSON.
+inline constexpr std::string_view kLearnedName = "learned.json";
+/// Longest text in a log.
+inline constexpr std::size_t kMaxTextBytes = std::size_t{1} << 20;
+
 /// Name of a source that is not a device: its events are the session's markers. It has no profile.
 inline constexpr const char* kMarkerSource = "markers";
 
@@ -135,6 +140,10 @@ class SessionLogWriter {
   bool write_event(std::size_t source_index, TimeNs time_ns, SessionEvent kind,
                    std::string_view text, std::uint64_t count = 1);
 
+  /// Keeps the JSON `text` until close, which writes it as the attachment kLearnedName. False, and
+  /// nothing is kept, if it is longer than kMaxTextBytes. Only while a log is open.
+  bool keep_learned(std::string text);
+
   /// The status; any thread may ask.
   SessionLogStatus status() const;
 
@@ -157,6 +166,7 @@ class SessionLogWriter {
                  std::string_view text);
   void announce_lost(std::size_t source_index, std::uint64_t lost_count, TimeNs time_ns);
   void flush();
+  void add_learned();
   bool write_pending();
   void synchronise();
   bool synchronise_file();
@@ -181,6 +191,7 @@ class SessionLogWriter {
   std::mutex mutex_;
   std::condition_variable wake_, written_;
   bool stops_ = false, is_complete_ = false;  // guarded by mutex_
+  std::string learned_;                       // guarded by mutex_
 
   std::atomic<bool> is_open_ = false, has_failed_ = false;
   std::atomic<SessionLogFailure> failure_ = SessionLogFailure::none;

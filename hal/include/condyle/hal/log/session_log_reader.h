@@ -40,6 +40,10 @@ struct SessionLogCondition {
 /// One line for the user: "complete", or what is lost.
 std::string describe(const SessionLogCondition& condition);
 
+/// Reads what the estimator has learned during the session, as JSON; empty if the log has none,
+/// as before its end. Otherwise as SessionLogReader::open.
+Status read_learned_text(const std::string& path, std::string& text);
+
 /// Reads a session log from start to end: all sources, one chunk in memory at a time. If a log is
 /// cut off after its header, all of its complete chunks are read.
 class SessionLogReader {
