@@ -92,7 +92,7 @@ class TableRecording final : public NamedPointsRecording {
  private:
   void end() {
     has_ended_ = true;
-    for (std::string& note : filled_.notes()) info_.notes.push_back(std::move(note));
+    filled_.add_notes(info_.notes);
     if (!info_.stated.frames || *info_.stated.frames == sequence_) return;
     info_.notes.push_back(
         fmt::format("its header states {} frames; it holds {}", *info_.stated.frames, sequence_));

@@ -238,7 +238,7 @@ TEST(MakerTable, RefusesAUnitThatLeavesNoPosition) {
   const std::string rows = text.substr(first);
   for (int i = 0; i < 4; ++i) text += rows;
   EXPECT_THAT(problem_of(text), AllOf(HasSubstr("states its positions in 'm'"),
-                                      HasSubstr("beyond 10 m"), HasSubstr("correct the unit")));
+                                      HasSubstr("beyond 10 m"), HasSubstr("--unit mm")));
 }
 
 TEST(MakerTable, NdiColumnsMayStateTheirUnit) {
