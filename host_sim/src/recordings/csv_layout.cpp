@@ -247,7 +247,11 @@ class CsvReading {
         const std::string problem = problem_of_times(values_[i], time.each);
         if (problem.empty()) return;
         throw InputError(place(i), problem,
-                         fmt::format("say its unit, such as --columns 'time_ms={}'", name));
+                         time.each < 1
+                             ? fmt::format("say its unit, such as --columns 'time_s={}'", name)
+                             : fmt::format("leave it out with --ignore-column '{}', and give "
+                                           "--rate-Hz",
+                                           name));
       }
       const UnitGuess guess = guess_time_unit(values_[i]);
       if (options_.rate_Hz) {

@@ -91,6 +91,14 @@ void FilledNumbers::refuse(double number, const std::string& place) {
       fmt::format("give --missing {:g} if it is missing, or --missing none", number));
 }
 
+void FilledNumbers::refuse_beginning(const std::string& place) {
+  throw InputError(
+      place,
+      "a point jumps away from 0 0 0, where it was from the beginning: it may not have "
+      "been seen until here",
+      "give --missing 0 if it was not seen, or --missing none");
+}
+
 bool FilledNumbers::is_missing(double value_m, double units_per_metre) {
   if (!std::isfinite(value_m)) return false;
   const double number = in_unit(value_m, units_per_metre);

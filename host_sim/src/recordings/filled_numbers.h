@@ -62,7 +62,7 @@ class FilledNumbers {
         points_m.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
         has_any = true;
       } else if (points_m.col(i).allFinite()) {
-        if (leaves_zero(points_m.col(i), track)) refuse(0, place());
+        if (leaves_zero(points_m.col(i), track)) refuse_beginning(place());
         track.move_to(points_m.col(i));
       }
     }
@@ -98,6 +98,7 @@ class FilledNumbers {
   Verdict judge(const Eigen::Vector3d& place_m, const Track& track, double units_per_metre) const;
   bool leaves_zero(const Eigen::Vector3d& place_m, const Track& track) const;
   [[noreturn]] static void refuse(double number, const std::string& place);
+  [[noreturn]] static void refuse_beginning(const std::string& place);
   void count(double number) { ++counts_[number]; }
 
   template <class Place>

@@ -80,6 +80,10 @@ bool FaultRule::accept(NumberStatus status, const std::string& place, std::strin
              "write the numbers without them, like 1234.5; a spreadsheet has this in the format of "
              "the cells");
       }
+      if (text == column) {
+        fail("the line repeats the names of the columns",
+             "take it out; if another recording begins there, give it a file of its own");
+      }
       fail(
           fmt::format("{} is not a number", quote(text)),
           policy_ == FaultPolicy::refuse

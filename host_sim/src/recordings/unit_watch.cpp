@@ -150,8 +150,10 @@ class WatchedBase : public Base {
     bool is_certain = false;
     const std::string problem = watch_.problem(is_certain);
     if (problem.empty()) return;
-    constexpr const char* kMend = "give --unit mm or --unit m, the unit that is right";
-    if (is_certain && doubt_ == UnitDoubt::refuse) throw InputError(path_, problem, kMend);
+    if (doubt_ == UnitDoubt::note && !is_certain) return;
+    if (doubt_ == UnitDoubt::refuse && is_certain) {
+      throw InputError(path_, problem, "give --unit mm or --unit m, the unit that is right");
+    }
     info_.notes.push_back(fmt::format("{}; --unit mm or --unit m decides", problem));
   }
 
