@@ -77,11 +77,13 @@ FilledNumbers::Verdict FilledNumbers::judge(const Eigen::Vector3d& place_m, cons
     const double value = in_unit(value_m, units_per_metre);
     return value != std::round(value);
   });
-  if (has_decimals && distance_m > kJump_m) return Verdict::missing;
+  if (has_decimals && is_usual(number)) {
+    return distance_m > kJump_m ? Verdict::missing : Verdict::unclear;
+  }
   // Rounding to whole units moves a place by up to one on each axis.
   const double rounding_m = has_decimals ? kStill_m : 2 * std::sqrt(3) / units_per_metre;
-  const bool is_near = distance_m <= kSteps * track.step_m + rounding_m;
-  return is_near && !(has_decimals && is_usual(number)) ? Verdict::place : Verdict::unclear;
+  if (distance_m <= kSteps * track.step_m + rounding_m) return Verdict::place;
+  return number == 0 ? Verdict::missing : Verdict::unclear;
 }
 
 void FilledNumbers::refuse(double number, const std::string& place) {

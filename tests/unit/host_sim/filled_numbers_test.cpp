@@ -139,18 +139,19 @@ TEST(FilledNumbers, OfATrackInWholeUnitsAreThereWhereItsStepsLead) {
   EXPECT_EQ(last_of({{2, -1, 0}, {1, -1, -1}, all(-1)}), "place");
   EXPECT_EQ(last_of({{9, -1, -9}, {5, -1, -5}, all(-1)}), "place");
   EXPECT_EQ(last_of({{3, 1, -1}, {2, 0, -1}, all(0)}), "place");
-  for (const double number : {-1.0, 0.0, -9.0, 99.0}) {
+  for (const double number : {-1.0, -9.0, 99.0}) {
     const Vector3d from = all(number) + Vector3d(12, -5, 1);
     EXPECT_THAT(last_of({from, from, all(number)}), HasSubstr("--missing none")) << number;
     EXPECT_THAT(last_of({from, from + Vector3d(0, 1, 0), all(number)}), HasSubstr("--missing none"))
         << number;
   }
+  EXPECT_EQ(last_of({{12, -5, 1}, {12, -4, 1}, all(0)}), "missing");
 }
 
 TEST(FilledNumbers, AreNoZeroWhereAJawRestsOrStops) {
   EXPECT_EQ(last_of({{0.02, 0, -0.01}, {0, 0.01, -0.01}, all(0)}), "place");
   EXPECT_EQ(last_of({{0.1, -7.5, 0.2}, {0, -3.9, 0.1}, all(0)}), "place");
-  EXPECT_THAT(last_of({{0.11, -4.52, 0.2}, {0.13, -4.4, 0.2}, all(0)}), HasSubstr("--missing 0"));
+  EXPECT_EQ(last_of({{0.11, -4.52, 0.2}, {0.13, -4.4, 0.2}, all(0)}), "missing");
 }
 
 // The origin of a track, or a point not yet seen.
