@@ -4,14 +4,15 @@
 //
 //   stated      `--missing N`: it is missing; with any --missing, nothing below applies
 //   far         it is more than 0.1 m from the point's last place: missing
-//   jump        N is 0 or usual (-1, -9, 99, -99, 999, -999, 9999, -9999), more than 10 mm from the
-//               last place, and that place has decimals in the file's unit: missing
-//   near        N is 0 or usual, and as near as the point's last step explains: a place, except a
-//               usual N after a place with decimals
-//   unclear     N is 0 or usual, and none of these: the recording is refused
+//   jump        N is usual (-1, -9, 99, -99, 999, -999, 9999, -9999), more than 10 mm from the last
+//               place, and that place has decimals in the file's unit: missing
+//   near        N is 0, or usual after a place without decimals, and as near as the point's last
+//               step explains: a place
+//   zero        N is 0, and none of these: missing
+//   unclear     N is usual, and none of these: the recording is refused
 //   beginning   N is usual and no place came before: missing
 //
-// A point that has been at 0 0 0 from the beginning and jumps by more than 10 mm is unclear too.
+// A point that has been at 0 0 0 from the beginning and jumps by more than 10 mm is refused too.
 //
 // No jaw moves so far from one sample to the next, and the place of a point that is measured to
 // less than a whole unit hardly ever is the same whole number on three axes. What is read as a

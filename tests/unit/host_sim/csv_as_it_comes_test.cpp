@@ -236,8 +236,20 @@ TEST(CsvAsItComes, ColumnsWithoutANameMayCountTheRowsOrBeEmpty) {
 TEST(CsvAsItComes, RefusesWhatNoJawDoes) {
   const Style fast{.per_second = 1e-3}, far{.per_metre = 1e6};
   EXPECT_THAT(problem_of(table(fast, "Time (s),x (mm),y (mm),z (mm)")),
-              HasSubstr("200 kHz, which no jaw is recorded at"));
+              AllOf(HasSubstr("200 kHz, which no jaw is recorded at"), HasSubstr("--rate-Hz")));
+  EXPECT_THAT(problem_of(table({}, "time_us,x (mm),y (mm),z (mm)")),
+              HasSubstr("--columns 'time_s=time_us'"));
   EXPECT_THAT(problem_of(table(far, "time_s,x_mm,y_mm,z_mm")), HasSubstr("no jaw "));
+}
+
+TEST(CsvAsItComes, ReadsRowsThatEndWithSeparators) {
+  EXPECT_EQ(read("time_s,position_mm\n0,1,,,\n0.01,2,,,\n").samples.size(), 2U);
+  EXPECT_THAT(problem_of("time_s,position_mm\n0,1,,3\n"), HasSubstr("the row has 4 columns"));
+}
+
+TEST(CsvAsItComes, NamesARepeatedHeader) {
+  EXPECT_THAT(problem_of("time_s,position_mm\n0,1\n0.01,2\ntime_s,position_mm\n0,1\n"),
+              AllOf(HasSubstr(":4"), HasSubstr("repeats the names of the columns; take it out")));
 }
 
 TEST(CsvAsItComes, NamesAllProblemsOfAHeaderAtOnce) {

@@ -218,5 +218,35 @@ TEST(FilledNumbers, OfAFileAreCountedAndDecideOnNoUnit) {
   }
 }
 
+// In formats of numbers without text, and in probe text.
+TEST(FilledNumbers, OfOtherFormatsAreCounted) {
+  const std::string ssff_header =
+      "SSFF -- (c) SHLRC\nMachine IBM-PC\nRecord_Freq 100.0\nStart_Time 0.0\n"
+      "Column a_posx FLOAT 1\nColumn a_posy FLOAT 1\nColumn a_posz FLOAT 1\n---\n";
+  for (const float number : {-999.F, -1.F, 0.F}) {
+    Track track(3, 3);
+    std::string probe = "0 2 1\nLinear 3 0.01\n", ssff = ssff_header;
+    std::string pos =
+        "AG50xDATA_V003\n00000072\nNumberOfChannels=1\nSamplingFrequencyHz=100\n    \n";
+    ASSERT_EQ(pos.size(), 72U);
+    for (int i = 0; i < 200; ++i) {
+      const Eigen::Vector3f place_mm = i >= 20 && i < 60
+                                           ? Eigen::Vector3f::Constant(number)
+                                           : Eigen::Vector3f((1000 * track.next_m()).cast<float>());
+      const std::string bytes(reinterpret_cast<const char*>(place_mm.data()), 12);
+      ssff += bytes;
+      pos += bytes + std::string(16, '\0');
+      for (const float place : place_mm) probe += std::to_string(place) + " ";
+      probe += "\n";
+    }
+    for (const std::string& file : {probe, ssff, pos}) {
+      const auto read = testing_support::samples::read(file);
+      int missing = 0;
+      for (const Sample& sample : read.samples) missing += !sample.position_valid;
+      EXPECT_EQ(missing, 40) << number << " in " << read.info.format;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace condyle::host
