@@ -169,11 +169,7 @@ class CsvReading {
       const ColumnMeaning& one = meanings_[i];
       if (one.quantity == Quantity::unknown || one.quantity == Quantity::not_read) continue;
       if (known.emplace(one.quantity, one.point, one.axis).second) continue;
-      problems_.add(header_.names[i], "another column contains the same quantity",
-                    options_.reads_drive_alone
-                        ? "take one of them out of the file"
-                        : fmt::format("leave one of them out, for example with --ignore-column {}",
-                                      quote(header_.names[i])));
+      problems_.add_repeated(header_.names[i], header_.names, options_);
     }
   }
 
@@ -262,13 +258,7 @@ class CsvReading {
         time.quantity = has(Quantity::frame) ? Quantity::not_read : Quantity::frame;
         return;
       }
-      if (guess.each == 0) {
-        throw InputError(
-            place(i), fmt::format("its unit is not stated, and {}", guess.reason),
-            fmt::format("give --columns 'time_s={}' or --columns 'time_ms={}', or --rate-Hz if it "
-                        "counts frames",
-                        name, name));
-      }
+      if (guess.each == 0) refuse_time(place(i), name, values_[i], guess.reason);
       time.each = guess.each;
       time.unit = guess.unit;
       warnings_.push_back(fmt::format("the unit of {} is not stated; read as {}: {}", name,

@@ -11,6 +11,7 @@
 #include "recordings/csv_columns.h"
 #include "recordings/csv_units.h"
 #include "recordings/file_units.h"
+#include "recordings/utf8_name.h"
 
 namespace condyle::host {
 namespace {
@@ -188,6 +189,7 @@ std::unique_ptr<NamedPointsRecording> open_maker_table(std::unique_ptr<ByteReade
   }
   if (!table) return nullptr;
   use_given_unit(options.units_per_metre, table->info);
+  for (std::string& name : table->table.names) name = utf8_name(std::move(name));
   refuse_far(*table, file);
   if (!options.columns.empty() || !options.ignored_columns.empty()) {
     throw InputError(path,
