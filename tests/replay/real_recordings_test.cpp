@@ -106,10 +106,10 @@ TEST_F(RealRecordings, Jaws3dsUnevenStepsAreWarnedAbout) {
 TEST_F(RealRecordings, SsffsZeroFilledEndIsAnEvent) {
   const Table table = replay({reference_data("ema_jaw/0020.jaw"), "--estimator", "published"});
   EXPECT_EQ(table.rows, 800U);
-  EXPECT_THAT(summary_, HasSubstr("40 zero_filled"));
+  EXPECT_THAT(summary_, HasSubstr("40 position_missing"));
   const auto& events = table.columns.at("events");
-  EXPECT_EQ(std::count(events.begin(), events.end(), "zero_filled"), 40);
-  EXPECT_EQ(events.back(), "zero_filled");
+  EXPECT_EQ(std::count(events.begin(), events.end(), "position_missing"), 40);
+  EXPECT_EQ(events.back(), "position_missing");
   EXPECT_EQ(table.columns.at("force_provenance").back(), "assumed");
   EXPECT_EQ(table.columns.at("motion_nis").back(), "");
 }
@@ -135,7 +135,7 @@ TEST_F(RealRecordings, GlitchesAndDropoutsMakeNoVelocity) {
         HasSubstr("the positions were smoothed or otherwise filtered before they were recorded"));
     const Table speech = replay({reference_data("ema_jaw/0020.jaw"), "--lag", lag});
     EXPECT_LT(largest_speed_mm_s(speech), 150);
-    EXPECT_THAT(summary_, HasSubstr("40 zero_filled"));
+    EXPECT_THAT(summary_, HasSubstr("40 position_missing"));
     EXPECT_THAT(errors_, HasSubstr("neighbouring innovations (x, y, z) are correlated"));
   }
 }

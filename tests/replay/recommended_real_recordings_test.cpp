@@ -138,7 +138,7 @@ TEST_F(RecommendedRealRecordings, SpeechEndsWhereItIsFilledWithZeros) {
     for (const double speed_m_s : fastest(estimates)) EXPECT_LT(speed_m_s, kFastestJaw_m_s) << lag;
     EventCounts counts;
     for (const auto& one : estimates) counts.add(one.events);
-    EXPECT_EQ(counts[Event::zero_filled], 40U);
+    EXPECT_EQ(counts[Event::position_missing], 40U);
     EXPECT_NE(estimates.back().axes[2].position_m.provenance, Provenance::measured);
   }
 }

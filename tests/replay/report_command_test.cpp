@@ -169,6 +169,30 @@ TEST_F(Report, LeavesNoFileAfterAnError) {
   EXPECT_FALSE(std::filesystem::exists(path("report.html")));
 }
 
+// Of many markers without a choice nothing can be shown.
+TEST_F(Report, OfMarkersThatAreNoBodyNamesThem) {
+  std::string text = "time_s";
+  for (const char* point : {"a", "b", "c", "d"}) {
+    for (const char axis : {'x', 'y', 'z'}) text += std::string(",") + point + "_" + axis + "_mm";
+  }
+  text += "\n";
+  for (int row = 0; row < 400; ++row) {
+    text += std::to_string(row * 0.01);
+    for (int k = 0; k < 12; ++k) {
+      text += "," + std::to_string(40.0 * k * k + 20 * std::sin(0.02 * row * (k % 5 + 1)));
+    }
+    text += "\n";
+  }
+  const std::string file = folder_.write("markers.csv", text);
+  const auto result = run_condyle({"report", file, "--out", path("report.html")});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.errors, HasSubstr("4 points, a, b, c, d, are not one rigid body"));
+  EXPECT_THAT(result.errors, HasSubstr("--marker NAME"));
+  EXPECT_FALSE(std::filesystem::exists(path("report.html")));
+  EXPECT_EQ(run_condyle({"report", file, "--marker", "b", "--out", path("report.html")}).exit_code,
+            0);
+}
+
 // The fields of a CSV file without quotes, by the names of its columns.
 std::vector<std::map<std::string, std::string>> rows_of(const std::string& path) {
   std::ifstream file(path);

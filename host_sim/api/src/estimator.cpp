@@ -184,7 +184,7 @@ void refuse_other_units(std::size_t count, const double* time_s, const double* p
       columns[i].push_back(position[row * width + i]);
     }
   }
-  const std::string problem = problem_of_places(columns, 1);
+  const std::string problem = problem_of_places(columns);
   if (!problem.empty()) throw InputError("position", problem, "give the positions in metres");
 }
 

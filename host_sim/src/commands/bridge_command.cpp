@@ -51,7 +51,7 @@ hal::StartMessage start_of(const BridgeOptions& options, const BridgeInput& inpu
     start.recommended = options.estimator.load_recommended();
     options.drive_stated.apply(start.recommended.impedance);
     refuse_long_step(start.recommended, seconds(start.nominal_step_ns), options.input,
-                     "its median step", "check the unit of time_s");
+                     "its median step", kCheckTimes);
   }
   return start;
 }

@@ -89,7 +89,7 @@ WatchedRecording watch(const ChangesOptions& options, const RecommendedParameter
   const RecordingInfo& info = facebow.info();
   const firmware::RunSettings settings = facebow.run_settings(options.followed);
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
-                   "its median step", "check the unit of time_s");
+                   "its median step", kCheckTimes);
   std::optional<DriveChannel> channel;
   if (!options.drive.empty()) {
     channel.emplace(options.drive, options.reading.faults, options.recording);

@@ -250,7 +250,7 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
   RecommendedParameters parameters =
       load_recommended_for(options.estimator, info, options.recording);
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), options.recording,
-                   "its median step", "check the unit of time_s");
+                   "its median step", kCheckTimes);
   BodyFits fits;
   options.drive_stated.apply(parameters.impedance);
   RecommendedSummary summary(parameters, options.estimator.lag, options.followed.axis, fits);

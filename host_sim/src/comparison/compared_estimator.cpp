@@ -84,7 +84,7 @@ std::unique_ptr<ComparedEstimator> make_compared_estimator(
   const RecordingInfo& info = facebow.info();
   const RecommendedParameters parameters = compared_parameters(option, drive, source, info);
   refuse_long_step(parameters, seconds(facebow.expected_step_ns()), source, "its median step",
-                   "check the unit of time_s");
+                   kCheckTimes);
   const Axis axis = choice.followed.axis;
   const bool adapts = parameters.noise.adaptation == Adaptation::on;
   return firmware::with_hosted_sensor(

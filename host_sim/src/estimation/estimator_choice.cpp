@@ -48,7 +48,7 @@ PublishedParameters load_published_for(const EstimatorChoice& estimator,
     throw InputError(source,
                      fmt::format("its median step of {:.4g} s is not a usable sample time",
                                  loaded.values.sample_time_s),
-                     "check the unit of time_s or give sample_time_s in a parameter file");
+                     fmt::format("{}, or give sample_time_s in a parameter file", kCheckTimes));
   }
   return loaded.values;
 }

@@ -39,6 +39,10 @@ RecommendedParameters load_recommended_for(const EstimatorChoice& estimator,
 PublishedParameters load_published_for(const EstimatorChoice& estimator,
                                        std::optional<TimeNs> step_ns, const std::string& source);
 
+/// What to do where the times have another unit.
+inline constexpr const char* kCheckTimes =
+    "check the unit of the times, for milliseconds with --columns time_ms=NAME";
+
 /// Throws InputError if a step of `step_s` is so long that each sample would lose the state. `step`
 /// names the step of `source` in the message; `mend` is a remedy in addition to a longer gap.
 void refuse_long_step(const MotionEstimatorParameters& parameters, double step_s,

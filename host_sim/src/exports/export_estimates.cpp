@@ -25,7 +25,7 @@ ExportEstimates::ExportEstimates(const std::string& source, RecordingChoice choi
   choice_.check(source_, info_);
   parameters_ = load_recommended_for(EstimatorChoice(), info_, source_);
   refuse_long_step(parameters_, seconds(facebow_.run_settings(choice_.followed).nominal_step_ns),
-                   source_, "its median step", "check the unit of time_s");
+                   source_, "its median step", kCheckTimes);
 }
 
 void ExportEstimates::run(const std::function<void(const EstimateRow&)>& take) {

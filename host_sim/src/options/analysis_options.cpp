@@ -82,7 +82,7 @@ void add_reading_options(CommandLine command, RecordingOptions& reading, FrameRa
   const auto take_unit = [&reading](const std::string& unit) {
     reading.units_per_metre = unit == "mm" ? 1000 : 1;
   };
-  command.on_option("--unit", take_unit, "Unit of the coordinates, if the format does not state it")
+  command.on_option("--unit", take_unit, "Unit of the coordinates, whatever the file states")
       .one_of({"mm", "m"});
   command.on_option(
       "--missing=NUMBER,...", [&reading](const std::string& text) { reading.missing.state(text); },

@@ -200,8 +200,7 @@ std::vector<std::string> ReplaySummary::unit_warnings() const {
   if (widest_m > kWidest_m || (widest_m > 0 && widest_m < kNarrowest_m)) {
     warnings.push_back(
         fmt::format("the positions span {:.2g} mm, but a jaw moves 1 to 70 mm: check their unit; "
-                    "position_m is in metres, position_mm in millimetres, and --unit is for "
-                    "formats that state none",
+                    "--unit mm or --unit m decides",
                     widest_m * 1e3));
   }
   if (steps_ > 0 && mean_step_s() < kShortestStep_s) {

@@ -10,6 +10,7 @@
 #include "hosted/files/input_error.h"
 #include "hosted/files/nearest_word.h"
 #include "readings/pose_noise.h"
+#include "recordings/point_list.h"
 
 namespace condyle::host {
 namespace {
@@ -221,8 +222,10 @@ PoseTrack read_bodies(NamedPointsRecording& recording, const std::string& name,
   if (!bodies.is_given() && !jaw.problem.empty()) {
     throw InputError(
         name,
-        fmt::format("its {} points, {}, are not one rigid body", jaw_names.size(), list(jaw_names)),
-        "name the jaw's with --jaw A,B,C, and the head's with --head D,E,F");
+        fmt::format("its {} points, {}, are not one rigid body", jaw_names.size(),
+                    list_of_points(jaw_names)),
+        "name the jaw's with --jaw A,B,C, and the head's with --head D,E,F; or follow one point "
+        "with --marker NAME");
   }
   track.jaw = jaw.body;
   track.body_problem = jaw.problem;

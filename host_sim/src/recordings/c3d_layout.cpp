@@ -322,20 +322,26 @@ void find_c3d_unit(ByteReader& reader, std::optional<double> given_per_metre, C3
   if (unit) layout.stated.unit = unit->name;
   if (given_per_metre) {
     layout.units_per_metre = *given_per_metre;
-    const std::string given = *given_per_metre == 1000 ? "mm" : "m";
-    if (unit && unit->per_metre != *given_per_metre) {
-      layout.notes.push_back(fmt::format("it states coordinates in {}: read in {}, as --unit says",
-                                         unit->name, given));
-    }
-    layout.stated.unit = given;
-    return;
-  }
-  if (unit) {
-    layout.units_per_metre = unit->per_metre;
+    RecordingInfo info;
+    info.stated.unit = layout.stated.unit;
+    use_given_unit(given_per_metre, info);
+    layout.stated.unit = info.stated.unit;
+    layout.notes.insert(layout.notes.end(), info.notes.begin(), info.notes.end());
     return;
   }
   if (layout.names.empty()) return;
   const double extent = usual_extent(reader, layout);
+  if (unit) {
+    layout.units_per_metre = unit->per_metre;
+    if (extent > kFarthestAsMetres * unit->per_metre) {
+      throw InputError(reader.path(),
+                       fmt::format("states its coordinates in {}, and they reach {:.3g} m, where "
+                                   "no jaw is",
+                                   unit->name, extent / unit->per_metre),
+                       "give --unit mm or --unit m, the unit that is right");
+    }
+    return;
+  }
   if (!layout.unit.empty() || !(extent > kFarthestAsMetres)) {
     throw InputError(
         reader.path(),

@@ -105,7 +105,7 @@ class C3dRecording final : public NamedPointsRecording {
     const C3dLayout& layout = frames_.layout();
     if (!frames_.next()) {
       info_.notes = layout.notes;
-      for (std::string& note : filled_.notes()) info_.notes.push_back(std::move(note));
+      filled_.add_notes(info_.notes);
       return false;
     }
     sample = Sample{};

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "hosted/files/input_error.h"
+#include "recordings/file_units.h"
 #include "recordings/named_points.h"
 #include "recordings/recording_formats.h"
 
@@ -18,20 +19,17 @@ namespace condyle::host {
 namespace {
 
 constexpr std::size_t kValues = 7, kValueSize = 4, kMostChannels = 64, kLargestHeader = 65536;
-constexpr double kMetresEach = 1e-3;
 
 class CarstensRecording final : public NamedPointsRecording {
  public:
   CarstensRecording(std::unique_ptr<ByteReader> reader, const RecordingOptions& options)
-      : reader_(std::move(reader)) {
-    if (options.units_per_metre) {
-      throw InputError(reader_->path(), "--unit is given, and the format states millimetres",
-                       "leave it out");
-    }
+      : reader_(std::move(reader)), filled_(options.missing) {
     info_.format = "Carstens AG50x positions";
     info_.kind = SampleKind::one_point;
     info_.stated.maker = "Carstens";
     info_.stated.unit = "mm";
+    use_given_unit(options.units_per_metre, info_);
+    units_per_metre_ = options.units_per_metre.value_or(1000);
     read_header();
     info_.stated.rate_Hz = rate_Hz_;
     info_.nominal_step_ns = nanoseconds(1 / rate_Hz_);
@@ -44,7 +42,11 @@ class CarstensRecording final : public NamedPointsRecording {
   bool next(Sample& sample) override {
     const std::size_t size = channels_ * kValues * kValueSize;
     const std::string_view record = reader_->peek(size);
-    if (record.empty()) return false;
+    if (record.empty()) {
+      if (!has_ended_) filled_.add_notes(info_.notes);
+      has_ended_ = true;
+      return false;
+    }
     if (record.size() < size) {
       throw InputError(
           place(),
@@ -59,13 +61,15 @@ class CarstensRecording final : public NamedPointsRecording {
       const char* const values = record.data() + channel * kValues * kValueSize;
       Eigen::Vector3d point_m;
       for (int axis = 0; axis < 3; ++axis) {
-        point_m[axis] = value(values + static_cast<std::size_t>(axis) * kValueSize) * kMetresEach;
+        point_m[axis] =
+            value(values + static_cast<std::size_t>(axis) * kValueSize) / units_per_metre_;
       }
       const bool is_seen = point_m.allFinite() && !point_m.isZero(0) &&
                            point_m.cwiseAbs().maxCoeff() <= kFarthestPosition_m;
       if (!is_seen) point_m.setConstant(std::numeric_limits<double>::quiet_NaN());
       points_m_.col(static_cast<Eigen::Index>(channel)) = point_m;
     }
+    filled_.drop(points_m_, units_per_metre_, [this] { return place(); });
     sample.position_valid = false;  // until a channel is chosen
     reader_->skip(size);
     return true;
@@ -135,8 +139,10 @@ class CarstensRecording final : public NamedPointsRecording {
   std::vector<std::string> names_;
   Eigen::Matrix3Xd points_m_;
   std::size_t channels_ = 0;
-  double rate_Hz_ = 0;
+  double rate_Hz_ = 0, units_per_metre_ = 1000;
+  FilledNumbers filled_;
   std::uint64_t sequence_ = 0;
+  bool has_ended_ = false;
 };
 
 }  // namespace

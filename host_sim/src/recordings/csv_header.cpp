@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "recordings/csv_columns.h"
+#include "recordings/utf8_name.h"
 
 namespace condyle::host {
 namespace {
@@ -282,6 +283,8 @@ CsvHeader read_csv_header(const TableStart& start) {
   // A separator at the end of the line of names is no column.
   if (header.names.size() > 1 && header.names.back().empty()) header.names.pop_back();
   header.units.resize(header.names.size());
+  for (std::string& name : header.names) name = utf8_name(std::move(name));
+  for (std::string& title : header.titles) title = utf8_name(std::move(title));
   return header;
 }
 

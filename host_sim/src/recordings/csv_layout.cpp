@@ -15,6 +15,7 @@
 #include "recordings/csv_notes.h"
 #include "recordings/csv_problems.h"
 #include "recordings/csv_units.h"
+#include "recordings/file_units.h"
 #include "recordings/point_list.h"
 
 namespace condyle::host {
@@ -69,6 +70,9 @@ class CsvReading {
   std::string no_names() const {
     return header_.is_text ? "the first line does not name the columns"
                            : "the columns of the matrix have no names";
+  }
+  static bool is_place(const ColumnMeaning& meaning) {
+    return meaning.quantity == Quantity::point || meaning.quantity == Quantity::one_axis;
   }
   bool has(Quantity quantity) const {
     return std::any_of(meanings_.begin(), meanings_.end(),
@@ -165,11 +169,7 @@ class CsvReading {
       const ColumnMeaning& one = meanings_[i];
       if (one.quantity == Quantity::unknown || one.quantity == Quantity::not_read) continue;
       if (known.emplace(one.quantity, one.point, one.axis).second) continue;
-      problems_.add(header_.names[i], "another column contains the same quantity",
-                    options_.reads_drive_alone
-                        ? "take one of them out of the file"
-                        : fmt::format("leave one of them out, for example with --ignore-column {}",
-                                      quote(header_.names[i])));
+      problems_.add_repeated(header_.names[i], header_.names, options_);
     }
   }
 
@@ -243,7 +243,11 @@ class CsvReading {
         const std::string problem = problem_of_times(values_[i], time.each);
         if (problem.empty()) return;
         throw InputError(place(i), problem,
-                         fmt::format("say its unit, such as --columns 'time_ms={}'", name));
+                         time.each < 1
+                             ? fmt::format("say its unit, such as --columns 'time_s={}'", name)
+                             : fmt::format("leave it out with --ignore-column '{}', and give "
+                                           "--rate-Hz",
+                                           name));
       }
       const UnitGuess guess = guess_time_unit(values_[i]);
       if (options_.rate_Hz) {
@@ -254,13 +258,7 @@ class CsvReading {
         time.quantity = has(Quantity::frame) ? Quantity::not_read : Quantity::frame;
         return;
       }
-      if (guess.each == 0) {
-        throw InputError(
-            place(i), fmt::format("its unit is not stated, and {}", guess.reason),
-            fmt::format("give --columns 'time_s={}' or --columns 'time_ms={}', or --rate-Hz if it "
-                        "counts frames",
-                        name, name));
-      }
+      if (guess.each == 0) refuse_time(place(i), name, values_[i], guess.reason);
       time.each = guess.each;
       time.unit = guess.unit;
       warnings_.push_back(fmt::format("the unit of {} is not stated; read as {}: {}", name,
@@ -270,45 +268,44 @@ class CsvReading {
   }
 
   void decide_length() {
-    std::map<std::string, std::vector<std::vector<double>>> places;
-    std::map<std::string, std::vector<std::vector<double>>> stated_places;
+    std::map<std::string, std::vector<std::vector<double>>> places, stated_places_m;
     double each = 0;
     std::size_t first = 0;
     for (std::size_t i = meanings_.size(); i-- > 0;) {
-      const bool is_place =
-          meanings_[i].quantity == Quantity::point || meanings_[i].quantity == Quantity::one_axis;
-      if (!is_place) continue;
+      if (!is_place(meanings_[i])) continue;
       if (meanings_[i].each > 0) {
-        stated_places[meanings_[i].point].push_back(values_[i]);
         each = meanings_[i].each;
+        for (double& value : values_[i]) value *= each;
+        stated_places_m[meanings_[i].point].push_back(values_[i]);
         layout_.info.stated.unit = meanings_[i].unit;
       } else {
         places[meanings_[i].point].push_back(values_[i]);
         first = i;
       }
     }
-    std::vector<std::vector<double>> stated;
+    std::vector<std::vector<double>> stated_m;
     for (auto& [point, columns] : places) drop_equal(columns);
-    for (auto& [point, columns] : stated_places) {
-      drop_equal(columns);
-      for (auto& column : columns) stated.push_back(std::move(column));
-    }
-    if (places.empty()) {
-      if (options_.units_per_metre) {
-        throw InputError(path_, "--unit applies only to formats whose columns state no unit",
-                         "leave it out");
-      }
-      if (const std::string problem = problem_of_places(stated, each); !problem.empty()) {
-        throw InputError(place(), problem,
-                         "correct the unit in its name, or say what the columns are with "
-                         "--columns, such as --columns position_mm=NAME");
-      }
-      return;
+    for (auto& [point, columns_m] : stated_places_m) {
+      drop_equal(columns_m);
+      for (auto& column_m : columns_m) stated_m.push_back(std::move(column_m));
     }
     if (options_.units_per_metre) {
       each = 1 / *options_.units_per_metre;
-      layout_.info.stated.unit = each == 1 ? "m" : "mm";
-    } else if (each == 0) {
+      use_given_unit(options_.units_per_metre, layout_.info);
+      for (ColumnMeaning& meaning : meanings_) {
+        if (!is_place(meaning)) continue;
+        meaning.each = each;
+        meaning.unit = layout_.info.stated.unit;
+      }
+      return;
+    }
+    if (places.empty()) {
+      if (const std::string problem = problem_of_places(stated_m); !problem.empty()) {
+        throw InputError(place(), problem, "give --unit mm or --unit m, the unit that is right");
+      }
+      return;
+    }
+    if (each == 0) {
       const UnitGuess guess = guess_length_unit(places);
       if (guess.each == 0) {
         throw InputError(
@@ -323,9 +320,7 @@ class CsvReading {
           guess.unit, guess.reason));
     }
     for (ColumnMeaning& meaning : meanings_) {
-      const bool is_place =
-          meaning.quantity == Quantity::point || meaning.quantity == Quantity::one_axis;
-      if (is_place && meaning.each == 0) meaning.each = each;
+      if (is_place(meaning) && meaning.each == 0) meaning.each = each;
     }
   }
 

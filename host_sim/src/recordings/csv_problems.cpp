@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "hosted/files/input_error.h"
 #include "hosted/files/nearest_word.h"
@@ -52,6 +53,18 @@ void HeaderProblems::add_unknown(const std::string& column, const RecordingOptio
                   nearest.empty() ? "position_mm" : nearest, column, column, kColumns));
 }
 
+void HeaderProblems::add_repeated(const std::string& column,
+                                  const std::vector<std::string>& columns,
+                                  const RecordingOptions& options) {
+  std::string mend = "take one of them out of the file";
+  if (std::count(columns.begin(), columns.end(), column) > 1) {
+    mend = "give the columns different names";  // --ignore-column would leave out both
+  } else if (!options.reads_drive_alone) {
+    mend = fmt::format("leave one of them out, for example with --ignore-column {}", quote(column));
+  }
+  add(column, "another column contains the same quantity", mend);
+}
+
 void HeaderProblems::throw_if_any() const {
   if (problems_.empty()) return;
   const auto where = [this](const Problem& problem) {
@@ -88,6 +101,22 @@ void HeaderProblems::throw_if_any() const {
       fmt::format("{} problems: {}", texts.size(),
                   short_list(texts, "; ", [](const std::string& text) { return text; })),
       mend);
+}
+
+void refuse_time(const std::string& place, const std::string& name,
+                 const std::vector<double>& values, const std::string& reason) {
+  if (std::none_of(values.begin(), values.end(),
+                   [](double value) { return std::isfinite(value); })) {
+    throw InputError(place, "its values are not numbers",
+                     fmt::format("write the times in seconds, or leave it out with "
+                                 "--ignore-column {} and give --rate-Hz",
+                                 quote(name)));
+  }
+  throw InputError(
+      place, fmt::format("its unit is not stated, and {}", reason),
+      fmt::format("give --columns 'time_s={}' or --columns 'time_ms={}', or --rate-Hz if it counts "
+                  "frames",
+                  name, name));
 }
 
 std::optional<std::string> MappedColumns::name_of(std::size_t index) const {

@@ -25,6 +25,9 @@ class HeaderProblems {
   /// Of the header as a whole.
   void add_whole(const std::string& problem, const std::string& mend);
   void add_unknown(const std::string& column, const RecordingOptions& options);
+  /// The same quantity as another one of `columns`.
+  void add_repeated(const std::string& column, const std::vector<std::string>& columns,
+                    const RecordingOptions& options);
   void throw_if_any() const;
 
  private:
@@ -34,6 +37,10 @@ class HeaderProblems {
   std::string place_;
   std::vector<Problem> problems_;
 };
+
+/// Refuses the column `name` of times whose unit is not known, because of `reason`.
+[[noreturn]] void refuse_time(const std::string& place, const std::string& name,
+                              const std::vector<double>& values, const std::string& reason);
 
 /// The names that --columns gives to columns: "time_s=T".
 class MappedColumns {

@@ -194,17 +194,17 @@ std::string problem_of_times(const std::vector<double>& times, double each) {
                      rate_text(rate_Hz));
 }
 
-std::string problem_of_distance(const std::vector<std::vector<double>>& columns, double each) {
-  if (columns.empty() || count(columns[0]) < kLeastSamples) return "";
-  for (const std::vector<double>& column : columns) {
+std::string problem_of_distance(const std::vector<std::vector<double>>& columns_m) {
+  if (columns_m.empty() || count(columns_m[0]) < kLeastSamples) return "";
+  for (const std::vector<double>& column_m : columns_m) {
     double farthest_m = 0;
     std::size_t far = 0;
-    for (const double value : column) {
-      if (!(std::abs(value * each) > kFarthestPosition_m)) continue;
-      farthest_m = std::max(farthest_m, std::abs(value * each));
+    for (const double value_m : column_m) {
+      if (!(std::abs(value_m) > kFarthestPosition_m)) continue;
+      farthest_m = std::max(farthest_m, std::abs(value_m));
       ++far;
     }
-    if (2 * far > count(column)) {
+    if (2 * far > count(column_m)) {
       return fmt::format("most positions are beyond {:g} m, up to {:.3g} m, where no jaw is",
                          kFarthestPosition_m, farthest_m);
     }
@@ -212,19 +212,19 @@ std::string problem_of_distance(const std::vector<std::vector<double>>& columns,
   return "";
 }
 
-std::string problem_of_places(const std::vector<std::vector<double>>& columns, double each) {
-  if (columns.empty() || count(columns[0]) < kLeastSamples) return "";
-  if (std::string problem = problem_of_distance(columns, each); !problem.empty()) return problem;
+std::string problem_of_places(const std::vector<std::vector<double>>& columns_m) {
+  if (columns_m.empty() || count(columns_m[0]) < kLeastSamples) return "";
+  if (std::string problem = problem_of_distance(columns_m); !problem.empty()) return problem;
   // Single values out of range are missing ones; the others tell the unit.
-  std::vector<std::vector<double>> near = columns;
-  for (std::vector<double>& column : near) {
-    for (double& value : column) {
-      if (std::abs(value * each) > kFarthestPosition_m) value = std::nan("");
+  std::vector<std::vector<double>> near_m = columns_m;
+  for (std::vector<double>& column_m : near_m) {
+    for (double& value_m : column_m) {
+      if (std::abs(value_m) > kFarthestPosition_m) value_m = std::nan("");
     }
   }
-  const std::optional<Spread> spread = widest(near);
-  if (!spread || spread->range * each <= kAbsurdRange_m) return "";
-  return fmt::format("the positions move by {:.3g} m, which no jaw does", spread->range * each);
+  const std::optional<Spread> spread = widest(near_m);
+  if (!spread || spread->range <= kAbsurdRange_m) return "";
+  return fmt::format("the positions move by {:.3g} m, which no jaw does", spread->range);
 }
 
 }  // namespace condyle::host

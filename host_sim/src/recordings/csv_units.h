@@ -34,11 +34,11 @@ bool is_counter_or_empty(const std::vector<double>& values);
 /// Why times in units of `each` s cannot be the times of a recording; empty: they can.
 std::string problem_of_times(const std::vector<double>& times, double each);
 
-/// Why positions of which one is `each` metres are no jaw's: most lie where none is, and would
-/// count as missing. Empty: they may be.
-std::string problem_of_distance(const std::vector<std::vector<double>>& columns, double each);
+/// Why positions (m) are no jaw's: most lie where none is, and would count as missing. Empty: they
+/// may be.
+std::string problem_of_distance(const std::vector<std::vector<double>>& columns_m);
 
-/// Why coordinates in units of `each` m cannot be the places of a jaw; empty: they can.
-std::string problem_of_places(const std::vector<std::vector<double>>& columns, double each);
+/// Why coordinates (m) cannot be the places of a jaw; empty: they can.
+std::string problem_of_places(const std::vector<std::vector<double>>& columns_m);
 
 }  // namespace condyle::host

@@ -40,7 +40,7 @@ class ExportedMcap final : public NamedPointsRecording {
   explicit ExportedMcap(std::string path) : path_(std::move(path)) {
     open();
     survey();
-    info_.format = "MCAP exported by condyle";
+    info_.format = kExportedMcap;
     points_m_.setConstant(3, static_cast<Eigen::Index>(names_.size()), kMissing);
     open();
   }

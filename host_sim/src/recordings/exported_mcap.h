@@ -3,10 +3,14 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "recordings/named_points.h"
 
 namespace condyle::host {
+
+/// The format of such a file; its positions are in metres.
+inline constexpr std::string_view kExportedMcap = "MCAP exported by condyle";
 
 /// True if the MCAP file at `path` was written by export, not by record.
 bool is_exported_mcap(const std::string& path);

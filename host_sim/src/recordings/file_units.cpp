@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recordings/file_units.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "hosted/files/number_text.h"
@@ -30,6 +32,17 @@ const Spelling* find(const Spelling (&spellings)[kCount], std::string_view text)
 }
 
 }  // namespace
+
+void use_given_unit(std::optional<double> given_per_metre, RecordingInfo& info) {
+  if (!given_per_metre) return;
+  const auto stated = length_unit(info.stated.unit);
+  const std::string given = *given_per_metre == 1000 ? "mm" : "m";
+  if (stated && stated->per_metre != *given_per_metre) {
+    info.notes.push_back(fmt::format("it states coordinates in {}: read in {}, as --unit says",
+                                     stated->name, given));
+  }
+  info.stated.unit = given;
+}
 
 std::optional<LengthUnit> length_unit(std::string_view text) {
   // Fields of four characters cut the words.

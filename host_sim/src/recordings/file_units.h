@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "recordings/recording.h"
+
 namespace condyle::host {
 
 /// A unit of length.
@@ -13,6 +15,10 @@ struct LengthUnit {
   std::string name;  ///< "mm", "cm", "m", "um", "in"
   double per_metre = 1;
 };
+
+/// Takes the unit of --unit, if one is given, as the unit of `info`; a note says so if the file
+/// states another one.
+void use_given_unit(std::optional<double> given_per_metre, RecordingInfo& info);
 
 /// The unit of length that `text` spells: "mm", "meters", "Metres", "mete" of a cut field. None for
 /// other texts.

@@ -10,6 +10,8 @@
 #include "hosted/files/input_error.h"
 #include "recordings/csv_columns.h"
 #include "recordings/csv_units.h"
+#include "recordings/file_units.h"
+#include "recordings/utf8_name.h"
 
 namespace condyle::host {
 namespace {
@@ -72,11 +74,11 @@ void refuse_far(const TableFile& table, const MakerFile& file) {
       values_m[column.coordinate].push_back(value / column.per_SI_unit);
     }
   }
-  if (const std::string problem = problem_of_distance(values_m, 1); !problem.empty()) {
+  if (const std::string problem = problem_of_distance(values_m); !problem.empty()) {
     throw InputError(
         file.path,
         fmt::format("states its positions in {}: {}", quote(table.info.stated.unit), problem),
-        "correct the unit in its header");
+        "give --unit mm or --unit m, the unit that is right");
   }
 }
 
@@ -104,16 +106,8 @@ double MakerFile::rate_Hz(std::string_view text, std::size_t index) const {
 }
 
 double MakerFile::metres_each(std::string_view unit, std::size_t index) const {
-  const double each = metres_in(unit);
-  if (each > 0) {
-    if (options.units_per_metre) {
-      throw InputError(path,
-                       fmt::format("--unit is given, and the file states {}", quote(trim(unit))),
-                       "leave it out");
-    }
-    return each;
-  }
   if (options.units_per_metre) return 1 / *options.units_per_metre;
+  if (const double each = metres_in(unit); each > 0) return each;
   throw InputError(
       place(index),
       trim(unit).empty()
@@ -194,6 +188,8 @@ std::unique_ptr<NamedPointsRecording> open_maker_table(std::unique_ptr<ByteReade
     table = read_vicon_csv(file);
   }
   if (!table) return nullptr;
+  use_given_unit(options.units_per_metre, table->info);
+  for (std::string& name : table->table.names) name = utf8_name(std::move(name));
   refuse_far(*table, file);
   if (!options.columns.empty() || !options.ignored_columns.empty()) {
     throw InputError(path,

@@ -30,7 +30,7 @@ struct MakerFile {
   std::vector<std::string_view> fields(std::size_t index, char separator) const;
   /// `text` as a positive number of frames per second; throws InputError.
   double rate_Hz(std::string_view text, std::size_t index) const;
-  /// Metres in one of the unit that the file states, or of --unit if it states none.
+  /// Metres in one of the unit of --unit, or that the file states.
   double metres_each(std::string_view unit, std::size_t index) const;
 };
 

@@ -8,6 +8,7 @@
 
 #include "hosted/files/input_error.h"
 #include "recordings/csv_layout.h"
+#include "recordings/file_units.h"
 #include "recordings/number_table.h"
 
 namespace condyle::host {
@@ -79,7 +80,10 @@ std::unique_ptr<NamedPointsRecording> open_mat(const std::string& path,
                   "names its markers; --marker chooses");
     refuse_option(options.rate_Hz && options.rate_Hz != table->file.table.rate_Hz, "--rate-Hz",
                   "states its rate");
-    refuse_option(options.units_per_metre && options.units_per_metre != 1000, "--unit", "is in mm");
+    use_given_unit(options.units_per_metre, table->file.info);
+    for (TableColumn& column : table->file.table.columns) {
+      column.per_SI_unit = options.units_per_metre.value_or(column.per_SI_unit);
+    }
   } else {
     table = read_mview_mat(file->variables(), path, options, takes_any_number);
     if (!table) table = read_plain_mat(file->variables(), path, options, takes_any_number);

@@ -92,7 +92,7 @@ void use_position(const BidsRows& row, const MakerFile& file, std::size_t coordi
   }
   column.role = TableColumn::Role::coordinate;
   column.coordinate = coordinate;
-  column.per_SI_unit = each > 0 ? 1 / each : *file.options.units_per_metre;
+  column.per_SI_unit = file.options.units_per_metre ? *file.options.units_per_metre : 1 / each;
   table.info.stated.unit = std::string(row.at("units"));
 }
 

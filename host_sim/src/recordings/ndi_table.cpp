@@ -77,7 +77,8 @@ std::optional<TableFile> read_ndi_text(const MakerFile& file) {
     column.name = std::string(name);
     const ColumnMeaning meaning = meaning_of(name, "", "");
     if (meaning.quantity == ColumnMeaning::Quantity::point) {
-      if (meaning.each > 0 ? meaning.each != metres_each : !meaning.unit.empty()) {
+      const bool differs = meaning.each > 0 ? meaning.each != metres_each : !meaning.unit.empty();
+      if (differs && !file.options.units_per_metre) {
         throw InputError(file.place(line),
                          fmt::format("the column {} is in {}, the header states {}", quote(name),
                                      quote(meaning.unit), quote(unit)),

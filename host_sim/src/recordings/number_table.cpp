@@ -34,9 +34,7 @@ class NumberTable final : public NamedPointsRecording {
 
   bool next(Sample& sample) override {
     if (!rows_->next(row_)) {
-      if (!has_ended_) {
-        for (std::string& note : filled_.notes()) info_.notes.push_back(std::move(note));
-      }
+      if (!has_ended_) filled_.add_notes(info_.notes);
       has_ended_ = true;
       return false;
     }

@@ -41,6 +41,7 @@ class ProbeTextRecording final : public Recording {
       : reader_(std::move(reader)),
         rows_(*reader_),
         rule_(options.faults),
+        filled_(options.missing),
         units_per_metre_(options.units_per_metre.value_or(1000)) {
     std::string_view line;
     static_cast<void>(rows_.next(line));
@@ -86,7 +87,7 @@ class ProbeTextRecording final : public Recording {
   bool next(Sample& sample) override {
     std::string_view row;
     if (!rows_.next(row)) {
-      note_unexpected_end();
+      if (!has_ended_) end();
       return false;
     }
     sample = Sample{};
@@ -124,6 +125,7 @@ class ProbeTextRecording final : public Recording {
       sample.position_valid = sample.position_valid && usable;
       sample.coordinates[i] = value / units_per_metre_;
     }
+    filled_.drop(sample, units_per_metre_, [this] { return place(); });
     if (is_out_of_range(sample.kind, sample.coordinates)) sample.position_valid = false;
     return true;
   }
@@ -134,9 +136,10 @@ class ProbeTextRecording final : public Recording {
 
  private:
   // With fixed steps the header states the end of the recording.
-  void note_unexpected_end() {
-    if (explicit_time_ || noted_end_) return;
-    noted_end_ = true;
+  void end() {
+    has_ended_ = true;
+    filled_.add_notes(info_.notes);
+    if (explicit_time_) return;
     const double end_s = seconds(start_ns_) + static_cast<double>(sequence_) * step_s_;
     if (std::abs(end_s - stop_s_) <= 1.5 * step_s_) return;
     info_.notes.push_back(fmt::format(
@@ -146,13 +149,14 @@ class ProbeTextRecording final : public Recording {
   std::unique_ptr<ByteReader> reader_;
   RowReader rows_;
   FaultRule rule_;
+  FilledNumbers filled_;
   double units_per_metre_;
   RecordingInfo info_;
   std::size_t columns_ = 0;
   bool explicit_time_ = false;
   TimeNs start_ns_ = 0;
   double step_s_ = 0, stop_s_ = 0;
-  bool noted_end_ = false;
+  bool has_ended_ = false;
   std::uint64_t sequence_ = 0;
 };
 

@@ -23,7 +23,6 @@ bool is_key(std::string_view word) {
 }  // namespace
 
 std::optional<TableFile> read_qualisys_tsv(const MakerFile& file) {
-  constexpr double kMetresEach = 1e-3;
   const auto& lines = file.start.lines;
   const char separator = lines[0].find('\t') != std::string_view::npos ? '\t' : ',';
   const auto first_key = file.fields(0, separator)[0];
@@ -35,7 +34,7 @@ std::optional<TableFile> read_qualisys_tsv(const MakerFile& file) {
   table.info.kind = SampleKind::one_point;
   table.info.stated.maker = "Qualisys";
   table.info.stated.unit = "mm";
-  if (file.options.units_per_metre) file.metres_each("mm", 0);
+  const double metres_each = file.metres_each("mm", 0);
   std::optional<double> rate_Hz;
   std::vector<std::string> names;
   std::size_t line = 0;
@@ -91,7 +90,7 @@ std::optional<TableFile> read_qualisys_tsv(const MakerFile& file) {
     if (fields > 3 * names.size()) add("Frame");
     if (fields > 3 * names.size() + 1) add("Time");
   }
-  for (const std::string& name : names) add_point_columns(table.table, name, kMetresEach);
+  for (const std::string& name : names) add_point_columns(table.table, name, metres_each);
   table.table.style = style_of({lines.begin() + static_cast<std::ptrdiff_t>(line), lines.end()});
   table.table.style.separator = separator;
   if (separator == ',') table.table.style.has_decimal_comma = false;

@@ -23,6 +23,7 @@
 #include "recordings/recording_formats.h"
 #include "recordings/simulated_recording.h"
 #include "recordings/text_fields.h"
+#include "recordings/unit_watch.h"
 #include "recordings/xdf_recording.h"
 
 namespace condyle::host {
@@ -78,6 +79,10 @@ bool FaultRule::accept(NumberStatus status, const std::string& place, std::strin
         fail(fmt::format("{} has separators of thousands", quote(text)),
              "write the numbers without them, like 1234.5; a spreadsheet has this in the format of "
              "the cells");
+      }
+      if (text == column) {
+        fail("the line repeats the names of the columns",
+             "take it out; if another recording begins there, give it a file of its own");
       }
       fail(
           fmt::format("{} is not a number", quote(text)),
@@ -171,8 +176,8 @@ std::unique_ptr<Recording> chosen(std::unique_ptr<NamedPointsRecording> recordin
   return with_markers(std::move(recording), options.markers, count, path);
 }
 
-std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOptions& options,
-                                     PointUse use) {
+std::unique_ptr<Recording> open_format(const std::string& path, const RecordingOptions& options,
+                                       PointUse use) {
   auto reader = std::make_unique<ByteReader>(path);
   std::string_view start = reader->peek(4096);
   if (start.substr(0, 2) == "\xff\xfe" || start.substr(0, 2) == "\xfe\xff") {
@@ -287,6 +292,17 @@ std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOpt
   auto points = open_csv_points(std::move(reader), options);
   if (points->names().empty() && options.markers.empty()) return points;
   return chosen(std::move(points), options, use, path);
+}
+
+std::unique_ptr<Recording> open_file(const std::string& path, const RecordingOptions& options,
+                                     PointUse use) {
+  std::unique_ptr<Recording> recording = open_format(path, options, use);
+  // Their unit is not the user's to state.
+  const bool is_in_metres =
+      recording->info().is_of_device || recording->info().format == kExportedMcap;
+  if (is_in_metres || options.reads_drive_alone) return recording;
+  const bool is_decided = options.units_per_metre.has_value() || use == PointUse::described;
+  return watch_unit(std::move(recording), is_decided ? UnitDoubt::note : UnitDoubt::refuse, path);
 }
 
 std::unique_ptr<Recording> open_source(const std::string& source, const RecordingOptions& options,

@@ -46,6 +46,7 @@ class SsffRecording final : public Recording {
   SsffRecording(std::unique_ptr<ByteReader> reader, const RecordingOptions& options)
       : reader_(std::move(reader)),
         rule_(options.faults),
+        filled_(options.missing),
         units_per_metre_(options.units_per_metre.value_or(1000)) {
     info_.format = "SSFF";
     info_.kind = SampleKind::one_point;
@@ -58,7 +59,11 @@ class SsffRecording final : public Recording {
 
   bool next(Sample& sample) override {
     const std::string_view record = reader_->peek(record_size_);
-    if (record.empty()) return false;
+    if (record.empty()) {
+      if (!has_ended_) filled_.add_notes(info_.notes);
+      has_ended_ = true;
+      return false;
+    }
     if (record.size() < record_size_) {
       throw InputError(place(),
                        fmt::format("the file ends inside the next record: {} of {} bytes",
@@ -82,6 +87,7 @@ class SsffRecording final : public Recording {
       sample.position_valid = sample.position_valid && usable;
       sample.coordinates[i] = value / units_per_metre_;
     }
+    filled_.drop(sample, units_per_metre_, [this] { return place(); });
     if (is_out_of_range(sample.kind, sample.coordinates)) sample.position_valid = false;
     reader_->skip(record_size_);
     return true;
@@ -181,6 +187,7 @@ class SsffRecording final : public Recording {
 
   std::unique_ptr<ByteReader> reader_;
   FaultRule rule_;
+  FilledNumbers filled_;
   double units_per_metre_;
   RecordingInfo info_;
   CoordinateField fields_[3];
@@ -189,6 +196,7 @@ class SsffRecording final : public Recording {
   double frequency_Hz_ = 0;
   TimeNs start_ns_ = 0;
   std::uint64_t sequence_ = 0;
+  bool has_ended_ = false;
 };
 
 }  // namespace

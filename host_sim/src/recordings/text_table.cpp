@@ -92,7 +92,7 @@ class TableRecording final : public NamedPointsRecording {
  private:
   void end() {
     has_ended_ = true;
-    for (std::string& note : filled_.notes()) info_.notes.push_back(std::move(note));
+    filled_.add_notes(info_.notes);
     if (!info_.stated.frames || *info_.stated.frames == sequence_) return;
     info_.notes.push_back(
         fmt::format("its header states {} frames; it holds {}", *info_.stated.frames, sequence_));
@@ -106,8 +106,12 @@ class TableRecording final : public NamedPointsRecording {
   void check_width() {
     const std::size_t columns = layout_.columns.size();
     if (fields_.size() == columns) return;
-    // Some programs end each row, or only the header, with a separator.
-    if (fields_.size() == columns + 1 && fields_.back().empty()) return;
+    // Some programs end each row, or only the header, with separators.
+    if (fields_.size() > columns &&
+        std::all_of(fields_.begin() + static_cast<std::ptrdiff_t>(columns), fields_.end(),
+                    [](std::string_view field) { return field.empty(); })) {
+      return;
+    }
     if (layout_.has_ragged_rows) {
       fields_.resize(columns);
       return;

@@ -186,7 +186,8 @@ ReportSection report_section(const std::string& source, const ReportChoice& choi
   } catch (const InputError& error) {
     // Tasks and landmarks that do not fit are the user's to mend.
     const AnalysisChoice& given = choice.analysis;
-    if (!given.landmarks.empty() || !given.tasks.empty() || given.reference_s ||
+    const bool is_empty = !estimates;  // nothing else is on the page
+    if (is_empty || !given.landmarks.empty() || !given.tasks.empty() || given.reference_s ||
         given.bodies.is_given()) {
       throw;
     }

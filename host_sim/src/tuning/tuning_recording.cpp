@@ -80,7 +80,7 @@ void collect(ReplayFacebow& facebow, hal::Clock& clock, const TuningInput& input
   RecommendedParameters parameters = input.parameters;
   parameters.noise.adaptation = Adaptation::on;
   refuse_long_step(parameters, seconds(settings.nominal_step_ns), path, "its median step",
-                   "check the unit of time_s");
+                   kCheckTimes);
   firmware::with_axes(facebow.info().kind, input.choice.followed.axis, [&](auto axes, int axis) {
     RecommendedSensor<double, decltype(axes)::value> sensor(parameters, kHindsight,
                                                             input.choice.point());

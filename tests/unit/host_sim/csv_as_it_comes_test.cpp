@@ -19,6 +19,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using testing_support::TemporaryFolder;
 using testing_support::samples::problem_of;
 using testing_support::samples::Read;
@@ -236,8 +237,35 @@ TEST(CsvAsItComes, ColumnsWithoutANameMayCountTheRowsOrBeEmpty) {
 TEST(CsvAsItComes, RefusesWhatNoJawDoes) {
   const Style fast{.per_second = 1e-3}, far{.per_metre = 1e6};
   EXPECT_THAT(problem_of(table(fast, "Time (s),x (mm),y (mm),z (mm)")),
-              HasSubstr("200 kHz, which no jaw is recorded at"));
+              AllOf(HasSubstr("200 kHz, which no jaw is recorded at"), HasSubstr("--rate-Hz")));
+  EXPECT_THAT(problem_of(table({}, "time_us,x (mm),y (mm),z (mm)")),
+              HasSubstr("--columns 'time_s=time_us'"));
   EXPECT_THAT(problem_of(table(far, "time_s,x_mm,y_mm,z_mm")), HasSubstr("no jaw "));
+}
+
+TEST(CsvAsItComes, ReadsRowsThatEndWithSeparators) {
+  EXPECT_EQ(read("time_s,position_mm\n0,1,,,\n0.01,2,,,\n").samples.size(), 2U);
+  EXPECT_THAT(problem_of("time_s,position_mm\n0,1,,3\n"), HasSubstr("the row has 4 columns"));
+}
+
+TEST(CsvAsItComes, AdvisesWhatHelps) {
+  const std::string clock = "Time,position_mm\n14:05:00.00,1\n14:05:00.01,2\n";
+  EXPECT_THAT(problem_of(clock), AllOf(HasSubstr("its values are not numbers"),
+                                       HasSubstr("--ignore-column 'Time' and give --rate-Hz")));
+  EXPECT_EQ(problem_of(clock, {.ignored_columns = {"Time"}, .rate_Hz = 100}), "no error");
+  EXPECT_THAT(problem_of("time_s,position_mm,position_mm\n0,1,2\n"),
+              AllOf(HasSubstr("different names"), Not(HasSubstr("--ignore-column"))));
+}
+
+// Windows writes Latin-1, the user UTF-8.
+TEST(CsvAsItComes, TakesNamesInLatin1) {
+  const std::string latin = "time_s,gr\xf6\xdf\x65_mm,x_mm,y_mm,z_mm\n0,1,2,3,4\n0.01,1,2,3,4\n";
+  EXPECT_EQ(problem_of(latin, {.ignored_columns = {"größe_mm"}}), "no error");
+}
+
+TEST(CsvAsItComes, NamesARepeatedHeader) {
+  EXPECT_THAT(problem_of("time_s,position_mm\n0,1\n0.01,2\ntime_s,position_mm\n0,1\n"),
+              AllOf(HasSubstr(":4"), HasSubstr("repeats the names of the columns; take it out")));
 }
 
 TEST(CsvAsItComes, NamesAllProblemsOfAHeaderAtOnce) {

@@ -55,6 +55,12 @@ class Track {
 
 const auto no_place = [] { return std::string("sample"); };
 
+std::vector<std::string> notes_of(const FilledNumbers& filled) {
+  std::vector<std::string> notes;
+  filled.add_notes(notes);
+  return notes;
+}
+
 // One refusal is expected in some 1e8 samples: -1 on three axes of a jaw at rest there.
 RC_GTEST_PROP(FilledNumbers, TakeNoPlaceOfAJaw, ()) {
   Track track(*rc::gen::arbitrary<std::uint64_t>(), *rc::gen::inRange(0, 5));
@@ -66,7 +72,7 @@ RC_GTEST_PROP(FilledNumbers, TakeNoPlaceOfAJaw, ()) {
     RC_ASSERT(!filled.drop(point, 1000, no_place));
     RC_ASSERT(point == before);
   }
-  RC_ASSERT(filled.notes().empty());
+  RC_ASSERT(notes_of(filled).empty());
 }
 
 // Missing from the beginning or later, for one sample or many.
@@ -83,14 +89,14 @@ RC_GTEST_PROP(FilledNumbers, AreMissing, ()) {
   for (int i = 0; i < 200; ++i) {
     const Vector3d place_m = track.next_m();
     const bool is_missing = i >= from && i < from + count;
-    // Nearer than a jump it is unclear, or 0 a place.
+    // Nearer than a jump it is unclear.
     if (is_missing && i > 0 && (last_m - filled_m).norm() <= 0.011) RC_DISCARD();
     point.col(0) = is_missing ? filled_m : place_m;
     RC_ASSERT(filled.drop(point, 1000, no_place) == is_missing);
     RC_ASSERT(point.allFinite() == !is_missing);
     if (!is_missing) last_m = place_m;
   }
-  RC_ASSERT(filled.notes().size() == 1U);
+  RC_ASSERT(notes_of(filled).size() == 1U);
 }
 
 TEST(FilledNumbers, AreRefusedWhereTheyMayBeAPlace) {
@@ -106,6 +112,52 @@ TEST(FilledNumbers, AreRefusedWhereTheyMayBeAPlace) {
     EXPECT_THAT(error.what(), HasSubstr("--missing -1"));
     EXPECT_THAT(error.what(), HasSubstr("--missing none"));
   }
+}
+
+// Places in mm, one after the other: what is found of the last one.
+std::string last_of(const std::vector<Vector3d>& places_mm) {
+  FilledNumbers filled({});
+  Matrix3Xd point(3, 1);
+  try {
+    bool is_missing = false;
+    for (const Vector3d& place_mm : places_mm) {
+      point.col(0) = place_mm * kMillimetre;
+      is_missing = filled.drop(point, 1000, no_place);
+    }
+    return is_missing ? "missing" : "place";
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+Vector3d all(double number) {
+  return Vector3d::Constant(number);
+}
+
+// A track that moves to the number is there; one that jumps to it may be.
+TEST(FilledNumbers, OfATrackInWholeUnitsAreThereWhereItsStepsLead) {
+  EXPECT_EQ(last_of({{2, -1, 0}, {1, -1, -1}, all(-1)}), "place");
+  EXPECT_EQ(last_of({{9, -1, -9}, {5, -1, -5}, all(-1)}), "place");
+  EXPECT_EQ(last_of({{3, 1, -1}, {2, 0, -1}, all(0)}), "place");
+  for (const double number : {-1.0, -9.0, 99.0}) {
+    const Vector3d from = all(number) + Vector3d(12, -5, 1);
+    EXPECT_THAT(last_of({from, from, all(number)}), HasSubstr("--missing none")) << number;
+    EXPECT_THAT(last_of({from, from + Vector3d(0, 1, 0), all(number)}), HasSubstr("--missing none"))
+        << number;
+  }
+  EXPECT_EQ(last_of({{12, -5, 1}, {12, -4, 1}, all(0)}), "missing");
+}
+
+TEST(FilledNumbers, AreNoZeroWhereAJawRestsOrStops) {
+  EXPECT_EQ(last_of({{0.02, 0, -0.01}, {0, 0.01, -0.01}, all(0)}), "place");
+  EXPECT_EQ(last_of({{0.1, -7.5, 0.2}, {0, -3.9, 0.1}, all(0)}), "place");
+  EXPECT_EQ(last_of({{0.11, -4.52, 0.2}, {0.13, -4.4, 0.2}, all(0)}), "missing");
+}
+
+// The origin of a track, or a point not yet seen.
+TEST(FilledNumbers, AtTheBeginningAreZeroAsLongAsThePointStaysNear) {
+  EXPECT_EQ(last_of({all(0), {0.1, 0.4, 0}, {0.2, 0.9, 0.1}}), "place");
+  EXPECT_THAT(last_of({all(0), all(0), {102.3, 54.1, -310.2}}), HasSubstr("--missing 0"));
 }
 
 TEST(FilledNumbers, AreThoseThatTheUserStates) {
@@ -163,6 +215,36 @@ TEST(FilledNumbers, OfAFileAreCountedAndDecideOnNoUnit) {
     for (const Sample& sample : read.samples) missing += !sample.position_valid;
     EXPECT_EQ(missing, 100) << number;
     EXPECT_EQ(read.info.stated.unit, "mm") << number;
+  }
+}
+
+// In formats of numbers without text, and in probe text.
+TEST(FilledNumbers, OfOtherFormatsAreCounted) {
+  const std::string ssff_header =
+      "SSFF -- (c) SHLRC\nMachine IBM-PC\nRecord_Freq 100.0\nStart_Time 0.0\n"
+      "Column a_posx FLOAT 1\nColumn a_posy FLOAT 1\nColumn a_posz FLOAT 1\n---\n";
+  for (const float number : {-999.F, -1.F, 0.F}) {
+    Track track(3, 3);
+    std::string probe = "0 2 1\nLinear 3 0.01\n", ssff = ssff_header;
+    std::string pos =
+        "AG50xDATA_V003\n00000072\nNumberOfChannels=1\nSamplingFrequencyHz=100\n    \n";
+    ASSERT_EQ(pos.size(), 72U);
+    for (int i = 0; i < 200; ++i) {
+      const Eigen::Vector3f place_mm = i >= 20 && i < 60
+                                           ? Eigen::Vector3f::Constant(number)
+                                           : Eigen::Vector3f((1000 * track.next_m()).cast<float>());
+      const std::string bytes(reinterpret_cast<const char*>(place_mm.data()), 12);
+      ssff += bytes;
+      pos += bytes + std::string(16, '\0');
+      for (const float place : place_mm) probe += std::to_string(place) + " ";
+      probe += "\n";
+    }
+    for (const std::string& file : {probe, ssff, pos}) {
+      const auto read = testing_support::samples::read(file);
+      int missing = 0;
+      for (const Sample& sample : read.samples) missing += !sample.position_valid;
+      EXPECT_EQ(missing, 40) << number << " in " << read.info.format;
+    }
   }
 }
 

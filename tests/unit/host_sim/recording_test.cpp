@@ -310,7 +310,6 @@ TEST(Recording, RefusesOptionsThatDoNotApply) {
   const std::string csv = "time_s,position_m\n0,1\n", probe = "0 1 1\nLinear 3 0.02\n1 2 3\n";
   EXPECT_THAT(problem_of(csv, {.ignored_columns = {"drive"}}),
               HasSubstr("no column 'drive' to ignore"));
-  EXPECT_THAT(problem_of(csv, {.units_per_metre = 1}), HasSubstr("--unit applies only to"));
   EXPECT_THAT(problem_of(csv, {.movement = 2}), HasSubstr("--movement applies only to Zebris XML"));
   EXPECT_THAT(problem_of(probe, {.ignored_columns = {"x"}}),
               HasSubstr("--ignore-column applies only to CSV"));
