@@ -1,6 +1,7 @@
 // The scrolling charts. Scales stay as they are until a value leaves them or the user fits them.
 import uPlot from 'uplot';
 
+import {lineSample} from '../../hosted/page/line_sample.js';
 import {chart_arrays, fill_chart} from './ring.js';
 import {mark_of, quantity_words, set_mark} from './signals.js';
 
@@ -21,19 +22,6 @@ function round_up(value) {
   return [1, 2, 5, 10].map((step) => step * power).find((step) => step >= value * 0.999);
 }
 
-function sample_of_line(line) {
-  const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
-  svg.setAttribute('viewBox', '0 0 28 10');
-  svg.setAttribute('aria-hidden', 'true');
-  const drawn = document.createElementNS('http://www.w3.org/2000/svg', 'path');
-  drawn.setAttribute('d', 'M0 5H28');
-  drawn.setAttribute('stroke', line.stroke);
-  drawn.setAttribute('stroke-width', '2.5');
-  drawn.setAttribute('stroke-dasharray', line.dash.join(' '));
-  svg.append(drawn);
-  return svg;
-}
-
 class Chart {
   constructor(parent, group, first, ring) {
     this.group = group;
@@ -51,7 +39,7 @@ class Chart {
       words.className = 'value';
       const text = document.createElement('span');
       const mark = mark_of('');
-      words.append(sample_of_line(kLines[i]), ` ${signal.name} `, mark, ' ', text);
+      words.append(lineSample(kLines[i].stroke, kLines[i].dash), ` ${signal.name} `, mark, ' ', text);
       values.append(words);
       return {text, mark};
     });

@@ -1,6 +1,6 @@
 // The jaw in three dimensions as the pose moves it. Three points of the jaw, if the box sends them under
 // these names; otherwise a sketch of assumed size.
-import {moved, outline} from '../../hosted/page/jaw_shape.js';
+import {moved, nameCondyles, outline} from '../../hosted/page/jaw_shape.js';
 
 const kNames = ['condyle_left', 'condyle_right', 'incisor'];
 const kTurn = 0.15;  // rad for a key
@@ -185,5 +185,7 @@ export class JawView {
       context.arc(x, y, 4 * ratio, 0, 2 * Math.PI);
       context.fill();
     }
+    context.fillStyle = '#101820';
+    nameCondyles(context, project(this.points[0]), project(this.points[1]), ratio);
   }
 }

@@ -36,6 +36,7 @@ class Drawing {
     for (const DrawnAngle& angle : plane_.angles) text += fan(angle);
     for (const DrawnBand& band : plane_.bands) text += area(band);
     for (const DrawnPath& path : paths_) text += line_of(path);
+    text += labels();
     if (!plane_.point.empty()) {
       text += fmt::format(
           "<circle class=\"now\" visibility=\"hidden\" r=\"{:.3f}\" data-point=\"{}\" "
@@ -96,10 +97,13 @@ class Drawing {
     return text;
   }
 
-  std::string axes() const {
+  std::string axes() const { return line(left_, 0, right_, 0) + line(0, bottom_, 0, top_); }
+
+  // Above the paths, which would hide them.
+  std::string labels() const {
     const double span = std::max(right_ - left_, top_ - bottom_);
     const double tick = span > 40 ? 10 : span > 15 ? 5 : span > 6 ? 2 : 1;
-    std::string text = line(left_, 0, right_, 0) + line(0, bottom_, 0, top_);
+    std::string text;
     for (double x = std::ceil(left_ / tick) * tick; x <= right_; x += tick) {
       text += label(x, 0, fmt::format("{:g}", sign_ * x + 0.0), 1.1);
     }
@@ -133,7 +137,6 @@ class Drawing {
       return fmt::format("{:.3f} {:.3f}", angle.length_mm * std::cos(deg * kDegree),
                          -angle.length_mm * std::sin(deg * kDegree));
     };
-    // The longest chord carries the label.
     return fmt::format(
         "<path class=\"fan\" d=\"M0 0 L{} L{} Z\"/><path class=\"chord\" d=\"M0 0 L{}\"><title>{}"
         "</title></path>",

@@ -74,6 +74,9 @@ std::string charts(const ReportSection& section) {
       "Bands are 95 % intervals. Shaded times are tasks, red ticks unusual samples. The cursor is "
       "the same in all views. Drag to enlarge a time, double-click to see all. Keys: arrows, Home "
       "and End move the cursor; + and - zoom; 0 shows all.");
+  if (section.series.axis_count() > 1) {
+    text += paragraph("x, y and z: the followed point, in the instrument's frame.");
+  }
   if (section.origin_s != 0) {
     text +=
         paragraph(fmt::format("Time 0 is {:.3f} s on the recording's clock.", section.origin_s));
@@ -104,6 +107,15 @@ std::string charts(const ReportSection& section) {
   return text;
 }
 
+// ". opening 3 mm: 53.1 deg, 51.0 to 55.2; ...": hovering shows it, paper cannot.
+std::string angles_in_words(const PlaneDrawing& drawing) {
+  std::string words;
+  for (const DrawnAngle& angle : drawing.angles) {
+    words += (words.empty() ? ". " : "; ") + angle.label;
+  }
+  return words;
+}
+
 std::string paths(const ReportSection& section) {
   const Analysis& analysis = *section.analysis;
   if (!analysis.unusable.empty() || analysis.path.time_s.empty()) return {};
@@ -126,7 +138,8 @@ std::string paths(const ReportSection& section) {
   }
   text += "<h3>Paths of the condyles</h3>\n<div class=\"tasks\"><div class=\"row pairs\">";
   for (const PlaneDrawing& drawing : condyle_drawings(analysis)) {
-    text += figure(plane_svg(drawing, task_paths(analysis, *drawing.path_m)), drawing.title);
+    text += figure(plane_svg(drawing, task_paths(analysis, *drawing.path_m)),
+                   drawing.title + angles_in_words(drawing));
   }
   text += "</div>\n" + task_key(analysis) + "</div>\n";
   text += paragraph("Black dashes: chord of each angle at its travel. Grey: its 95 % interval.");
@@ -177,8 +190,8 @@ std::string report_page(const std::vector<ReportSection>& sections, const std::s
   std::string text = head() + "<body>\n<header>\n<h1>Jaw motion report</h1>\n";
   text += fmt::format(
       "<div class=\"banner\"><strong>Research use only; not a diagnosis.</strong> condyle {}. "
-      "Every "
-      "number has a 95 % interval, or is withheld with the reason.</div>\n",
+      "Every reading and every estimate has a 95 % interval, or is withheld with the reason."
+      "</div>\n",
       CONDYLE_VERSION);
   text += provenance_key();
   text +=

@@ -1,6 +1,8 @@
 // Charts over time, with 95 % bands; one cursor and one zoom for all of a recording.
 import uPlot from 'uplot';
 
+import {lineSample} from '../../../../firmware/hosted/page/line_sample.js';
+import {fixed} from '../../../../firmware/hosted/page/numbers.js';
 import {nearest, times, values} from './data.js';
 
 const kHeight = 190;  // px
@@ -22,7 +24,7 @@ const kTask = {
 function digits(value, half) {
   if (!(half > 0)) return Number(value.toPrecision(4)).toString();
   const decimals = Math.max(0, 1 - Math.floor(Math.log10(half)));
-  return `${value.toFixed(decimals)} \u00b1 ${half.toFixed(decimals)}`;
+  return `${fixed(value, decimals)} \u00b1 ${half.toFixed(decimals)}`;
 }
 
 function shadeTasks(u, tasks) {
@@ -117,12 +119,15 @@ class ChartLevels {
   }
 
   text(curve, v, k) {
-    if (v == null || k == null) return 'none';
+    if (k == null) return '';  // no moment is chosen
+    if (v == null) return 'none';
     const {low, high, half} = this.now.curves[curve];
     const halfOfAll = half[k] == null ? 0 : half[k] + (high[k] - low[k]) / 2;
     return `${digits(v, halfOfAll)} ${this.chart.unit}`;
   }
 }
+
+const dashOf = (chart, i) => (chart.provenance === 'assumed' ? [1, 4] : kCurves[i % kCurves.length].dash);
 
 function seriesOf(levels) {
   const {chart} = levels;
@@ -135,7 +140,7 @@ function seriesOf(levels) {
       label: curve.name,
       stroke: style.stroke,
       width: 1,
-      dash: chart.provenance === 'assumed' ? [1, 4] : style.dash,
+      dash: dashOf(chart, i),
       points: {show: false},
       value: (u, v, s, k) => levels.text(i, v, k),
     });
@@ -192,6 +197,11 @@ function drawChart(place, levels, recording, moment) {
   // The ends of a band are not curves of their own.
   place.querySelectorAll('.u-legend .u-series').forEach((row, i) => {
     if (i > 0 && (i - 1) % 3 !== 0) row.classList.add('band');
+    const curve = (i - 1) / 3;
+    const marker = row.querySelector('.u-marker');
+    if (marker && Number.isInteger(curve)) {
+      marker.replaceWith(lineSample(kCurves[curve % kCurves.length].stroke, dashOf(chart, curve)));
+    }
   });
   return u;
 }

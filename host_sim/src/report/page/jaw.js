@@ -1,5 +1,5 @@
 // The jaw in three dimensions: condyles and lower incisor with their paths, at the moment.
-import {moved, outline} from '../../../../firmware/hosted/page/jaw_shape.js';
+import {moved, nameCondyles, outline} from '../../../../firmware/hosted/page/jaw_shape.js';
 import {nearest, times, values} from './data.js';
 
 const kTurn = 0.15;  // rad for a key
@@ -79,6 +79,8 @@ export function drawJaw(section, recording, moment) {
       context.arc(x, y, 4 * devicePixelRatio, 0, 2 * Math.PI);
       context.fill();
     }
+    context.fillStyle = kInk;
+    nameCondyles(context, project(now[0]), project(now[1]), devicePixelRatio);
   };
   let waits = false;
   const redraw = () => {
