@@ -23,15 +23,16 @@ function round_up(value) {
 }
 
 class Chart {
-  constructor(parent, group, first, ring) {
+  // `first`: the group's first signal among `all` of the ring, whose assumed values follow.
+  constructor(parent, group, first, all, ring) {
     this.group = group;
     this.ring = ring;
-    this.chosen = group.signals.map((signal, i) => first + i);
+    this.chosen = [0, all].flatMap((from) => group.signals.map((signal, i) => from + first + i));
     this.range = [-1e-9, 1e-9];
     const figure = document.createElement('div');
     figure.className = 'chart';
-    const title = document.createElement('h3');
-    title.textContent = `${group.title} (${group.unit})`;
+    this.title = document.createElement('h3');
+    this.name(group.title);
     const values = document.createElement('div');
     values.className = 'values';
     this.words = group.signals.map((signal, i) => {
@@ -44,14 +45,14 @@ class Chart {
       return {text, mark};
     });
     this.place = document.createElement('div');
-    figure.append(title, values, this.place);
+    figure.append(this.title, values, this.place);
     parent.append(figure);
     this.make();
   }
 
   make() {
     const width = Math.max(240, this.place.clientWidth);
-    this.data = chart_arrays(Math.min(width - 60, 600), this.group.signals.length);
+    this.data = chart_arrays(Math.min(width - 60, 600), this.chosen.length);
     this.plot = new uPlot({
       width,
       height: kHeight,
@@ -63,10 +64,17 @@ class Chart {
           values: () => ['-10 s', '-8', '-6', '-4', '-2', 'now'], stroke: '#000000'},
         {size: 56, stroke: '#000000'},
       ],
-      series: [{}, ...this.group.signals.map((signal, i) => (
-        {...kLines[i], width: 1, points: {show: false}, auto: false}))],
+      series: [{}, ...this.chosen.map((signal, i) => {
+        const line = kLines[i % this.group.signals.length];
+        const dash = i < this.group.signals.length ? line.dash : kAssumed;
+        return {stroke: line.stroke, dash, width: 1, points: {show: false}, auto: false};
+      })],
       hooks: {draw: [(u) => this.mark_gaps(u)]},
     }, this.data, this.place);
+  }
+
+  name(title) {
+    this.title.textContent = `${title} (${this.group.unit})`;
   }
 
   fit_width() {
@@ -130,8 +138,6 @@ class Chart {
     this.group.signals.forEach((signal, i) => {
       let found = line && signal.read(line);
       const provenance = found ? found.provenance : '';
-      const dash = provenance === 'assumed' ? kAssumed : kLines[i].dash;
-      this.plot.series[i + 1].dash = dash;
       if (found && this.group.from_zero) found = {...found, value: found.value - zero[i]};
       this.words[i].text.textContent = quantity_words(found, this.group.scale, this.group.unit);
       set_mark(this.words[i].mark, provenance);
@@ -144,12 +150,18 @@ export class Charts {
   constructor(parent, groups, ring) {
     parent.replaceChildren();
     let first = 0;
+    const all = groups.reduce((sum, group) => sum + group.signals.length, 0);
     this.charts = groups.map((group) => {
-      const chart = new Chart(parent, group, first, ring);
+      const chart = new Chart(parent, group, first, all, ring);
       first += group.signals.length;
       return chart;
     });
     this.is_to_fit = false;
+  }
+
+  /** Entitles the chart of the group `key`. */
+  name(key, title) {
+    for (const chart of this.charts) if (chart.group.key === key) chart.name(title);
   }
 
   fit() {

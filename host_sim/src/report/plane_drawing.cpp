@@ -159,7 +159,7 @@ std::vector<DrawnAngle> chords(const Analysis& analysis, const std::string& read
     if (one.stroke > 0 || one.side != side || !std::isfinite(one.value)) continue;
     for (const int travel_mm : {3, 5, 10}) {
       if (one.definition->name != fmt::format("{}_{}mm_deg", reading, travel_mm)) continue;
-      angles.push_back({fmt::format("{} {} mm: {:.1f} deg, {:.1f} to {:.1f}", name_of(one.task),
+      angles.push_back({fmt::format("{} at {} mm {:.1f} deg, {:.1f} to {:.1f}", name_of(one.task),
                                     travel_mm, one.value, one.low, one.high),
                         static_cast<double>(travel_mm), turn(one.value), turn(one.low),
                         turn(one.high)});

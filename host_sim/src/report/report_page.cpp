@@ -71,7 +71,9 @@ std::string charts(const ReportSection& section) {
   if (section.series.runs().empty()) return {};
   std::string text = "<h3>Over time</h3>\n";
   text += paragraph(
-      "Bands are 95 % intervals. Shaded times are tasks, red ticks unusual samples. The cursor is "
+      "Bands are 95 % intervals. Dotted curves are assumed. Shaded times are tasks, red ticks "
+      "unusual "
+      "samples. The cursor is "
       "the same in all views. Drag to enlarge a time, double-click to see all. Keys: arrows, Home "
       "and End move the cursor; + and - zoom; 0 shows all.");
   if (section.series.axis_count() > 1) {
@@ -107,11 +109,11 @@ std::string charts(const ReportSection& section) {
   return text;
 }
 
-// ". opening 3 mm: 53.1 deg, 51.0 to 55.2; ...": hovering shows it, paper cannot.
+// Of the chords: paper cannot show what hovering shows.
 std::string angles_in_words(const PlaneDrawing& drawing) {
   std::string words;
   for (const DrawnAngle& angle : drawing.angles) {
-    words += (words.empty() ? ". " : "; ") + angle.label;
+    words += (words.empty() ? ". By task: " : "; ") + angle.label;
   }
   return words;
 }
