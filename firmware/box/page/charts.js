@@ -99,6 +99,7 @@ class Chart {
     let low = Infinity;
     let high = -Infinity;
     for (let s = 1; s < this.data.length; ++s) {
+      if (!this.plot.series[s].show) continue;
       for (const value of this.data[s]) {
         if (value == null) continue;
         if (value < low) low = value;
@@ -123,8 +124,17 @@ class Chart {
     this.range[1] = Math.max(this.range[1], 0.05 * height);
   }
 
+  // Lines without values are left out, or they would take time.
+  choose_lines(begin_s) {
+    this.chosen.forEach((series, i) => {
+      const show = this.ring.latest_s[series] >= begin_s;
+      if (this.plot.series[i + 1].show !== show) this.plot.setSeries(i + 1, {show});
+    });
+  }
+
   draw(end_s, is_to_fit) {
     fill_chart(this.ring, this.chosen, end_s, kSpan_s, this.data);
+    this.choose_lines(end_s - kSpan_s);
     this.widen(is_to_fit);
     const [low, high] = this.range;
     this.plot.batch(() => {

@@ -170,7 +170,11 @@ function drawChart(place, levels, recording, moment) {
     height: kHeight,
     series,
     bands,
-    scales: {x: {time: false}},
+    // Where nothing is known the axis stays, so that all charts are equally wide.
+    scales: {
+      x: {time: false},
+      y: {range: (self, low, high) => (low == null ? [0, 1] : uPlot.rangeNum(low, high, 0.1, true))},
+    },
     axes: [{size: 34}, {label: `${chart.title} (${chart.unit})`, labelSize: 20, size: 62}],
     cursor: {drag: {x: true, y: false}, y: false},
     legend: {live: true},
