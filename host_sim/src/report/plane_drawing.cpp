@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "report/html_text.h"
 
@@ -13,8 +14,9 @@ namespace condyle::host {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-// Of a drawing. If tasks have more, pieces of them are drawn: no line joins distant moments.
-constexpr std::size_t kMostPoints = 8'000, kPieces = 12, kPointsOfPieces = 4'000;
+// Of a drawing. If tasks have more, pieces of the long ones are drawn: no line joins distant
+// moments.
+constexpr std::size_t kMostPoints = 8'000, kPieces = 12, kPointsWithPieces = 6'000;
 constexpr double kDrawnRate_Hz = 50, kLeastStep_mm = 0.05;
 
 class Drawing {
@@ -168,6 +170,21 @@ std::vector<DrawnAngle> chords(const Analysis& analysis, const std::string& read
   return angles;
 }
 
+// Points that a task may have, so that all have no more than a drawing: short ones keep theirs.
+std::size_t most_of_each(std::vector<std::size_t> points) {
+  if (std::accumulate(points.begin(), points.end(), std::size_t{0}) <= kMostPoints) {
+    return kMostPoints;
+  }
+  std::sort(points.begin(), points.end());
+  std::size_t left = kPointsWithPieces;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::size_t share = left / (points.size() - i);
+    if (points[i] > share) return share;
+    left -= points[i];
+  }
+  return kMostPoints;
+}
+
 }  // namespace
 
 std::vector<DrawnPath> task_paths(const Analysis& analysis,
@@ -177,19 +194,20 @@ std::vector<DrawnPath> task_paths(const Analysis& analysis,
     return static_cast<std::size_t>(std::lower_bound(time_s.begin(), time_s.end(), t) -
                                     time_s.begin());
   };
-  std::size_t samples = 0;
-  for (const Task& task : analysis.tasks) samples += index_of(task.end_s) - index_of(task.begin_s);
   const auto stride =
       std::max<std::size_t>(1, static_cast<std::size_t>(analysis.rate_Hz / kDrawnRate_Hz));
-  const std::size_t pieces = samples / stride > kMostPoints ? kPieces : 1;
+  std::vector<std::size_t> points;
+  for (const Task& task : analysis.tasks) {
+    points.push_back((index_of(task.end_s) - index_of(task.begin_s)) / stride);
+  }
+  const std::size_t most = most_of_each(points);
   std::vector<DrawnPath> paths;
   for (const Task& task : analysis.tasks) {
     const std::size_t begin = index_of(task.begin_s), count = index_of(task.end_s) - begin;
     DrawnPath path{task.kind == TaskKind::whole ? "whole" : name_of(task.kind), {}};
-    // This task's share of the samples of each piece.
-    const std::size_t drawn =
-        pieces == 1 ? count
-                    : count * (kPointsOfPieces * stride / pieces) / std::max(samples, count);
+    const bool is_whole = count / stride <= most;
+    const std::size_t pieces = is_whole ? 1 : std::clamp<std::size_t>(most / 10, 2, kPieces);
+    const std::size_t drawn = is_whole ? count : most * stride / pieces;
     for (std::size_t i = 0; i < pieces; ++i) {
       const std::size_t first = begin + i * count / pieces;
       auto& piece = path.pieces_m.emplace_back();

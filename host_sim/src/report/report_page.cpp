@@ -130,7 +130,7 @@ std::string paths(const ReportSection& section) {
   }
   text += "</div>\n" + task_key(analysis) + "</div>\n";
   if (is_drawn_in_pieces(incisor)) {
-    text += paragraph("Of the long tasks, twelve evenly spaced pieces are drawn.");
+    text += paragraph("Of the long tasks, evenly spaced pieces are drawn.");
   }
   if (!analysis.has_landmarks) {
     return text +
