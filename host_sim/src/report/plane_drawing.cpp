@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "report/html_text.h"
 
@@ -16,7 +15,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 // Of a drawing. If tasks have more, pieces of the long ones are drawn: no line joins distant
 // moments.
-constexpr std::size_t kMostPoints = 8'000, kPieces = 12, kPointsWithPieces = 6'000;
+constexpr std::size_t kMostPoints = 8'000, kPieces = 12;
 constexpr double kDrawnRate_Hz = 50, kLeastStep_mm = 0.05;
 
 class Drawing {
@@ -172,11 +171,8 @@ std::vector<DrawnAngle> chords(const Analysis& analysis, const std::string& read
 
 // Points that a task may have, so that all have no more than a drawing: short ones keep theirs.
 std::size_t most_of_each(std::vector<std::size_t> points) {
-  if (std::accumulate(points.begin(), points.end(), std::size_t{0}) <= kMostPoints) {
-    return kMostPoints;
-  }
   std::sort(points.begin(), points.end());
-  std::size_t left = kPointsWithPieces;
+  std::size_t left = kMostPoints;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::size_t share = left / (points.size() - i);
     if (points[i] > share) return share;
