@@ -4,7 +4,7 @@ import {moved, nameCondyles, outline} from '../../hosted/page/jaw_shape.js';
 
 const kNames = ['condyle_left', 'condyle_right', 'incisor'];
 const kTurn = 0.15;  // rad for a key
-const kMiddle = 0.32;  // of the height: the jaw opens downward
+const kMiddle = 0.36;  // of the height: the jaw opens downward
 const kTrail = 400;
 const kTrail_s = 0.025;
 // mm in the frame of the head: x forward, y left, z up. The measured centre is at the incisor.
