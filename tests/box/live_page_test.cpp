@@ -76,6 +76,16 @@ TEST(LivePage, LoadsNothingFromElsewhere) {
 #endif
 }
 
+// A force without it would mean nothing.
+TEST(LivePage, IsToldTheAssumedMass) {
+  RunningBox running;
+  running.configuration.parameters.assumed_mass_kg = 0.375;
+  running.start();
+  ASSERT_TRUE(running.is_estimating());
+  const Json status = Json::parse(get(running.port, "/v1/status").body, nullptr, false);
+  EXPECT_EQ(status["estimator"]["assumed_mass_kg"], 0.375);
+}
+
 TEST(RecordedSessions, AreListedAndDownloaded) {
   RunningBox running;
   running.start();

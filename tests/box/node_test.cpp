@@ -203,6 +203,7 @@ TEST_F(BoxNode, OneThatGoesAwayIsSaidAndComesBack) {
   EXPECT_THAT(node_status()["problem"].get<std::string>(), HasSubstr(path_));
   EXPECT_EQ(running_.status()["estimator"]["estimating"], false);
   EXPECT_EQ(running_.status()["estimator"]["noise_sd_m"], nullptr);
+  EXPECT_EQ(running_.status()["estimator"]["assumed_mass_kg"], nullptr);  // the node has its own
   EXPECT_EQ(running_.status()["device"]["connected"], true);
   const std::uint64_t estimates = running_.box->status().counts.estimates;
   ASSERT_TRUE(next(stream, [](const Json& line) {

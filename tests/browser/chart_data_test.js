@@ -29,25 +29,35 @@ function samples_at(rate_Hz, share_of_gaps, share_missing) {
 }
 
 function check(samples, columns) {
-  const ring = new Ring(Math.ceil(samples.length * (0.5 + random())), 1);
-  for (const sample of samples) ring.values[0][ring.add(sample.time_s, sample.has_gap)] = sample.value;
+  const ring = new Ring(Math.ceil(samples.length * (0.5 + random())), 2);
+  // The second series ends early, perhaps before what is shown.
+  const length = Math.floor(samples.length * random());
+  samples.forEach((sample, k) => {
+    const place = ring.add(sample.time_s, sample.has_gap);
+    sample.early = k < length ? -sample.value : NaN;
+    ring.put(0, place, sample.value);
+    ring.put(1, place, sample.early);
+  });
   const kept = samples.slice(-ring.size);
   const end_s = kept[kept.length - 1].time_s + (random() < 0.5 ? 0 : 3 * random());
-  const data = chart_arrays(columns, 1);
-  fill_chart(ring, [0], end_s, kSpan_s, data);
-  const [times, values] = data;
+  const data = chart_arrays(columns, 2);
+  fill_chart(ring, [0, 1], end_s, kSpan_s, data);
+  const [times, values, early] = data;
   for (let i = 1; i < times.length; ++i) expect(times[i] >= times[i - 1], 'times rise');
 
   const width_s = kSpan_s / columns;
   const begin_s = (Math.floor((end_s - kSpan_s) / width_s) + 1) * width_s;
   const shown = kept.filter((sample) => sample.time_s >= begin_s);
   const there = shown.map((sample) => sample.value).filter((value) => value === value);
-  const drawn = values.filter((value) => value !== null && value !== undefined);
-  const known = new Set(there);
-  expect(drawn.every((value) => known.has(value)), 'only samples are drawn');
-  if (there.length > 0) {
-    expect(Math.max(...drawn) === Math.max(...there), 'the highest is drawn');
-    expect(Math.min(...drawn) === Math.min(...there), 'the lowest is drawn');
+  const there_early = shown.map((sample) => sample.early).filter((value) => value === value);
+  for (const [series, of_samples] of [[values, there], [early, there_early]]) {
+    const drawn = series.filter((value) => value !== null && value !== undefined);
+    const known = new Set(of_samples);
+    expect(drawn.every((value) => known.has(value)), 'only samples are drawn');
+    expect(drawn.length > 0 === of_samples.length > 0, 'what is there is drawn');
+    if (drawn.length === 0) continue;
+    expect(Math.max(...drawn) === Math.max(...of_samples), 'the highest is drawn');
+    expect(Math.min(...drawn) === Math.min(...of_samples), 'the lowest is drawn');
   }
   // No line goes from a sample to the next over a gap, or over a missing value.
   const is_cut = (from_s, to_s) => values.some(

@@ -150,12 +150,15 @@ class Page:
     def save_downloads(self, folder):
         self.ask("Page.setDownloadBehavior", behavior="allow", downloadPath=folder)
 
-    def picture(self, path, is_whole=False):
+    def picture(self, path, is_whole=False, part=None):
+        """Of the window, of the whole page, or of a part of it: left, top, width and height in px."""
         clip = {}
         if is_whole:
             size = self.ask("Page.getLayoutMetrics")["cssContentSize"]
-            clip = {"clip": {"x": 0, "y": 0, "width": size["width"], "height": size["height"],
-                             "scale": 1}, "captureBeyondViewport": True}
+            part = (0, 0, size["width"], size["height"])
+        if part:
+            clip = {"clip": {**dict(zip(("x", "y", "width", "height"), part)), "scale": 1},
+                    "captureBeyondViewport": True}
         self.write(path, self.ask("Page.captureScreenshot", format="png", **clip)["data"])
 
     def print(self, path):

@@ -12,6 +12,7 @@
 #include "recordings/file_digest.h"
 #include "support/command.h"
 #include "support/paths.h"
+#include "support/table.h"
 #include "support/temporary_folder.h"
 
 namespace condyle {
@@ -73,6 +74,75 @@ TEST_F(Report, HoldsTheReadingsOfAnalyse) {
   const std::string page = text_of(path("report.html"));
   EXPECT_EQ(data_of(page).at("readings"), nlohmann::json::parse(analysed.output));
   EXPECT_LE(page.size(), 1'500'000U);
+}
+
+// The texts of the cells of class `kind` in `html`.
+std::vector<std::string> cells(const std::string& html, const std::string& kind) {
+  const std::string opening = "<td class=\"" + kind + "\">";
+  std::vector<std::string> texts;
+  for (std::size_t at = 0; (at = html.find(opening, at)) != std::string::npos;) {
+    at += opening.size();
+    texts.push_back(html.substr(at, html.find('<', at) - at));
+  }
+  return texts;
+}
+
+// What a reader sees is the reading, rounded to a place that its interval supports.
+TEST_F(Report, ShowsTheReadingsInItsTable) {
+  auto words = with_files("report", "session.csv");
+  words.insert(words.end(), {"--out", path("report.html")});
+  ASSERT_EQ(run_condyle(words).exit_code, 0);
+  const std::string page = text_of(path("report.html"));
+  const auto shown =
+      cells(element(page, "<table data-csv=\"recording_1_readings\">", "</table>"), "n v");
+  std::size_t next = 0;
+  const auto analysed = data_of(page).at("readings").at("recordings").at(0);
+  for (const auto& reading : analysed.at("readings")) {
+    if (!reading.at("stroke").is_null() || reading.at("provenance") == "withheld") continue;
+    ASSERT_LT(next + 2, shown.size());
+    const double half = (reading.at("high").get<double>() - reading.at("low").get<double>()) / 2;
+    for (const char* const key : {"value", "low", "high"}) {
+      const std::string& text = shown[next++];
+      const std::size_t point = text.find('.');
+      const double place =
+          std::pow(10.0, point == std::string::npos
+                             ? 0.0
+                             : static_cast<double>(point + 1) - static_cast<double>(text.size()));
+      EXPECT_NEAR(std::stod(text), reading.at(key).get<double>(), 0.500001 * place) << reading;
+      EXPECT_TRUE(half == 0 || place <= std::max(half, 1e-4)) << reading;
+    }
+  }
+  EXPECT_EQ(next, shown.size());
+  EXPECT_GT(next, 100U);
+  EXPECT_THAT(page, Not(HasSubstr(">-0.00<")));
+}
+
+// The first estimates are assumed, as `replay` says, and the charts draw them otherwise.
+TEST_F(Report, MarksWhatIsAssumed) {
+  ASSERT_EQ(
+      run_condyle({"replay", path("session.csv"), "--lag", "3", "--out", path("e.csv")}).exit_code,
+      0);
+  auto words = with_files("report", "session.csv");
+  words.insert(words.end(), {"--out", path("report.html")});
+  ASSERT_EQ(run_condyle(words).exit_code, 0);
+  const auto estimates = testing_support::read_table(path("e.csv"));
+  const auto series = data_of(text_of(path("report.html"))).at("recordings").at(0).at("series");
+  ASSERT_EQ(series.at("samples_per_point"), 1);
+  for (const auto& chart : series.at("charts")) {
+    const auto& provenance =
+        estimates.columns.at(chart.at("key").get<std::string>() + "_provenance");
+    std::vector<bool> marked(provenance.size());
+    for (const auto& stretch : chart.at("curves").at(2).at("assumed")) {  // z, which replay follows
+      for (std::size_t i = stretch.at(0); i <= stretch.at(1); ++i) marked.at(i) = true;
+    }
+    std::size_t assumed = 0;
+    for (std::size_t i = 0; i < provenance.size(); ++i) {
+      EXPECT_EQ(marked[i], provenance[i] == "assumed") << chart.at("key") << ' ' << i;
+      if (marked[i]) ++assumed;
+    }
+    EXPECT_GT(assumed, 0U);
+    EXPECT_LT(assumed, 20U);
+  }
 }
 
 TEST_F(Report, NeedsNothingFromElsewhere) {

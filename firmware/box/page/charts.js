@@ -1,6 +1,7 @@
 // The scrolling charts. Scales stay as they are until a value leaves them or the user fits them.
 import uPlot from 'uplot';
 
+import {lineSample} from '../../hosted/page/line_sample.js';
 import {chart_arrays, fill_chart} from './ring.js';
 import {mark_of, quantity_words, set_mark} from './signals.js';
 
@@ -21,29 +22,17 @@ function round_up(value) {
   return [1, 2, 5, 10].map((step) => step * power).find((step) => step >= value * 0.999);
 }
 
-function sample_of_line(line) {
-  const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
-  svg.setAttribute('viewBox', '0 0 28 10');
-  svg.setAttribute('aria-hidden', 'true');
-  const drawn = document.createElementNS('http://www.w3.org/2000/svg', 'path');
-  drawn.setAttribute('d', 'M0 5H28');
-  drawn.setAttribute('stroke', line.stroke);
-  drawn.setAttribute('stroke-width', '2.5');
-  drawn.setAttribute('stroke-dasharray', line.dash.join(' '));
-  svg.append(drawn);
-  return svg;
-}
-
 class Chart {
-  constructor(parent, group, first, ring) {
+  // `first`: the group's first signal among `all` of the ring, whose assumed values follow.
+  constructor(parent, group, first, all, ring) {
     this.group = group;
     this.ring = ring;
-    this.chosen = group.signals.map((signal, i) => first + i);
+    this.chosen = [0, all].flatMap((from) => group.signals.map((signal, i) => from + first + i));
     this.range = [-1e-9, 1e-9];
     const figure = document.createElement('div');
     figure.className = 'chart';
-    const title = document.createElement('h3');
-    title.textContent = `${group.title} (${group.unit})`;
+    this.title = document.createElement('h3');
+    this.name(group.title);
     const values = document.createElement('div');
     values.className = 'values';
     this.words = group.signals.map((signal, i) => {
@@ -51,19 +40,19 @@ class Chart {
       words.className = 'value';
       const text = document.createElement('span');
       const mark = mark_of('');
-      words.append(sample_of_line(kLines[i]), ` ${signal.name} `, mark, ' ', text);
+      words.append(lineSample(kLines[i].stroke, kLines[i].dash), ` ${signal.name} `, mark, ' ', text);
       values.append(words);
       return {text, mark};
     });
     this.place = document.createElement('div');
-    figure.append(title, values, this.place);
+    figure.append(this.title, values, this.place);
     parent.append(figure);
     this.make();
   }
 
   make() {
     const width = Math.max(240, this.place.clientWidth);
-    this.data = chart_arrays(Math.min(width - 60, 600), this.group.signals.length);
+    this.data = chart_arrays(Math.min(width - 60, 600), this.chosen.length);
     this.plot = new uPlot({
       width,
       height: kHeight,
@@ -75,10 +64,17 @@ class Chart {
           values: () => ['-10 s', '-8', '-6', '-4', '-2', 'now'], stroke: '#000000'},
         {size: 56, stroke: '#000000'},
       ],
-      series: [{}, ...this.group.signals.map((signal, i) => (
-        {...kLines[i], width: 1, points: {show: false}, auto: false}))],
+      series: [{}, ...this.chosen.map((signal, i) => {
+        const line = kLines[i % this.group.signals.length];
+        const dash = i < this.group.signals.length ? line.dash : kAssumed;
+        return {stroke: line.stroke, dash, width: 1, points: {show: false}, auto: false};
+      })],
       hooks: {draw: [(u) => this.mark_gaps(u)]},
     }, this.data, this.place);
+  }
+
+  name(title) {
+    this.title.textContent = `${title} (${this.group.unit})`;
   }
 
   fit_width() {
@@ -103,6 +99,7 @@ class Chart {
     let low = Infinity;
     let high = -Infinity;
     for (let s = 1; s < this.data.length; ++s) {
+      if (!this.plot.series[s].show) continue;
       for (const value of this.data[s]) {
         if (value == null) continue;
         if (value < low) low = value;
@@ -127,8 +124,17 @@ class Chart {
     this.range[1] = Math.max(this.range[1], 0.05 * height);
   }
 
+  // Lines without values are left out, or they would take time.
+  choose_lines(begin_s) {
+    this.chosen.forEach((series, i) => {
+      const show = this.ring.latest_s[series] >= begin_s;
+      if (this.plot.series[i + 1].show !== show) this.plot.setSeries(i + 1, {show});
+    });
+  }
+
   draw(end_s, is_to_fit) {
     fill_chart(this.ring, this.chosen, end_s, kSpan_s, this.data);
+    this.choose_lines(end_s - kSpan_s);
     this.widen(is_to_fit);
     const [low, high] = this.range;
     this.plot.batch(() => {
@@ -142,8 +148,6 @@ class Chart {
     this.group.signals.forEach((signal, i) => {
       let found = line && signal.read(line);
       const provenance = found ? found.provenance : '';
-      const dash = provenance === 'assumed' ? kAssumed : kLines[i].dash;
-      this.plot.series[i + 1].dash = dash;
       if (found && this.group.from_zero) found = {...found, value: found.value - zero[i]};
       this.words[i].text.textContent = quantity_words(found, this.group.scale, this.group.unit);
       set_mark(this.words[i].mark, provenance);
@@ -156,12 +160,18 @@ export class Charts {
   constructor(parent, groups, ring) {
     parent.replaceChildren();
     let first = 0;
+    const all = groups.reduce((sum, group) => sum + group.signals.length, 0);
     this.charts = groups.map((group) => {
-      const chart = new Chart(parent, group, first, ring);
+      const chart = new Chart(parent, group, first, all, ring);
       first += group.signals.length;
       return chart;
     });
     this.is_to_fit = false;
+  }
+
+  /** Entitles the chart of the group `key`. */
+  name(key, title) {
+    for (const chart of this.charts) if (chart.group.key === key) chart.name(title);
   }
 
   fit() {

@@ -1,5 +1,6 @@
 // Chewing cycles as they come: the last one against the average of those before it. A cycle goes from
 // one crossing of the middle of the movement, away from zero, to the next.
+import {fixed} from '../../hosted/page/numbers.js';
 import {axes_of, with_interval} from './signals.js';
 
 const kPoints = 60;
@@ -203,8 +204,8 @@ export class Cycles {
     context.font = `${13 * ratio}px system-ui, "Liberation Sans", Arial, sans-serif`;
     context.fillStyle = '#000000';
     context.textAlign = 'right';
-    context.fillText(`${(1e3 * high).toFixed(1)}`, left - 6 * ratio, y(high) + 8 * ratio);
-    context.fillText(`${(1e3 * low).toFixed(1)}`, left - 6 * ratio, y(low));
+    context.fillText(`${fixed(1e3 * high, 1)}`, left - 6 * ratio, y(high) + 8 * ratio);
+    context.fillText(`${fixed(1e3 * low, 1)}`, left - 6 * ratio, y(low));
     context.fillText('mm', left - 6 * ratio, (y(high) + y(low)) / 2);
     context.fillText('100 % of the cycle', canvas.width - 8 * ratio, canvas.height - 5 * ratio);
     const line = (values) => {

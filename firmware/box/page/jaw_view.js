@@ -1,9 +1,10 @@
 // The jaw in three dimensions as the pose moves it. Three points of the jaw, if the box sends them under
 // these names; otherwise a sketch of assumed size.
-import {moved, outline} from '../../hosted/page/jaw_shape.js';
+import {moved, nameCondyles, outline} from '../../hosted/page/jaw_shape.js';
 
 const kNames = ['condyle_left', 'condyle_right', 'incisor'];
 const kTurn = 0.15;  // rad for a key
+const kMiddle = 0.36;  // of the height: the jaw opens downward
 const kTrail = 400;
 const kTrail_s = 0.025;
 // mm in the frame of the head: x forward, y left, z up. The measured centre is at the incisor.
@@ -152,11 +153,11 @@ export class JawView {
     const middle = [0, 1, 2].map((i) => (still[0][i] + still[1][i] + 2 * still[2][i]) / 4);
     const [c, s] = [Math.cos(this.view.turn), Math.sin(this.view.turn)];
     const [ct, st] = [Math.cos(this.view.tilt), Math.sin(this.view.tilt)];
-    const scale = Math.min(width, height) / 140;
+    const scale = Math.min(width, height) / 160;
     const project = (p) => {
       const [x, y, z] = p.map((v, i) => v - middle[i]);
       const depth = c * x - s * y;
-      return [width / 2 - (s * x + c * y) * scale, height * 0.42 - (z * ct - depth * st) * scale];
+      return [width / 2 - (s * x + c * y) * scale, height * kMiddle - (z * ct - depth * st) * scale];
     };
     const trace = (points, colour, thickness) => {
       context.strokeStyle = colour;
@@ -185,5 +186,7 @@ export class JawView {
       context.arc(x, y, 4 * ratio, 0, 2 * Math.PI);
       context.fill();
     }
+    context.fillStyle = '#101820';
+    nameCondyles(context, project(this.points[0]), project(this.points[1]), ratio);
   }
 }

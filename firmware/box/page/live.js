@@ -54,7 +54,7 @@ class Live {
     this.axes = axes_of(line);
     this.groups = groups_of(line);
     this.signals = this.groups.flatMap((group) => group.signals.map((signal) => ({...signal, scale: group.scale})));
-    this.ring = new Ring(kCapacity, this.signals.length);
+    this.ring = new Ring(kCapacity, 2 * this.signals.length);  // what is assumed comes second
     this.still = new Stillness(this.axes.length);
     this.zero = null;
     this.step_s = null;
@@ -98,7 +98,10 @@ class Live {
     this.signals.forEach((signal, s) => {
       const found = is_there ? signal.read(line) : null;
       const zero = s < this.axes.length && this.zero ? this.zero[s] : 0;
-      this.ring.values[s][place] = found ? (found.value - zero) * signal.scale : NaN;
+      const value = found ? (found.value - zero) * signal.scale : NaN;
+      const is_assumed = found !== null && found.provenance === 'assumed';
+      this.ring.put(s, place, is_assumed ? NaN : value);
+      this.ring.put(this.signals.length + s, place, is_assumed ? value : NaN);
     });
     this.still.add(line, time_s, has_gap);
     this.jaw.add(line, time_s, has_gap);
@@ -118,8 +121,9 @@ class Live {
       const position_m = this.line[axis].position_m;
       if (position_m === null) return;
       const change = (position_m - this.zero[i]) * 1e3;
-      const values = this.ring.values[i];
-      for (let k = 0; k < values.length; ++k) values[k] -= change;
+      for (const values of [this.ring.values[i], this.ring.values[this.signals.length + i]]) {
+        for (let k = 0; k < values.length; ++k) values[k] -= change;
+      }
       this.zero[i] = position_m;
     });
     this.jaw.forget();
@@ -183,7 +187,10 @@ class Live {
       set_text('rate', 'not known: the box does not answer');
       return;
     }
-    const {device} = status;
+    const {device, estimator} = status;
+    if (this.charts && estimator.assumed_mass_kg) {
+      this.charts.name('force', `Force: the assumed ${estimator.assumed_mass_kg} kg times the acceleration`);
+    }
     this.jaw.use(status.jaw || null);
     const nominal = device.nominal_rate_Hz ? ` of ${device.nominal_rate_Hz} nominal` : '';
     set_text('device', `${device.name} (${device.source})`);
@@ -194,7 +201,8 @@ class Live {
     if (device.disconnections > 0) parts.push(`${device.disconnections} disconnections`);
     if (this.connection.missed > 0) parts.push(`this page missed ${this.connection.missed} estimates`);
     if (this.connection.cuts > 0) {
-      parts.push(`connection lost ${this.connection.cuts} times, ${this.connection.away_s.toFixed(0)} s in all`);
+      const times = this.connection.cuts === 1 ? 'once' : `${this.connection.cuts} times`;
+      parts.push(`connection lost ${times}, ${this.connection.away_s.toFixed(0)} s in all`);
     }
     set_text('losses', parts.join(', '));
   }

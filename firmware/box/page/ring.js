@@ -7,11 +7,13 @@ export class Ring {
     this.time = new Float64Array(capacity);
     this.breaks = new Uint8Array(capacity);
     this.values = Array.from({length: series}, () => new Float32Array(capacity));
+    this.latest_s = new Array(series).fill(-Infinity);  // of a value that `put` gave
     this.size = 0;
     this.end = 0;  // place of the next sample
   }
 
   clear() {
+    this.latest_s.fill(-Infinity);
     this.size = 0;
     this.end = 0;
   }
@@ -24,6 +26,12 @@ export class Ring {
     this.end = (place + 1) % this.capacity;
     this.size = Math.min(this.size + 1, this.capacity);
     return place;
+  }
+
+  /** Gives series `s` its value at `place`; a chart draws only what came by this way. */
+  put(s, place, value) {
+    this.values[s][place] = value;
+    if (value === value) this.latest_s[s] = this.time[place];
   }
 
   /** Place of the k-th sample, 0: the oldest. */
@@ -90,6 +98,10 @@ function extremes(ring, chosen, k, begin_s, width_s, data) {
   for (let s = 0; s < chosen.length; ++s) {
     const values = ring.values[chosen[s]];
     const out = data[s + 1];
+    if (ring.latest_s[chosen[s]] < begin_s) {
+      out.fill(null);
+      continue;
+    }
     const fill = (c, value) => out.fill(value, kPoints * c, kPoints * (c + 1));
     let c = -1;
     for (k = first; k < ring.size;) {

@@ -68,7 +68,7 @@ export class Sessions {
       const subject = session.subject ? ` ${session.subject}` : '';
       const lost = session.reports_lost > 0 ? `, ${session.reports_lost} reports lost` : '';
       words = `${session.phase === 'paused' ? 'PAUSED' : 'Recording'}${subject} ${clock_of(session.file, date)}, ` +
-        `${session.reports_written} reports${lost}, ${session.markers} markers`;
+        `${session.reports_written} reports${lost}, ${session.markers} marker${session.markers === 1 ? '' : 's'}`;
     }
     if (session && session.problem) words += ` Problem: ${session.problem}`;
     const state = $('session');

@@ -1,4 +1,5 @@
 // What an estimate holds that a chart can show: groups of signals, with their units and letters.
+import {fixed} from '../../hosted/page/numbers.js';
 
 const kDegrees = 180 / Math.PI;
 const k95 = 1.959963984540054;  // half-width of the central 95 % of a normal distribution
@@ -57,7 +58,7 @@ export function is_measured(line) {
 export function with_interval(value, half) {
   if (!(half > 0)) return `${Number(value.toPrecision(4))}, interval not known`;
   const digits = Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(half))));
-  return `${value.toFixed(digits)} \u00b1 ${half.toFixed(digits)}`;
+  return `${fixed(value, digits)} \u00b1 ${half.toFixed(digits)}`;
 }
 
 /** A quantity of `read`, in the unit of its group. */

@@ -58,6 +58,7 @@ class Engine {
 
   EstimateOutlet& outlet() { return outlet_; }
   const EstimateOutlet& outlet() const { return outlet_; }
+  const RecommendedParameters& parameters() const { return parameters_; }
 
   // For any thread:
   EngineCounts counts() const;

@@ -265,6 +265,7 @@ BoxStatus Box::status() const {
   status.rate_Hz = rate_Hz_;
   status.counts = engine_->counts();
   status.health = engine_->outlet().health();
+  if (!node_) status.assumed_mass_kg = engine_->parameters().assumed_mass_kg;
   if (stream_) status.lsl_counts = stream_->counts();
   if (node_) status.node_state = node_->state();
   status.run = engine_->run();

@@ -58,6 +58,7 @@ Json estimator_json(const BoxStatus& status) {
       health.is_ready && status.is_open && !status.has_ended && (status.node.empty() || node_gives);
   json["samples"] = status.counts.samples;
   json["estimates"] = status.counts.estimates;
+  json["assumed_mass_kg"] = status.assumed_mass_kg ? Json(*status.assumed_mass_kg) : Json();
   json["noise_sd_m"] = health.is_ready ? Json(health.noise_sd_m) : Json();
   json["mean_nis_per_axis"] = health.is_ready ? Json(health.mean_nis) : Json();
   json["outliers_rejected"] = health.rejected;

@@ -23,6 +23,7 @@ struct BoxStatus {
   double rate_Hz = 0;          ///< of the samples of the last second
   double nominal_rate_Hz = 0;  ///< from the profile; 0: not stated
   EngineCounts counts;
+  std::optional<double> assumed_mass_kg;  ///< of the force; none: a microcontroller has its own
   EstimatorHealth health;
   std::uint64_t run = 0, estimates_dropped = 0;
   const firmware::LatencyHistogram* latency = nullptr;  ///< null: there is none yet

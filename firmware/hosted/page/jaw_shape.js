@@ -38,3 +38,12 @@ export function moved(p, from, to) {
   const local = f.map((axis) => axis[0] * d[0] + axis[1] * d[1] + axis[2] * d[2]);
   return to[0].map((v, i) => v + t[0][i] * local[0] + t[1][i] * local[1] + t[2][i] * local[2]);
 }
+
+/** Writes beside the drawn condyles which is which; `ratio`: device pixels for each px. */
+export function nameCondyles(context, left, right, ratio) {
+  context.font = `${12 * ratio}px system-ui, "Liberation Sans", Arial, sans-serif`;
+  context.textBaseline = 'bottom';
+  [['left', left], ['right', right]].forEach(([name, [x, y]]) => {
+    context.fillText(name, x + 6 * ratio, y - 4 * ratio);
+  });
+}

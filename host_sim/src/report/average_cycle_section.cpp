@@ -181,7 +181,7 @@ std::string average_cycle_html(const Analysis& analysis, const std::string& pref
     if (average.withheld.empty()) continue;
     text += fmt::format("<p>{} The average of {} cycles is withheld: {}.</p>\n",
                         provenance_mark("withheld"), html_text(average.side),
-                        html_text(average.withheld));
+                        reason_html(average.withheld));
   }
   return text + points_table(analysis, prefix);
 }

@@ -50,7 +50,9 @@ std::string change_svg(const QuantityComparison& quantity) {
     span.include(quantity.means[0] - smallest);
     span.include(quantity.means[0] + smallest);
   }
-  const double margin = std::max(0.06 * (span.high - span.low), 1e-9 + 1e-6 * std::abs(span.high));
+  double margin = 0.06 * (span.high - span.low);
+  // All the same: the ticks still differ.
+  if (margin <= 1e-7 * std::abs(span.high)) margin = span.high == 0 ? 1 : 0.1 * std::abs(span.high);
   span.low -= margin;
   span.high += margin;
   const double width = kLeft + kColumn * static_cast<double>(quantity.values.size());

@@ -16,7 +16,10 @@ int digits_for(double half) {
 }
 
 std::string rounded(double value, int digits) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string();
+  if (!std::isfinite(value)) return {};
+  std::string text = fmt::format("{:.{}f}", value, digits);
+  if (text[0] == '-' && text.find_first_of("123456789") == std::string::npos) text.erase(0, 1);
+  return text;
 }
 
 std::string provenance_mark(const char* provenance) {

@@ -36,4 +36,13 @@ inline std::string html_text(std::string_view text) {
   return result;
 }
 
+/// A reason that condyle gives: as on a terminal, but with a plus-minus sign.
+inline std::string reason_html(std::string_view reason) {
+  std::string result = html_text(reason);
+  for (std::size_t at = 0; (at = result.find("+-", at)) != std::string::npos; ++at) {
+    result.replace(at, 2, "&plusmn;");
+  }
+  return result;
+}
+
 }  // namespace condyle::host

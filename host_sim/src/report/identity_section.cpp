@@ -86,7 +86,7 @@ std::string identity_html(const ReportSection& section, const std::string& landm
     const Analysis& analysis = *section.analysis;
     add("length",
         fmt::format("{:.1f} s, {:.1f} samples a second", analysis.duration_s, analysis.rate_Hz));
-    add("reference",
+    add("reference position",
         fmt::format("{:.2f} to {:.2f} s, {}", analysis.reference_begin_s, analysis.reference_end_s,
                     analysis.is_reference_found ? "found" : "stated"));
     add("noise", noise_text(analysis));

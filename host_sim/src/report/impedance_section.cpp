@@ -126,7 +126,7 @@ std::string impedance_html(const ReportSection& section, const std::string& pref
   return table.html("Friction and mass, from the drive") +
          "<p>Friction is the effective damping along the followed axis, of joint, muscle and "
          "tissue "
-         "together. Hatched: what was assumed before the recording. Solid: what the drive "
+         "together. Hollow: what was assumed before the recording. Solid: what the drive "
          "measured. Both are 95 % intervals.</p>\n<div class=\"row rulers\">" +
          rulers + "</div>\n";
 }

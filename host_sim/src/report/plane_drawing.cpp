@@ -13,8 +13,9 @@ namespace condyle::host {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-// Of a drawing. If tasks have more, pieces of them are drawn: no line joins distant moments.
-constexpr std::size_t kMostPoints = 8'000, kPieces = 12, kPointsOfPieces = 4'000;
+// Of a drawing. If tasks have more, pieces of the long ones are drawn: no line joins distant
+// moments.
+constexpr std::size_t kMostPoints = 8'000, kPieces = 12;
 constexpr double kDrawnRate_Hz = 50, kLeastStep_mm = 0.05;
 
 class Drawing {
@@ -36,6 +37,7 @@ class Drawing {
     for (const DrawnAngle& angle : plane_.angles) text += fan(angle);
     for (const DrawnBand& band : plane_.bands) text += area(band);
     for (const DrawnPath& path : paths_) text += line_of(path);
+    text += labels();
     if (!plane_.point.empty()) {
       text += fmt::format(
           "<circle class=\"now\" visibility=\"hidden\" r=\"{:.3f}\" data-point=\"{}\" "
@@ -96,10 +98,13 @@ class Drawing {
     return text;
   }
 
-  std::string axes() const {
+  std::string axes() const { return line(left_, 0, right_, 0) + line(0, bottom_, 0, top_); }
+
+  // Above the paths, which would hide them.
+  std::string labels() const {
     const double span = std::max(right_ - left_, top_ - bottom_);
     const double tick = span > 40 ? 10 : span > 15 ? 5 : span > 6 ? 2 : 1;
-    std::string text = line(left_, 0, right_, 0) + line(0, bottom_, 0, top_);
+    std::string text;
     for (double x = std::ceil(left_ / tick) * tick; x <= right_; x += tick) {
       text += label(x, 0, fmt::format("{:g}", sign_ * x + 0.0), 1.1);
     }
@@ -133,7 +138,6 @@ class Drawing {
       return fmt::format("{:.3f} {:.3f}", angle.length_mm * std::cos(deg * kDegree),
                          -angle.length_mm * std::sin(deg * kDegree));
     };
-    // The longest chord carries the label.
     return fmt::format(
         "<path class=\"fan\" d=\"M0 0 L{} L{} Z\"/><path class=\"chord\" d=\"M0 0 L{}\"><title>{}"
         "</title></path>",
@@ -156,13 +160,25 @@ std::vector<DrawnAngle> chords(const Analysis& analysis, const std::string& read
     if (one.stroke > 0 || one.side != side || !std::isfinite(one.value)) continue;
     for (const int travel_mm : {3, 5, 10}) {
       if (one.definition->name != fmt::format("{}_{}mm_deg", reading, travel_mm)) continue;
-      angles.push_back({fmt::format("{} {} mm: {:.1f} deg, {:.1f} to {:.1f}", name_of(one.task),
+      angles.push_back({fmt::format("{} at {} mm {:.1f} deg, {:.1f} to {:.1f}", name_of(one.task),
                                     travel_mm, one.value, one.low, one.high),
                         static_cast<double>(travel_mm), turn(one.value), turn(one.low),
                         turn(one.high)});
     }
   }
   return angles;
+}
+
+// Points that a task may have, so that all have no more than a drawing: short ones keep theirs.
+std::size_t most_of_each(std::vector<std::size_t> points) {
+  std::sort(points.begin(), points.end());
+  std::size_t left = kMostPoints;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::size_t share = left / (points.size() - i);
+    if (points[i] > share) return share;
+    left -= points[i];
+  }
+  return kMostPoints;
 }
 
 }  // namespace
@@ -174,19 +190,20 @@ std::vector<DrawnPath> task_paths(const Analysis& analysis,
     return static_cast<std::size_t>(std::lower_bound(time_s.begin(), time_s.end(), t) -
                                     time_s.begin());
   };
-  std::size_t samples = 0;
-  for (const Task& task : analysis.tasks) samples += index_of(task.end_s) - index_of(task.begin_s);
   const auto stride =
       std::max<std::size_t>(1, static_cast<std::size_t>(analysis.rate_Hz / kDrawnRate_Hz));
-  const std::size_t pieces = samples / stride > kMostPoints ? kPieces : 1;
+  std::vector<std::size_t> points;
+  for (const Task& task : analysis.tasks) {
+    points.push_back((index_of(task.end_s) - index_of(task.begin_s)) / stride);
+  }
+  const std::size_t most = most_of_each(points);
   std::vector<DrawnPath> paths;
   for (const Task& task : analysis.tasks) {
     const std::size_t begin = index_of(task.begin_s), count = index_of(task.end_s) - begin;
     DrawnPath path{task.kind == TaskKind::whole ? "whole" : name_of(task.kind), {}};
-    // This task's share of the samples of each piece.
-    const std::size_t drawn =
-        pieces == 1 ? count
-                    : count * (kPointsOfPieces * stride / pieces) / std::max(samples, count);
+    const bool is_whole = count / stride <= most;
+    const std::size_t pieces = is_whole ? 1 : std::clamp<std::size_t>(most / 10, 2, kPieces);
+    const std::size_t drawn = is_whole ? count : most * stride / pieces;
     for (std::size_t i = 0; i < pieces; ++i) {
       const std::size_t first = begin + i * count / pieces;
       auto& piece = path.pieces_m.emplace_back();

@@ -26,6 +26,19 @@ constexpr ChartText kChartTexts[ReportSeries::kCharts] = {
     {"friction", "Friction", "N s/m", 1},
     {"mass", "Effective mass", "kg", 1}};
 
+// First and last run of each stretch whose values are assumed.
+Json assumed_stretches(const ReportSeries& series, std::size_t chart, std::size_t axis) {
+  Json json = Json::array();
+  const auto& runs = series.runs();
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (!runs[i].curves[chart][axis].is_assumed) continue;
+    const std::size_t first = i;
+    while (i + 1 < runs.size() && runs[i + 1].curves[chart][axis].is_assumed) ++i;
+    json.push_back({first, i});
+  }
+  return json;
+}
+
 // `has_band`: with half of the interval.
 Json curve(const ReportSeries& series, std::size_t chart, std::size_t axis, bool has_band) {
   std::vector<double> low, high, half;
@@ -43,6 +56,8 @@ Json curve(const ReportSeries& series, std::size_t chart, std::size_t axis, bool
                {"low", packed_values(low)}};
   if (!is_single) json["high"] = packed_values(high);  // else the same
   if (has_band) json["half"] = packed_values(half);
+  Json assumed = assumed_stretches(series, chart, axis);
+  if (!assumed.empty()) json["assumed"] = std::move(assumed);
   return json;
 }
 

@@ -71,9 +71,14 @@ std::string charts(const ReportSection& section) {
   if (section.series.runs().empty()) return {};
   std::string text = "<h3>Over time</h3>\n";
   text += paragraph(
-      "Bands are 95 % intervals. Shaded times are tasks, red ticks unusual samples. The cursor is "
+      "Bands are 95 % intervals. Dotted curves are assumed. Shaded times are tasks, red ticks "
+      "unusual "
+      "samples. The cursor is "
       "the same in all views. Drag to enlarge a time, double-click to see all. Keys: arrows, Home "
       "and End move the cursor; + and - zoom; 0 shows all.");
+  if (section.series.axis_count() > 1) {
+    text += paragraph("x, y and z: the followed point, in the instrument's frame.");
+  }
   if (section.origin_s != 0) {
     text +=
         paragraph(fmt::format("Time 0 is {:.3f} s on the recording's clock.", section.origin_s));
@@ -104,6 +109,15 @@ std::string charts(const ReportSection& section) {
   return text;
 }
 
+// Of the chords: paper cannot show what hovering shows.
+std::string angles_in_words(const PlaneDrawing& drawing) {
+  std::string words;
+  for (const DrawnAngle& angle : drawing.angles) {
+    words += (words.empty() ? ". By task: " : "; ") + angle.label;
+  }
+  return words;
+}
+
 std::string paths(const ReportSection& section) {
   const Analysis& analysis = *section.analysis;
   if (!analysis.unusable.empty() || analysis.path.time_s.empty()) return {};
@@ -116,7 +130,7 @@ std::string paths(const ReportSection& section) {
   }
   text += "</div>\n" + task_key(analysis) + "</div>\n";
   if (is_drawn_in_pieces(incisor)) {
-    text += paragraph("Of the long tasks, twelve evenly spaced pieces are drawn.");
+    text += paragraph("Of the long tasks, evenly spaced pieces are drawn.");
   }
   if (!analysis.has_landmarks) {
     return text +
@@ -126,7 +140,8 @@ std::string paths(const ReportSection& section) {
   }
   text += "<h3>Paths of the condyles</h3>\n<div class=\"tasks\"><div class=\"row pairs\">";
   for (const PlaneDrawing& drawing : condyle_drawings(analysis)) {
-    text += figure(plane_svg(drawing, task_paths(analysis, *drawing.path_m)), drawing.title);
+    text += figure(plane_svg(drawing, task_paths(analysis, *drawing.path_m)),
+                   drawing.title + angles_in_words(drawing));
   }
   text += "</div>\n" + task_key(analysis) + "</div>\n";
   text += paragraph("Black dashes: chord of each angle at its travel. Grey: its 95 % interval.");
@@ -177,8 +192,8 @@ std::string report_page(const std::vector<ReportSection>& sections, const std::s
   std::string text = head() + "<body>\n<header>\n<h1>Jaw motion report</h1>\n";
   text += fmt::format(
       "<div class=\"banner\"><strong>Research use only; not a diagnosis.</strong> condyle {}. "
-      "Every "
-      "number has a 95 % interval, or is withheld with the reason.</div>\n",
+      "Every reading and every estimate has a 95 % interval, or is withheld with the reason."
+      "</div>\n",
       CONDYLE_VERSION);
   text += provenance_key();
   text +=

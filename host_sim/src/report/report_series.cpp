@@ -9,7 +9,8 @@ namespace condyle::host {
 void ReportSeries::Curve::add(const Quantity<double>& quantity) {
   if (quantity.provenance == Provenance::not_computed) return;
   const auto value = static_cast<float>(quantity.value);
-  add({value, value, static_cast<float>(kNormalQuantile95 * quantity.standard_deviation)});
+  add({value, value, static_cast<float>(kNormalQuantile95 * quantity.standard_deviation),
+       quantity.provenance == Provenance::assumed});
 }
 
 void ReportSeries::Curve::add(const Curve& other) {
@@ -17,6 +18,7 @@ void ReportSeries::Curve::add(const Curve& other) {
   low = std::fmin(low, other.low);
   high = std::fmax(high, other.high);
   half = std::fmax(half, other.half);
+  is_assumed = is_assumed || other.is_assumed;
 }
 
 void ReportSeries::add_to(Run& run, const EstimateRow& row) {

@@ -23,6 +23,7 @@ class ReportSeries {
   struct Curve {
     float low = kNone, high = kNone;  ///< extremes of the value
     float half = kNone;               ///< half of the widest 95 % interval
+    bool is_assumed = false;          ///< one of the values at least
     void add(const Quantity<double>& quantity);
     void add(const Curve& other);
   };

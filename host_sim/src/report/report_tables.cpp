@@ -20,7 +20,9 @@ std::string task_name(TaskKind kind) {
 }
 
 void add_reading(HtmlTable& table, const JawReading& reading, bool has_stroke) {
-  const int digits = digits_for((reading.high - reading.low) / 2);
+  const double half = (reading.high - reading.low) / 2;
+  const bool is_count = half == 0 && reading.value == std::floor(reading.value);
+  const int digits = is_count ? 0 : digits_for(half);
   table.begin_row(name_of(reading.provenance));
   table.cell(task_name(reading.task));
   if (has_stroke) table.number_cell(std::to_string(reading.stroke));
@@ -31,7 +33,7 @@ void add_reading(HtmlTable& table, const JawReading& reading, bool has_stroke) {
   table.number_cell(rounded(reading.high, digits));
   table.cell(reading.definition->unit == "1" ? "" : std::string(reading.definition->unit));
   table.html_cell(provenance_mark(name_of(reading.provenance)));
-  table.cell(reading.reason);
+  table.html_cell(reason_html(reading.reason));
   table.end_row();
 }
 
@@ -148,7 +150,7 @@ std::string withheld_table(const Analysis& analysis, const std::string& prefix) 
     std::string joined;
     for (const std::string& name : readings) joined += (joined.empty() ? "" : "; ") + name;
     table.begin_row("withheld");
-    table.cell(reason);
+    table.html_cell(reason_html(reason));
     table.cell(joined);
     table.end_row();
   }

@@ -142,9 +142,10 @@ std::string sample_times_html(const std::vector<double>& time_s, double origin_s
                 number_text(times.gaps.size(), "gap"), SampleTimes::kGap, times.missing_s,
                 100 * times.missing_s / span_s, times.longest_gap_s);
   text += "</figure>\n<figure class=\"half\">" + histogram(times);
-  text +=
-      fmt::format("<figcaption>usual step {:.4g} ms; 95 % of the steps from {:.4g} to {:.4g} ms",
-                  1e3 * times.usual_step_s, 1e3 * times.low_step_s, 1e3 * times.high_step_s);
+  text += fmt::format(
+      "<figcaption>number of steps of each length, logarithmic; usual step {:.4g} ms; 95 % of the "
+      "steps from {:.4g} to {:.4g} ms",
+      1e3 * times.usual_step_s, 1e3 * times.low_step_s, 1e3 * times.high_step_s);
   if (times.longer > 0) {
     text += fmt::format("; not drawn: {} of more than {:.4g} ms", number_text(times.longer, "step"),
                         1e3 * SampleTimes::kWidest * times.usual_step_s);

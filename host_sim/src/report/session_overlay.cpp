@@ -132,7 +132,7 @@ std::string not_compared_table(const SessionOverlay& overlay) {
       if (quantity.withheld.empty()) continue;
       table.begin_row("withheld");
       table.cell(quantity.name);
-      table.cell(quantity.withheld);
+      table.html_cell(reason_html(quantity.withheld));
       table.end_row();
     }
   }

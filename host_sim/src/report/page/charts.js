@@ -1,6 +1,8 @@
 // Charts over time, with 95 % bands; one cursor and one zoom for all of a recording.
 import uPlot from 'uplot';
 
+import {lineSample} from '../../../../firmware/hosted/page/line_sample.js';
+import {fixed} from '../../../../firmware/hosted/page/numbers.js';
 import {nearest, times, values} from './data.js';
 
 const kHeight = 190;  // px
@@ -13,6 +15,8 @@ const kCurves = [
   {stroke: '#c2571a', fill: 'rgba(194,87,26,0.18)', dash: [9, 3]},
   {stroke: '#4f8f3a', fill: 'rgba(79,143,58,0.18)', dash: [3, 3]},
 ];
+const kAssumed = [1, 4];
+const kSeries = 4;  // of a curve: what is not assumed, the ends of its band, what is assumed
 const kTask = {
   opening: '#dbe7f3', protrusion: '#f6e3d3', left: '#ddeed8', right: '#e9ddf0', chewing: '#e4e4e4',
   border: '#f3dbe3', rest: '#f4efcf',
@@ -22,7 +26,7 @@ const kTask = {
 function digits(value, half) {
   if (!(half > 0)) return Number(value.toPrecision(4)).toString();
   const decimals = Math.max(0, 1 - Math.floor(Math.log10(half)));
-  return `${value.toFixed(decimals)} \u00b1 ${half.toFixed(decimals)}`;
+  return `${fixed(value, decimals)} \u00b1 ${half.toFixed(decimals)}`;
 }
 
 function shadeTasks(u, tasks) {
@@ -69,6 +73,13 @@ function markEvents(u, events) {
   ctx.restore();
 }
 
+// Which values are assumed.
+function assumedOf(curve, length) {
+  const assumed = new Array(length).fill(false);
+  for (const [first, last] of curve.assumed || []) assumed.fill(true, first, last + 1);
+  return assumed;
+}
+
 // One resolution of a chart. `bands`: the curves of the whole, from which a closer look takes its
 // intervals.
 function levelOf(time, curves, bands) {
@@ -79,17 +90,20 @@ function levelOf(time, curves, bands) {
       const high = curve.high ? values(curve.high) : low;
       const half = curve.half ? values(curve.half) :
           time.map((t) => bands.curves[i].half[nearest(bands.time, t)]);
-      return {low, high, half};
+      return {low, high, half, assumed: assumedOf(curve, time.length)};
     }),
   };
 }
 
 function dataOf(level) {
   const data = [level.time];
-  for (const {low, high, half} of level.curves) {
-    data.push(low.map((v, k) => (v == null || high[k] == null ? null : (v + high[k]) / 2)));
+  for (const {low, high, half, assumed} of level.curves) {
+    const middle = low.map((v, k) => (v == null || high[k] == null ? null : (v + high[k]) / 2));
+    data.push(middle.map((v, k) => (assumed[k] ? null : v)));
     data.push(high.map((v, k) => (v == null || half[k] == null ? null : v + half[k])));
     data.push(low.map((v, k) => (v == null || half[k] == null ? null : v - half[k])));
+    // Up to the value after them.
+    data.push(middle.map((v, k) => (assumed[k] || (k > 0 && assumed[k - 1]) ? v : null)));
   }
   return data;
 }
@@ -116,11 +130,12 @@ class ChartLevels {
     return this.now !== before;
   }
 
-  text(curve, v, k) {
-    if (v == null || k == null) return 'none';
-    const {low, high, half} = this.now.curves[curve];
+  text(curve, k) {
+    if (k == null) return '';  // no moment is chosen
+    const {low, high, half, assumed} = this.now.curves[curve];
+    if (low[k] == null || high[k] == null) return 'none';
     const halfOfAll = half[k] == null ? 0 : half[k] + (high[k] - low[k]) / 2;
-    return `${digits(v, halfOfAll)} ${this.chart.unit}`;
+    return `${digits((low[k] + high[k]) / 2, halfOfAll)} ${this.chart.unit}${assumed[k] ? ', assumed' : ''}`;
   }
 }
 
@@ -135,11 +150,12 @@ function seriesOf(levels) {
       label: curve.name,
       stroke: style.stroke,
       width: 1,
-      dash: chart.provenance === 'assumed' ? [1, 4] : style.dash,
+      dash: style.dash,
       points: {show: false},
-      value: (u, v, s, k) => levels.text(i, v, k),
+      value: (u, v, s, k) => levels.text(i, k),
     });
     for (let j = 0; j < 2; ++j) series.push({label: '', width: 0, points: {show: false}});
+    series.push({label: '', stroke: style.stroke, width: 1, dash: kAssumed, points: {show: false}});
     bands.push({series: [at + 1, at + 2], fill: style.fill});
   });
   return {series, bands};
@@ -154,7 +170,11 @@ function drawChart(place, levels, recording, moment) {
     height: kHeight,
     series,
     bands,
-    scales: {x: {time: false}},
+    // Where nothing is known the axis stays, so that all charts are equally wide.
+    scales: {
+      x: {time: false},
+      y: {range: (self, low, high) => (low == null ? [0, 1] : uPlot.rangeNum(low, high, 0.1, true))},
+    },
     axes: [{size: 34}, {label: `${chart.title} (${chart.unit})`, labelSize: 20, size: 62}],
     cursor: {drag: {x: true, y: false}, y: false},
     legend: {live: true},
@@ -189,9 +209,16 @@ function drawChart(place, levels, recording, moment) {
       u.setScale('x', {min: begin_s, max: end_s});
     }
   }));
-  // The ends of a band are not curves of their own.
+  // Only the first series of a curve is named.
   place.querySelectorAll('.u-legend .u-series').forEach((row, i) => {
-    if (i > 0 && (i - 1) % 3 !== 0) row.classList.add('band');
+    if (i === 0) return;
+    const curve = (i - 1) / kSeries;
+    if (!Number.isInteger(curve)) {
+      row.classList.add('unnamed');
+      return;
+    }
+    const {stroke, dash} = kCurves[curve % kCurves.length];
+    row.querySelector('.u-marker').replaceWith(lineSample(stroke, dash));
   });
   return u;
 }

@@ -1,9 +1,8 @@
 // The jaw in three dimensions: condyles and lower incisor with their paths, at the moment.
-import {moved, outline} from '../../../../firmware/hosted/page/jaw_shape.js';
+import {moved, nameCondyles, outline} from '../../../../firmware/hosted/page/jaw_shape.js';
 import {nearest, times, values} from './data.js';
 
 const kTurn = 0.15;  // rad for a key
-const kMiddle = 0.44;  // of the height: the jaw opens downward
 const kInk = '#203040';
 
 function point(packed) {
@@ -23,8 +22,14 @@ export function drawJaw(section, recording, moment) {
       (d) => (d[0] == null ? null : d.map((v, j) => v + still[i][j]))));
   const lines = outline(...still);
   const view = {turn: -0.6, tilt: 0.25};
-  // A ball that holds the sketch at rest: every view of it fits.
-  const drawn = lines.flat();
+  // A ball that holds the sketch at rest and widest open: every view of it fits.
+  const far = (points) => (points.some((p) => !p) ? 0 : Math.hypot(...points[2].map((v, i) => v - still[2][i])));
+  let open = still;
+  for (let k = 0; k < time.length; ++k) {
+    const points = tracks.map((track) => track[k]);
+    if (far(points) > far(open)) open = points;
+  }
+  const drawn = [...lines.flat(), ...lines.flat().map((p) => moved(p, still, open))];
   const middle = [0, 1, 2].map((i) => {
     const along = drawn.map((p) => p[i]);
     return (Math.min(...along) + Math.max(...along)) / 2;
@@ -40,7 +45,7 @@ export function drawJaw(section, recording, moment) {
     const depth = c * x - s * y;
     const up = z * Math.cos(view.tilt) - depth * Math.sin(view.tilt);
     const scale = 0.46 * Math.min(canvas.width, canvas.height) / radius;
-    return [canvas.width / 2 + across * scale, canvas.height * kMiddle - up * scale];
+    return [canvas.width / 2 + across * scale, canvas.height / 2 - up * scale];
   };
   const trace = (context, points, colour, width) => {
     context.strokeStyle = colour;
@@ -79,6 +84,8 @@ export function drawJaw(section, recording, moment) {
       context.arc(x, y, 4 * devicePixelRatio, 0, 2 * Math.PI);
       context.fill();
     }
+    context.fillStyle = kInk;
+    nameCondyles(context, project(now[0]), project(now[1]), devicePixelRatio);
   };
   let waits = false;
   const redraw = () => {
