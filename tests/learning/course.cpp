@@ -82,8 +82,7 @@ Course read_course(const std::string& name) {
 template <class Scalar>
 std::vector<CourseScore> score_course(const Course& course, int kernels, int lag,
                                       const std::vector<CourseStretch>& stretches) {
-  using Sensor =
-      LearnedSensor<RecommendedSensor<Scalar, 1>, Scalar, 1, 16, kMostKernels>;
+  using Sensor = LearnedSensor<RecommendedSensor<Scalar, 1>, Scalar, 1, 16, kMostKernels>;
   DrivenParameters parameters;
   parameters.learning.kernels = kernels;
   const auto sensor = std::make_unique<Sensor>(parameters, lag);

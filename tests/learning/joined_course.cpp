@@ -10,8 +10,9 @@
 namespace condyle::testing_support {
 namespace {
 
-constexpr const char* kMotions[kParts] = {"prescribed", "rest",       "free_opening", "side_to_side",
-                                          "prescribed", "protrusion", "clench",       "prescribed"};
+constexpr const char* kMotions[kParts] = {"prescribed",   "rest",       "free_opening",
+                                          "side_to_side", "prescribed", "protrusion",
+                                          "clench",       "prescribed"};
 
 }  // namespace
 
@@ -65,8 +66,8 @@ Course joined_course(double rate_Hz, double noise_m, std::uint64_t seed) {
         {.scenario = kMotions[part], .rate_Hz = rate_Hz, .noise_m = noise_m, .duration_s = kPart_s},
         seed + static_cast<std::uint64_t>(part));
     const double shift_m = end_m - course.samples.front().coordinates[0];
-    const auto count = std::min(course.samples.size(),
-                                static_cast<std::size_t>(std::lround(kPart_s * rate_Hz)));
+    const auto count =
+        std::min(course.samples.size(), static_cast<std::size_t>(std::lround(kPart_s * rate_Hz)));
     for (std::size_t i = 0; i < count; ++i) {
       end_m = course.samples[i].coordinates[0] + shift_m;
       joined.add(begin_s + static_cast<double>(i) / rate_Hz, end_m, course.velocity_m_s[i],

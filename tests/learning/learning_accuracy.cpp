@@ -49,11 +49,10 @@ struct Totals {
   void add(const CourseScore& filter, const CourseScore& learned) {
     if (filter.samples == 0) return;
     velocity_ratios.push_back(learned.velocity_error_m_s / filter.velocity_error_m_s);
-    acceleration_ratios.push_back(learned.acceleration_error_m_s2 /
-                                  filter.acceleration_error_m_s2);
+    acceleration_ratios.push_back(learned.acceleration_error_m_s2 / filter.acceleration_error_m_s2);
     velocity_square += filter.velocity_error_m_s * filter.velocity_error_m_s;
-    const double shares[4] = {filter.velocity_held, learned.velocity_held,
-                              filter.acceleration_held, learned.acceleration_held};
+    const double shares[4] = {filter.velocity_held, learned.velocity_held, filter.acceleration_held,
+                              learned.acceleration_held};
     for (int i = 0; i < 4; ++i) {
       held[i] += shares[i];
       lowest[i] = std::min(lowest[i], shares[i]);
@@ -114,7 +113,8 @@ void run(const Row& row, const Options& options) {
 }
 
 Row simulated(const std::string& name, const CourseSettings& settings, double from_s = 12) {
-  return {name, [settings](std::uint64_t seed) { return simulate_course(settings, seed); },
+  return {name,
+          [settings](std::uint64_t seed) { return simulate_course(settings, seed); },
           {{from_s, 1e9}}};
 }
 
@@ -143,8 +143,8 @@ std::vector<Row> rows() {
   add("chewing", {.scenario = "chewing"}, 500, 100e-6);
   add("regular chewing", {.scenario = "chewing", .is_regular = true}, 60, 100e-6);
   add("regular chewing", {.scenario = "chewing", .is_regular = true}, 200, 100e-6);
-  for (const char* const scenario : {"prescribed", "side_to_side", "free_opening", "protrusion",
-                                     "rest", "clench"}) {
+  for (const char* const scenario :
+       {"prescribed", "side_to_side", "free_opening", "protrusion", "rest", "clench"}) {
     std::string name = scenario;
     std::replace(name.begin(), name.end(), '_', ' ');
     add(name, {.scenario = scenario}, 60, 50e-6);
@@ -159,7 +159,8 @@ std::vector<Row> rows() {
   add("glitches 1 %, lost 2 %", changed([](CourseSettings& s) {
         s.glitch_share = 0.01;
         s.lost_share = 0.02;
-      }), 60, 100e-6);
+      }),
+      60, 100e-6);
   add("jitter 1 ms", changed([](CourseSettings& s) { s.jitter_s = 1e-3; }), 60, 100e-6);
   add("rounded to 50 um", changed([](CourseSettings& s) { s.quantum_m = 50e-6; }), 200, 20e-6);
   add("dropout and freeze", changed([](CourseSettings& s) { s.has_faults = true; }), 60, 100e-6);
