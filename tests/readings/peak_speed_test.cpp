@@ -46,7 +46,7 @@ struct Score {
   int all = 0, shown = 0, covered = 0;
   void add(const UncertainValue& value, double truth) {
     ++all;
-    const JawReading reading = judged(definition_of("opening_peak_speed_mm_s"), value);
+    const JawReading reading = judged(definition_of("opening_peak_speed_mm_s"), value, "strokes");
     if (reading.provenance == ReadingProvenance::withheld) return;
     ++shown;
     covered += reading.low <= truth && truth <= reading.high;

@@ -71,9 +71,7 @@ std::string describe(const EstimatorSettings& settings) {
   const double kernels = std::floor(recommended.parameters.learning.kernels);
   return fmt::format("recommended estimator, lag {} samples, assumed mass {:g} kg{}",
                      recommended.lag, recommended.parameters.assumed_mass_kg,
-                     kernels >= 1
-                         ? fmt::format(", learning with {:g} kernels", kernels)
-                         : "");
+                     kernels >= 1 ? fmt::format(", learning with {:g} kernels", kernels) : "");
 }
 
 // A signal ends the runs.

@@ -179,7 +179,8 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
     const int axes = profile.kind == SampleKind::one_axis ? 1 : 3;
     const std::string learned = learned_text(learned_of(sensor, axes));
     const bool has_learned = sensor.corrector(0).learned() > 0;
-    if (has_learned && !log.keep_learned(learned)) print_error("what was learned is too long for the log");
+    if (has_learned && !log.keep_learned(learned))
+      print_error("what was learned is too long for the log");
     if (files.learned) files.learned->write(learned);
   };
   firmware::with_hosted_sensor(

@@ -90,11 +90,10 @@ void LearnedFiles::refuse_unless(bool learns) const {
 }
 
 std::string learned_text(const LearnedMotion& learned) {
-  nlohmann::ordered_json json = {
-      {"format", kFormat},
-      {"condyle", CONDYLE_VERSION},
-      {"rate_Hz", learned.rate_Hz},
-      {"lag", learned.lag}};
+  nlohmann::ordered_json json = {{"format", kFormat},
+                                 {"condyle", CONDYLE_VERSION},
+                                 {"rate_Hz", learned.rate_Hz},
+                                 {"lag", learned.lag}};
   nlohmann::ordered_json& axes = json["axes"] = nlohmann::ordered_json::array();
   for (const LearnedAxis& axis : learned.axes) {
     nlohmann::ordered_json one = {{"kernels", axis.kernels}};

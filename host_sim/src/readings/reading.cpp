@@ -15,6 +15,15 @@ constexpr double kHalf95 = 1.959964;
 constexpr const char* kTaskNames[kTaskKinds] = {"opening", "protrusion", "left", "right",
                                                 "chewing", "border",     "rest"};
 
+// More repetitions than that nobody records.
+constexpr double kMostAdvised = 100;
+
+// To two digits, never up.
+double rounded_down(double share) {
+  const double digits = std::pow(10, std::floor(std::log10(share)) - 1);
+  return std::floor(share / digits * (1 + 1e-12)) * digits;
+}
+
 }  // namespace
 
 const char* name_of(TaskKind kind) {
@@ -76,6 +85,7 @@ UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
   }
   if (count == 0) return mean;
   mean.missing.clear();
+  mean.repetitions = static_cast<int>(count);
   mean.value /= count;
   mean.smoothing /= count;
   mean.noise_sd = std::sqrt(variance) / count;
@@ -83,7 +93,40 @@ UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
   return mean;
 }
 
-JawReading judged(const ReadingDefinition& definition, const UncertainValue& value) {
+std::string what_narrows(const UncertainValue& value, double limit, std::string_view repeated) {
+  double fixed = 0;
+  for (const double change : value.fixed) fixed += change * change;
+  fixed *= kHalf95 * kHalf95;
+  const double noise = kHalf95 * kHalf95 * value.noise_sd * value.noise_sd;
+  const double smoothing = value.smoothing * value.smoothing, all = limit * limit;
+  const double least = all / 10;  // with less room, one part alone would have to vanish
+  if (const double room = all - fixed - smoothing; room > least) {
+    const double most = std::ceil(value.repetitions * noise / room);
+    if (value.repetitions > 0 && most <= kMostAdvised) {
+      return fmt::format("{:.0f} {} like these would narrow it to the limit", most, repeated);
+    }
+    return fmt::format("{:.2g} of the instrument's noise would narrow it to the limit",
+                       rounded_down(std::sqrt(room / noise)));
+  }
+  if (const double room = all - noise - smoothing; room > least) {
+    return fmt::format(
+        "landmarks and reference position located {:.1f} times as exactly would narrow it to the "
+        "limit",
+        std::ceil(10 * std::sqrt(fixed / room)) / 10);
+  }
+  if (all > noise + fixed) return "a higher sampling rate or less noise would narrow it";
+  std::string needed;
+  const auto add = [&](double part, const char* words) {
+    if (part > all / 3) needed += (needed.empty() ? "" : " and ") + std::string(words);
+  };
+  add(noise, "less noise");
+  add(fixed, "more exactly located landmarks");
+  add(smoothing, "a higher sampling rate");
+  return needed + " would narrow it";
+}
+
+JawReading judged(const ReadingDefinition& definition, const UncertainValue& value,
+                  std::string_view repeated) {
   JawReading reading;
   reading.definition = &definition;
   const double half = value.half_interval();
@@ -92,8 +135,9 @@ JawReading judged(const ReadingDefinition& definition, const UncertainValue& val
   } else if (half > definition.largest_half_interval) {
     const std::string unit =
         definition.unit == "1" ? std::string() : fmt::format(" {}", definition.unit);
-    reading.reason = fmt::format("the interval would be +-{:.2g}{}, the limit is +-{:g}{}", half,
-                                 unit, definition.largest_half_interval, unit);
+    reading.reason = fmt::format("the interval would be +-{:.2g}{}, the limit is +-{:g}{}: {}",
+                                 half, unit, definition.largest_half_interval, unit,
+                                 what_narrows(value, definition.largest_half_interval, repeated));
   } else {
     reading.value = value.value;
     reading.low = value.value - half;

@@ -74,6 +74,7 @@ struct UncertainValue {
   double noise_sd = 0;        ///< of the instrument's noise during the stroke
   double smoothing = 0;       ///< what smoothing changed and was corrected
   std::vector<double> fixed;  ///< change per standard deviation of each error that strokes share
+  int repetitions = 0;        ///< strokes or cycles of which it is the mean; 0: it is no mean
   std::string missing;        ///< the reason if the value is NaN
 
   /// Half the 95 % interval.
@@ -85,7 +86,13 @@ struct UncertainValue {
 /// The mean of the values of several strokes; those without a value do not count.
 UncertainValue mean_of(const std::vector<UncertainValue>& strokes);
 
-/// The reading with `value`, withheld if it has none or its interval is too wide.
-JawReading judged(const ReadingDefinition& definition, const UncertainValue& value);
+/// What would narrow the interval of `value` to +-`limit`, as words: more repetitions, less noise,
+/// more exact landmarks, or a higher rate. `repeated`: "strokes" or "cycles".
+std::string what_narrows(const UncertainValue& value, double limit, std::string_view repeated);
+
+/// The reading with `value`, withheld if it has none or its interval is too wide. `repeated` as in
+/// what_narrows.
+JawReading judged(const ReadingDefinition& definition, const UncertainValue& value,
+                  std::string_view repeated);
 
 }  // namespace condyle::host

@@ -120,7 +120,8 @@ class TaskReader {
       value.value = JawReading::kNone;
       value.missing = problem;
     }
-    JawReading reading = judged(definition, value);
+    JawReading reading =
+        judged(definition, value, kind == TaskKind::chewing ? "cycles" : "strokes");
     reading.task = kind;
     reading.side = side;
     reading.stroke = stroke;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sensor of the recommended estimator whose velocity, acceleration and force are corrected by what
-// it learns from the recording itself (motion_corrector.h), each axis by itself.
+// A sensor of the recommended estimator whose velocity, acceleration and force are corrected by
+// what it learns from the recording itself (motion_corrector.h), each axis by itself.
 //
 // The teacher is the estimator's own motion kTeacher_s later, 2 to kMostLag samples. Estimates with
 // a lag below the teacher's are corrected too; innovations then say nothing about the correction,
@@ -135,8 +135,8 @@ void LearnedSensor<Sensor, Scalar, kAxes, kMostLag, kKernels>::correct(Estimate&
   find_lag(estimate.time_ns);
   TimeNs taught_ns = 0;
   Array<MotionMoments<Scalar>, kAxes> taught;
-  const bool is_taught = lag_ > this->estimator().lag() &&
-                         this->estimator().look_back(lag_, taught_ns, taught);
+  const bool is_taught =
+      lag_ > this->estimator().lag() && this->estimator().look_back(lag_, taught_ns, taught);
   for (int axis = 0; axis < kAxes; ++axis) {
     TaughtMotion<Scalar> motion;
     if (is_taught) {

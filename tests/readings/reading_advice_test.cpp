@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a withheld reading says would have to be recorded does narrow its interval to the limit.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <regex>
+#include <string>
+
+#include "readings/reading.h"
+#include "support/random.h"
+
+namespace condyle::host {
+namespace {
+
+using testing::HasSubstr;
+using testing_support::Random;
+
+// `value` after the advice was followed. False if the advice gives no number.
+bool follow(const std::string& advice, UncertainValue& value) {
+  std::smatch found;
+  if (std::regex_search(advice, found, std::regex("^(\\d+) strokes"))) {
+    value.noise_sd *= std::sqrt(value.repetitions / std::stod(found[1]));
+  } else if (std::regex_search(advice, found, std::regex("^([0-9.e+-]+) of the instrument"))) {
+    value.noise_sd *= std::stod(found[1]);
+  } else if (std::regex_search(advice, found, std::regex("located ([0-9.e+-]+) times"))) {
+    for (double& change : value.fixed) change /= std::stod(found[1]);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+double log_between(Random& random, double lowest, double highest) {
+  return lowest * std::pow(highest / lowest, random.uniform());
+}
+
+TEST(ReadingAdvice, NarrowsTheIntervalToTheLimit) {
+  Random random(1);
+  int followed = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const double limit = log_between(random, 0.01, 100);
+    UncertainValue value;
+    value.value = 1;
+    value.repetitions = static_cast<int>(5 * random.uniform());
+    value.noise_sd = limit * log_between(random, 0.01, 30);
+    value.smoothing = limit * log_between(random, 0.01, 3);
+    for (int error = 0; error < 3; ++error) {
+      value.fixed.push_back(limit * log_between(random, 0.01, 3));
+    }
+    if (value.half_interval() <= limit) continue;
+    const std::string advice = what_narrows(value, limit, "strokes");
+    EXPECT_THAT(advice, HasSubstr("would narrow it"));
+    if (!follow(advice, value)) continue;
+    ++followed;
+    EXPECT_LE(value.half_interval(), limit * (1 + 1e-9)) << advice;
+  }
+  EXPECT_GT(followed, 4000);
+}
+
+TEST(ReadingAdvice, NamesWhatIsNeeded) {
+  UncertainValue value;
+  value.noise_sd = 1;
+  EXPECT_EQ(what_narrows(value, 0.98, "strokes"),
+            "0.5 of the instrument's noise would narrow it to the limit");
+  value.repetitions = 3;
+  EXPECT_EQ(what_narrows(value, 0.98, "cycles"),
+            "12 cycles like these would narrow it to the limit");
+  EXPECT_THAT(what_narrows(value, 0.1, "cycles"), HasSubstr("0.051 of the instrument's noise"));
+  value.noise_sd = 0;
+  value.fixed = {1};
+  EXPECT_THAT(what_narrows(value, 0.98, "strokes"), HasSubstr("located 2.0 times as exactly"));
+  value.smoothing = 1;
+  EXPECT_EQ(what_narrows(value, 0.9, "strokes"),
+            "more exactly located landmarks and a higher sampling rate would "
+            "narrow it");
+  value.fixed.clear();
+  EXPECT_EQ(what_narrows(value, 0.9, "strokes"),
+            "a higher sampling rate or less noise would narrow it");
+}
+
+}  // namespace
+}  // namespace condyle::host
