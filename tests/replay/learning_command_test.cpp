@@ -189,7 +189,9 @@ TEST_F(Learning, RefusesWhatItCannotBeginWith) {
   refused({"--learned", folder_ / "absent.json"}, "absent.json");
   std::ofstream(folder_ / "cut.mcap") << "\x89MCAP0\r\n";
   refused({"--learned", folder_ / "cut.mcap"}, "cut.mcap: does not hold what a session has taught");
-  refused(write("{}"), "does not hold what a recording has taught; give a file that --learned-out");
+  refused(write("{}"),
+          "does not hold what a recording has taught; give a session log, or a file "
+          "that --learned-out");
   refused(write("not JSON"), "does not hold what a recording has taught");
   refused(write(R"({"format": "other"})"), "is not of format condyle-learned-1");
   const std::string text = read_file(kept);
