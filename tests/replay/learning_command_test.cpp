@@ -8,6 +8,7 @@
 #include <fstream>
 #include <string>
 
+#include "condyle/hal/log/session_log.h"
 #include "support/command.h"
 #include "support/paths.h"
 #include "support/table.h"
@@ -165,6 +166,26 @@ TEST_F(Learning, BeginsWithAnEarlierRecording) {
     return std::sqrt(sum);
   };
   EXPECT_LT(error(out_), 0.95 * error(plain_));
+}
+
+TEST_F(Learning, BeginsWithWhatASessionLogKeeps) {
+  const std::string kept = folder_ / "learned.json", log_path = folder_ / "log.mcap";
+  ASSERT_EQ(run_condyle({"replay", kShipped, "--learned-out", kept}).exit_code, 0);
+  hal::SessionHeader header;
+  header.software_version = "test";
+  header.sources = {{.name = "facebow",
+                     .profile_toml = read_file(
+                         testing_support::source_path("/hal/profiles/condyle_facebow.toml")),
+                     .report_descriptor = {}}};
+  hal::SessionLogWriter log;
+  ASSERT_EQ(log.open(log_path, header), hal::SessionLogFailure::none);
+  ASSERT_TRUE(log.keep_learned(read_file(kept)));
+  ASSERT_EQ(log.close(), hal::SessionLogFailure::none);
+  ASSERT_EQ(run_condyle({"replay", kShipped, "--learned", kept, "--out", plain_}).exit_code, 0);
+  const CommandResult result =
+      run_condyle({"replay", kShipped, "--learned", log_path, "--out", out_});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_EQ(read_file(out_) == read_file(plain_), true);
 }
 
 TEST_F(Learning, RefusesWhatItCannotBeginWith) {
