@@ -283,9 +283,9 @@ int bridge(const BridgeOptions& options) {
   const int axis_count = is_published ? 0 : input.layout.kind == SampleKind::one_axis ? 1 : 3;
   std::unique_ptr<EstimatesFile> estimates;
   if (!options.out.empty()) {
-    estimates =
-        std::make_unique<EstimatesFile>(options.out, axis_count, start.identifies, TableForm(),
-                                        !is_published && start.recommended.learning.kernels >= 1);
+    estimates = std::make_unique<EstimatesFile>(
+        options.out, axis_count, start.identifies, TableForm(),
+        !is_published && start.recommended.learning.kernels >= 1 && start.lag < hal::kMaxLinkLag);
   }
   NodeRows rows(axis_count, options.choice.followed, scalar_size, start.identifies);
   Bridge bridge(input, client, reference ? &*reference : nullptr, rows, estimates.get(), clock);
