@@ -29,7 +29,7 @@ struct CourseSettings {
   double tremor_m = -1;     ///< of the scenario if below 0
 };
 
-/// A simulated subject. Throws host::InputError if there is no such scenario.
+/// Simulates a subject. Throws host::InputError if the scenario does not exist.
 Course simulate_course(const CourseSettings& settings, std::uint64_t seed);
 
 /// One of the files of consistency/vectors.

@@ -15,7 +15,7 @@ constexpr double kHalf95 = 1.959964;
 constexpr const char* kTaskNames[kTaskKinds] = {"opening", "protrusion", "left", "right",
                                                 "chewing", "border",     "rest"};
 
-// More repetitions than that nobody records.
+// The most repetitions that are worth advising.
 constexpr double kMostAdvised = 100;
 
 // To two digits, never up.

@@ -74,7 +74,7 @@ struct UncertainValue {
   double noise_sd = 0;        ///< of the instrument's noise during the stroke
   double smoothing = 0;       ///< what smoothing changed and was corrected
   std::vector<double> fixed;  ///< change per standard deviation of each error that strokes share
-  int repetitions = 0;        ///< strokes or cycles of which it is the mean; 0: it is no mean
+  int repetitions = 0;        ///< strokes or cycles that were averaged; 0: a single value
   std::string missing;        ///< the reason if the value is NaN
 
   /// Half the 95 % interval.
