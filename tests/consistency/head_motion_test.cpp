@@ -71,7 +71,7 @@ class HeadMotion : public testing::TestWithParam<Case> {};
 
 // 12 s, each seed with a gain of its own. Intervals of 95 % hold in fewer once in 300 times.
 TEST_P(HeadMotion, IsKnownAsWellAsIsSaid) {
-  const unsigned kSeeds = runs(40U, 100U, 200U);
+  const unsigned kSeeds = runs(40U, 60U, 200U);
   const auto [damping_rate_per_s, rate_Hz] = GetParam();
   Score damping{kSeeds}, stiffness{kSeeds};
   unsigned withheld = 0;
@@ -149,7 +149,7 @@ Eigen::Vector2d bound(const HeadMotionTruth& truth, double rate_Hz, int n, unsig
 
 // A rms of n runs strays by 1 / sqrt(2 n), and passes 3.3 of that once in 1000 times.
 TEST(HeadMotionBound, IsNearlyReached) {
-  const unsigned kSeeds = runs(20U, 40U, 200U);
+  const unsigned kSeeds = runs(20U, 25U, 200U);
   const double chance = 1 + 3.3 / std::sqrt(2.0 * kSeeds);
   for (const double damping_rate_per_s : {2.0, 8.0, 40.0}) {
     HeadMotionTruth truth;
@@ -174,7 +174,7 @@ TEST(HeadMotionBound, IsNearlyReached) {
 // A delay within its stated uncertainty, a new one in each run. Intervals of 95 % hold in fewer
 // once in 300 times.
 TEST(HeadMotionGranted, CoversTheDelayThatIsStated) {
-  const unsigned kSeeds = runs(40U, 100U, 200U);
+  const unsigned kSeeds = runs(40U, 60U, 200U);
   HeadMotionParameters parameters = relaxed();
   parameters.delay_sd_s = 0.003;
   Score damping{kSeeds}, stiffness{kSeeds};
@@ -207,8 +207,8 @@ TEST(HeadMotionGranted, CoversOrWithholdsWhatMusclesAdd) {
       {"both", [](double, double v, double p) { return 0.7 * a_m_s2 * (v / v_m_s - p / p_m); }},
       {"acceleration", [](double a, double, double) { return a; }},
       {"bursts", [](double, double v, double) { return v > 0 ? a_m_s2 : -a_m_s2; }}};
-  const unsigned kRuns = runs(25U, 100U, 200U), kDefaultRuns = runs(2U, 5U, 5U);
-  const auto most_misses = most_hits(kRuns, 0.05, 1.0 / 80);  // 10 of 100
+  const unsigned kRuns = runs(25U, 40U, 200U), kDefaultRuns = runs(2U, 5U, 5U);
+  const auto most_misses = most_hits(kRuns, 0.05, 1.0 / 80);
   for (const double share : {0.02, 0.1}) {
     for (const auto& [name, muscles] : kinds) {
       unsigned covered = 0, withheld = 0, wrong = 0, by_default = 0;

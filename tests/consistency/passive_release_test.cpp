@@ -34,7 +34,7 @@ using testing_support::ReleaseTruth;
 constexpr double kNoise_m = 5e-5;
 
 std::uint64_t seeds() {
-  return testing_support::runs(80U, 400U, 400U);
+  return testing_support::runs(80U, 200U, 400U);
 }
 
 // Errors of one value over the runs.

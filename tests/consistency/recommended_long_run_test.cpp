@@ -75,7 +75,7 @@ void expect_float_is_double(TimeNs steps) {
 }
 
 TEST(RecommendedLongRun, FloatStaysWithDouble) {
-  const TimeNs steps = kIsSlowBuild ? 100'000 : runs(300'000, 1'000'000, 10'000'000);
+  const TimeNs steps = kIsSlowBuild ? 100'000 : runs(300'000, 500'000, 10'000'000);
   std::cout << "             " << steps << " steps\n";
   expect_float_is_double(steps);
 }

@@ -122,7 +122,7 @@ TEST_P(TunedChewing, FindsNoiseAndTheBestVelocityFromStartsWrongByAThousand) {
   const ChewingCase& one = GetParam();
   double worst_R = 0, mean_R = 0, worst_velocity = 0;
   unsigned far = 0;
-  const unsigned kSeeds = runs(4U, 20U, 200U);
+  const unsigned kSeeds = runs(4U, 8U, 200U);
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     const KnownMotion known = chew_and_pause(one.rate_Hz, one.noise_m, one.duration_s, seed);
     LikelihoodPlan plan;
@@ -162,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(Rates, TunedChewing,
 
 // Motion that is white jerk: the intervals hold the truth, and nothing speaks against the model.
 TEST(Tuning, IntervalsHoldTheTruthWhereTheModelHolds) {
-  const unsigned kRuns = runs(40U, 100U, 200U);
+  const unsigned kRuns = runs(40U, 60U, 200U);
   const NoiseModel truth{1e-4, 10, 0};
   constexpr double kStep_s = 0.01;
   unsigned covered_sd = 0, covered_q = 0, inside = 0, white = 0, reasons = 0;

@@ -17,8 +17,9 @@
 namespace condyle::hil {
 namespace {
 
+using testing_support::runs;
 using testing_support::Tier;
-using testing_support::tier_is_at_least;
+using testing_support::tier;
 
 class BoxOnFacebow : public testing::TestWithParam<const char*> {
  protected:
@@ -47,12 +48,11 @@ class BoxOnFacebow : public testing::TestWithParam<const char*> {
   testing_support::TemporaryFolder folder_;
 };
 
-// Nothing is lost unreported, with more than fifty faults; in the longer tiers among a hundred
-// thousand reports. The box has room for 4096 that its slower threads leave waiting; whether these
+// Nothing is lost unreported, with more than fifty faults; in the tier release among a
+// hundred thousand reports. The box has room for 4096 that its slower threads leave waiting; whether these
 // keep up with more is a matter of real time.
 TEST_P(BoxOnFacebow, AccountsForEveryReportInConstantMemory) {
-  const bool is_long = tier_is_at_least(Tier::full);
-  const std::int64_t count = is_long ? 100'000 : 4'000;
+  const std::int64_t count = runs(4'000, 40'000, 100'000);
   std::vector<std::string> options = {"--by-consumption"};
   for (const auto& [fault, share] : {std::pair{"unplug/{}=0.05", 0.055},
                                      {"truncated/{}", 0.09},
@@ -84,7 +84,7 @@ TEST_P(BoxOnFacebow, AccountsForEveryReportInConstantMemory) {
       session["reports_written"].get<std::int64_t>() + session["reports_lost"].get<std::int64_t>(),
       played.account_count("delivered_intact") + played.account_count("delivered_altered"))
       << played.text;
-  if (!is_long || tier_is_at_least(Tier::release)) {
+  if (tier() != Tier::full) {
     EXPECT_EQ(session["reports_lost"], 0);
     EXPECT_EQ(outlets["dropped"], 0) << played.text;
   }

@@ -82,7 +82,7 @@ std::vector<HeadAttack> attacks() {
 class Head : public testing::TestWithParam<HeadAttack> {};
 
 TEST_P(Head, IsCoveredOrWithheld) {
-  const int kRuns = runs(4, 24, 200);
+  const int kRuns = runs(4, 10, 200);
   Tally damping, stiffness;
   for (int seed = 1; seed <= kRuns; ++seed) {
     const auto at = static_cast<std::uint64_t>(seed);

@@ -38,7 +38,7 @@ class Named : public testing::TestWithParam<Attack> {};
 
 TEST_P(Named, IsCoveredOrWithheld) {
   const Attack& attack = GetParam();
-  const int kRuns = attack.regime.duration_s > 200 ? runs(2, 6, 200) : runs(3, 16, 200);
+  const int kRuns = attack.regime.duration_s > 200 ? runs(2, 3, 200) : runs(3, 8, 200);
   Tally friction, mass;
   for (int seed = 1; seed <= kRuns; ++seed) {
     const Verdicts verdicts = judge(attack, static_cast<std::uint64_t>(seed));
@@ -66,7 +66,7 @@ class Drawn : public testing::TestWithParam<RandomClass> {};
 
 TEST_P(Drawn, IsCoveredWhereItIsShown) {
   const RandomClass& of = GetParam();
-  const int kShown = runs(6, 60, 500), kMost = runs(40, 400, 4000);
+  const int kShown = runs(6, 24, 500), kMost = runs(40, 160, 4000);
   Tally friction, mass;
   for (int seed = 1; seed <= kMost && (friction.shown < kShown || mass.shown < kShown); ++seed) {
     const auto at = static_cast<std::uint64_t>(seed);
@@ -88,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(Classes, Drawn,
 // Errors against the bound, the drawn gain and delay left out: a rms of n runs strays by
 // 1 / sqrt(2 n), and passes 3.3 of that once in 1000 times.
 TEST(Clean, IsNearlyAsGoodAsCanBe) {
-  const int kRuns = runs(10, 40, 200);
+  const int kRuns = runs(10, 20, 200);
   for (const double rate_Hz : {60.0, 200.0}) {
     Attack attack;
     attack.regime.tracker.rate_Hz = attack.regime.drive.rate_Hz = rate_Hz;

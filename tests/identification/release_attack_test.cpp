@@ -151,7 +151,7 @@ class Released : public testing::TestWithParam<Release> {};
 
 TEST_P(Released, IsCoveredOrWithheld) {
   const Release& of = GetParam();
-  const int kRuns = runs(20, 60, 400);
+  const int kRuns = runs(20, 40, 400);
   Tally damping, stiffness;
   int measured = 0;
   for (int seed = 1; seed <= kRuns; ++seed) {

@@ -204,7 +204,7 @@ TEST(Bodies, MissingPointsChangeNoReading) {
 // covered that a true 90 % had a probability of 1e-4; with some 30 readings in each of two cells
 // the false-alarm probability is below 1 %, and the seeds are fixed.
 TEST(Bodies, IntervalsContainTheTruth) {
-  const int runs = testing_support::runs(8, 20, 1000);
+  const int runs = testing_support::runs(8, 12, 1000);
   const auto truth = true_readings(Scene(100, 4, 5).jaw);
   for (const double noise_m : {5e-5, 2e-4}) {
     Coverages coverages;

@@ -247,7 +247,7 @@ TEST(Laterality, CountsHaveTheCyclesNearTheLimitInTheirInterval) {
 // sessions of new cycles, noise and landmarks. Points of one session move together, so the bound is
 // that of the sessions: fewer than 80 % of the points are covered with a probability below 1e-3.
 TEST(AverageCycles, HaveABandThatContainsTheMeanOfManyCycles) {
-  const int runs = testing_support::runs(12, 40, 200);
+  const int runs = testing_support::runs(12, 20, 200);
   constexpr int kPoints = 2 * AverageCycle::kHalf;
   std::vector<std::vector<AverageCycle>> found;
   std::map<std::string, std::vector<Eigen::Vector3d>> sums;

@@ -138,7 +138,7 @@ TYPED_TEST(MotionCyclesOfAJaw, AreTheTrueOnes) {
   for (const double rate_Hz : {50.0, 60.0, 100.0, 200.0, 500.0}) {
     for (const bool is_coarse : {false, true}) {
       Score score;
-      for (std::uint64_t seed = 1; seed <= runs<std::uint64_t>(2, 4, 20); ++seed) {
+      for (std::uint64_t seed = 1; seed <= runs<std::uint64_t>(2, 2, 20); ++seed) {
         const KinematicSimulation simulation(chewing(rate_Hz, is_coarse, seed), seed);
         score.add(simulation, Chewed<TypeParam>(simulation));
       }

@@ -94,7 +94,7 @@ void add_stroke(int shape, double time_s, double rate_Hz, double noise_m, Random
 
 // The form, the time of a stroke, the rate and the noise vary far beyond those of jaws.
 TEST(PeakSpeed, IsInItsIntervalOrWithheld) {
-  const int runs = testing_support::runs(4, 20, 400);
+  const int runs = testing_support::runs(4, 8, 400);
   Score whole;
   for (int shape = 0; shape < kShapes; ++shape) {
     for (const double time_s : kTimes_s) {
@@ -160,7 +160,7 @@ JawScenario fast_session(const JawCell& cell) {
 }
 
 TEST(SpeedReadings, ContainTheTruthOrAreWithheld) {
-  const int runs = testing_support::runs(1, 2, 60);
+  const int runs = testing_support::runs(1, 1, 60);
   const int stride = testing_support::runs(5, 2, 1);  // the shorter forms take one cell of these
   int cell = 0;
   std::map<std::string, Coverage> whole;

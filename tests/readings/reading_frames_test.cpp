@@ -122,7 +122,7 @@ TEST_P(ReadingFrames, OfTheInstrumentDoNotMatter) {
   const Recorded recorded(noise);
   const Analysis straight = recorded.analysis();
   RandomGenerator random(11);
-  for (int run = 0; run < testing_support::runs(2, 20, 100); ++run) {
+  for (int run = 0; run < testing_support::runs(2, 8, 100); ++run) {
     SCOPED_TRACE(run);
     expect_same(straight, recorded.moved(random_frame(random)).analysis(), noise.m > 0);
   }
@@ -133,7 +133,7 @@ TEST_P(ReadingFrames, DoNotMatterToNamedPoints) {
   const Recorded recorded(noise);
   const Analysis straight = recorded.analysis_of_named_points();
   RandomGenerator random(12);
-  for (int run = 0; run < testing_support::runs(1, 10, 50); ++run) {
+  for (int run = 0; run < testing_support::runs(1, 4, 50); ++run) {
     SCOPED_TRACE(run);
     expect_same(straight, recorded.moved(random_frame(random)).analysis_of_named_points(),
                 noise.m > 0);

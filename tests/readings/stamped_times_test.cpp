@@ -57,7 +57,7 @@ class StampedTimes : public testing::TestWithParam<Times> {};
 // each of five cells, 0.9 % in all. The seeds are fixed.
 TEST_P(StampedTimes, AreInTheIntervals) {
   const Times& times = GetParam();
-  const int runs = testing_support::runs(3, 12, 400);
+  const int runs = testing_support::runs(3, 6, 400);
   const JawScenario scenario = scenario_of(times);
   const auto jaw = std::make_shared<const KinematicJaw>(scenario);
   const auto truth = true_readings(*jaw);

@@ -8,7 +8,6 @@
 
 #include "support/command.h"
 #include "support/paths.h"
-#include "support/sanitizer.h"
 #include "support/table.h"
 #include "support/temporary_folder.h"
 
@@ -266,9 +265,9 @@ TEST(Replay, EstimatesMayGoIntoTheFiguresFolder) {
 }
 
 TEST(Replay, MemoryDoesNotGrowWithTheRecording) {
-#if CONDYLE_UNDER_SANITIZER
-  GTEST_SKIP() << "the sanitizers' own memory grows";
-#endif
+  if (!testing_support::command_memory_is_its_own()) {
+    GTEST_SKIP() << "a sanitizer's own memory grows";
+  }
   const TemporaryFolder folder;
   const auto peak_kB = [&](const std::string& duration_s) {
     const CommandResult result = run_condyle({"replay", make_chewing(folder, duration_s), "--out",

@@ -11,6 +11,7 @@
 #include <fstream>
 
 #include "support/paths.h"
+#include "support/sanitizer.h"
 #include "support/temporary_folder.h"
 #include "support/wait_for.h"
 
@@ -42,6 +43,10 @@ void limit_files(long most_bytes) {
 }
 
 }  // namespace
+
+bool command_memory_is_its_own() {
+  return !CONDYLE_UNDER_SANITIZER && std::getenv("CONDYLE_COMMAND") == nullptr;
+}
 
 CommandResult run_condyle(const std::vector<std::string>& arguments,
                           const CommandOptions& options) {

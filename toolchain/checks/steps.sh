@@ -18,6 +18,12 @@ build() {  # PRESET [TARGET...]
       release) options=(-D CONDYLE_VM_TESTS=ON -D CONDYLE_BENCHMARKS=ON -D CONDYLE_BOX_REPORTS=100000) ;;
     esac
   fi
+  if in_tier release; then
+    case $1 in
+      asan-ubsan) options=(-D CONDYLE_TESTS=most_memory) ;;
+      tsan) options=(-D CONDYLE_TESTS=most_threads) ;;
+    esac
+  fi
   cmake --preset "$1" "${options[@]}" >/dev/null
   cmake --build --preset "$1" --parallel "$(nproc)" ${2:+--target "${@:2}"}
 }
@@ -51,6 +57,16 @@ run_tests() {  # PRESET
 run_statistics() { run_ctest release statistics --tests-regex '^consistency_tests\.'; }
 # Short tests use memory and threads in the same way.
 run_short_tests() { CONDYLE_TIER=check run_tests "$1"; }  # PRESET
+# The tests of the command are those of the optimised build: only the command is to be watched.
+run_memory_tests() {
+  run_short_tests asan-ubsan
+  CONDYLE_COMMAND=$PWD/build/asan-ubsan/bin/condyle CONDYLE_TIER=check \
+    run_ctest release memory --tests-regex '^replay_tests\.'
+}
+run_thread_tests() {
+  if ! in_tier release; then export CONDYLE_COMMAND=$PWD/build/release/bin/condyle; fi
+  run_short_tests tsan
+}
 
 run_vm_tests() {  # ARCHITECTURE
   local left_out=()
