@@ -49,8 +49,8 @@ class BoxOnFacebow : public testing::TestWithParam<const char*> {
 };
 
 // Nothing is lost unreported, with more than fifty faults; in the tier release among a
-// hundred thousand reports. The box has room for 4096 that its slower threads leave waiting; whether these
-// keep up with more is a matter of real time.
+// hundred thousand reports. The box has room for 4096 that its slower threads leave waiting;
+// whether these keep up with more is a matter of real time.
 TEST_P(BoxOnFacebow, AccountsForEveryReportInConstantMemory) {
   const std::int64_t count = runs(4'000, 40'000, 100'000);
   std::vector<std::string> options = {"--by-consumption"};

@@ -29,7 +29,8 @@ struct CommandOptions {
   long most_file_bytes = 0;          ///< largest size of a file (RLIMIT_FSIZE); 0: any
 };
 
-/// Whether its peak of memory is its own. A sanitizer's grows; another build's command may have one.
+/// Whether its peak of memory is its own. A sanitizer's grows; another build's command may have
+/// one.
 bool command_memory_is_its_own();
 
 /// Runs `condyle ARGUMENTS...` and waits for its end.
