@@ -99,7 +99,9 @@ TEST_F(BadInput, ALineOfAGigabyteInBoundedMemory) {
   expect_refused(path, {"bad.csv:2: the line is longer than 1048576 bytes"});
   const CommandResult result = run_condyle({"replay", path});
   EXPECT_EQ(result.exit_code, 2);
-  if (testing_support::command_memory_is_its_own()) EXPECT_LT(result.peak_memory_kB, 64 * 1024);
+  if (testing_support::command_memory_is_its_own()) {
+    EXPECT_LT(result.peak_memory_kB, 64 * 1024);
+  }
 }
 
 TEST_F(BadInput, ParametersWithAnUnknownKey) {

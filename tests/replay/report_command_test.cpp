@@ -10,57 +10,21 @@
 #include <sstream>
 
 #include "recordings/file_digest.h"
-#include "support/command.h"
-#include "support/paths.h"
+#include "replay/report_page.h"
 #include "support/table.h"
-#include "support/temporary_folder.h"
 
 namespace condyle {
 namespace {
 
 using testing::HasSubstr;
 using testing::Not;
+using testing_support::data_of;
+using testing_support::element;
 using testing_support::run_condyle;
 using testing_support::source_path;
-using testing_support::TemporaryFolder;
+using testing_support::text_of;
 
-std::string text_of(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-// The content of the element that begins with `opening`.
-std::string element(const std::string& page, const std::string& opening, const std::string& end) {
-  const std::size_t begin = page.find(opening);
-  if (begin == std::string::npos) return {};
-  const std::size_t content = begin + opening.size();
-  return page.substr(content, page.find(end, content) - content);
-}
-
-nlohmann::json data_of(const std::string& page) {
-  return nlohmann::json::parse(
-      element(page, "<script type=\"application/json\" id=\"condyle-report-1\">", "</script>"));
-}
-
-class Report : public testing::Test {
- protected:
-  void SetUp() override {
-    const auto result =
-        run_condyle({"simulate", source_path("/host_sim/scenarios/clinical_session.toml"), "--out",
-                     folder_ / "session.csv"});
-    ASSERT_EQ(result.exit_code, 0) << result.errors;
-  }
-  std::string path(const std::string& name) const { return folder_ / name; }
-  std::vector<std::string> with_files(const std::string& command,
-                                      const std::string& recording) const {
-    return {command,   path(recording),          "--landmarks", path("session.landmarks.toml"),
-            "--tasks", path("session.tasks.csv")};
-  }
-
-  TemporaryFolder folder_;
-};
+using Report = testing_support::ReportTest;
 
 TEST_F(Report, HoldsTheReadingsOfAnalyse) {
   auto words = with_files("analyse", "session.csv");
@@ -117,34 +81,6 @@ TEST_F(Report, ShowsTheReadingsInItsTable) {
   EXPECT_THAT(page, Not(HasSubstr(">-0.00<")));
 }
 
-// The first estimates are assumed, as `replay` says, and the charts draw them otherwise.
-TEST_F(Report, MarksWhatIsAssumed) {
-  ASSERT_EQ(
-      run_condyle({"replay", path("session.csv"), "--lag", "3", "--out", path("e.csv")}).exit_code,
-      0);
-  auto words = with_files("report", "session.csv");
-  words.insert(words.end(), {"--out", path("report.html")});
-  ASSERT_EQ(run_condyle(words).exit_code, 0);
-  const auto estimates = testing_support::read_table(path("e.csv"));
-  const auto series = data_of(text_of(path("report.html"))).at("recordings").at(0).at("series");
-  ASSERT_EQ(series.at("samples_per_point"), 1);
-  for (const auto& chart : series.at("charts")) {
-    const auto& provenance =
-        estimates.columns.at(chart.at("key").get<std::string>() + "_provenance");
-    std::vector<bool> marked(provenance.size());
-    for (const auto& stretch : chart.at("curves").at(2).at("assumed")) {  // z, which replay follows
-      for (std::size_t i = stretch.at(0); i <= stretch.at(1); ++i) marked.at(i) = true;
-    }
-    std::size_t assumed = 0;
-    for (std::size_t i = 0; i < provenance.size(); ++i) {
-      EXPECT_EQ(marked[i], provenance[i] == "assumed") << chart.at("key") << ' ' << i;
-      if (marked[i]) ++assumed;
-    }
-    EXPECT_GT(assumed, 0U);
-    EXPECT_LT(assumed, 20U);
-  }
-}
-
 TEST_F(Report, NeedsNothingFromElsewhere) {
   auto words = with_files("report", "session.csv");
   words.insert(words.end(), {"--out", path("report.html")});
@@ -188,43 +124,6 @@ TEST_F(Report, NamesFilesByTheirBytesAndShowsWhatTheyState) {
   EXPECT_THAT(page, HasSubstr("J. NeuroEng. Rehabil. 12 (2015)"));
 }
 
-// Each row that is left out makes a step of two; ten in a row make one gap.
-TEST_F(Report, DrawsGaps) {
-  std::ifstream whole(path("session.csv"));
-  std::ofstream cut(path("cut.csv"));
-  std::string line;
-  for (int row = 0; std::getline(whole, line); ++row) {
-    if (row != 500 && row != 900 && (row < 2000 || row >= 2010)) cut << line << '\n';
-  }
-  cut.close();
-  auto words = with_files("report", "cut.csv");
-  words.insert(words.end(), {"--out", path("report.html")});
-  const auto result = run_condyle(words);
-  ASSERT_EQ(result.exit_code, 0) << result.errors;
-  const std::string page = text_of(path("report.html"));
-  EXPECT_THAT(page, HasSubstr("3 gaps longer than 1.5 usual steps without a usable sample: 0.2 s"));
-  EXPECT_THAT(page, HasSubstr("the longest 0.183 s"));
-  EXPECT_THAT(page, HasSubstr("not drawn: 1 step of more than 50 ms"));
-}
-
-// One axis has no readings, but gaps as well: rows that are not there and a position that is not.
-TEST_F(Report, DrawsGapsOfOneAxis) {
-  std::ifstream whole(source_path("/host_sim/recordings/chewing_60hz.csv"));
-  std::ofstream cut(path("cut.csv"));
-  std::string line;
-  for (int row = 0; std::getline(whole, line); ++row) {
-    if (row == 300) line.resize(line.find(',') + 1);
-    if (row != 150 && (row < 500 || row >= 510)) cut << line << '\n';
-  }
-  cut.close();
-  const auto result = run_condyle({"report", path("cut.csv"), "--out", path("report.html")});
-  ASSERT_EQ(result.exit_code, 0) << result.errors;
-  const std::string page = text_of(path("report.html"));
-  EXPECT_THAT(page, HasSubstr("No readings:"));
-  EXPECT_THAT(page, HasSubstr("3 gaps longer than 1.5 usual steps without a usable sample: 0.2 s"));
-  EXPECT_THAT(page, HasSubstr("the longest 0.183 s"));
-}
-
 TEST_F(Report, OfTwoRecordingsKeepsTheGoodOne) {
   const auto result = run_condyle(
       {"report", path("session.csv"), path("missing.csv"), "--out", path("report.html")});
@@ -237,30 +136,6 @@ TEST_F(Report, LeavesNoFileAfterAnError) {
   const auto result = run_condyle({"report", path("missing.csv"), "--out", path("report.html")});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_FALSE(std::filesystem::exists(path("report.html")));
-}
-
-// Of many markers without a choice nothing can be shown.
-TEST_F(Report, OfMarkersThatAreNoBodyNamesThem) {
-  std::string text = "time_s";
-  for (const char* point : {"a", "b", "c", "d"}) {
-    for (const char axis : {'x', 'y', 'z'}) text += std::string(",") + point + "_" + axis + "_mm";
-  }
-  text += "\n";
-  for (int row = 0; row < 400; ++row) {
-    text += std::to_string(row * 0.01);
-    for (int k = 0; k < 12; ++k) {
-      text += "," + std::to_string(40.0 * k * k + 20 * std::sin(0.02 * row * (k % 5 + 1)));
-    }
-    text += "\n";
-  }
-  const std::string file = folder_.write("markers.csv", text);
-  const auto result = run_condyle({"report", file, "--out", path("report.html")});
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.errors, HasSubstr("4 points, a, b, c, d, are not one rigid body"));
-  EXPECT_THAT(result.errors, HasSubstr("--marker NAME"));
-  EXPECT_FALSE(std::filesystem::exists(path("report.html")));
-  EXPECT_EQ(run_condyle({"report", file, "--marker", "b", "--out", path("report.html")}).exit_code,
-            0);
 }
 
 // The fields of a CSV file without quotes, by the names of its columns.
