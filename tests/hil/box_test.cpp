@@ -27,17 +27,23 @@ class BoxOnFacebow : public testing::TestWithParam<const char*> {
     // Without it there is no device to play to.
     if (!has_umockdev()) GTEST_SKIP() << "umockdev is not installed";
   }
+  std::string source() const {
+    return (std::string(GetParam()) == "libusb" ? "usb:" : "hid:") +
+           testing_support::source_path("/hal/profiles/condyle_facebow.toml");
+  }
   Played play_to_box(std::int64_t count, std::vector<std::string> options) const {
-    const bool is_usb = std::string(GetParam()) == "libusb";
     const std::string configuration = folder_.write(
-        "box.toml", std::string("[facebow]\nsource = \"") + (is_usb ? "usb:" : "hid:") +
-                        testing_support::source_path("/hal/profiles/condyle_facebow.toml") +
-                        "\"\n" + "[recording]\nfolder = \".\"\nreserve_MB = 1\n[http]\nport = 0\n");
+        "box.toml", "[facebow]\nsource = \"" + source() + "\"\n" +
+                        "[recording]\nfolder = \".\"\nreserve_MB = 1\n[http]\nport = 0\n");
+    return play_to({testing_support::program_path("condyle-box"), "--config", configuration}, count,
+                   std::move(options));
+  }
+  Played play_to(std::vector<std::string> words, std::int64_t count,
+                 std::vector<std::string> options) const {
+    words.insert(words.begin(), {testing_support::program_path("drive_box"), "-"});
     options.insert(options.end(), {"--count", std::to_string(count), "--linger-s", "0",
                                    "--begin-at-stop", "--interrupt"});
-    return play(GetParam(), options,
-                {testing_support::program_path("drive_box"),
-                 testing_support::program_path("condyle-box"), configuration});
+    return play(GetParam(), options, words);
   }
   std::string log() const {
     for (const auto& file : std::filesystem::directory_iterator(folder_.path())) {
@@ -92,6 +98,27 @@ TEST_P(BoxOnFacebow, AccountsForEveryReportInConstantMemory) {
   std::cout << "             " << GetParam() << ": " << received << " received, " << lost
             << " lost, " << faults << " faults, memory grew by " << played.reader["grown_bytes"]
             << " bytes after the first 30000 reports\n";
+  const auto replayed = testing_support::run_condyle({"replay", log()});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.errors;
+}
+
+// `condyle live` shows and records the device that is plugged in, and again after it was away.
+TEST_P(BoxOnFacebow, IsShownByLive) {
+  if (testing_support::run_condyle({"help", "live"}).exit_code != 0) {
+    GTEST_SKIP() << "built without the live page";
+  }
+  const Played played = play_to(
+      {testing_support::program_path("condyle"), "live", source(), "--sessions", folder_.path()},
+      2'000, {"--by-consumption", "--fault", "unplug/700=0.05"});
+  ASSERT_EQ(played.exit_code, 0) << played.text;
+  ASSERT_TRUE(played.reader.contains("device")) << played.text;
+  const nlohmann::json& device = played.reader["device"];
+  const std::int64_t received = device["reports_received"], lost = device["reports_lost"];
+  EXPECT_EQ(received + lost, played.account_count("made")) << played.text;
+  EXPECT_GT(received, 1'900);
+  EXPECT_GT(played.fault_count("unplug"), 0);
+  EXPECT_EQ(device["disconnections"], played.fault_count("unplug") + 1);
+  EXPECT_EQ(played.reader["session"]["reports_written"], played.account_count("delivered_intact"));
   const auto replayed = testing_support::run_condyle({"replay", log()});
   EXPECT_EQ(replayed.exit_code, 0) << replayed.errors;
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starts condyle-box, records a session through its HTTP interface until no reports have come for
-// IDLE_S; prints the box's last status and how its memory grew as one line of JSON.
-// usage: drive_box CONDYLE_BOX CONFIGURATION [IDLE_S]
-// Without IDLE_S, stops itself (SIGSTOP) once the session has begun, and ends when it is
-// interrupted (SIGINT). The configuration lets the box choose its port. Exit: the box's, or 3 where
-// it did not do as told.
+// Starts condyle-box or `condyle live`, records a session through its HTTP interface until no
+// reports have come for IDLE_S; prints its last status and how its memory grew as one line of JSON.
+// usage: drive_box IDLE_S|- PROGRAM [ARGUMENT...]
+// With -, stops itself (SIGSTOP) once the session has begun, and ends when it is interrupted
+// (SIGINT). The program chooses its port and prints it. Exit: the program's, or 3 where it did not
+// do as told.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -39,14 +39,15 @@ void sleep_s(double time_s) {
 
 class BoxProgram {
  public:
-  BoxProgram(const char* program, const char* configuration) {
+  explicit BoxProgram(char** words) {
     int ends[2];
     if (pipe(ends) != 0) std::abort();
     process_ = fork();
     if (process_ == 0) {
+      dup2(ends[1], STDOUT_FILENO);
       dup2(ends[1], STDERR_FILENO);
       close(ends[0]);
-      execl(program, program, "--config", configuration, nullptr);
+      execv(words[0], words);
       _exit(127);
     }
     close(ends[1]);
@@ -55,7 +56,11 @@ class BoxProgram {
       char line[1024];
       while (std::fgets(line, sizeof line, file) != nullptr) {
         std::fputs(line, stderr);
-        if (const char* const port = std::strstr(line, " port ")) port_ = std::atoi(port + 6);
+        for (const std::string before : {" port ", "http://127.0.0.1:"}) {
+          if (const char* const at = std::strstr(line, before.c_str())) {
+            port_ = std::atoi(at + before.size());
+          }
+        }
       }
       std::fclose(file);
       has_ended_ = true;
@@ -103,13 +108,14 @@ bool has_estimates_to_publish(const Json& status) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3 && argc != 4) {
-    std::fprintf(stderr, "usage: drive_box CONDYLE_BOX CONFIGURATION [IDLE_S]\n");
+  if (argc < 3) {
+    std::fprintf(stderr, "usage: drive_box IDLE_S|- PROGRAM [ARGUMENT...]\n");
     return 2;
   }
-  const double idle_s = argc > 3 ? std::strtod(argv[3], nullptr) : HUGE_VAL;
+  const bool stops_itself = std::strcmp(argv[1], "-") == 0;
+  const double idle_s = stops_itself ? HUGE_VAL : std::strtod(argv[1], nullptr);
   std::signal(SIGINT, [](int) { is_interrupted = 1; });
-  BoxProgram program(argv[1], argv[2]);
+  BoxProgram program(argv + 2);
   const std::uint16_t port = program.port();
   // Until the facebow is found.
   bool is_as_told = false;
@@ -117,7 +123,7 @@ int main(int argc, char** argv) {
     is_as_told = post(port, "/v1/session/start", R"({"subject":"HIL"})").status == 200;
     if (!is_as_told) sleep_s(0.02);
   }
-  if (is_as_told && argc == 3) raise(SIGSTOP);
+  if (is_as_told && stops_itself) raise(SIGSTOP);
   std::int64_t received = 0, settled_bytes = 0, last_bytes = 0;
   for (double silent_s = 0; is_as_told && is_interrupted == 0 && silent_s < idle_s;) {
     sleep_s(kPeriod_s);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// `condyle report`: what its charts draw otherwise, or leave out.
+// `condyle report`: what it draws otherwise, leaves out, or withholds.
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <filesystem>
+#include <set>
+#include <utility>
 
 #include "replay/report_page.h"
 #include "support/table.h"
@@ -45,6 +47,39 @@ TEST_F(ReportCharts, MarksWhatIsAssumed) {
     EXPECT_GT(assumed, 0U);
     EXPECT_LT(assumed, 20U);
   }
+}
+
+// What is withheld stands before any number: all names, or a link to them.
+TEST_F(ReportCharts, BeginWithWhatIsWithheld) {
+  std::string scenario = text_of(source_path("/host_sim/scenarios/clinical_session.toml"));
+  for (const auto& [key, value] :
+       {std::pair{"noise_m = ", "0.0001 # "}, {"noise_rad = ", "0.002 # "}}) {
+    scenario.insert(scenario.find(key) + std::string(key).size(), value);
+  }
+  ASSERT_EQ(run_condyle(
+                {"simulate", folder_.write("coarse.toml", scenario), "--out", path("session.csv")})
+                .exit_code,
+            0);
+  auto words = with_files("report", "session.csv");
+  words.insert(words.end(), {"--out", path("report.html")});
+  ASSERT_EQ(run_condyle(words).exit_code, 0);
+  const std::string page = text_of(path("report.html"));
+  std::set<std::string> withheld;
+  const auto readings = data_of(page).at("readings");
+  for (const auto& recording : readings.at("recordings")) {
+    for (const auto& reading : recording.at("readings")) {
+      if (reading.at("provenance") != "withheld" || !reading.at("stroke").is_null()) continue;
+      withheld.insert(reading.at("task").get<std::string>() +
+                      reading.at("side").get<std::string>() +
+                      reading.at("reading").get<std::string>());
+    }
+  }
+  ASSERT_GT(withheld.size(), 3U);
+  const std::string title =
+      "<strong>" + std::to_string(withheld.size()) + " readings are withheld</strong>";
+  EXPECT_LT(page.find(title), page.find("<h3"));
+  EXPECT_THAT(page, HasSubstr("<a href=\"#recording_1_withheld\">"));
+  EXPECT_THAT(page, HasSubstr("<div id=\"recording_1_withheld\">"));
 }
 
 // Each row that is left out makes a step of two; ten in a row make one gap.

@@ -42,12 +42,14 @@ std::string banner(const char* kind, const std::string& title,
 }
 
 // What a reader must know before any number.
-std::string banners(const ReportSection& section) {
+std::string banners(const ReportSection& section, const std::string& prefix) {
   std::string text;
   if (!section.no_readings.empty()) {
     text += banner("bad", "No readings: " + section.no_readings, {});
   } else if (!section.analysis->unusable.empty()) {
     text += banner("bad", "Readings are withheld: " + section.analysis->unusable, {});
+  } else {
+    text += withheld_banner(*section.analysis, prefix);
   }
   if (!section.warnings.empty()) {
     text += banner("", "Warnings about the estimates", section.warnings);
@@ -157,7 +159,8 @@ std::string section_html(const ReportSection& section, const std::string& landma
   std::string text = fmt::format("<section id=\"recording-{}\">\n<h2>{}</h2>\n", number,
                                  html_text(section.recording));
   const std::string prefix = fmt::format("recording_{}", number);
-  text += banners(section) + identity_html(section, landmarks) + identity_tables(section, prefix);
+  text += banners(section, prefix) + identity_html(section, landmarks) +
+          identity_tables(section, prefix);
   text += sample_times_html(
       section.analysis ? section.analysis->path.time_s : section.sample_times_s, section.origin_s);
   text += charts(section) + impedance_html(section, prefix);

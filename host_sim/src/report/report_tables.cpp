@@ -37,6 +37,27 @@ void add_reading(HtmlTable& table, const JawReading& reading, bool has_stroke) {
   table.end_row();
 }
 
+using NamesOfReason = std::map<std::string, std::set<std::string>>;
+
+// Means of tasks that are withheld.
+NamesOfReason withheld_by_reason(const Analysis& analysis) {
+  NamesOfReason names;
+  for (const JawReading& reading : analysis.readings) {
+    if (reading.provenance != ReadingProvenance::withheld || reading.stroke > 0) continue;
+    const std::string side = name_of(reading.side);
+    names[reading.reason].insert(fmt::format("{} {}{}", task_name(reading.task),
+                                             reading.definition->name,
+                                             side.empty() ? "" : " (" + side + ")"));
+  }
+  return names;
+}
+
+std::string joined(const std::set<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : "; ") + name;
+  return text;
+}
+
 }  // namespace
 
 std::string html_lines(const std::string& text) {
@@ -137,24 +158,31 @@ std::string cycles_table(const Analysis& analysis, const std::string& prefix) {
 }
 
 std::string withheld_table(const Analysis& analysis, const std::string& prefix) {
-  std::map<std::string, std::set<std::string>> names;  // by reason
-  for (const JawReading& reading : analysis.readings) {
-    if (reading.provenance != ReadingProvenance::withheld || reading.stroke > 0) continue;
-    const std::string side = name_of(reading.side);
-    names[reading.reason].insert(fmt::format("{} {}{}", task_name(reading.task),
-                                             reading.definition->name,
-                                             side.empty() ? "" : " (" + side + ")"));
-  }
   HtmlTable table(prefix, "withheld", {"reason, and what to record", "readings"});
-  for (const auto& [reason, readings] : names) {
-    std::string joined;
-    for (const std::string& name : readings) joined += (joined.empty() ? "" : "; ") + name;
+  for (const auto& [reason, readings] : withheld_by_reason(analysis)) {
     table.begin_row("withheld");
     table.html_cell(reason_html(reason));
-    table.cell(joined);
+    table.cell(joined(readings));
     table.end_row();
   }
-  return table.html("Withheld");
+  return fmt::format("<div id=\"{}_withheld\">{}</div>\n", prefix, table.html("Withheld"));
+}
+
+std::string withheld_banner(const Analysis& analysis, const std::string& prefix) {
+  constexpr std::size_t kMostReasons = 4;
+  const NamesOfReason withheld = withheld_by_reason(analysis);
+  if (withheld.empty()) return {};
+  std::size_t count = 0, reasons = 0;
+  std::string items;
+  for (const auto& [reason, readings] : withheld) {
+    count += readings.size();
+    if (++reasons > kMostReasons) continue;
+    items += fmt::format("<li>{}: {}</li>\n", html_text(joined(readings)), reason_html(reason));
+  }
+  return fmt::format(
+      "<div class=\"banner\"><strong>{} {} withheld</strong><ul>\n{}</ul>\n"
+      "<a href=\"#{}_withheld\">All that is withheld, and what to record</a></div>\n",
+      count, count == 1 ? "reading is" : "readings are", items, prefix);
 }
 
 std::string definitions_table(const std::vector<ReportSection>& sections) {

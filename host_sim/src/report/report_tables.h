@@ -22,6 +22,8 @@ std::string strokes_table(const Analysis& analysis, const std::string& prefix);
 std::string cycles_table(const Analysis& analysis, const std::string& prefix);
 /// What is withheld, with its reason, which says what to record.
 std::string withheld_table(const Analysis& analysis, const std::string& prefix);
+/// The same in short, with a link to the table; empty if nothing is withheld.
+std::string withheld_banner(const Analysis& analysis, const std::string& prefix);
 /// Definitions of the readings that are shown.
 std::string definitions_table(const std::vector<ReportSection>& sections);
 /// `text` in several lines, escaped.

@@ -23,7 +23,7 @@ faults="unplug/$((count / 25))=0.3 truncated/$(((count - 2) / 9)) wrong_checksum
 set -- --count "$count" --settle-s 1 --linger-s 1 --rate-Hz 500
 for fault in $faults; do set -- "$@" --fault "$fault"; done
 condyle fake --transport "$transport" "$@" >device.json 2>device.log &
-drive_box /programs/condyle-box box.toml 6 >status.json 2>box.log ||
+drive_box 6 /programs/condyle-box --config box.toml >status.json 2>box.log ||
   { cat box.log device.log; echo "the box did not do as told"; exit 1; }
 wait $! || { cat device.log; exit 1; }
 cat device.json box.log
