@@ -73,9 +73,11 @@ double sd_of(std::vector<Difference>::const_iterator begin,
 double stamp_sd_s(std::vector<Difference> differences, Vector6& sd) {
   const auto count = static_cast<std::ptrdiff_t>(differences.size());
   const std::ptrdiff_t fast_count = count / kFastOf;
-  // Seven neighbours share samples; a median has 1.65 times the relative error of a variance.
-  const double chance = 4 * 1.65 / std::sqrt(std::max(static_cast<double>(fast_count) / 4, 1.0));
   if (fast_count < kLeastFast) return 0;
+  // Four standard deviations of the ratio below. Seven neighbours share samples: the squared median
+  // of n differences of noise has the relative standard deviation 3.3 / sqrt(n), by simulation.
+  const double chance =
+      4 * 3.3 * std::sqrt(1 / static_cast<double>(fast_count) + 2 / static_cast<double>(count));
   double greatest_ratio = 1, stamp_s2 = 0;
   Vector6 slow_sd = sd;
   for (int i = 0; i < 6; ++i) {
