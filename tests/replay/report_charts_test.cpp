@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <set>
 #include <utility>
 
@@ -15,9 +16,9 @@ namespace {
 
 using testing::HasSubstr;
 using testing_support::data_of;
+using testing_support::read_file;
 using testing_support::run_condyle;
 using testing_support::source_path;
-using testing_support::text_of;
 
 using ReportCharts = testing_support::ReportTest;
 
@@ -30,7 +31,7 @@ TEST_F(ReportCharts, MarksWhatIsAssumed) {
   words.insert(words.end(), {"--out", path("report.html")});
   ASSERT_EQ(run_condyle(words).exit_code, 0);
   const auto estimates = testing_support::read_table(path("e.csv"));
-  const auto series = data_of(text_of(path("report.html"))).at("recordings").at(0).at("series");
+  const auto series = data_of(read_file(path("report.html"))).at("recordings").at(0).at("series");
   ASSERT_EQ(series.at("samples_per_point"), 1);
   for (const auto& chart : series.at("charts")) {
     const auto& provenance =
@@ -49,9 +50,9 @@ TEST_F(ReportCharts, MarksWhatIsAssumed) {
   }
 }
 
-// What is withheld stands before any number: all names, or a link to them.
+// The count of what is withheld stands before any number, with a link to the names.
 TEST_F(ReportCharts, BeginWithWhatIsWithheld) {
-  std::string scenario = text_of(source_path("/host_sim/scenarios/clinical_session.toml"));
+  std::string scenario = read_file(source_path("/host_sim/scenarios/clinical_session.toml"));
   for (const auto& [key, value] :
        {std::pair{"noise_m = ", "0.0001 # "}, {"noise_rad = ", "0.002 # "}}) {
     scenario.insert(scenario.find(key) + std::string(key).size(), value);
@@ -63,7 +64,7 @@ TEST_F(ReportCharts, BeginWithWhatIsWithheld) {
   auto words = with_files("report", "session.csv");
   words.insert(words.end(), {"--out", path("report.html")});
   ASSERT_EQ(run_condyle(words).exit_code, 0);
-  const std::string page = text_of(path("report.html"));
+  const std::string page = read_file(path("report.html"));
   std::set<std::string> withheld;
   const auto readings = data_of(page).at("readings");
   for (const auto& recording : readings.at("recordings")) {
@@ -95,7 +96,7 @@ TEST_F(ReportCharts, DrawsGaps) {
   words.insert(words.end(), {"--out", path("report.html")});
   const auto result = run_condyle(words);
   ASSERT_EQ(result.exit_code, 0) << result.errors;
-  const std::string page = text_of(path("report.html"));
+  const std::string page = read_file(path("report.html"));
   EXPECT_THAT(page, HasSubstr("3 gaps longer than 1.5 usual steps without a usable sample: 0.2 s"));
   EXPECT_THAT(page, HasSubstr("the longest 0.183 s"));
   EXPECT_THAT(page, HasSubstr("not drawn: 1 step of more than 50 ms"));
@@ -113,7 +114,7 @@ TEST_F(ReportCharts, DrawsGapsOfOneAxis) {
   cut.close();
   const auto result = run_condyle({"report", path("cut.csv"), "--out", path("report.html")});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
-  const std::string page = text_of(path("report.html"));
+  const std::string page = read_file(path("report.html"));
   EXPECT_THAT(page, HasSubstr("No readings:"));
   EXPECT_THAT(page, HasSubstr("3 gaps longer than 1.5 usual steps without a usable sample: 0.2 s"));
   EXPECT_THAT(page, HasSubstr("the longest 0.183 s"));

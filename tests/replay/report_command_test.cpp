@@ -20,9 +20,9 @@ using testing::HasSubstr;
 using testing::Not;
 using testing_support::data_of;
 using testing_support::element;
+using testing_support::read_file;
 using testing_support::run_condyle;
 using testing_support::source_path;
-using testing_support::text_of;
 
 using Report = testing_support::ReportTest;
 
@@ -35,7 +35,7 @@ TEST_F(Report, HoldsTheReadingsOfAnalyse) {
   words.insert(words.end(), {"--out", path("report.html")});
   const auto reported = run_condyle(words);
   ASSERT_EQ(reported.exit_code, 0) << reported.errors;
-  const std::string page = text_of(path("report.html"));
+  const std::string page = read_file(path("report.html"));
   EXPECT_EQ(data_of(page).at("readings"), nlohmann::json::parse(analysed.output));
   EXPECT_LE(page.size(), 1'500'000U);
 }
@@ -56,7 +56,7 @@ TEST_F(Report, ShowsTheReadingsInItsTable) {
   auto words = with_files("report", "session.csv");
   words.insert(words.end(), {"--out", path("report.html")});
   ASSERT_EQ(run_condyle(words).exit_code, 0);
-  const std::string page = text_of(path("report.html"));
+  const std::string page = read_file(path("report.html"));
   const auto shown =
       cells(element(page, "<table data-csv=\"recording_1_readings\">", "</table>"), "n v");
   std::size_t next = 0;
@@ -85,7 +85,7 @@ TEST_F(Report, NeedsNothingFromElsewhere) {
   auto words = with_files("report", "session.csv");
   words.insert(words.end(), {"--out", path("report.html")});
   ASSERT_EQ(run_condyle(words).exit_code, 0);
-  const std::string page = text_of(path("report.html"));
+  const std::string page = read_file(path("report.html"));
   EXPECT_THAT(page, HasSubstr("default-src 'none'"));
   EXPECT_THAT(page, Not(HasSubstr(" src=\"")));
   EXPECT_THAT(page, Not(HasSubstr("<link")));
@@ -99,7 +99,7 @@ TEST_F(Report, ShowsMarkupInNamesAsText) {
   words.insert(words.end(), {"--out", path("report.html")});
   const auto result = run_condyle(words);
   ASSERT_EQ(result.exit_code, 0) << result.errors;
-  const std::string page = text_of(path("report.html"));
+  const std::string page = read_file(path("report.html"));
   EXPECT_THAT(page, Not(HasSubstr("<script>alert(1)")));
   EXPECT_THAT(page, HasSubstr("a&lt;script&gt;alert(1)&lt;b&gt;&#39;&amp;&quot;.csv"));
 }
@@ -108,7 +108,7 @@ TEST_F(Report, NamesFilesByTheirBytesAndShowsWhatTheyState) {
   auto words = with_files("report", "session.csv");
   words.insert(words.end(), {"--out", path("report.html")});
   ASSERT_EQ(run_condyle(words).exit_code, 0);
-  const std::string page = text_of(path("report.html"));
+  const std::string page = read_file(path("report.html"));
   const auto files = data_of(page).at("recordings").at(0).at("identity").at("files");
   ASSERT_EQ(files.size(), 3U);
   const char* const names[] = {"session.csv", "session.landmarks.toml", "session.tasks.csv"};
@@ -129,7 +129,7 @@ TEST_F(Report, OfTwoRecordingsKeepsTheGoodOne) {
       {"report", path("session.csv"), path("missing.csv"), "--out", path("report.html")});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.errors, HasSubstr("missing.csv"));
-  EXPECT_THAT(text_of(path("report.html")), HasSubstr("id=\"recording-1\""));
+  EXPECT_THAT(read_file(path("report.html")), HasSubstr("id=\"recording-1\""));
 }
 
 TEST_F(Report, LeavesNoFileAfterAnError) {
@@ -183,7 +183,7 @@ TEST_F(Report, ComparesSessionsAsCompareDoes) {
   words.insert(words.end(), sessions.begin(), sessions.end());
   const auto result = run_condyle(words);
   ASSERT_EQ(result.exit_code, 0) << result.errors;
-  const std::string page = text_of(path("report.html"));
+  const std::string page = read_file(path("report.html"));
   EXPECT_THAT(page, Not(HasSubstr("<b>after")));
 
   const auto data = data_of(page);
@@ -242,7 +242,7 @@ TEST_F(Report, ShowsFrictionAndMassOfReplay) {
   words.insert(words.end(), drive.begin(), drive.end());
   const auto reported = run_condyle(words);
   ASSERT_EQ(reported.exit_code, 0) << reported.errors;
-  const std::string page = text_of(path("report.html"));
+  const std::string page = read_file(path("report.html"));
   const auto identified = data_of(page).at("recordings").at(0).at("estimates").at("identified");
   EXPECT_EQ(identified, nlohmann::json::parse(replayed.output).at("identified"));
   EXPECT_EQ(identified.at("mass_kg").at("provenance"), "measured");
@@ -252,7 +252,7 @@ TEST_F(Report, ShowsFrictionAndMassOfReplay) {
   words = {"report", path("driven.csv"), "--drive", path("driven.drive.csv"),
            "--out",  path("report.html")};
   ASSERT_EQ(run_condyle(words).exit_code, 0);
-  const std::string unknown = text_of(path("report.html"));
+  const std::string unknown = read_file(path("report.html"));
   EXPECT_THAT(unknown, Not(HasSubstr("class=\"known\"")));
   EXPECT_THAT(unknown, HasSubstr("--drive-missing SHARE"));
   EXPECT_THAT(unknown, Not(HasSubstr("data-chart=\"mass\"")));
@@ -269,7 +269,7 @@ TEST_F(Report, OfAMinuteAt200HzIsSmall) {
       run_condyle({"report", path("minute.csv"), "--landmarks", path("minute.landmarks.toml"),
                    "--tasks", path("minute.tasks.csv"), "--out", path("report.html")});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
-  const std::string page = text_of(path("report.html"));
+  const std::string page = read_file(path("report.html"));
   const auto data = data_of(page);
   EXPECT_GT(data.at("readings").at("recordings").at(0).at("duration_s").get<double>(), 59);
   EXPECT_LE(page.size(), 1'500'000U);
