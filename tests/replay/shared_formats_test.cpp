@@ -3,6 +3,7 @@
 // CONDYLE_REFERENCE_DATA these tests skip.
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -106,6 +107,19 @@ TEST_F(SharedFormats, OneMarkerIsReplayed) {
   const auto one =
       run_condyle({"replay", path, "--marker", "R.Heel", "--out", folder / "estimates.csv"});
   EXPECT_EQ(one.exit_code, 0) << one.errors;
+}
+
+// Whatever moves: a walk or a sprint of 9 m as well.
+TEST_F(SharedFormats, RealMotionIsReplayed) {
+  const testing_support::TemporaryFolder folder;
+  int files = 0;
+  for (const auto& file : std::filesystem::directory_iterator(reference_data("motion/open"))) {
+    const auto result = run_condyle({"replay", file.path().string(), "--axis", "x", "--faults",
+                                     "event", "--out", folder / "estimates.csv"});
+    EXPECT_EQ(result.exit_code, 0) << file.path() << ": " << result.errors;
+    ++files;
+  }
+  EXPECT_EQ(files, 35);
 }
 
 }  // namespace

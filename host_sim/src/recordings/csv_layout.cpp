@@ -300,7 +300,10 @@ class CsvReading {
       return;
     }
     if (places.empty()) {
-      if (const std::string problem = problem_of_places(stated_m); !problem.empty()) {
+      // In mm no other unit fits a long way better (unit_watch.h).
+      const std::string problem =
+          each == 1 ? problem_of_places(stated_m) : problem_of_distance(stated_m);
+      if (!problem.empty()) {
         throw InputError(place(), problem, "give --unit mm or --unit m, the unit that is right");
       }
       return;

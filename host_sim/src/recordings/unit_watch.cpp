@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hosted/files/input_error.h"
+#include "recordings/file_units.h"
 
 namespace condyle::host {
 namespace {
@@ -43,23 +44,28 @@ class UnitWatch {
     if (++samples_ == kBlock) judge();
   }
 
-  /// Why the unit is in doubt; empty: it is not. `is_certain`: no jaw's positions.
-  std::string problem(bool& is_certain) {
+  /// Why the unit is in doubt.
+  struct Doubt {
+    std::string problem;       // empty: it is not
+    bool is_certain = false;   // no jaw's positions
+    bool is_refuted = false;   // and a jaw's in the other unit, mm or m
+  };
+  Doubt doubt(bool is_in_metres) {
     if (samples_ >= kLeast) judge();
-    if (is_plausible_ || least_range_m_ == 0) return "";
-    is_certain = true;
+    if (is_plausible_ || least_range_m_ == 0) return {};
     if (least_range_m_ > kMostOfJaw_m) {
-      is_certain = least_range_m_ > kAbsurd_m;
-      return fmt::format("the positions move by {:.3g} m, which no jaw does", least_range_m_);
+      const bool is_certain = least_range_m_ > kAbsurd_m;
+      return {fmt::format("the positions move by {:.3g} m, which no jaw does", least_range_m_),
+              is_certain, is_certain && is_in_metres};
     }
     if (!is_smooth_ || most_range_m_ < kLeastOfMetres_m || most_range_m_ > kMostOfMetres_m ||
         farthest_m_ > kNearOrigin_m) {
-      return "";
+      return {};
     }
-    return fmt::format(
-        "the positions move smoothly and by {:.2g} mm only, as if they were metres read as "
-        "millimetres",
-        most_range_m_ * 1e3);
+    return {fmt::format("the positions move smoothly and by {:.2g} mm only, as if they were metres "
+                        "read as millimetres",
+                        most_range_m_ * 1e3),
+            true, true};
   }
 
  private:
@@ -147,11 +153,10 @@ class WatchedBase : public Base {
  private:
   void finish() {
     info_ = recording_->info();
-    bool is_certain = false;
-    const std::string problem = watch_.problem(is_certain);
-    if (problem.empty()) return;
-    if (doubt_ == UnitDoubt::note && !is_certain) return;
-    if (doubt_ == UnitDoubt::refuse && is_certain) {
+    const auto unit = length_unit(info_.stated.unit);
+    const auto [problem, is_certain, is_refuted] = watch_.doubt(unit && unit->per_metre == 1);
+    if (problem.empty() || (doubt_ == UnitDoubt::note && !is_certain)) return;
+    if (doubt_ == UnitDoubt::refuse && is_refuted) {
       throw InputError(path_, problem, "give --unit mm or --unit m, the unit that is right");
     }
     info_.notes.push_back(fmt::format("{}; --unit mm or --unit m decides", problem));

@@ -74,6 +74,19 @@ RC_GTEST_PROP(UnitWatch, LeavesAJawAlone, ()) {
   }
 }
 
+// No other unit makes a jaw's positions of a walk in millimetres: it is read, with a note.
+RC_GTEST_PROP(UnitWatch, NotesAWalkInMillimetres, ()) {
+  const double walked = *rc::gen::inRange(6000, 9500);
+  const std::string file = jaw(walked, 0, 1, "time_s,x_mm,y_mm,z_mm");
+  const auto walk = read(file);
+  RC_ASSERT(walk.samples.size() == 600U);
+  int notes = 0;
+  for (const std::string& note : walk.info.notes) {
+    if (note.find("which no jaw does") != std::string::npos) ++notes;
+  }
+  RC_ASSERT(notes == 1);
+}
+
 // The same in formats that state their unit elsewhere, or imply it.
 TEST(UnitWatch, WatchesAllFormats) {
   std::string rows = jaw(30, 300, 1000, "");
