@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "readings/local_fit.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "readings/polynomial_fit.h"
 
 namespace condyle::host {
 namespace {
@@ -83,35 +84,15 @@ LocalFit::LocalFit(const std::vector<double>& time_s, std::size_t begin, std::si
     for (std::size_t i = 0; i < window.count; ++i) {
       places[i] = (time_s[window.first + i] - time_s[k]) / kFitHalfWidth_s;
     }
-    // Sums of the products of powers: each once, of those that have the same power twice.
-    double x1 = 0, x2 = 0, x3 = 0, x1x3 = 0, x2x2 = 0, x2x3 = 0, x3x3 = 0;
-    for (std::size_t i = 0; i < window.count; ++i) {
-      const double x = places[i], square = x * x, cube = square * x;
-      x1 += x;
-      x2 += square;
-      x3 += cube;
-      x1x3 += x * cube;
-      x2x2 += square * square;
-      x2x3 += square * cube;
-      x3x3 += cube * cube;
-    }
-    Eigen::Matrix4d sums;
-    sums << static_cast<double>(window.count), x1, x2, x3,  //
-        x1, x2, x3, x1x3,                                   //
-        x2, x3, x2x2, x2x3,                                 //
-        x3, x1x3, x2x3, x3x3;
-    Eigen::Matrix4d normal = Eigen::Matrix4d::Identity();
-    normal.topLeftCorner(terms, terms) = sums.topLeftCorner(terms, terms);
-    const Eigen::Matrix4d inverse = normal.inverse();
+    PowerSums powers;
+    for (const double place : places) powers.add(place);
+    const auto [of_value, of_slope] = powers.rows(terms);
     for (std::size_t i = 0; i < window.count; ++i) {
       const double x = places[i];
-      const double square = terms > 2 ? x * x : 0, cube = terms > 3 ? square * x : 0;
-      const double line = terms > 1 ? x : 0;
-      const auto weight = [&](int row) {
-        return inverse(row, 0) + inverse(row, 1) * line + inverse(row, 2) * square +
-               inverse(row, 3) * cube;
+      const auto weight = [x](const Eigen::RowVector4d& row) {
+        return row[0] + x * (row[1] + x * (row[2] + x * row[3]));
       };
-      weights_[window.weights + i] = {weight(0), weight(1) / kFitHalfWidth_s};
+      weights_[window.weights + i] = {weight(of_value), weight(of_slope) / kFitHalfWidth_s};
     }
   }
 }

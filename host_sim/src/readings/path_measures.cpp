@@ -43,20 +43,28 @@ Greatest greatest_by(const std::vector<double>& time_s, const std::vector<double
   }
   // A mean is as great only if it contains a value as great, up to rounding.
   const double least = best - 1e-12 * (std::abs(*lowest) + std::abs(*highest));
-  constexpr auto kFar = static_cast<std::size_t>(-1) / 2;
-  std::vector<std::size_t> distances(end - begin);
-  std::size_t distance = kFar;
-  for (std::size_t k = end; k-- > begin;) {
-    distance = values[k] >= least ? 0 : distance + (distance < kFar ? 1 : 0);
-    distances[k - begin] = distance;
+  // The samples whose mean can contain the first or the last of these values, or one between them.
+  std::size_t first = begin, last = end - 1;
+  while (values[first] < least) ++first;
+  while (values[last] < least) --last;
+  const auto contains = [&](std::size_t k, std::size_t i) {
+    return i <= std::min(k - begin, end - 1 - k) && reaches(k, i);
+  };
+  std::size_t low = first, high = last;
+  while (low > begin && contains(low - 1, first - (low - 1))) --low;
+  while (high + 1 < end && contains(high + 1, high + 1 - last)) ++high;
+  // To the next such value, in either direction.
+  std::vector<std::size_t> distances(high + 1 - low);
+  std::size_t distance = 0;
+  for (std::size_t k = high + 1; k-- > low;) {
+    distance = values[k] >= least ? 0 : k > last ? end - begin : distance + 1;
+    distances[k - low] = distance;
   }
-  distance = kFar;
   at = begin;
   best = -std::numeric_limits<double>::infinity();
-  for (std::size_t k = begin; k < end; ++k) {
-    distance = values[k] >= least ? 0 : distance + (distance < kFar ? 1 : 0);
-    const std::size_t nearest = std::min(distance, distances[k - begin]);
-    if (nearest > std::min(k - begin, end - 1 - k) || !reaches(k, nearest)) continue;
+  for (std::size_t k = low; k <= high; ++k) {
+    distance = values[k] >= least ? 0 : k < first ? end - begin : distance + 1;
+    if (!contains(k, std::min(distance, distances[k - low]))) continue;
     const double there = mean(k);
     if (!(there > best)) continue;
     best = there;

@@ -3,10 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "readings/polynomial_fit.h"
 
 namespace condyle::host {
 namespace {
@@ -27,27 +28,6 @@ constexpr double kMostDifference = 0.05;  // of the speed
 // A gap of more steps and more of the wide window may hide a greater speed.
 constexpr double kStepsOfGap = 2.5, kGapShare = 0.5;
 constexpr double kNowhere = -1e300;  // the speed where there are too few samples
-
-// Sums of the powers 0 to 6 of places, of a cubic's normal equations.
-using PowerSums = std::array<double, 7>;
-void add_powers(double x, PowerSums& sums) {
-  const double square = x * x, cube = square * x;
-  sums[0] += 1;
-  sums[1] += x;
-  sums[2] += square;
-  sums[3] += cube;
-  sums[4] += square * square;
-  sums[5] += square * cube;
-  sums[6] += cube * cube;
-}
-// What the moments of the samples are weighted with for the slope at 0.
-Eigen::RowVector4d slope_row(const PowerSums& sums) {
-  Eigen::Matrix4d normal;
-  for (int i = 0; i < 4; ++i) {
-    for (int j = 0; j < 4; ++j) normal(i, j) = sums[static_cast<std::size_t>(i + j)];
-  }
-  return normal.inverse().row(1);
-}
 
 }  // namespace
 
@@ -174,11 +154,11 @@ SpeedReader::Slope SpeedReader::slope_at(std::size_t k, int width) const {
   Slope slope;
   slope.first = window.begin;
   if (window.begin == window.end) return slope;
-  PowerSums powers{};
+  PowerSums powers;
   for (std::size_t i = window.begin; i < window.end; ++i) {
-    add_powers((time_s[i] - time_s[k]) / half_s, powers);
+    powers.add((time_s[i] - time_s[k]) / half_s);
   }
-  const Eigen::RowVector4d row = slope_row(powers);
+  const Eigen::RowVector4d row = powers.rows()[1];
   for (std::size_t i = window.begin; i < window.end; ++i) {
     const double x = (time_s[i] - time_s[k]) / half_s;
     slope.weights.push_back((row[0] + x * (row[1] + x * (row[2] + x * row[3]))) / half_s);
@@ -192,19 +172,19 @@ double SpeedReader::speed_at(const Places& places, std::size_t k, int width, int
   const double half_s = (width + 0.25) * step_s_;
   const SampleRun window = window_at(k, half_s);
   if (window.begin == window.end) return kNowhere;
-  PowerSums powers{};
+  PowerSums powers;
   std::array<Vector3d, 4> moments;
   moments.fill(Vector3d::Zero());
   for (std::size_t i = window.begin; i < window.end; ++i) {
     const double x = (time_s[i] - time_s[k]) / half_s, square = x * x;
-    add_powers(x, powers);
+    powers.add(x);
     const Vector3d from_here = places[i] - places[k];
     moments[0] += from_here;
     moments[1] += x * from_here;
     moments[2] += square * from_here;
     moments[3] += square * x * from_here;
   }
-  const Eigen::RowVector4d row = slope_row(powers);
+  const Eigen::RowVector4d row = powers.rows()[1];
   Vector3d velocity = Vector3d::Zero();
   for (int i = 0; i < 4; ++i) velocity += row[i] / half_s * moments[static_cast<std::size_t>(i)];
   return way == 0 ? velocity.norm() : way * velocity.z();

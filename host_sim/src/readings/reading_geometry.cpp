@@ -15,24 +15,27 @@ using Eigen::Vector3d;
 struct Turn {
   double sine, cosine, cubic;
 };
-Turn turn_of(const Vector3d& w) {
-  const double square = w.squaredNorm();
-  if (square > 1) {
-    const double angle = std::sqrt(square);
-    return {internal::sinc(angle), internal::cosine_share(angle), internal::sine_share(angle)};
-  }
-  // A jaw turns by less than 1 rad: Taylor series, all of whose terms above 1e-17 are here.
-  constexpr std::size_t kTerms = 10;
-  constexpr auto kSine = elementary::detail::reciprocal_factorials<double, kTerms>(1, 2);
-  constexpr auto kCosine = elementary::detail::reciprocal_factorials<double, kTerms>(2, 2);
-  constexpr auto kCubic = elementary::detail::reciprocal_factorials<double, kTerms>(3, 2);
+// Taylor series of so many terms.
+template <std::size_t terms>
+Turn series_of(double square) {
+  constexpr auto kSine = elementary::detail::reciprocal_factorials<double, terms>(1, 2);
+  constexpr auto kCosine = elementary::detail::reciprocal_factorials<double, terms>(2, 2);
+  constexpr auto kCubic = elementary::detail::reciprocal_factorials<double, terms>(3, 2);
   Turn turn{0, 0, 0};
-  for (std::size_t i = kTerms; i-- > 0;) {
+  for (std::size_t i = terms; i-- > 0;) {
     turn.sine = kSine[i] - square * turn.sine;
     turn.cosine = kCosine[i] - square * turn.cosine;
     turn.cubic = kCubic[i] - square * turn.cubic;
   }
   return turn;
+}
+// All terms above 1e-17. A jaw turns by less than 1 rad, in chewing by less than 0.24 rad.
+Turn turn_of(const Vector3d& w) {
+  const double square = w.squaredNorm();
+  if (square < 0.06) return series_of<6>(square);
+  if (square < 1) return series_of<10>(square);
+  const double angle = std::sqrt(square);
+  return {internal::sinc(angle), internal::cosine_share(angle), internal::sine_share(angle)};
 }
 
 }  // namespace

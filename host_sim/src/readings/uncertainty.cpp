@@ -2,7 +2,10 @@
 #include "readings/uncertainty.h"
 
 #include <algorithm>
+#include <boost/random/normal_distribution.hpp>
 #include <cmath>
+
+#include "condyle/estimator/pose/rotation_vector.h"
 
 namespace condyle::host {
 namespace {
@@ -85,8 +88,9 @@ double growth_of_noise(const LocalFit& fit, const LocalFit& calm, std::size_t fi
   RandomGenerator random(1);
   const SampleRun used = calm.used();
   std::vector<Vector6> white(used.end - used.begin), smooth, calmed, both, slopes;
+  boost::random::normal_distribution<double> normal;
   for (Vector6& numbers : white) {
-    for (double& number : numbers) number = random.normal();
+    for (double& number : numbers) number = normal(random);
   }
   calm.apply(white, used.begin, calmed, slopes);
   fit.apply(white, used.begin, begin, end, smooth, slopes);
@@ -97,6 +101,57 @@ double growth_of_noise(const LocalFit& fit, const LocalFit& calm, std::size_t fi
     uncorrected += smooth[k].squaredNorm();
   }
   return uncorrected > 0 ? std::sqrt(std::max(corrected / uncorrected, 1.0)) : 1;
+}
+
+// What a shared error changes of the incisor's path: turn of the head's axes and shift of the
+// incisor, in these axes.
+Vector6 change_of(const ReadingGeometry& geometry, const ReadingGeometry& moved) {
+  const auto into_head = geometry.head.linear().transpose();
+  Vector6 change;
+  change << rotation_vector_of<double>(into_head * moved.head.linear()),
+      into_head * (moved.incisor_m - geometry.incisor_m);
+  return change;
+}
+
+bool is_of_reference(const ReadingGeometry& moved) {
+  return !moved.reference_shift_m.isZero(0) || !moved.reference_turn_rad.isZero(0);
+}
+
+// The geometries to read, and what each shared error is of them: changes * shares are the changes
+// by the errors. Of the incisor's path six geometries tell, to first order, what the 18 coordinates
+// of the landmarks change: these turn the head's axes and shift the incisor.
+struct GeometriesToRead {
+  std::vector<ReadingGeometry> geometries;
+  Eigen::MatrixXd shares;
+};
+GeometriesToRead geometries_to_read(const SharedErrors& errors, PathPart part) {
+  const auto count = static_cast<Eigen::Index>(errors.off_by_one_sd.size());
+  GeometriesToRead result{{}, Eigen::MatrixXd::Zero(6 + count, count)};
+  const auto add = [&result](const ReadingGeometry& moved) {
+    result.geometries.push_back(moved);
+    return result.shares.row(static_cast<Eigen::Index>(result.geometries.size()) - 1);
+  };
+  Eigen::Matrix<double, 6, Eigen::Dynamic> changes(6, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const ReadingGeometry& moved = errors.off_by_one_sd[static_cast<std::size_t>(i)];
+    const bool is_read = part == PathPart::all || is_of_reference(moved);
+    if (is_read) add(moved)[i] = 1;
+    changes.col(i) = is_read ? Vector6::Zero() : change_of(errors.geometry, moved);
+  }
+  for (int j = 0; j < 6; ++j) {
+    const double size = changes.row(j).lpNorm<Eigen::Infinity>();
+    if (!(size > 0)) continue;
+    ReadingGeometry moved = errors.geometry;
+    auto axes = moved.head.linear();
+    if (j < 3) {
+      axes = axes * rotation_of<double>(size * Eigen::Vector3d::Unit(j));
+    } else {
+      moved.incisor_m += size * axes.col(j - 3);
+    }
+    add(moved) = changes.row(j) / size;
+  }
+  result.shares.conservativeResize(static_cast<Eigen::Index>(result.geometries.size()), count);
+  return result;
 }
 
 }  // namespace
@@ -183,10 +238,18 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
   turning_of(smooth, turning);
   read_smooth(errors.geometry, values, &why);
   std::vector<UncertainValue> results(values.size());
-  for (const ReadingGeometry& moved : errors.off_by_one_sd) {
-    read_smooth(moved, once, nullptr);
-    for (std::size_t i = 0; i < results.size(); ++i)
-      results[i].fixed.push_back(once[i] - values[i]);
+  const auto [geometries, shares] = geometries_to_read(errors, settings.part);
+  Eigen::MatrixXd changes(values.size(), geometries.size());
+  for (std::size_t k = 0; k < geometries.size(); ++k) {
+    read_smooth(geometries[k], once, nullptr);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      changes(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = once[i] - values[i];
+    }
+  }
+  changes *= shares;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto row = changes.row(static_cast<Eigen::Index>(i));
+    results[i].fixed.assign(row.begin(), row.end());
   }
   const auto read_turned = [&](std::vector<double>& into) {
     turning_of(smooth, turning);
@@ -216,12 +279,13 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
   std::vector<Draws> draws(values.size());
   // Smoothing is linear: the smoothed noise is added to the smoothed path, and subtracted.
   std::vector<Vector6> error(mild.size()), error_value, error_slope;
+  boost::random::normal_distribution<double> normal;
   for (int pair = 0; pair < settings.pairs; ++pair) {
     for (std::size_t k = 0; k < error.size(); ++k) {
-      Vector6 normal;
-      for (double& number : normal) number = random.normal();
-      error[k] = noise.root * normal;
-      if (noise.stamp_sd_s > 0) error[k] += noise.stamp_sd_s * random.normal() * slopes[k];
+      Vector6 numbers;
+      for (double& number : numbers) number = normal(random);
+      error[k] = noise.root * numbers;
+      if (noise.stamp_sd_s > 0) error[k] += noise.stamp_sd_s * normal(random) * slopes[k];
     }
     fit.apply(error, first, begin, end, error_value, error_slope);
     const auto read_with = [&](double sign, std::vector<double>& into) {

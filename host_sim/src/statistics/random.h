@@ -18,9 +18,14 @@ namespace condyle::host {
 std::array<std::uint32_t, 4> philox_block(std::array<std::uint32_t, 4> counter,
                                           std::array<std::uint32_t, 2> key);
 
-/// Numbers of one stream under one seed.
+/// Numbers of one stream under one seed. A uniform random bit generator of the standard library.
 class RandomGenerator {
  public:
+  using result_type = std::uint64_t;
+  static constexpr result_type min() { return 0; }
+  static constexpr result_type max() { return ~result_type{0}; }
+  result_type operator()() { return next(); }
+
   explicit RandomGenerator(std::uint64_t seed, std::uint64_t stream = 0)
       : seed_(seed), stream_(stream) {}
 
