@@ -14,6 +14,7 @@
 
 #include "box/running_box.h"
 #include "box/stream_reader.h"
+#include "condyle/hal/log/session_log_reader.h"
 #include "hosted/files/input_error.h"
 #include "support/command.h"
 #include "support/read_log.h"
@@ -57,7 +58,8 @@ bool has_recorded(const RunningBox& running, int reports) {
   return wait_for([&] { return running.status()["session"]["reports_written"] >= reports; });
 }
 
-// Every number that went out live is in the replay of the recording, bit for bit, and no other.
+// Every number that went out live is in the replay of the recording, bit for bit, and no other;
+// what the log keeps of learning is what the replay learns.
 TEST(Box, AReplayIsTheLiveSessionAgain) {
   RunningBox running;
   running.start();
@@ -81,10 +83,14 @@ TEST(Box, AReplayIsTheLiveSessionAgain) {
 
   ASSERT_TRUE(reader.wait());
   const std::string csv = running.folder / "again.csv", values = running.folder / "values";
-  const auto replayed =
-      testing_support::run_condyle({"replay", log, "--out", csv, "--values", values});
+  const std::string learned = running.folder / "learned.json";
+  const auto replayed = testing_support::run_condyle(
+      {"replay", log, "--out", csv, "--values", values, "--learned-out", learned});
   ASSERT_EQ(replayed.exit_code, 0) << replayed.errors;
   EXPECT_THAT(replayed.output, HasSubstr("s: first, \"bite\"\n"));
+  std::string kept;
+  ASSERT_EQ(hal::read_learned_text(log, kept), hal::Status::ok);
+  EXPECT_EQ(kept == testing_support::read_file(learned), true) << kept.size();
   EXPECT_THAT(testing_support::read_file(values + "/markers.csv"),
               HasSubstr(",\"first, \"\"bite\"\"\"\n"));
   const testing_support::Table table = testing_support::read_table(csv);
@@ -230,8 +236,12 @@ TEST(Box, GoesOnInAnotherFileWhereTheLogIsDeleted) {
   const std::string deleted = running.status()["session"]["file"];
   std::filesystem::remove(deleted);
   ASSERT_TRUE(wait_for([&] { return running.status()["session"]["part"] == 2; }));
+  ASSERT_TRUE(has_recorded(running, 300));
   EXPECT_EQ(post(running.port, "/v1/session/stop", "{}").status, 200);
   const Json session = running.status()["session"];
+  std::string kept;
+  ASSERT_EQ(hal::read_learned_text(session["file"], kept), hal::Status::ok);
+  EXPECT_THAT(kept, HasSubstr("condyle-learned-1")) << "of the part's own run";
   EXPECT_EQ(session["pauses"], 0);
   EXPECT_GT(session["reports_lost"], 0);
   EXPECT_EQ(session["reports_received"].get<int>(),

@@ -4,6 +4,7 @@
 #include <bit>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 #include "box/realtime/real_time.h"
 #include "condyle/firmware/sensor_choice.h"
@@ -78,7 +79,9 @@ void Engine::start() {
 
 void Engine::stop() {
   stops_ = true;
-  if (thread_.joinable()) thread_.join();
+  if (!thread_.joinable()) return;
+  thread_.join();
+  learned_before_run_ = std::exchange(learned_, std::nullopt);
 }
 
 std::uint64_t Engine::begin_run(hal::SessionLogWriter* log) {
@@ -97,6 +100,7 @@ void Engine::loop() {
     const std::uint64_t wanted = wanted_run_.load(std::memory_order_acquire);
     hal::SessionLogWriter* const log = wanted_log_.load(std::memory_order_relaxed);
     received_before_run_.store(totals_.received, std::memory_order_relaxed);
+    learned_before_run_ = std::exchange(learned_, std::nullopt);
     run_.store(wanted, std::memory_order_release);
     do_run(log);
     keep_totals();
@@ -134,11 +138,19 @@ void Engine::do_run(hal::SessionLogWriter* log) {
           firmware::SensorWithPose<Sensor> sensor(PoseSensor<double>(parameters_, lag_),
                                                   arguments...);
           estimate_run(facebow, sensor);
+          if (recorded) keep_learned(sensor);
         } else {
           Sensor sensor(arguments...);
           estimate_run(facebow, sensor);
+          if (recorded) keep_learned(sensor);
         }
       });
+}
+
+template <class Sensor>
+void Engine::keep_learned(Sensor& sensor) {
+  if (!sensor.learns() || sensor.corrector(0).learned() == 0) return;
+  learned_ = host::learned_of(sensor, profile_.kind == SampleKind::one_axis ? 1 : 3);
 }
 
 template <class Sensor>

@@ -12,6 +12,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -25,6 +26,7 @@
 #include "condyle/hal/log/session_log.h"
 #include "condyle/hal/report/device_facebow.h"
 #include "condyle/hal/report/report_tracker.h"
+#include "hosted/estimates/learned_motion.h"
 
 namespace condyle::box {
 
@@ -74,11 +76,19 @@ class Engine {
     return received_before_run_.load(std::memory_order_relaxed);
   }
 
+  /// What the run before the one that `begin_run` began has learned, if it went to a log. For the
+  /// thread that called it, until it calls it again.
+  const std::optional<host::LearnedMotion>& learned_before_run() const {
+    return learned_before_run_;
+  }
+
  private:
   static constexpr std::size_t kCounts = sizeof(EngineCounts) / sizeof(std::uint64_t);
 
   void loop();
   void do_run(hal::SessionLogWriter* log);
+  template <class Sensor>
+  void keep_learned(Sensor& sensor);
   template <class Sensor>
   void estimate_run(hal::DeviceFacebow& facebow, Sensor& sensor);
   bool has_to_leave();
@@ -103,7 +113,8 @@ class Engine {
   std::atomic<hal::SessionLogWriter*> wanted_log_ = nullptr;
   // Reported by the thread.
   std::atomic<std::uint64_t> run_ = 0, heartbeat_ = 0;
-  std::atomic<std::uint64_t> received_before_run_ = 0;  // written before run_
+  std::atomic<std::uint64_t> received_before_run_ = 0;     // written before run_
+  std::optional<host::LearnedMotion> learned_before_run_;  // written before run_
   std::atomic<bool> has_ended_ = false, is_scheduled_ = false;
   std::array<std::atomic<std::uint64_t>, kCounts> counts_{};
   std::string scheduling_;  // written before is_scheduled_
@@ -112,6 +123,7 @@ class Engine {
   hal::ReportTracker all_runs_;
   std::uint64_t connections_ = 0;
   EngineCounts totals_, present_;
+  std::optional<host::LearnedMotion> learned_;  // in the run that has just ended
   std::thread thread_;
 };
 

@@ -214,9 +214,14 @@ SessionRecorder::Answer SessionRecorder::begin_part() {
   return {200, file};
 }
 
-// Reports of the ending run belong to the state of the session up to here.
+// Reports of the ending run belong to the state of the session up to here, and what it has learned
+// to the part that ends.
 void SessionRecorder::begin_run(hal::SessionLogWriter* log) {
   engine_->begin_run(log);
+  const auto& learned = engine_->learned_before_run();
+  if (part_ && learned && !part_->log.keep_learned(host::learned_text(*learned))) {
+    box_log_.say(BoxLog::Level::warning, "session", state_.file + " lacks what was learned");
+  }
   const std::uint64_t before = std::exchange(received_before_run_, engine_->received_before_run());
   const std::uint64_t received = received_before_run_ - before;
   if (state_.phase != SessionState::Phase::idle) state_.reports_received += received;

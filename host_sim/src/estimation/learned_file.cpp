@@ -18,7 +18,6 @@
 namespace condyle::host {
 namespace {
 
-constexpr const char* kFormat = "condyle-learned-1";
 constexpr double kMostRateRatio = 1.25;
 constexpr double kLargest = 1e6;
 using Regression = KernelRegression<double, 1>;
@@ -89,20 +88,6 @@ void LearnedFiles::refuse_unless(bool learns) const {
                    "leave it out");
 }
 
-std::string learned_text(const LearnedMotion& learned) {
-  nlohmann::ordered_json json = {{"format", kFormat},
-                                 {"condyle", CONDYLE_VERSION},
-                                 {"rate_Hz", learned.rate_Hz},
-                                 {"lag", learned.lag}};
-  nlohmann::ordered_json& axes = json["axes"] = nlohmann::ordered_json::array();
-  for (const LearnedAxis& axis : learned.axes) {
-    nlohmann::ordered_json one = {{"kernels", axis.kernels}};
-    for (const auto& [name, values] : axis.values) one[name] = values;
-    axes.push_back(std::move(one));
-  }
-  return json.dump() + "\n";
-}
-
 LearnedMotion read_learned(const std::string& path, int axis_count, double step_s,
                            double most_kernels, int lag) {
   const char* const mend = "give a session log, or a file that --learned-out has written";
@@ -119,8 +104,8 @@ LearnedMotion read_learned(const std::string& path, int axis_count, double step_
   LearnedMotion learned;
   try {
     const auto json = nlohmann::json::parse(text);
-    if (json.at("format") != kFormat) {
-      throw InputError(path, fmt::format("is not of format {}", kFormat), mend);
+    if (json.at("format") != kLearnedFormat) {
+      throw InputError(path, fmt::format("is not of format {}", kLearnedFormat), mend);
     }
     learned.rate_Hz = json.at("rate_Hz").get<double>();
     learned.lag = json.value("lag", 0);
