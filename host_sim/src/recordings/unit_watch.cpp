@@ -46,9 +46,9 @@ class UnitWatch {
 
   /// Why the unit is in doubt.
   struct Doubt {
-    std::string problem;       // empty: it is not
-    bool is_certain = false;   // no jaw's positions
-    bool is_refuted = false;   // and a jaw's in the other unit, mm or m
+    std::string problem;      // empty: it is not
+    bool is_certain = false;  // no jaw's positions
+    bool is_refuted = false;  // and a jaw's in the other unit, mm or m
   };
   Doubt doubt(bool is_in_metres) {
     if (samples_ >= kLeast) judge();
