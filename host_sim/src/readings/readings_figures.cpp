@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "output/gnuplot.h"
 #include "readings/readings_files.h"
@@ -11,43 +12,73 @@
 namespace condyle::host {
 namespace {
 
-constexpr const char* kColours[kTaskKinds + 1] = {"#1f5fa8", "#c8641e", "#2e8b57", "#8a4fa3",
-                                                  "#505050", "#b03060", "#c0a000", "#1f5fa8"};
-constexpr std::size_t kMostPoints = 20'000;
-// To draw one line takes time with the square of its points where it crosses itself.
-constexpr std::size_t kLinePoints = 100;
+constexpr const char* kColours[kTaskKinds + 1] = {"0x1f5fa8", "0xc8641e", "0x2e8b57", "0x8a4fa3",
+                                                  "0x505050", "0xb03060", "0xc0a000", "0x1f5fa8"};
+// Of a long task, stretches of its path are drawn.
+constexpr double kPointStep_s = 0.01, kStretch_s = 2;
+constexpr std::size_t kMostPoints = 10'000;
 
-// Blocks of data, one for each task: incisor x y z, left condyle x y z, right condyle x y z (mm).
-std::string data_of(const Analysis& analysis, std::vector<TaskKind>& kinds) {
+// What is drawn of the tasks of one kind.
+struct DrawnTask {
+  TaskKind kind;
+  std::size_t share = 1;  // one of so many stretches
+};
+
+// Blocks of data, one for each kind of task: incisor x y z, left condyle x y z, right condyle x y z
+// (mm).
+std::string data_of(const Analysis& analysis, std::vector<DrawnTask>& drawn) {
   const JawPath& path = analysis.path;
-  const std::size_t stride = 1 + path.time_s.size() / kMostPoints;
+  if (path.time_s.size() < 2) return {};
+  const double step_s =
+      (path.time_s.back() - path.time_s.front()) / static_cast<double>(path.time_s.size() - 1);
+  const auto stride = static_cast<std::size_t>(std::max(1.0, kPointStep_s / step_s));
+  const auto samples = static_cast<std::size_t>(std::max(1.0, kStretch_s / step_s));
   std::string text;
   for (std::size_t i = 0; i <= kTaskKinds; ++i) {
-    const auto kind = static_cast<TaskKind>(i);
-    std::string block;
+    DrawnTask one{.kind = static_cast<TaskKind>(i)};
+    std::vector<SampleRun> runs;
+    std::size_t points = 0;
     for (const Task& task : analysis.tasks) {
-      if (task.kind != kind) continue;
-      std::size_t points_of_line = 0;
-      std::string row;
-      for (std::size_t k = 0; k < path.time_s.size(); k += stride) {
-        if (path.time_s[k] < task.begin_s || path.time_s[k] > task.end_s) continue;
-        if (++points_of_line > kLinePoints) {
-          block += "\n" + row;  // the next line begins where this one ends
-          points_of_line = 1;
+      if (task.kind != one.kind) continue;
+      const auto begin = std::lower_bound(path.time_s.begin(), path.time_s.end(), task.begin_s);
+      const auto end = std::upper_bound(begin, path.time_s.end(), task.end_s);
+      runs.push_back({static_cast<std::size_t>(begin - path.time_s.begin()),
+                      static_cast<std::size_t>(end - path.time_s.begin())});
+      points += (runs.back().end - runs.back().begin) / stride;
+    }
+    if (runs.empty()) continue;
+    one.share = 1 + points / kMostPoints;
+    std::string block;
+    for (const SampleRun& run : runs) {
+      for (std::size_t k = run.begin; k < run.end; k += stride) {
+        const std::size_t stretch = (k - run.begin) / samples;
+        if (stretch % one.share != 0) {
+          // The next line begins with the next stretch that is drawn.
+          if (block.ends_with("\n\n")) continue;
+          block += "\n";
+          continue;
         }
-        row.clear();
-        for (const auto* points : {&path.incisor_m, &path.condyle_m[0], &path.condyle_m[1]}) {
-          for (const double value : (*points)[k]) row += fmt::format("{:.4f} ", value * 1e3);
+        for (const auto* place : {&path.incisor_m, &path.condyle_m[0], &path.condyle_m[1]}) {
+          for (const double value : (*place)[k]) {
+            fmt::format_to(std::back_inserter(block), "{:.4f} ", value * 1e3);
+          }
         }
-        block += row += "\n";
+        block += "\n";
       }
       block += "\n";
     }
-    if (block.empty()) continue;
-    text += fmt::format("$task{} << EOD\n{}EOD\n", kinds.size(), block);
-    kinds.push_back(kind);
+    text += fmt::format("$task{} << EOD\n{}EOD\n", drawn.size(), block);
+    drawn.push_back(one);
   }
   return text;
+}
+
+std::string title_of(const DrawnTask& task) {
+  const char* const name = name_of(task.kind);
+  const std::string title = *name != 0 ? name : "recording";
+  if (task.share == 1) return title;
+  return fmt::format("{} ({:g} of {:g} s)", title, kStretch_s,
+                     kStretch_s * static_cast<double>(task.share));
 }
 
 struct Plane {
@@ -56,17 +87,21 @@ struct Plane {
   bool is_mirrored;  // the x axis grows to the left
 };
 
-std::string panel(const Plane& plane, const std::vector<TaskKind>& kinds, bool has_key) {
+std::string panel(const Plane& plane, const std::vector<DrawnTask>& drawn, bool has_key) {
   std::string text = fmt::format(
       "set title '{}' font ',11'\nset xlabel '{}'\nset ylabel '{}'\nset xrange [*:*] {}\n{}\nplot ",
       plane.title, plane.x_label, plane.y_label, plane.is_mirrored ? "reverse" : "noreverse",
       has_key ? "set key outside right top" : "unset key");
-  for (std::size_t i = 0; i < kinds.size(); ++i) {
-    const char* const name = name_of(kinds[i]);
-    text +=
-        fmt::format("{}$task{} using {}:{} with lines lw 1.2 lc rgb '{}' title '{}'",
-                    i > 0 ? ", " : "", i, plane.x, plane.y,
-                    kColours[static_cast<std::size_t>(kinds[i])], *name != 0 ? name : "recording");
+  // A colour from a column: a line of one colour takes time with the square of its points.
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    text += fmt::format("{}$task{} using {}:{}:({}) with lines lw 1.2 lc rgb variable notitle",
+                        i > 0 ? ", " : "", i, plane.x, plane.y,
+                        kColours[static_cast<std::size_t>(drawn[i].kind)]);
+  }
+  for (const DrawnTask& task : drawn) {
+    if (!has_key) break;
+    text += fmt::format(", keyentry with lines lw 1.2 lc rgb {} title '{}'",
+                        kColours[static_cast<std::size_t>(task.kind)], title_of(task));
   }
   return text + "\n";
 }
@@ -84,9 +119,9 @@ std::string layout(const std::string& title, std::size_t panels) {
 std::vector<std::unique_ptr<OutputFile>> draw_readings(const std::string& directory,
                                                        const std::string& prefix,
                                                        const Analysis& analysis) {
-  std::vector<TaskKind> kinds;
-  const std::string data = data_of(analysis, kinds);
-  if (kinds.empty() || !analysis.unusable.empty()) return {};
+  std::vector<DrawnTask> drawn;
+  const std::string data = data_of(analysis, drawn);
+  if (drawn.empty() || !analysis.unusable.empty()) return {};
   Gnuplot gnuplot(directory);
   gnuplot.send(data);
   const bool named = analysis.has_landmarks;
@@ -99,15 +134,15 @@ std::vector<std::unique_ptr<OutputFile>> draw_readings(const std::string& direct
        named ? "up (mm)" : "z (mm)", 2, 3, false},
       {named ? "horizontal, seen from below" : "x, y", named ? "left (mm)" : "y (mm)",
        named ? "anterior (mm)" : "x (mm)", 2, 1, false}};
-  for (const Plane& plane : planes) plot += panel(plane, kinds, &plane == &planes[2]);
+  for (const Plane& plane : planes) plot += panel(plane, drawn, &plane == &planes[2]);
   plot += "unset multiplot\n";
   gnuplot.draw(prefix + "incisor", plot, 1400, 560);
   if (named) {
     plot = layout(fmt::format("Condyles, sagittal: {}", recording_name(analysis.recording)), 2);
-    plot += panel({"right, anterior to the right", "anterior (mm)", "up (mm)", 7, 9, false}, kinds,
+    plot += panel({"right, anterior to the right", "anterior (mm)", "up (mm)", 7, 9, false}, drawn,
                   false);
     plot +=
-        panel({"left, anterior to the left", "anterior (mm)", "up (mm)", 4, 6, true}, kinds, true);
+        panel({"left, anterior to the left", "anterior (mm)", "up (mm)", 4, 6, true}, drawn, true);
     plot += "unset multiplot\n";
     gnuplot.draw(prefix + "condyles", plot, 1200, 560);
   }

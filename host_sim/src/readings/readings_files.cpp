@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "readings/readings_files.h"
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -196,21 +197,26 @@ void write_poses(const Analysis& analysis, OutputFile& file) {
     }
   }
   file.write(header + "\n");
-  std::string row;
-  const auto add = [&row](const Eigen::Vector3d& values, double scale) {
-    for (const double value : values) row += fmt::format(",{:.5f}", value * scale);
+  fmt::memory_buffer row;
+  const auto add_one = [&row](double value) {
+    fmt::format_to(fmt::appender(row), FMT_COMPILE(",{:.5f}"), value);
+  };
+  const auto add = [&add_one](const Eigen::Vector3d& values, double scale) {
+    for (const double value : values) add_one(value * scale);
   };
   for (std::size_t k = 0; k < path.time_s.size(); ++k) {
-    row = fmt::format("{:.6f}", path.time_s[k]);
+    row.clear();
+    fmt::format_to(fmt::appender(row), FMT_COMPILE("{:.6f}"), path.time_s[k]);
     add(path.incisor_m[k], 1e3);
-    row += fmt::format(",{:.5f}", analysis.incisor_sd_m[k] * 1e3);
+    add_one(analysis.incisor_sd_m[k] * 1e3);
     add(path.incisor_m_s[k], 1e3);
     add(path.rotation_rad[k], 1 / kDegree);
     if (analysis.has_landmarks) {
       add(path.condyle_m[0][k], 1e3);
       add(path.condyle_m[1][k], 1e3);
     }
-    file.write(row + "\n");
+    row.push_back('\n');
+    file.write({row.data(), row.size()});
   }
 }
 
