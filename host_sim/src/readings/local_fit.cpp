@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "readings/polynomial_fit.h"
 
 namespace condyle::host {
 namespace {
+
+using Pair = double __attribute__((vector_size(16)));
 
 // First and end of the samples that the fit at `k` uses.
 std::pair<std::size_t, std::size_t> window_at(const std::vector<double>& time_s, std::size_t k,
@@ -106,18 +109,21 @@ void LocalFit::apply(const std::vector<Vector6>& samples, std::size_t first_samp
     const Window& window = windows_[k - begin_];
     const Weights* const weights = &weights_[window.weights];
     const Vector6* const used = &samples[window.first - first_sample];
-    // Plain loops, which the compiler turns into arithmetic on pairs.
-    std::array<double, 6> value{}, slope{};
+    // Sums in registers.
+    std::array<Pair, 3> value{}, slope{};
     for (std::size_t i = 0; i < window.count; ++i) {
       const double* const sample = used[i].data();
       const double of_value = weights[i].value, of_slope = weights[i].slope;
-      for (std::size_t j = 0; j < 6; ++j) {
-        value[j] += of_value * sample[j];
-        slope[j] += of_slope * sample[j];
+#pragma GCC unroll 3
+      for (std::size_t j = 0; j < 3; ++j) {
+        Pair pair;
+        std::memcpy(&pair, sample + 2 * j, sizeof pair);
+        value[j] += of_value * pair;
+        slope[j] += of_slope * pair;
       }
     }
-    values[k - begin] = Eigen::Map<const Vector6>(value.data());
-    slopes[k - begin] = Eigen::Map<const Vector6>(slope.data());
+    std::memcpy(values[k - begin].data(), value.data(), sizeof value);
+    std::memcpy(slopes[k - begin].data(), slope.data(), sizeof slope);
   }
 }
 
