@@ -43,16 +43,18 @@ class Record : public testing::TestWithParam<const char*> {
     return play(GetParam(), options, command(estimates));
   }
   std::vector<std::string> command(const std::string& estimates) const {
-    return {testing_support::program_path("condyle"),
-            "record",
-            "--backend",
-            is_usb() ? "libusb" : "hidapi",
-            "--profile",
-            profile_,
-            "--out",
-            log(),
-            "--estimates",
-            estimates};
+    std::vector<std::string> words = {testing_support::program_path("condyle"),
+                                      "record",
+                                      "--backend",
+                                      is_usb() ? "libusb" : "hidapi",
+                                      "--profile",
+                                      profile_,
+                                      "--out",
+                                      log(),
+                                      "--estimates",
+                                      estimates};
+    if (!learned_.empty()) words.insert(words.end(), {"--learned", learned_});
+    return words;
   }
   // From here on a profile that says so.
   void expect_restarts() {
@@ -75,6 +77,7 @@ class Record : public testing::TestWithParam<const char*> {
   }
 
   testing_support::TemporaryFolder folder_;
+  std::string learned_;  // to begin with; empty: nothing
   std::string profile_ = testing_support::source_path("/hal/profiles/condyle_facebow.toml");
 };
 
@@ -129,6 +132,26 @@ TEST_P(Record, TheLogKeepsWhatWasLearned) {
   const auto replayed = run_condyle({"replay", log(), "--learned-out", again});
   ASSERT_EQ(replayed.exit_code, 0) << replayed.errors;
   EXPECT_EQ(kept == read_file(again), true) << kept.size();
+}
+
+// A log has what its session began with; other parameters begin anew.
+TEST_P(Record, AReplayBeginsAsTheSession) {
+  const std::string taught = folder_ / "taught.json", anew = folder_ / "anew.csv";
+  record(600, {"--by-consumption"});
+  ASSERT_EQ(run_condyle({"replay", log(), "--learned-out", taught}).exit_code, 0);
+  // Reports by consumption come faster than at the profile's rate.
+  const std::regex rate("\"rate_Hz\":[^,]*");
+  const std::string text = std::regex_replace(read_file(taught), rate, "\"rate_Hz\":500");
+  std::ofstream(taught) << text;
+  learned_ = taught;
+  const Played played = record(600, {"--by-consumption"});
+  ASSERT_EQ(played.exit_code, 0) << played.text;
+  expect_same_estimates();
+  std::ofstream(folder_ / "none.toml") << "[learning]\n";
+  const auto replayed =
+      run_condyle({"replay", log(), "--parameters", folder_ / "none.toml", "--out", anew});
+  ASSERT_EQ(replayed.exit_code, 0) << replayed.errors;
+  EXPECT_EQ(read_file(live()) == read_file(anew), false);
 }
 
 // In four parts, for umockdev's sake (see fake_facebow_test.cpp).

@@ -52,6 +52,7 @@ TEST(SessionLog, RefusesAHeaderThatItCannotKeep) {
   refuse([](auto& header) { header.sources[0].profile_toml.assign((1U << 20U) + 1, 'x'); });
   refuse([](auto& header) { header.sources[0].report_descriptor.resize(4097); });
   refuse([](auto& header) { header.parameters_toml.assign((1U << 20U) + 1, 'x'); });
+  refuse([](auto& header) { header.begun_with_json.assign((1U << 20U) + 1, 'x'); });
   refuse([](auto& header) { header.start_wall_ns = -1; });
   EXPECT_EQ(folder.count(), 0);
 }
@@ -129,6 +130,7 @@ RC_GTEST_PROP(SessionLogProperty, GivesBackWhatWasWritten, ()) {
   const auto text = [] { return rc::gen::string<std::string>(); };
   hal::SessionHeader header = make_header(*rc::gen::inRange<std::size_t>(1, 9));
   header.parameters_toml = *text();
+  header.begun_with_json = *text();
   header.start_monotonic_ns = *rc::gen::arbitrary<TimeNs>();
   header.start_wall_ns = *rc::gen::suchThat<TimeNs>([](TimeNs time_ns) { return time_ns >= 0; });
   for (hal::SessionSource& source : header.sources) {
@@ -168,6 +170,7 @@ RC_GTEST_PROP(SessionLogProperty, GivesBackWhatWasWritten, ()) {
   RC_ASSERT(read.opened == hal::Status::ok);
   RC_ASSERT(read.condition.outcome == hal::McapRead::end);
   RC_ASSERT(read.header.parameters_toml == header.parameters_toml);
+  RC_ASSERT(read.header.begun_with_json == header.begun_with_json);
   RC_ASSERT(read.header.start_monotonic_ns == header.start_monotonic_ns);
   for (std::size_t s = 0; s < header.sources.size(); ++s) {
     RC_ASSERT(read.header.sources[s].profile_toml == header.sources[s].profile_toml);

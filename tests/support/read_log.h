@@ -50,6 +50,7 @@ inline void expect_same(const hal::SessionHeader& left, const hal::SessionHeader
   EXPECT_EQ(left.software_version, right.software_version);
   EXPECT_EQ(left.subject_code, right.subject_code);
   EXPECT_EQ(left.parameters_toml, right.parameters_toml);
+  EXPECT_EQ(left.begun_with_json, right.begun_with_json);
   EXPECT_EQ(left.start_wall_ns, right.start_wall_ns);
   EXPECT_EQ(left.start_monotonic_ns, right.start_monotonic_ns);
   ASSERT_EQ(left.sources.size(), right.sources.size());

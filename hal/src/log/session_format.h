@@ -21,6 +21,9 @@ inline constexpr std::string_view kSessionFormat = "1";
 inline constexpr std::size_t kFullChunkBytes = std::size_t{64} << 10;
 inline constexpr std::size_t kMaxChunkBytes = std::size_t{1} << 20;
 inline constexpr std::string_view kParametersName = "parameters.toml";
+inline constexpr std::string_view kBegunWithName = "begun_with.json";
+/// Key of the header of a log that has this attachment, after all others.
+inline constexpr std::string_view kBegunWithKey = "begun_with";
 inline constexpr std::string_view kReportSchemaName = "condyle_msgs/msg/RawReport";
 inline constexpr std::string_view kReportSchema =
     "# One input report, as the device sent it.\n"

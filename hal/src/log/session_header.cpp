@@ -51,6 +51,7 @@ class PairParser {
     return value;
   }
   const std::string& problem() const { return problem_; }
+  bool is_next(std::string_view key) const { return !is_at_end() && pairs_[next_].first == key; }
   bool is_at_end() const { return next_ == pairs_.size(); }
 
  private:
@@ -77,6 +78,9 @@ std::string header_problem(const SessionHeader& header) {
     return "the software version must have 1 to 64 letters";
   }
   if (header.parameters_toml.size() > kMaxTextBytes) return "the parameters are longer than 1 MiB";
+  if (header.begun_with_json.size() > kMaxTextBytes) {
+    return "what the session began with is longer than 1 MiB";
+  }
   if (header.start_wall_ns < 0) return "the start is before 1970";
   if (header.sources.empty() || header.sources.size() > kMaxSessionSources) {
     return "a session has 1 to 8 sources";
@@ -106,6 +110,7 @@ McapPairs session_pairs(const SessionHeader& header) {
     pairs.emplace_back(source_key(i, "vendor_id"), std::to_string(source.vendor_id));
     pairs.emplace_back(source_key(i, "product_id"), std::to_string(source.product_id));
   }
+  if (!header.begun_with_json.empty()) pairs.emplace_back(kBegunWithKey, kBegunWithName);
   pairs.emplace_back(kCrcKey, checksum(pairs));
   return pairs;
 }
@@ -132,6 +137,7 @@ std::string parse_session_pairs(const McapPairs& pairs, SessionHeader& header) {
     source.product_id = parser.number<std::uint16_t>(source_key(i, "product_id"));
     header.sources.push_back(std::move(source));
   }
+  if (parser.is_next(kBegunWithKey)) static_cast<void>(parser.text(kBegunWithKey));
   const std::string stored = parser.text(kCrcKey);
   if (!parser.problem().empty()) return parser.problem();
   if (!parser.is_at_end()) return "the session has unknown keys";

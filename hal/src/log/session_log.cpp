@@ -165,6 +165,9 @@ void SessionLogWriter::add_header(const SessionHeader& header) {
     attach(profile_name(i), "application/toml", bytes_of(source.profile_toml));
     attach(descriptor_name(i), "application/octet-stream", source.report_descriptor);
   }
+  if (!header.begun_with_json.empty()) {
+    attach(kBegunWithName, "application/json", bytes_of(header.begun_with_json));
+  }
   const auto add_schema = [&](std::string_view name, std::string_view text) {
     return mcap_->add_schema({.name = name, .encoding = "ros2msg", .data = bytes_of(text)});
   };

@@ -79,11 +79,17 @@ std::string SessionLogReader::take_header() {
   if (std::string problem = parse_session_pairs(metadata->pairs, header_); !problem.empty()) {
     return problem;
   }
+  const bool has_begun_with =
+      std::any_of(metadata->pairs.begin(), metadata->pairs.end(),
+                  [](const auto& pair) { return pair.first == kBegunWithKey; });
   std::string problem = attachment(std::string(kParametersName), header_.parameters_toml);
   for (std::size_t i = 0; i < header_.sources.size() && problem.empty(); ++i) {
     problem = attachment(profile_name(i), header_.sources[i].profile_toml);
     if (problem.empty())
       problem = attachment(descriptor_name(i), header_.sources[i].report_descriptor);
+  }
+  if (has_begun_with && problem.empty()) {
+    problem = attachment(std::string(kBegunWithName), header_.begun_with_json);
   }
   return problem.empty() ? header_problem(header_) : problem;
 }

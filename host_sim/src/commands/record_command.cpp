@@ -303,6 +303,7 @@ int record(const RecordOptions& options) {
     const double rate_Hz = devices.front().profile.rate_Hz;
     prior = read_learned(options.learned.begin_with, axes, rate_Hz > 0 ? 1 / rate_Hz : 0,
                          parameters.learning.kernels, 0);
+    header.begun_with_json = learned_text(prior);
   }
   LiveFiles files;
   if (!options.learned.out.empty()) {

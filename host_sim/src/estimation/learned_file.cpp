@@ -90,17 +90,20 @@ void LearnedFiles::refuse_unless(bool learns) const {
 
 LearnedMotion read_learned(const std::string& path, int axis_count, double step_s,
                            double most_kernels, int lag) {
-  const char* const mend = "give a session log, or a file that --learned-out has written";
   std::string text;
-  if (is_mcap(path)) {
-    if (hal::read_learned_text(path, text) != hal::Status::ok || text.empty()) {
-      throw InputError(path, "does not hold what a session has taught",
-                       "give a complete log that condyle record has written with learning on, or "
-                       "replay it with --learned-out FILE and give that file");
-    }
-  } else {
+  if (!is_mcap(path)) {
     text = read_text_file(path);
+  } else if (hal::read_learned_text(path, text) != hal::Status::ok || text.empty()) {
+    throw InputError(path, "does not hold what a session has taught",
+                     "give a complete log that condyle record has written with learning on, or "
+                     "replay it with --learned-out FILE and give that file");
   }
+  return parse_learned(text, path, axis_count, step_s, most_kernels, lag);
+}
+
+LearnedMotion parse_learned(const std::string& text, const std::string& path, int axis_count,
+                            double step_s, double most_kernels, int lag) {
+  const char* const mend = "give a session log, or a file that --learned-out has written";
   LearnedMotion learned;
   try {
     const auto json = nlohmann::json::parse(text);

@@ -23,5 +23,8 @@ struct LearnedFiles {
 /// `lag`.
 LearnedMotion read_learned(const std::string& path, int axis_count, double step_s,
                            double most_kernels, int lag);
+/// The same from the text of such a file, as part of the file `path`.
+LearnedMotion parse_learned(const std::string& text, const std::string& path, int axis_count,
+                            double step_s, double most_kernels, int lag);
 
 }  // namespace condyle::host

@@ -31,6 +31,7 @@ class DeviceRecording : public Recording {
     info_.is_of_device = true;
     if constexpr (std::is_same_v<Source, hal::SessionLogSource>) {
       info_.parameters_toml = source_->header().parameters_toml;
+      info_.begun_with_json = source_->header().begun_with_json;
     }
     info_.nominal_step_ns = profile.nominal_step_ns();
   }

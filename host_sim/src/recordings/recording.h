@@ -67,6 +67,7 @@ struct RecordingInfo {
   std::optional<TimeNs> nominal_step_ns;  ///< if the recording states it
   bool is_of_device = false;              ///< replayed as live: the profile's rate determines gaps
   std::string parameters_toml;            ///< of the live estimator; may be empty
+  std::string begun_with_json;            ///< what it began with (learned_motion.h); may be empty
   std::vector<std::string> notes;         ///< notes for the user on how it was read
   FileStatement stated;                   ///< by the file, where its format has such statements
 };

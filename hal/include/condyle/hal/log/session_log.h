@@ -52,6 +52,7 @@ struct SessionHeader {
   std::string software_version;
   std::string subject_code;  ///< pseudonym, see is_subject_code
   std::string parameters_toml;
+  std::string begun_with_json;    ///< what its estimator began with (keep_learned); empty: nothing
   TimeNs start_wall_ns = 0;       ///< since 1970-01-01 UTC
   TimeNs start_monotonic_ns = 0;  ///< the same instant on the clock of the reports
   std::vector<SessionSource> sources;
