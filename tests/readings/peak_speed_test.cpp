@@ -88,7 +88,7 @@ void add_stroke(int shape, double time_s, double rate_Hz, double noise_m, Random
   noise.covariance = noise.root * noise.root.transpose();
   const SharedErrors errors;
   const SampleRun all{0, motion.time_s.size()};
-  const SpeedReader reader(motion, all, noise, errors, PathPart::incisor);
+  SpeedReader reader(motion, all, noise, errors, PathPart::incisor);
   score.add(reader.greatest(SpeedPoint::incisor, all, 0), truth_mm_s);
 }
 

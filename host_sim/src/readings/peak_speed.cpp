@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "readings/polynomial_fit.h"
 
@@ -28,6 +29,7 @@ constexpr double kMostDifference = 0.05;  // of the speed
 // A gap of more steps and more of the wide window may hide a greater speed.
 constexpr double kStepsOfGap = 2.5, kGapShare = 0.5;
 constexpr double kNowhere = -1e300;  // the speed where there are too few samples
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
@@ -166,12 +168,22 @@ SpeedReader::Slope SpeedReader::slope_at(std::size_t k, int width) const {
   return slope;
 }
 
-// kNowhere if there are too few samples. The slope as in slope_at, from the samples' moments.
-double SpeedReader::speed_at(const Places& places, std::size_t k, int width, int way) const {
+// kNowhere if there are too few samples. The speed and those up and down share the velocities.
+double SpeedReader::speed_at(const Places& places, std::size_t k, int width, int way) {
+  auto& known = velocities_[{&places, width}];
+  if (known.empty()) known.resize(places.size(), Vector3d::Constant(kUnknown));
+  Vector3d& velocity = known[k];
+  if (std::isnan(velocity.x())) velocity = velocity_at(places, k, width);
+  if (velocity.x() == kNowhere) return kNowhere;
+  return way == 0 ? velocity.norm() : way * velocity.z();
+}
+
+// The slope as in slope_at, from the samples' moments.
+Vector3d SpeedReader::velocity_at(const Places& places, std::size_t k, int width) const {
   const auto& time_s = path_.time_s;
   const double half_s = (width + 0.25) * step_s_;
   const SampleRun window = window_at(k, half_s);
-  if (window.begin == window.end) return kNowhere;
+  if (window.begin == window.end) return Vector3d::Constant(kNowhere);
   PowerSums powers;
   std::array<Vector3d, 4> moments;
   moments.fill(Vector3d::Zero());
@@ -187,12 +199,11 @@ double SpeedReader::speed_at(const Places& places, std::size_t k, int width, int
   const Eigen::RowVector4d row = powers.rows()[1];
   Vector3d velocity = Vector3d::Zero();
   for (int i = 0; i < 4; ++i) velocity += row[i] / half_s * moments[static_cast<std::size_t>(i)];
-  return way == 0 ? velocity.norm() : way * velocity.z();
+  return velocity;
 }
 
 // The peak of each window, from the narrowest to the widest.
-std::vector<SpeedReader::Peak> SpeedReader::peaks_of(const Places& places, SampleRun run,
-                                                     int way) const {
+std::vector<SpeedReader::Peak> SpeedReader::peaks_of(const Places& places, SampleRun run, int way) {
   std::vector<Peak> peaks;
   const auto longest = static_cast<double>(run.end - run.begin);
   for (double width = kNarrowest;
@@ -220,7 +231,7 @@ std::vector<SpeedReader::Peak> SpeedReader::peaks_of(const Places& places, Sampl
 
 // What noise adds to a greatest value: it decides where the peak is found.
 double SpeedReader::noise_of_place(const Places& places, const Slope& slope, std::size_t k,
-                                   int width, int way, double variance) const {
+                                   int width, int way, double variance) {
   const auto& time_s = path_.time_s;
   if (k == 0 || k + 1 >= time_s.size()) return 0;
   const auto reach = static_cast<std::size_t>(std::max(1, width / 2));
@@ -241,7 +252,7 @@ double SpeedReader::noise_of_place(const Places& places, const Slope& slope, std
   return variance * after.mixed(1 / apart_s, before, -1 / apart_s).gain() / (-2 * curve);
 }
 
-UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) const {
+UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
   UncertainValue result;
   result.fixed.assign(errors_.off_by_one_sd.size(), 0);
   result.missing = "too few samples around the greatest speed";

@@ -10,6 +10,8 @@
 // differences are in the interval. Beyond 5 % of the speed, the value is withheld.
 #pragma once
 
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "readings/strokes.h"
@@ -29,7 +31,7 @@ class SpeedReader {
 
   /// The greatest speed (mm/s) of `point` at the samples of `run`. `way`: 0 the speed; 1 or -1 that
   /// up or down.
-  UncertainValue greatest(SpeedPoint point, SampleRun run, int way) const;
+  UncertainValue greatest(SpeedPoint point, SampleRun run, int way);
 
  private:
   struct Slope;
@@ -38,13 +40,14 @@ class SpeedReader {
 
   SampleRun window_at(std::size_t k, double half_s) const;
   Slope slope_at(std::size_t k, int width) const;
-  double speed_at(const Places& places, std::size_t k, int width, int way) const;
-  std::vector<Peak> peaks_of(const Places& places, SampleRun run, int way) const;
+  double speed_at(const Places& places, std::size_t k, int width, int way);
+  Eigen::Vector3d velocity_at(const Places& places, std::size_t k, int width) const;
+  std::vector<Peak> peaks_of(const Places& places, SampleRun run, int way);
   Eigen::Matrix3d noise_of(SpeedPoint point, std::size_t k, const Eigen::Vector3d& velocity) const;
   Places places_of(const ReadingGeometry& geometry, SpeedPoint point, std::size_t begin,
                    std::size_t end) const;
   double noise_of_place(const Places& places, const Slope& slope, std::size_t k, int width, int way,
-                        double variance) const;
+                        double variance);
 
   const ReferredMotion& motion_;
   const PoseNoise& noise_;
@@ -54,6 +57,8 @@ class SpeedReader {
   std::size_t first_ = 0, last_ = 0;  // samples of the paths, last without
   double step_s_ = 0;
   JawPath path_;
+  // By places, width and sample.
+  std::map<std::pair<const Places*, int>, Places> velocities_;
 };
 
 }  // namespace condyle::host

@@ -33,7 +33,7 @@ void replace(UncertainValue& value, const UncertainValue& speed) {
 void read_speeds_of_stroke(const std::vector<StrokeReading>& names, const JawPath& path,
                            SampleRun stroke, const TaskContext& context,
                            std::vector<UncertainValue>& values) {
-  const SpeedReader reader(*context.motion, stroke, *context.noise, context.errors, PathPart::all);
+  SpeedReader reader(*context.motion, stroke, *context.noise, context.errors, PathPart::all);
   const std::size_t turn = farthest_of(path, path.incisor_m, stroke, false);
   for (std::size_t i = 0; i < names.size() && i < values.size(); ++i) {
     const std::string_view name = names[i].name;
@@ -53,8 +53,8 @@ void read_speeds_of_stroke(const std::vector<StrokeReading>& names, const JawPat
 
 void read_speeds_of_cycle(const ChewingCycle& cycle, const TaskContext& context,
                           std::vector<UncertainValue>& values) {
-  const SpeedReader reader(*context.motion, {cycle.begin, cycle.end + 1}, *context.noise,
-                           context.errors, PathPart::incisor, kWidestOfCycle_s);
+  SpeedReader reader(*context.motion, {cycle.begin, cycle.end + 1}, *context.noise, context.errors,
+                     PathPart::incisor, kWidestOfCycle_s);
   const auto names = readings_of_cycle(context.has_landmarks);
   const SampleRun out{cycle.begin, cycle.turn + 1}, back{cycle.turn, cycle.end + 1};
   for (std::size_t i = 0; i < names.size() && i < values.size(); ++i) {

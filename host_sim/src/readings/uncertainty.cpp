@@ -138,9 +138,13 @@ GeometriesToRead geometries_to_read(const SharedErrors& errors, PathPart part) {
     if (is_read) add(moved)[i] = 1;
     changes.col(i) = is_read ? Vector6::Zero() : change_of(errors.geometry, moved);
   }
+  // A mirrored recording has mirrored errors: turns about X and Z and shifts along Y change sign.
+  const bool is_mirrored =
+      (errors.geometry.head.inverse(Eigen::Isometry) * errors.geometry.incisor_m).y() < -kAside_m;
   for (int j = 0; j < 6; ++j) {
-    const double size = changes.row(j).lpNorm<Eigen::Infinity>();
-    if (!(size > 0)) continue;
+    const bool is_odd = j == 0 || j == 2 || j == 4;
+    const double size = (is_odd && is_mirrored ? -1 : 1) * changes.row(j).lpNorm<Eigen::Infinity>();
+    if (size == 0) continue;
     ReadingGeometry moved = errors.geometry;
     auto axes = moved.head.linear();
     if (j < 3) {

@@ -3,10 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include "readings/readings_files.h"
 #include "report/html_table.h"
@@ -165,16 +168,21 @@ std::string withheld_table(const Analysis& analysis, const std::string& prefix) 
     table.cell(joined(readings));
     table.end_row();
   }
-  return fmt::format("<div id=\"{}_withheld\">{}</div>\n", prefix, table.html("Withheld"));
+  const std::string html = table.html("Withheld");
+  return html.empty() ? html : fmt::format("<div id=\"{}_withheld\">{}</div>\n", prefix, html);
 }
 
 std::string withheld_banner(const Analysis& analysis, const std::string& prefix) {
   constexpr std::size_t kMostReasons = 4;
   const NamesOfReason withheld = withheld_by_reason(analysis);
   if (withheld.empty()) return {};
+  std::vector<std::pair<std::string, std::set<std::string>>> sorted(withheld.begin(),
+                                                                    withheld.end());
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& a, const auto& b) { return a.second.size() > b.second.size(); });
   std::size_t count = 0, reasons = 0;
   std::string items;
-  for (const auto& [reason, readings] : withheld) {
+  for (const auto& [reason, readings] : sorted) {
     count += readings.size();
     if (++reasons > kMostReasons) continue;
     items += fmt::format("<li>{}: {}</li>\n", html_text(joined(readings)), reason_html(reason));
