@@ -229,8 +229,8 @@ bool has_split_decimals(const std::vector<std::string_view>& lines, const CsvHea
   return has_leading_zero;
 }
 
-// Lines that are blank between any two rows, the same number everywhere: ends of lines that a
-// program doubled.
+// Lines that are blank between any two rows, the least number of them: ends of lines that a program
+// doubled. More of them are rows without values.
 std::size_t blank_lines_between(const std::vector<std::string_view>& lines,
                                 const CsvHeader& header) {
   constexpr std::size_t kLeastRows = 10, kMostLines = 5000;
@@ -241,8 +241,8 @@ std::size_t blank_lines_between(const std::vector<std::string_view>& lines,
       ++blank;
       continue;
     }
-    if (rows == 1) between = blank;
-    if (rows > 0 && (blank == 0 || blank != between)) return 0;
+    if (rows > 0 && blank == 0) return 0;
+    if (rows > 0) between = rows == 1 ? blank : std::min(between, blank);
     ++rows;
     blank = 0;
   }
