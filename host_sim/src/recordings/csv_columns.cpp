@@ -63,7 +63,7 @@ double seconds_in(std::string_view unit) {
 
 bool is_unit(std::string_view text) {
   const std::string name = lower(without_brackets(text));
-  return seconds_in(text) > 0 || metres_in(text) > 0 || newtons_in(name).has_value() ||
+  return seconds_in(text) > 0 || metres_in(text) > 0 || newtons_in(without_brackets(text)).has_value() ||
          std::find(std::begin(kOtherUnits), std::end(kOtherUnits), name) != std::end(kOtherUnits);
 }
 
@@ -121,9 +121,10 @@ bool is_other_quantity(std::string_view point) {
       "angle", "rotation", "orientation", "ori",   "quat",   "quaternion",   "gyro",  "moment",
       "mag",   "torque",   "omega",       "euler", "normal", "ang"};
   // Words that are no part of the name of a point, such as the angle of the jaw.
-  constexpr std::array<std::string_view, 14> kNever{
-      "vel",  "velocity", "velocities", "acc",         "accel",    "acceleration", "quaternion",
-      "gyro", "torque",   "force",      "orientation", "rotation", "angles",       "euler"};
+  constexpr std::array<std::string_view, 20> kNever{
+      "vel",   "velocity", "velocities", "acc",   "accel",       "acceleration", "quaternion",
+      "quat",  "gyro",     "torque",     "force", "orientation", "rotation",     "rot",
+      "omega", "angles",   "euler",      "sd",    "std",         "residual"};
   const std::string name = lower(point);
   if (is_one_of(name, kOthers)) return true;
   for (std::size_t first = 0; first < name.size();) {
@@ -214,6 +215,8 @@ ColumnMeaning meaning_of(std::string_view name, std::string_view unit_below,
   if (name == drive_column) {
     meaning.quantity = Quantity::drive;
     meaning.each = 1;
+    const std::optional<double> below_N = newtons_in(without_brackets(unit_below));
+    if (below_N && *below_N != 1) meaning.other_unit = std::string(without_brackets(unit_below));
     return meaning;
   }
   std::string_view base = name;
@@ -231,6 +234,10 @@ ColumnMeaning meaning_of(std::string_view name, std::string_view unit_below,
   if (is_time || is_length) {
     meaning.each = is_time ? seconds_in(meaning.unit) : metres_in(meaning.unit);
     meaning.has_bad_unit = meaning.each == 0;
+    const double below = is_time ? seconds_in(unit_below) : metres_in(unit_below);
+    if (meaning.each > 0 && below > 0 && below != meaning.each) {
+      meaning.other_unit = std::string(without_brackets(unit_below));
+    }
   }
   return meaning;
 }

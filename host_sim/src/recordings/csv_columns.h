@@ -25,6 +25,7 @@ struct ColumnMeaning {
   double each = 0;            ///< metres or seconds in one of its unit; 0: the unit is not stated
   std::string unit;           ///< as stated; may be empty
   bool has_bad_unit = false;  ///< its unit is not one of its quantity
+  std::string other_unit;     ///< a unit below the name that contradicts it; empty: none does
 };
 
 /// What the names of exported estimates begin with: they are not measurements, and not read.

@@ -208,6 +208,61 @@ void find_rows_elsewhere(const std::vector<std::string_view>& lines, CsvHeader& 
   }
 }
 
+// Whether a comma separates decimals as it separates columns: "80,05,-30,00" has no point, and
+// numbers such as 05. Frame numbers, in the first column, may begin with zeros.
+bool has_split_decimals(const std::vector<std::string_view>& lines, const CsvHeader& header) {
+  constexpr std::size_t kMostRows = 100;
+  if (header.style.separator != ',' || header.style.has_decimal_comma) return false;
+  bool has_leading_zero = false;
+  Fields fields;
+  for (std::size_t i = header.lines; i < std::min(lines.size(), header.lines + kMostRows); ++i) {
+    if (is_comment(lines[i]) || trim(lines[i]).empty()) continue;
+    split_fields(lines[i], ',', fields);
+    const bool has_width = header.has_names && fields.size() <= header.names.size();
+    if (has_width || lines[i].find('.') != std::string_view::npos) return false;
+    has_leading_zero =
+        has_leading_zero || std::any_of(fields.begin() + 1, fields.end(), [](auto field) {
+          return field.size() > 1 && field[0] == '0' &&
+                 field.find_first_not_of("0123456789") == std::string_view::npos;
+        });
+  }
+  return has_leading_zero;
+}
+
+// Lines that are blank between any two rows, the least number of them: ends of lines that a program
+// doubled. More of them are rows without values.
+std::size_t blank_lines_between(const std::vector<std::string_view>& lines,
+                                const CsvHeader& header) {
+  constexpr std::size_t kLeastRows = 10, kMostLines = 5000;
+  std::size_t rows = 0, blank = 0, between = 0;
+  for (std::size_t i = header.lines; i < std::min(lines.size(), header.lines + kMostLines); ++i) {
+    if (is_comment(lines[i])) continue;
+    if (is_blank_row(lines[i], header.style.separator)) {
+      ++blank;
+      continue;
+    }
+    if (rows > 0 && blank == 0) return 0;
+    if (rows > 0) between = rows == 1 ? blank : std::min(between, blank);
+    ++rows;
+    blank = 0;
+  }
+  return rows >= kLeastRows ? between : 0;
+}
+
+// R writes names of rows, in quotation marks, and no name above them.
+bool has_row_names(const std::vector<std::string_view>& lines, const CsvHeader& header) {
+  constexpr std::size_t kRows = 3;
+  if (lines.size() < header.lines + kRows) return false;
+  for (std::size_t i = 0; i < kRows; ++i) {
+    const std::string_view line = trim(lines[header.lines + i]);
+    if (!line.starts_with(fmt::format("\"{}\"", i + 1)) ||
+        width_at(line, header.style.separator) != header.names.size() + 1) {
+      return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 CsvHeader read_csv_header(const TableStart& start) {
@@ -239,6 +294,7 @@ CsvHeader read_csv_header(const TableStart& start) {
     header.lines = first + 1;
     header.names.assign(fields.begin(), fields.end());
     find_rows_elsewhere(lines, header);
+    if (has_row_names(lines, header)) header.names.insert(header.names.begin(), "");
   } else if (!comment.empty()) {
     // The names may be a comment, with the sign that begins it.
     Fields commented;
@@ -280,6 +336,8 @@ CsvHeader read_csv_header(const TableStart& start) {
   while (header.has_names && header.lines + 1 < lines.size() && trim(lines[header.lines]).empty()) {
     ++header.lines;
   }
+  header.has_split_decimals = has_split_decimals(lines, header);
+  header.blank_lines_between = blank_lines_between(lines, header);
   // A separator at the end of the line of names is no column.
   if (header.names.size() > 1 && header.names.back().empty()) header.names.pop_back();
   header.units.resize(header.names.size());

@@ -15,6 +15,7 @@
 #include "recordings/csv_notes.h"
 #include "recordings/csv_problems.h"
 #include "recordings/csv_units.h"
+#include "recordings/csv_unnamed.h"
 #include "recordings/file_units.h"
 #include "recordings/point_list.h"
 
@@ -48,7 +49,7 @@ class CsvReading {
     if (header_.has_names || !mapped_.empty()) {
       decide_time();
     } else {
-      decide_first_columns();
+      meanings_ = unnamed_columns(header_, values_, place(), options_);
     }
     decide_length();
     number_points();
@@ -56,6 +57,7 @@ class CsvReading {
     layout_.table.style = header_.style;
     layout_.table.header_lines = header_.lines;
     layout_.table.has_comments = true;
+    layout_.table.blank_lines_between = header_.blank_lines_between;
     layout_.info.format = "CSV";
     return std::move(layout_);
   }
@@ -66,10 +68,6 @@ class CsvReading {
   }
   std::string place(std::size_t column) const {
     return fmt::format("{}: column {}", place(), quote(header_.names[column]));
-  }
-  std::string no_names() const {
-    return header_.is_text ? "the first line does not name the columns"
-                           : "the columns of the matrix have no names";
   }
   static bool is_place(const ColumnMeaning& meaning) {
     return meaning.quantity == Quantity::point || meaning.quantity == Quantity::one_axis;
@@ -86,6 +84,10 @@ class CsvReading {
                                    "the line above the numbers, and # before other lines; {}",
                                    kColumns));
     }
+    if (header_.has_split_decimals) {
+      throw InputError(place(), "commas separate the columns, and decimals too",
+                       "export it with decimal points, or with semicolons between the columns");
+    }
     for (const std::string& name : header_.names) {
       if (name.size() <= kLongestName) continue;
       throw InputError(place(), fmt::format("the column name {} is too long", quote(name)),
@@ -96,7 +98,7 @@ class CsvReading {
     const bool has_shape = columns >= 3 && (columns % 3 != 0 || options_.rate_Hz);
     if (options_.reads_drive_alone || !has_shape) {
       throw InputError(
-          place(), no_names(),
+          place(), no_names(header_),
           fmt::format("{}give --columns time_s=1, or "
                       "--rate-Hz if the columns are x, y, z of points; {}",
                       header_.is_text ? "add a first line such as time_s,position_m, " : "",
@@ -141,6 +143,12 @@ class CsvReading {
     if (options_.reads_drive_alone &&
         (meaning.quantity == Quantity::point || meaning.quantity == Quantity::one_axis)) {
       meaning.quantity = Quantity::not_read;
+    }
+    if (!meaning.other_unit.empty() && !(is_place(meaning) && options_.units_per_metre)) {
+      problems_.add(name,
+                    fmt::format("its name states another unit than the line below, {}",
+                                quote(meaning.other_unit)),
+                    "correct the one that is wrong");
     }
     meanings_.push_back(std::move(meaning));
   }
@@ -203,51 +211,16 @@ class CsvReading {
                         "give position_m, or x, y, z of one point or of three");
   }
 
-  // A file without names: time or frame, a second column of either, then x, y, z of points.
-  void decide_first_columns() {
-    const std::size_t first = meanings_.size() % 3;
-    for (std::size_t i = 0; i < meanings_.size(); ++i) {
-      if (i < first) continue;
-      meanings_[i].quantity = Quantity::point;
-      meanings_[i].point = fmt::format("p{}", (i - first) / 3 + 1);
-      meanings_[i].axis = (i - first) % 3;
-    }
-    bool has_time = false;
-    for (std::size_t i = 0; i < first; ++i) {
-      const UnitGuess guess = guess_time_unit(values_[i]);
-      meanings_[i].quantity = Quantity::not_read;
-      if (guess.is_count && !has(Quantity::frame)) {
-        meanings_[i].quantity = Quantity::frame;
-      } else if (guess.each > 0 && !has_time && !options_.rate_Hz) {
-        meanings_[i].quantity = Quantity::time;
-        meanings_[i].each = guess.each;
-        meanings_[i].unit = guess.unit;
-        has_time = true;
-      }
-    }
-    if (!has_time && !options_.rate_Hz) {
-      throw InputError(
-          place(), no_names() + ", and none is a time",
-          fmt::format("give --rate-Hz with the frames per second{}; {}",
-                      header_.is_text ? ", or add a first line such as time_s,position_m" : "",
-                      kColumns));
-    }
-  }
-
   void decide_time() {
     for (std::size_t i = 0; i < meanings_.size(); ++i) {
       ColumnMeaning& time = meanings_[i];
       if (time.quantity != Quantity::time) continue;
       const std::string& name = header_.names[i];
       if (time.each > 0 && !options_.rate_Hz) {
-        const std::string problem = problem_of_times(values_[i], time.each);
-        if (problem.empty()) return;
-        throw InputError(place(i), problem,
-                         time.each < 1
-                             ? fmt::format("say its unit, such as --columns 'time_s={}'", name)
-                             : fmt::format("leave it out with --ignore-column '{}', and give "
-                                           "--rate-Hz",
-                                           name));
+        const TimesDoubt doubt = doubt_of_times(values_[i], time.each);
+        const bool is_chosen = mapped_.name_of(i).has_value() || options_.reads_drive_alone;
+        if (doubt.problem.empty() || (is_chosen && !doubt.is_absurd)) return;
+        refuse_stated_time(place(i), name, doubt, time.each == 1 ? "s" : time.unit);
       }
       const UnitGuess guess = guess_time_unit(values_[i]);
       if (options_.rate_Hz) {

@@ -119,6 +119,19 @@ void refuse_time(const std::string& place, const std::string& name,
                   name, name));
 }
 
+void refuse_stated_time(const std::string& place, const std::string& name, const TimesDoubt& doubt,
+                        const std::string& stated_unit) {
+  const std::string other =
+      fmt::format("leave it out with --ignore-column '{}', and give --rate-Hz", name);
+  throw InputError(
+      place, doubt.problem,
+      doubt.unit.empty()
+          ? other
+          : fmt::format("give --columns 'time_{}={}' or --columns 'time_{}={}', the unit that is "
+                        "right; if it counts frames, {}",
+                        doubt.unit, name, stated_unit, name, other));
+}
+
 std::optional<std::string> MappedColumns::name_of(std::size_t index) const {
   for (const Column& column : columns_) {
     if (column.index == index) return column.name;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "recordings/csv_columns.h"
+#include "recordings/csv_units.h"
 #include "recordings/recording.h"
 
 namespace condyle::host {
@@ -41,6 +42,10 @@ class HeaderProblems {
 /// Refuses the column `name` of times whose unit is not known, because of `reason`.
 [[noreturn]] void refuse_time(const std::string& place, const std::string& name,
                               const std::vector<double>& values, const std::string& reason);
+
+/// Refuses the column `name` of times whose stated unit is in `doubt`.
+[[noreturn]] void refuse_stated_time(const std::string& place, const std::string& name,
+                                     const TimesDoubt& doubt, const std::string& stated_unit);
 
 /// The names that --columns gives to columns: "time_s=T".
 class MappedColumns {

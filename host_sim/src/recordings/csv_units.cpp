@@ -17,6 +17,13 @@ constexpr std::size_t kLeastSamples = 50;
 constexpr double kSlowest_Hz = 5, kFastest_Hz = 5000;
 // No file that states its unit may be beyond.
 constexpr double kAbsurd_Hz = 50'000, kAbsurdRange_m = 5;
+// Samples farther apart are not related by any estimator, unless its parameters say so.
+constexpr double kSlowestStated_Hz = 4;
+struct TimeUnit {
+  const char* name;
+  double each;  // in seconds
+};
+constexpr std::array<TimeUnit, 4> kTimeUnits{{{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}};
 
 double quantile(std::vector<double>& values, double share) {
   const auto middle =
@@ -86,8 +93,6 @@ std::string rate_text(double rate_Hz) {
 }  // namespace
 
 UnitGuess guess_time_unit(const std::vector<double>& times) {
-  constexpr std::array<std::pair<const char*, double>, 4> kUnits{
-      {{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}};
   UnitGuess guess;
   const std::optional<double> step = median_step(times);
   if (!step) {
@@ -102,7 +107,7 @@ UnitGuess guess_time_unit(const std::vector<double>& times) {
     return guess;
   }
   std::vector<std::string> others;
-  for (const auto& [unit, each] : kUnits) {
+  for (const auto& [unit, each] : kTimeUnits) {
     const double rate_Hz = 1 / (*step * each);
     if (rate_Hz >= kSlowest_Hz && rate_Hz <= kFastest_Hz) {
       guess.unit = unit;
@@ -185,13 +190,26 @@ bool is_counter_or_empty(const std::vector<double>& values) {
   return true;
 }
 
-std::string problem_of_times(const std::vector<double>& times, double each) {
+TimesDoubt doubt_of_times(const std::vector<double>& times, double each) {
   const std::optional<double> step = median_step(times);
-  if (!step || count(times) < kLeastSamples) return "";
+  if (!step || count(times) < kLeastSamples) return {};
   const double rate_Hz = 1 / (*step * each);
-  if (rate_Hz <= kAbsurd_Hz) return "";
-  return fmt::format("its steps of {:.3g} s are {}, which no jaw is recorded at", *step * each,
-                     rate_text(rate_Hz));
+  if (rate_Hz >= kSlowestStated_Hz && rate_Hz <= kFastest_Hz) return {};
+  TimesDoubt doubt;
+  doubt.is_absurd = rate_Hz > kAbsurd_Hz;
+  for (const TimeUnit& unit : kTimeUnits) {
+    const double other_Hz = 1 / (*step * unit.each);
+    if (other_Hz < kSlowest_Hz || other_Hz > kFastest_Hz) continue;
+    doubt.unit = unit.name;
+    doubt.each = unit.each;
+    doubt.problem = fmt::format("its steps are {}, which no jaw is recorded at; in {} they are {}",
+                                rate_text(rate_Hz), unit.name, rate_text(other_Hz));
+  }
+  if (doubt.unit.empty() && doubt.is_absurd) {
+    doubt.problem = fmt::format("its steps of {:.3g} s are {}, which no jaw is recorded at",
+                                *step * each, rate_text(rate_Hz));
+  }
+  return doubt;
 }
 
 std::string problem_of_distance(const std::vector<std::vector<double>>& columns_m) {

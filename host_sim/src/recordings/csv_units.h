@@ -31,8 +31,14 @@ UnitGuess guess_length_unit(const std::map<std::string, std::vector<std::vector<
 /// True for the numbers of rows, counted by ones, and for a column without any value.
 bool is_counter_or_empty(const std::vector<double>& values);
 
-/// Why times in units of `each` s cannot be the times of a recording; empty: they can.
-std::string problem_of_times(const std::vector<double>& times, double each);
+/// Why times in units of `each` s cannot be the times of a recording.
+struct TimesDoubt {
+  std::string problem;     ///< empty: they can be
+  std::string unit;        ///< "s", "ms" ..., which makes a usual rate; empty: no other does
+  double each = 0;         ///< that unit in seconds
+  bool is_absurd = false;  ///< too fast for whatever is recorded
+};
+TimesDoubt doubt_of_times(const std::vector<double>& times, double each);
 
 /// Why positions (m) are no jaw's: most lie where none is, and would count as missing. Empty: they
 /// may be.

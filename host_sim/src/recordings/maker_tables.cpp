@@ -143,9 +143,18 @@ void use_rate(TableFile& table, const MakerFile& file, std::optional<std::size_t
   if (time && times.size() > 1 && std::isfinite(times.back() - times.front())) {
     const double steps =
         counts ? frames.back() - frames.front() : static_cast<double>(times.size() - 1);
-    const double expected_s = steps / rate_Hz, stated_s = times.back() - times.front();
-    follows = std::abs(stated_s - expected_s) <= kRounding_s + kSameRate * expected_s;
-    if (!follows) {
+    const double expected_s = steps / rate_Hz, stated = times.back() - times.front();
+    const auto follows_in = [&](double each) {
+      return std::abs(stated * each - expected_s) <= kRounding_s + kSameRate * expected_s;
+    };
+    follows = follows_in(1);
+    const TimesDoubt doubt = doubt_of_times(times, 1);
+    if (!follows && doubt.each > 0 && follows_in(doubt.each)) {
+      table.info.notes.push_back(
+          fmt::format("its times are in {}, by its rate of {:g} Hz", doubt.unit, rate_Hz));
+      time.reset();
+      follows = true;
+    } else if (!follows) {
       table.info.notes.push_back(
           fmt::format("its times do not follow its rate of {:g} Hz: the times are used", rate_Hz));
     }

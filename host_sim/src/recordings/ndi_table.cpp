@@ -72,6 +72,7 @@ std::optional<TableFile> read_ndi_text(const MakerFile& file) {
                          : names.find(';') != std::string_view::npos ? ';'
                                                                      : ',';
   std::vector<std::string> points;
+  std::vector<bool> has_axis;  // three a point
   for (const std::string_view name : file.fields(line, separator)) {
     TableColumn column;
     column.name = std::string(name);
@@ -84,9 +85,19 @@ std::optional<TableFile> read_ndi_text(const MakerFile& file) {
                                      quote(meaning.unit), quote(unit)),
                          "give both in one unit");
       }
-      if (points.empty() || points.back() != meaning.point) points.push_back(meaning.point);
+      // Programs sort by marker, or by axis.
+      std::size_t point = 0;
+      while (point < points.size() &&
+             (points[point] != meaning.point || has_axis[3 * point + meaning.axis])) {
+        ++point;
+      }
+      if (point == points.size()) {
+        points.push_back(meaning.point);
+        has_axis.resize(3 * points.size());
+      }
+      has_axis[3 * point + meaning.axis] = true;
       column.role = TableColumn::Role::coordinate;
-      column.coordinate = 3 * (points.size() - 1) + meaning.axis;
+      column.coordinate = 3 * point + meaning.axis;
       column.per_SI_unit = 1 / metres_each;
     }
     table.table.columns.push_back(std::move(column));
@@ -94,6 +105,14 @@ std::optional<TableFile> read_ndi_text(const MakerFile& file) {
   if (points.empty()) {
     throw InputError(file.place(line), "no column is a coordinate of a marker",
                      "export 3D data, whose columns are named like 'Marker_1 x'");
+  }
+  if (const auto lacking = std::find(has_axis.begin(), has_axis.end(), false);
+      lacking != has_axis.end()) {
+    throw InputError(
+        file.place(line),
+        fmt::format("the marker {} has not all of x, y and z",
+                    quote(points[static_cast<std::size_t>(lacking - has_axis.begin()) / 3])),
+        "export 3D data, with three columns a marker");
   }
   table.table.names = std::move(points);
   table.table.style = style_of({lines.begin() + static_cast<std::ptrdiff_t>(line), lines.end()});

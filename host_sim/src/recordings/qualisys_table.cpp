@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "hosted/files/input_error.h"
+#include "recordings/csv_columns.h"
 #include "recordings/maker_tables.h"
 
 namespace condyle::host {
@@ -18,6 +20,43 @@ bool is_key(std::string_view word) {
              word.begin(), word.end(),
              [](char c) { return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'; }) &&
          !(word[0] >= '0' && word[0] <= '9');
+}
+
+[[noreturn]] void refuse_columns(const std::string& place) {
+  throw InputError(place, "its columns are not X, Y and Z of each name in MARKER_NAMES",
+                   "export 3D data with these columns alone, without types and residuals");
+}
+
+// Whether the `columns` first ones are a frame number and perhaps a time: they increase.
+bool counts(const MakerFile& file, std::size_t line, char separator, std::size_t columns) {
+  const auto first = file.fields(line, separator), second = file.fields(line + 1, separator);
+  if (columns == 0 || second.size() < columns) return true;
+  for (std::size_t i = 0; i < columns; ++i) {
+    const TextStyle style{separator, first[i].find(',') != std::string_view::npos};
+    double before = 0, after = 0;
+    if (parse_field(first[i], style, before) != NumberStatus::ok ||
+        parse_field(second[i], style, after) != NumberStatus::ok || !(after > before) ||
+        (i == 0 && before != std::floor(before))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// The names above the columns, as "A X", in the order of the markers.
+void check_heads(std::vector<std::string_view> heads, const std::vector<std::string>& names,
+                 const std::string& place) {
+  while (!heads.empty() && heads.back().empty()) heads.pop_back();
+  if (heads.empty()) return;
+  if (heads.size() != 3 * names.size()) refuse_columns(place);
+  for (std::size_t i = 0; i < heads.size(); ++i) {
+    const std::string_view head = heads[i];
+    if (head.empty() || axis_of(head.substr(head.size() - 1)) != i % 3) refuse_columns(place);
+    const std::string_view name = trim(head.substr(0, head.size() - 1));
+    const bool is_of_other =
+        name != names[i / 3] && std::find(names.begin(), names.end(), name) != names.end();
+    if (is_of_other) refuse_columns(place);
+  }
 }
 
 }  // namespace
@@ -80,15 +119,23 @@ std::optional<TableFile> read_qualisys_tsv(const MakerFile& file) {
   };
   if (!heads.empty() && (heads[0] == "Frame" || heads[0] == "Time")) {
     ++line;
-    for (std::size_t i = 0; i < std::min<std::size_t>(heads.size(), 2); ++i) {
-      if (heads[i] == "Frame" || heads[i] == "Time") add(std::string(heads[i]));
+    std::size_t next = 0;
+    for (; next < std::min<std::size_t>(heads.size(), 2); ++next) {
+      if (heads[next] != "Frame" && heads[next] != "Time") break;
+      add(std::string(heads[next]));
     }
+    check_heads({heads.begin() + static_cast<std::ptrdiff_t>(next), heads.end()}, names,
+                file.place(line - 1));
   } else {
     // Columns before the coordinates have no names then.
     std::size_t fields = heads.size();
     while (fields > 0 && heads[fields - 1].empty() && fields > 3 * names.size()) --fields;
     if (fields > 3 * names.size()) add("Frame");
     if (fields > 3 * names.size() + 1) add("Time");
+    if (fields > 3 * names.size() + 2 ||
+        !counts(file, line, separator, fields - 3 * names.size())) {
+      refuse_columns(file.place(line));
+    }
   }
   for (const std::string& name : names) add_point_columns(table.table, name, metres_each);
   table.table.style = style_of({lines.begin() + static_cast<std::ptrdiff_t>(line), lines.end()});

@@ -23,14 +23,16 @@ std::string_view unquoted(std::string_view field) {
   return field;
 }
 
-// "12,5", with digits on both sides, and nothing else but a sign and an exponent.
+// "12,5" or ",5", and nothing else but a sign and an exponent.
 bool is_comma_number(std::string_view text) {
   const std::size_t comma = text.find(',');
   if (comma == std::string_view::npos || text.find_first_of(",.", comma + 1) != text.npos) {
     return false;
   }
-  if (comma == 0 || comma + 1 == text.size()) return false;
-  if (!is_digit(text[comma - 1]) || !is_digit(text[comma + 1])) return false;
+  if (comma + 1 == text.size() || !is_digit(text[comma + 1])) return false;
+  const bool has_digit = comma > 0 && is_digit(text[comma - 1]);
+  const bool has_sign = comma == 1 && (text[0] == '-' || text[0] == '+');
+  if (comma > 0 && !has_digit && !has_sign) return false;
   return text.find_first_not_of("0123456789+-,eE") == std::string_view::npos;
 }
 
@@ -45,7 +47,8 @@ bool is_row_of_comma_numbers(std::string_view line) {
   split_fields(line, ' ', words);
   double value = 0;
   const bool are_numbers = std::all_of(words.begin(), words.end(), [&](std::string_view word) {
-    return is_comma_number(word) || parse_number(word, value) == NumberStatus::ok;
+    return (is_comma_number(word) && word[0] != ',') ||
+           parse_number(word, value) == NumberStatus::ok;
   });
   return are_numbers && words.size() > 1 &&
          std::any_of(words.begin(), words.end(), is_comma_number);

@@ -41,6 +41,36 @@ class CutEnd {
   bool varies_ = false;
 };
 
+// Frames that a file's numbers pass over, by the times beside them.
+class TimeJumps {
+ public:
+  // Frames that are lacking up to the frame `frame`, whose time the file states as `text`.
+  double until(double frame, std::string_view text, const TableLayout& layout) {
+    double time_s = 0;
+    if (parse_field(text, layout.style, time_s) != NumberStatus::ok) return lacking_;
+    decimals_ = std::max(decimals_, decimals_of(text).value_or(0));
+    if (last_frame_) {
+      // Both times are rounded: by one unit of the last decimal at most.
+      const double rounding_s = decimals_ == 0 ? 1 : std::pow(0.1, decimals_ - 1);
+      const double steps = (time_s - last_s_) * *layout.rate_Hz - (frame - *last_frame_);
+      if (std::abs(steps) > 0.5 + rounding_s * *layout.rate_Hz) {
+        lacking_ += std::round(steps);
+        ++count_;
+      }
+    }
+    last_frame_ = frame;
+    last_s_ = time_s;
+    return lacking_;
+  }
+  std::uint64_t count() const { return count_; }
+
+ private:
+  double lacking_ = 0, last_s_ = 0;
+  std::optional<double> last_frame_;
+  std::size_t decimals_ = 0;  // with their sign
+  std::uint64_t count_ = 0;
+};
+
 class TableRecording final : public NamedPointsRecording {
  public:
   TableRecording(std::unique_ptr<ByteReader> reader, TableFile file,
@@ -63,10 +93,13 @@ class TableRecording final : public NamedPointsRecording {
   bool next(Sample& sample) override {
     std::string_view row;
     if (has_ended_) return false;
-    if (!rows_.next(row) || (row.empty() && layout_.ends_at_blank_row)) {
-      end();
-      return false;
-    }
+    std::size_t blank = 0;
+    do {
+      if (!rows_.next(row) || (row.empty() && layout_.ends_at_blank_row)) {
+        end();
+        return false;
+      }
+    } while (row.empty() && blank++ < layout_.blank_lines_between);
     sample = Sample{};
     sample.kind = info_.kind;
     sample.sequence = sequence_++;
@@ -93,6 +126,11 @@ class TableRecording final : public NamedPointsRecording {
   void end() {
     has_ended_ = true;
     filled_.add_notes(info_.notes);
+    if (jumps_.count() > 0) {
+      info_.notes.push_back(fmt::format(
+          "its times jump {} time{}, its frame numbers do not: the times are used there",
+          jumps_.count(), jumps_.count() == 1 ? "" : "s"));
+    }
     if (!info_.stated.frames || *info_.stated.frames == sequence_) return;
     info_.notes.push_back(
         fmt::format("its header states {} frames; it holds {}", *info_.stated.frames, sequence_));
@@ -112,11 +150,13 @@ class TableRecording final : public NamedPointsRecording {
                     [](std::string_view field) { return field.empty(); })) {
       return;
     }
+    const bool is_longer = fields_.size() > columns;
     if (layout_.has_ragged_rows) {
+      if (is_longer) refuse_split_decimals();
+      if (!is_longer) check_end();
       fields_.resize(columns);
       return;
     }
-    const bool is_longer = fields_.size() > columns;
     throw InputError(
         fmt::format("{}: column {}", place(),
                     layout_.columns[std::min(fields_.size(), columns - 1)].name),
@@ -126,6 +166,34 @@ class TableRecording final : public NamedPointsRecording {
             : fmt::format("complete the row{}", layout_.style.separator == ','
                                                     ? "; numbers take a decimal point, not a comma"
                                                     : ""));
+  }
+
+  // A row without a point, of more columns than the header: its commas separate decimals too.
+  void refuse_split_decimals() const {
+    const bool has_point = std::any_of(fields_.begin(), fields_.end(), [](std::string_view field) {
+      return field.find('.') != std::string_view::npos;
+    });
+    if (layout_.style.separator != ',' || has_point) return;
+    throw InputError(place(),
+                     fmt::format("the row has {} columns, the header names {}", fields_.size(),
+                                 layout_.columns.size()),
+                     "export it with decimal points, or with tabs between the columns");
+  }
+
+  // A row may lack whole points at its end, where separators show which.
+  void check_end() const {
+    const std::size_t size = fields_.size();
+    const TableColumn &last = layout_.columns[size - 1], &lacking = layout_.columns[size];
+    const bool is_inside_point =
+        last.role == Role::coordinate && lacking.role == Role::coordinate &&
+        last.coordinate / 3 == lacking.coordinate / 3 && !fields_.back().empty();
+    if (layout_.style.separator != ' ' && !is_inside_point) return;
+    throw InputError(
+        place(),
+        fmt::format("the row has {} columns, the header names {}: which are missing is "
+                    "not known",
+                    size, layout_.columns.size()),
+        "export it with tabs between the columns, or with NaN for missing places");
   }
 
   void parse_row(std::string_view line, Sample& sample) {
@@ -139,6 +207,7 @@ class TableRecording final : public NamedPointsRecording {
           place()));
     }
     bool has_frame = false;
+    std::string_view stated_time;
     for (std::size_t i = 0; i < layout_.columns.size(); ++i) {
       const TableColumn& column = layout_.columns[i];
       double value = 0;
@@ -151,6 +220,7 @@ class TableRecording final : public NamedPointsRecording {
         case Role::first_time:
           if (sample.sequence == 0) read_time(column, fields_[i], sample);
           if (sample.sequence == 0 && sample.time_valid) start_ns_ = sample.time_ns;
+          stated_time = fields_[i];
           break;
         case Role::frame:
           has_frame = read_frame(column, fields_[i], value);
@@ -166,13 +236,10 @@ class TableRecording final : public NamedPointsRecording {
           break;
       }
     }
-    if (layout_.rate_Hz) {
-      if (has_frame) {
-        set_time(frame_, sample);
-      } else if (!has_frames()) {
-        sample.time_valid = true;
-        set_time(static_cast<double>(sample.sequence), sample);
-      }
+    if (layout_.rate_Hz && (has_frame || !has_frames())) {
+      const double frame = has_frame ? frame_ : static_cast<double>(sample.sequence);
+      sample.time_valid = true;
+      set_time(frame + jumps_.until(frame, stated_time, layout_), sample);
     }
     if (!layout_.names.empty()) {
       drop_unseen(sample);
@@ -267,6 +334,7 @@ class TableRecording final : public NamedPointsRecording {
   std::uint64_t sequence_ = 0;
   bool has_ended_ = false;
   CutEnd cut_end_;
+  TimeJumps jumps_;
   TimeNs start_ns_ = 0;
   std::optional<double> first_frame_;
   double frame_ = 0;  // since the first

@@ -33,14 +33,15 @@ struct TableColumn {
 /// How the rows of a table are read.
 struct TableLayout {
   TextStyle style;
-  std::size_t header_lines = 0;        ///< lines before the first row
-  bool has_comments = false;           ///< lines that begin with # or % are not rows
-  std::vector<TableColumn> columns;    ///< in the order of the file
-  std::vector<std::string> names;      ///< of the points; empty: one axis, or no position
-  std::optional<double> rate_Hz;       ///< if the rows have no time of their own
-  bool has_ragged_rows = false;        ///< rows may lack fields, or have more, at their end
-  bool has_zeros_for_missing = false;  ///< the maker writes 0 0 0 for a point that it did not see
-  bool ends_at_blank_row = false;      ///< what follows a blank row is not of the table
+  std::size_t header_lines = 0;         ///< lines before the first row
+  bool has_comments = false;            ///< lines that begin with # or % are not rows
+  std::vector<TableColumn> columns;     ///< in the order of the file
+  std::vector<std::string> names;       ///< of the points; empty: one axis, or no position
+  std::optional<double> rate_Hz;        ///< if the rows have no time of their own
+  bool has_ragged_rows = false;         ///< rows may lack fields, or have more, at their end
+  bool has_zeros_for_missing = false;   ///< the maker writes 0 0 0 for a point that it did not see
+  std::size_t blank_lines_between = 0;  ///< lines between any two rows, which are no rows
+  bool ends_at_blank_row = false;       ///< what follows a blank row is not of the table
 };
 
 /// A file that is a table, understood.
