@@ -76,7 +76,8 @@ TEST_F(ReplayFacebowTest, RefusesOrPassesReversedTimes) {
 
 TEST_F(ReplayFacebowTest, ReportsAProblemBeyondTheLookAhead) {
   std::string rows;
-  for (std::size_t i = 0; i <= ReplayFacebow::kLookAhead; ++i) rows += std::to_string(0.01 * static_cast<double>(i)) + ",1\n";
+  for (std::size_t i = 0; i <= ReplayFacebow::kLookAhead; ++i)
+    rows += std::to_string(0.01 * static_cast<double>(i)) + ",1\n";
   ReplayFacebow replay = facebow(rows + "bad,1\n");
   ASSERT_EQ(replay.open(), Status::ok);
   std::size_t read = 0;
