@@ -81,13 +81,13 @@ TEST_F(BadInput, Binary) {
                  {"bad.csv: has an unknown binary format"});
   expect_refused(csv(std::string("0,\0\x01\n", 5)), {"bad.csv: has an unknown binary format"});
   std::string late;  // beyond what recognition looks at
-  for (int i = 0; i < 2000; ++i) late += std::to_string(i) + ",1\n";
+  for (int i = 0; i < 2000; ++i) late += std::to_string(0.01 * i) + ",1\n";
   expect_refused(csv(late + std::string("2000,\x1b[2J\0\n", 12)),
                  {"bad.csv:2002: column position_m: '\\x1b[2J\\x00' is not a number"});
 }
 TEST_F(BadInput, CommaDecimals) {
   expect_refused(csv("0,0,001\n0,02,0,002\n"),
-                 {"bad.csv:2", "the row has 3 columns", "decimal point, not a comma"});
+                 {"bad.csv:1", "commas separate the columns, and decimals too", "decimal points"});
   expect_refused(folder_.write("bad.csv", "time_s;position_m\n0;0,001\n1;0.002\n"),
                  {"bad.csv:2: column position_m: '0,001' is not a number"});
 }
