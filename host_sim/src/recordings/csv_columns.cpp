@@ -63,7 +63,8 @@ double seconds_in(std::string_view unit) {
 
 bool is_unit(std::string_view text) {
   const std::string name = lower(without_brackets(text));
-  return seconds_in(text) > 0 || metres_in(text) > 0 || newtons_in(without_brackets(text)).has_value() ||
+  return seconds_in(text) > 0 || metres_in(text) > 0 ||
+         newtons_in(without_brackets(text)).has_value() ||
          std::find(std::begin(kOtherUnits), std::end(kOtherUnits), name) != std::end(kOtherUnits);
 }
 
