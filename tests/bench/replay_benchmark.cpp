@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Throughput and memory of `condyle replay` on recordings of 100,000 and 10,000,000 rows.
+// Throughput and memory of `condyle replay` on one-axis recordings of 100,000 and 10,000,000 rows,
+// with and without learning, and with the published cascade.
 // usage: replay_benchmark     (needs 500 MB in the folder for temporary files)
 #include <chrono>
 #include <cstdio>
@@ -36,6 +37,7 @@ Measured measure(const std::vector<std::string>& arguments) {
 
 int main() {
   const TemporaryFolder folder;
+  const std::string without_learning = folder.write("none.toml", "[learning]\nkernels = 0\n");
   std::printf("%-34s%12s%12s%12s\n", "", "rows", "rows/s", "peak MiB");
   for (const double rows : {1e5, 1e7}) {
     const std::string path = folder / "recording.csv";
@@ -51,6 +53,8 @@ int main() {
       std::fflush(stdout);
     };
     report("summary only", {});
+    report("without learning", {"--parameters", without_learning});
+    report("published cascade", {"--estimator", "published"});
     report("summary, estimates", {"--out", "/dev/null"});
     report("summary, estimates, figures", {"--out", "/dev/null", "--figures", folder / "figures"});
   }

@@ -138,13 +138,19 @@ void Engine::do_run(hal::SessionLogWriter* log) {
           firmware::SensorWithPose<Sensor> sensor(PoseSensor<double>(parameters_, lag_),
                                                   arguments...);
           estimate_run(facebow, sensor);
-          if (recorded) keep_learned(sensor);
+          if (recorded && !has_next_log()) keep_learned(sensor);
         } else {
           Sensor sensor(arguments...);
           estimate_run(facebow, sensor);
-          if (recorded) keep_learned(sensor);
+          if (recorded && !has_next_log()) keep_learned(sensor);
         }
       });
+}
+
+// The files of a session take the memory of its start: only the last one keeps what was learned.
+bool Engine::has_next_log() const {
+  return wanted_run_.load(std::memory_order_acquire) != run_.load(std::memory_order_relaxed) &&
+         wanted_log_.load(std::memory_order_relaxed) != nullptr;
 }
 
 template <class Sensor>

@@ -76,8 +76,8 @@ class Engine {
     return received_before_run_.load(std::memory_order_relaxed);
   }
 
-  /// What the run before the one that `begin_run` began has learned, if it went to a log. For the
-  /// thread that called it, until it calls it again.
+  /// What the run before the one that `begin_run` began has learned, if that went to a log and this
+  /// goes to none. For the thread that called it, until it calls it again.
   const std::optional<host::LearnedMotion>& learned_before_run() const {
     return learned_before_run_;
   }
@@ -92,6 +92,7 @@ class Engine {
   template <class Sensor>
   void estimate_run(hal::DeviceFacebow& facebow, Sensor& sensor);
   bool has_to_leave();
+  bool has_next_log() const;
   void track(const hal::DeviceFacebow& facebow) CONDYLE_NONBLOCKING;
   void note_counts(const hal::DeviceFacebow& facebow, std::uint64_t samples);
   void keep_totals();
