@@ -174,7 +174,7 @@ void refuse_other_units(std::size_t count, const double* time_s, const double* p
                         SampleKind kind) {
   const std::size_t looked_at = std::min(count, ReplayFacebow::kLookAhead);
   if (time_s != nullptr) {
-    const std::string problem = problem_of_times({time_s, time_s + looked_at}, 1);
+    const std::string problem = doubt_of_times({time_s, time_s + looked_at}, 1).problem;
     if (!problem.empty()) throw InputError("time_s", problem, "give the times in seconds");
   }
   const std::size_t width = coordinate_count(kind);
