@@ -85,13 +85,6 @@ std::string summary_json(const ReplayOptions& options, const RecordingInfo& info
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-// As the session did live, unless other parameters, or a lag, give other estimates anyway.
-bool begins_as_session(const ReplayOptions& options, const RecordingInfo& info) {
-  return !info.begun_with_json.empty() && options.learned.begin_with.empty() &&
-         options.estimator.parameters.empty() && options.estimator.lag == 0 &&
-         !options.estimator.is_published();
-}
-
 // Runs `sensor` over the open `facebow` and writes the requested outputs. `row_of_step(sample,
 // estimate)` gives a row, or none while a lag fills; `learned()`, if not empty, what was learned.
 template <class Sensor, class RowOfStep>
@@ -209,7 +202,7 @@ int replay_through(const ReplayOptions& options, ReplayFacebow& facebow, hal::Cl
   };
   line("recording", recording_text(options, facebow.info()));
   for (const std::string& note : facebow.info().notes) line("note", note);
-  if (begins_as_session(options, facebow.info()))
+  if (begins_as_session(facebow.info(), options.estimator, options.learned))
     line("learned", "begins as the session did, with what an earlier one had taught");
   for (const std::string& note : drive_notes) line("note", note);
   report.add(summary.text());
@@ -270,14 +263,9 @@ int replay_recommended(const ReplayOptions& options, ReplayFacebow& facebow, hal
     if (sensor.learns()) {
       summary.set_learning([&sensor](int axis) { return sensor.learning(axis); });
       learned = [&sensor, axes] { return learned_text(learned_of(sensor, axes)); };
-    }
-    if (!options.learned.begin_with.empty()) {
-      const double step_s = seconds(settings.nominal_step_ns);
-      begin_with(sensor, read_learned(options.learned.begin_with, axes, step_s,
-                                      parameters.learning.kernels, options.estimator.lag));
-    } else if (begins_as_session(options, info) && sensor.learns()) {
-      begin_with(sensor, parse_learned(info.begun_with_json, options.recording, axes, 0,
-                                       parameters.learning.kernels, 0));
+      begin_with(sensor,
+                 first_learned(options.learned, info, options.estimator, options.recording, axes,
+                               seconds(settings.nominal_step_ns), parameters.learning.kernels));
     }
     return replay_through(
         options, facebow, clock, settings, sensor, axes, has_impedance, learned,

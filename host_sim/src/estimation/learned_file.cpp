@@ -79,28 +79,6 @@ LearnedAxis axis_in(const nlohmann::json& json, const std::string& path, double 
   return axis;
 }
 
-}  // namespace
-
-void LearnedFiles::refuse_unless(bool learns) const {
-  if (learns || !are_given()) return;
-  throw InputError(begin_with.empty() ? "--learned-out" : "--learned", "needs learning",
-                   "give no lag of 16, nor [learning] kernels = 0, nor the published cascade; or "
-                   "leave it out");
-}
-
-LearnedMotion read_learned(const std::string& path, int axis_count, double step_s,
-                           double most_kernels, int lag) {
-  std::string text;
-  if (!is_mcap(path)) {
-    text = read_text_file(path);
-  } else if (hal::read_learned_text(path, text) != hal::Status::ok || text.empty()) {
-    throw InputError(path, "does not hold what a session has taught",
-                     "give a complete log that condyle record has written with learning on, or "
-                     "replay it with --learned-out FILE and give that file");
-  }
-  return parse_learned(text, path, axis_count, step_s, most_kernels, lag);
-}
-
 LearnedMotion parse_learned(const std::string& text, const std::string& path, int axis_count,
                             double step_s, double most_kernels, int lag) {
   const char* const mend = "give a session log, or a file that --learned-out has written";
@@ -140,6 +118,44 @@ LearnedMotion parse_learned(const std::string& text, const std::string& path, in
                      "learn from a recording of the same rate");
   }
   return learned;
+}
+
+}  // namespace
+
+void LearnedFiles::refuse_unless(bool learns) const {
+  if (learns || !are_given()) return;
+  throw InputError(begin_with.empty() ? "--learned-out" : "--learned", "needs learning",
+                   "give no lag of 16, nor [learning] kernels = 0, nor the published cascade; or "
+                   "leave it out");
+}
+
+bool begins_as_session(const RecordingInfo& info, const EstimatorChoice& estimator,
+                       const LearnedFiles& files) {
+  return !info.begun_with_json.empty() && files.begin_with.empty() &&
+         estimator.parameters.empty() && estimator.lag == 0 && !estimator.is_published();
+}
+
+LearnedMotion read_learned(const std::string& path, int axis_count, double step_s,
+                           double most_kernels, int lag) {
+  std::string text;
+  if (!is_mcap(path)) {
+    text = read_text_file(path);
+  } else if (hal::read_learned_text(path, text) != hal::Status::ok || text.empty()) {
+    throw InputError(path, "does not hold what a session has taught",
+                     "give a complete log that condyle record has written with learning on, or "
+                     "replay it with --learned-out FILE and give that file");
+  }
+  return parse_learned(text, path, axis_count, step_s, most_kernels, lag);
+}
+
+LearnedMotion first_learned(const LearnedFiles& files, const RecordingInfo& info,
+                            const EstimatorChoice& estimator, const std::string& recording,
+                            int axis_count, double step_s, double most_kernels) {
+  if (!files.begin_with.empty()) {
+    return read_learned(files.begin_with, axis_count, step_s, most_kernels, estimator.lag);
+  }
+  if (!begins_as_session(info, estimator, files)) return {};
+  return parse_learned(info.begun_with_json, recording, axis_count, 0, most_kernels, 0);
 }
 
 }  // namespace condyle::host

@@ -4,7 +4,9 @@
 
 #include <string>
 
+#include "estimation/estimator_choice.h"
 #include "hosted/estimates/learned_motion.h"
+#include "recordings/recording.h"
 
 namespace condyle::host {
 
@@ -18,13 +20,20 @@ struct LearnedFiles {
   void refuse_unless(bool learns) const;
 };
 
+/// True if a replay begins as its session did live: unless other parameters, or a lag, give other
+/// estimates anyway.
+bool begins_as_session(const RecordingInfo& info, const EstimatorChoice& estimator,
+                       const LearnedFiles& files);
+
 /// Reads a file of learned_text, or a session log that holds one. Throws InputError if it cannot be
 /// used along `axis_count` axes, for samples `step_s` apart (0: not known), with `most_kernels` and
 /// `lag`.
 LearnedMotion read_learned(const std::string& path, int axis_count, double step_s,
                            double most_kernels, int lag);
-/// The same from the text of such a file, as part of the file `path`.
-LearnedMotion parse_learned(const std::string& text, const std::string& path, int axis_count,
-                            double step_s, double most_kernels, int lag);
+/// What a replay of `recording` begins with: the file that `files` names, or what its session began
+/// with; no axes: nothing. Throws as read_learned.
+LearnedMotion first_learned(const LearnedFiles& files, const RecordingInfo& info,
+                            const EstimatorChoice& estimator, const std::string& recording,
+                            int axis_count, double step_s, double most_kernels);
 
 }  // namespace condyle::host
