@@ -5,7 +5,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace condyle::host {
@@ -25,9 +28,14 @@ constexpr std::size_t kPairs = 4, kBlock = 2 * kPairs;
 using Block = std::array<Pair, kPairs>;
 
 // cos 2 pi k/bins of the bins k = 0, 1, ... up to `last` at least. `bins` is a power of two.
-const std::vector<Block>& cosines_of(double bins, std::size_t last) {
-  thread_local std::array<std::vector<Block>, 64> all;
-  std::vector<Block>& cosines = all[static_cast<std::size_t>(std::ilogb(bins)) % all.size()];
+// Threads share them: mingw-w64 frees what is thread_local before it calls its destructor.
+std::shared_ptr<const std::vector<Block>> cosines_of(double bins, std::size_t last) {
+  static std::mutex mutex;
+  static std::array<std::shared_ptr<const std::vector<Block>>, 64> all;
+  const std::lock_guard lock(mutex);
+  auto& known = all[static_cast<std::size_t>(std::ilogb(bins)) % all.size()];
+  if (known && known->size() * kBlock > last) return known;
+  std::vector<Block> cosines = known ? *known : std::vector<Block>();
   while (cosines.size() * kBlock <= last) {
     Block block;
     for (std::size_t i = 0; i < kBlock; ++i) {
@@ -36,12 +44,8 @@ const std::vector<Block>& cosines_of(double bins, std::size_t last) {
     }
     cosines.push_back(block);
   }
-  return cosines;
+  return known = std::make_shared<const std::vector<Block>>(std::move(cosines));
 }
-
-}  // namespace
-
-namespace {
 
 // Amplitudes up to kHighest_Hz, over that of frequency 0, at multiples of one frequency; empty if
 // there are none.
@@ -56,12 +60,12 @@ std::vector<double> spectrum_of(const std::vector<double>& speed, double step_s)
   if (!(largest > 0)) return {};
   const auto highest =
       static_cast<std::size_t>(std::min(kHighest_Hz / bin_Hz * (1 + 1e-12), bins - 1));
-  const std::vector<Block>& cosines = cosines_of(bins, highest);
+  const auto cosines = cosines_of(bins, highest);
   std::vector<double> amplitudes;
   amplitudes.reserve(highest + kBlock);
   for (std::size_t block = 0; amplitudes.size() <= highest; ++block) {
     // Goertzel's recurrence, one multiplication for each sample and bin.
-    Block twice = cosines[block], last{}, before{};
+    Block twice = (*cosines)[block], last{}, before{};
     for (Pair& cosine : twice) cosine += cosine;
     for (const double v : speed) {
 #pragma GCC unroll 4
