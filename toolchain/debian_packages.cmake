@@ -116,7 +116,9 @@ set(CPACK_DEBIAN_BOX_PACKAGE_DEPENDS "${same_version}, systemd | systemd-standal
 set(CPACK_DEBIAN_BOX_PACKAGE_RECOMMENDS condyle)
 set(same_library "${package_of_library} (= ${PROJECT_VERSION}-1)")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
+configure_file(toolchain/debian/library/shlibs.in ${PROJECT_BINARY_DIR}/debian/shlibs @ONLY)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA
+  "${PROJECT_BINARY_DIR}/debian/shlibs;${PROJECT_SOURCE_DIR}/toolchain/debian/library/triggers")
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "virtual sensor for jaw motion: the shared library
 Reads recordings of jaw motion, estimates velocity, force, friction and mass
 of the lower jaw from positions, and reads range of motion and chewing, for
