@@ -263,6 +263,11 @@ std::unique_ptr<Recording> open_format(const std::string& path, const RecordingO
                               : open_c3d(std::move(reader), options);
     return chosen(std::move(points), options, use, path);
   }
+  // XLSX and ODS are ZIP archives; XLS is a compound file of Microsoft.
+  if (start.starts_with("PK\x03\x04") || start.starts_with("\xd0\xcf\x11\xe0")) {
+    throw InputError(path, "is a workbook of a spreadsheet program, or an archive",
+                     "save its table as CSV, or unpack it");
+  }
   if (!is_text(start)) {
     throw InputError(path, "has an unknown binary format", std::string(kFormats));
   }

@@ -324,6 +324,9 @@ TEST(Recording, RefusesWhatItDoesNotKnow) {
                                      "ELF\x01\x02\0",
                                      7)),
               HasSubstr("unknown binary format"));
+  for (const char* start : {"PK\x03\x04\x14\x06\x08", "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"}) {
+    EXPECT_THAT(problem_of(start), HasSubstr("save its table as CSV"));
+  }
   EXPECT_THAT(problem_of(std::string("\xff\xfe"
                                      "t\0i\0",
                                      6)),
