@@ -54,7 +54,7 @@ struct Chewing {
 
 // All numbers as bits, which compare even where they are NaN.
 std::vector<std::uint64_t> bits_of(const UncertainValue& value) {
-  std::vector<double> numbers = {value.value, value.noise_sd, value.smoothing};
+  std::vector<double> numbers = {value.value, value.noise_sd, value.systematic()};
   numbers.insert(numbers.end(), value.fixed.begin(), value.fixed.end());
   std::vector<std::uint64_t> bits;
   for (const double number : numbers) bits.push_back(std::bit_cast<std::uint64_t>(number));

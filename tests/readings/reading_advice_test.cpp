@@ -43,7 +43,7 @@ TEST(ReadingAdvice, NarrowsTheIntervalToTheLimit) {
     value.value = 1;
     value.repetitions = static_cast<int>(5 * random.uniform());
     value.noise_sd = limit * log_between(random, 0.01, 30);
-    value.smoothing = limit * log_between(random, 0.01, 3);
+    value.doubt = limit * log_between(random, 0.01, 3);
     for (int error = 0; error < 3; ++error) {
       value.fixed.push_back(limit * log_between(random, 0.01, 3));
     }
@@ -55,6 +55,33 @@ TEST(ReadingAdvice, NarrowsTheIntervalToTheLimit) {
     EXPECT_LE(value.half_interval(), limit * (1 + 1e-9)) << advice;
   }
   EXPECT_GT(followed, 4000);
+}
+
+// What corrections leave of a mean: a shared error stays, one that differs from stroke to stroke
+// becomes smaller like noise, and none vanishes because signs happen to cancel.
+TEST(MeansOfStrokes, KeepWhatCorrectionsMayLeave) {
+  Random random(2);
+  for (const double shared : {0.0, 1.0}) {
+    for (const int strokes : {1, 3, 16, 100}) {
+      std::vector<UncertainValue> values(static_cast<std::size_t>(strokes));
+      double sum = 0, squares = 0;
+      for (UncertainValue& value : values) {
+        value.value = 5;
+        value.doubt = 0.25;
+        const double left = shared + 0.5 * random.normal();
+        value.corrections = {left, -left};
+        sum += left / strokes;
+        squares += left * left / strokes;
+      }
+      const UncertainValue mean = mean_of(values);
+      const double expected = std::max(std::abs(sum), std::sqrt(squares / strokes));
+      EXPECT_EQ(mean.doubt, 0.25);
+      for (const double correction : mean.corrections) {
+        EXPECT_NEAR(std::abs(correction), expected, 1e-12);
+      }
+      EXPECT_NEAR(mean.half_interval(), std::hypot(0.25, expected, expected), 1e-12);
+    }
+  }
 }
 
 TEST(ReadingAdvice, NamesWhatIsNeeded) {
@@ -69,7 +96,7 @@ TEST(ReadingAdvice, NamesWhatIsNeeded) {
   value.noise_sd = 0;
   value.fixed = {1};
   EXPECT_THAT(what_narrows(value, 0.98, "strokes"), HasSubstr("located 2.0 times as exactly"));
-  value.smoothing = 1;
+  value.doubt = 1;
   EXPECT_EQ(what_narrows(value, 0.9, "strokes"),
             "more exactly located landmarks and a higher sampling rate would "
             "narrow it");

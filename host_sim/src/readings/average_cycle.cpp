@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 constexpr int kPoints = 2 * AverageCycle::kHalf;
 constexpr int kLeastCycles = 5;
-constexpr double kWidest_mm = 3, kHalf95 = 1.959964;
+constexpr double kWidest_mm = 3;
 
 // At one instant: the incisor, and the motion that the shared errors act on.
 struct Instant {

@@ -12,7 +12,6 @@
 namespace condyle::host {
 namespace {
 
-constexpr double kHalf95 = 1.959964;
 constexpr double kLeastSide_mm = 1;
 constexpr std::size_t kLeastForScatter = 3, kLeastThird = 3;
 
@@ -52,13 +51,17 @@ UncertainValue with_shared_errors(const Values& values, const Measure& measure) 
   };
   UncertainValue result;
   result.value = measure_of([](const UncertainValue& value) { return value.value; });
-  result.smoothing =
-      measure_of([](const UncertainValue& value) { return value.value + value.smoothing; }) -
-      result.value;
+  const auto changed_by = [&](const auto& part) {
+    return measure_of([&part](const UncertainValue& value) { return value.value + part(value); }) -
+           result.value;
+  };
+  result.doubt = changed_by([](const UncertainValue& value) { return value.doubt; });
+  for (std::size_t i = 0; i < result.corrections.size(); ++i) {
+    result.corrections[i] =
+        changed_by([i](const UncertainValue& value) { return value.corrections[i]; });
+  }
   for (std::size_t i = 0; i < values[0].fixed.size(); ++i) {
-    result.fixed.push_back(
-        measure_of([i](const UncertainValue& value) { return value.value + value.fixed[i]; }) -
-        result.value);
+    result.fixed.push_back(changed_by([i](const UncertainValue& value) { return value.fixed[i]; }));
   }
   return result;
 }
@@ -71,7 +74,7 @@ double mean_variance(const Values& values) {
 
 // Of an error that differs from cycle to cycle: noise, and what smoothing changed.
 double own_variance(const UncertainValue& value) {
-  const double of_smoothing = value.smoothing / kHalf95;
+  const double of_smoothing = value.systematic() / kHalf95;
   return value.noise_sd * value.noise_sd + of_smoothing * of_smoothing;
 }
 

@@ -258,7 +258,7 @@ void finish_separations(const std::vector<StrokeReading>& names,
     // What a slip of the instrument leaves at the end, it may leave on the whole way back.
     UncertainValue& mean = values[i - 1];
     const double closure_mm = next < values.size() ? values[next++].value : kNone;
-    mean.smoothing = std::hypot(mean.smoothing, closure_mm);
+    mean.doubt = std::hypot(mean.doubt, closure_mm);
   }
   values.resize(names.size());
 }

@@ -55,7 +55,7 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
     const bool has_begin = name == "cycle_duration_s" || name == "opening_time_s";
     const bool has_end =
         name == "cycle_duration_s" || name == "closing_time_s" || name == "slow_close_time_s";
-    if (name.ends_with("ldlj")) values[i].smoothing *= kTimesJerk;
+    if (name.ends_with("ldlj")) values[i].scale_systematic(kTimesJerk);
     widen_smoothness(name, doubts, values[i]);
     if (has_begin) values[i].noise_sd = std::hypot(values[i].noise_sd, at_begin_s);
     if (has_end) values[i].noise_sd = std::hypot(values[i].noise_sd, at_end_s);

@@ -22,7 +22,7 @@ constexpr std::size_t kLeastPairs = 3;
 constexpr double kLeastTravel_m = 6e-3, kOnset_m = 0.3e-3, kStep_m = 0.25e-3, kReach_m = 12e-3;
 constexpr double kCommonShare = 0.95;   // of the opening path that a protrusive one is held against
 constexpr int kGrid = 4, kShrinks = 5;  // steps to each side; times that they are made smaller
-constexpr double kShrink = 3.5, kHalf95 = 1.959964;
+constexpr double kShrink = 3.5;
 constexpr int kDraws = 2;  // pairs of opposite noise for each pair of strokes
 
 // The way out of a stroke: of any point b of the jaw, in the sagittal plane, a + M b.
@@ -255,7 +255,7 @@ std::array<UncertainValue, 2> kinematic_centre(const ReferredMotion& motion, con
     UncertainValue& value = centre[static_cast<std::size_t>(i)];
     const double bias_m = drawn.mean()[i];
     value.value = 1e3 * (measured.mean()[i] - bias_m);
-    value.smoothing = 1e3 * std::abs(bias_m);
+    value.doubt = 1e3 * std::abs(bias_m);
     value.noise_sd = 1e3 * std::sqrt(std::max(between[i], noise_variance[i]));
     // The centre stays where it is when the condylar point is elsewhere.
     const int axis = 2 * i;

@@ -352,7 +352,7 @@ UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
   result.missing.clear();
   result.value = 1e3 * (speed_m_s + top_m_s - share * differs_m_s - across - of_place);
   result.noise_sd = 1e3 * sd_m_s;
-  result.smoothing = 1e3 * std::hypot(smoothing_m_s, across + of_place);
+  result.doubt = 1e3 * std::hypot(smoothing_m_s, across + of_place);
   for (std::size_t i = 0; i < result.fixed.size(); ++i) {
     const Places moved =
         places_of(errors_.off_by_one_sd[i], point, slope.first, slope.first + slope.weights.size());

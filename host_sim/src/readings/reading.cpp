@@ -9,9 +9,6 @@
 namespace condyle::host {
 namespace {
 
-// 95 % of a normal distribution lie within this many standard deviations.
-constexpr double kHalf95 = 1.959964;
-
 constexpr const char* kTaskNames[kTaskKinds] = {"opening", "protrusion", "left", "right",
                                                 "chewing", "border",     "rest"};
 
@@ -56,18 +53,25 @@ const ReadingDefinition& definition_of(std::string_view name) {
 double UncertainValue::half_interval() const {
   double variance = noise_sd * noise_sd;
   for (const double change : fixed) variance += change * change;
-  return std::sqrt(kHalf95 * kHalf95 * variance + smoothing * smoothing);
+  return std::hypot(kHalf95 * std::sqrt(variance), systematic());
+}
+
+void UncertainValue::scale_systematic(double factor) {
+  doubt *= factor;
+  for (double& correction : corrections) correction *= factor;
 }
 
 void UncertainValue::set_half_interval(double half) {
   noise_sd = half / kHalf95;
-  smoothing = 0;
+  doubt = 0;
+  corrections = {};
   fixed.clear();
 }
 
 UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
   UncertainValue mean;
   double count = 0, variance = 0;
+  std::array<double, 2> squares{};
   for (const UncertainValue& stroke : strokes) {
     if (!std::isfinite(stroke.value)) {
       if (mean.missing.empty()) mean.missing = stroke.missing;
@@ -79,7 +83,11 @@ UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
     }
     ++count;
     mean.value += stroke.value;
-    mean.smoothing += stroke.smoothing;
+    mean.doubt += stroke.doubt;
+    for (std::size_t i = 0; i < squares.size(); ++i) {
+      mean.corrections[i] += stroke.corrections[i];
+      squares[i] += stroke.corrections[i] * stroke.corrections[i];
+    }
     variance += stroke.noise_sd * stroke.noise_sd;
     for (std::size_t i = 0; i < stroke.fixed.size(); ++i) mean.fixed[i] += stroke.fixed[i];
   }
@@ -87,7 +95,12 @@ UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
   mean.missing.clear();
   mean.repetitions = static_cast<int>(count);
   mean.value /= count;
-  mean.smoothing /= count;
+  mean.doubt /= count;
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    double& correction = mean.corrections[i];
+    correction =
+        std::copysign(std::max(std::abs(correction), std::sqrt(squares[i])), correction) / count;
+  }
   mean.noise_sd = std::sqrt(variance) / count;
   for (double& change : mean.fixed) change /= count;
   return mean;
@@ -98,7 +111,7 @@ std::string what_narrows(const UncertainValue& value, double limit, std::string_
   for (const double change : value.fixed) fixed += change * change;
   fixed *= kHalf95 * kHalf95;
   const double noise = kHalf95 * kHalf95 * value.noise_sd * value.noise_sd;
-  const double smoothing = value.smoothing * value.smoothing, all = limit * limit;
+  const double smoothing = value.systematic() * value.systematic(), all = limit * limit;
   const double least = all / 10;  // with less room, one part alone would have to vanish
   if (const double room = all - fixed - smoothing; room > least) {
     const double most = std::ceil(value.repetitions * noise / room);

@@ -3,6 +3,7 @@
 // reason why it is withheld.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -67,23 +68,32 @@ struct JawReading {
   std::string reason;  ///< why it is withheld, or what a derived one assumes
 };
 
+/// 95 % of a normal distribution lie within this many standard deviations.
+inline constexpr double kHalf95 = 1.959964;
+
 /// An estimate before it is judged: value and the parts of its uncertainty, in the unit of the
 /// definition.
 struct UncertainValue {
   double value = JawReading::kNone;
-  double noise_sd = 0;        ///< of the instrument's noise during the stroke
-  double smoothing = 0;       ///< what smoothing changed and was corrected
+  double noise_sd = 0;  ///< of the instrument's noise during the stroke
+  double doubt = 0;     ///< what the definition leaves open
+  /// With sign, what may be left of what smoothing changed, and of what noise added.
+  std::array<double, 2> corrections{};
   std::vector<double> fixed;  ///< change per standard deviation of each error that strokes share
   int repetitions = 0;        ///< strokes or cycles that were averaged; 0: a single value
   std::string missing;        ///< the reason if the value is NaN
 
   /// Half the 95 % interval.
   double half_interval() const;
+  /// Its part that is neither noise nor an error that strokes share.
+  double systematic() const { return std::hypot(doubt, corrections[0], corrections[1]); }
+  void scale_systematic(double factor);
   /// Makes `half` that interval, without parts.
   void set_half_interval(double half);
 };
 
-/// The mean of the values of several strokes; those without a value do not count.
+/// The mean of the values of several strokes; those without a value do not count. Corrections that
+/// differ in sign cancel as what is left of them does, at most like independent errors.
 UncertainValue mean_of(const std::vector<UncertainValue>& strokes);
 
 /// What would narrow the interval of `value` to +-`limit`, as words: more repetitions, less noise,

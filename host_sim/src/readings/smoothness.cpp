@@ -175,11 +175,10 @@ std::array<double, 2> take_arc_length_doubts(std::vector<UncertainValue>& values
 
 void widen_smoothness(std::string_view name, const std::array<double, 2>& doubts,
                       UncertainValue& value) {
-  const double doubt = name == "sparc"           ? doubts[0]
-                       : name == "closing_sparc" ? doubts[1]
-                       : name.ends_with("ldlj")  ? kJerkDoubt
-                                                 : 0;
-  value.smoothing = std::hypot(value.smoothing, doubt);
+  // Noise decides which lobes count: in each movement anew.
+  const double lobes = name == "sparc" ? doubts[0] : name == "closing_sparc" ? doubts[1] : 0;
+  value.noise_sd = std::hypot(value.noise_sd, lobes / kHalf95);
+  if (name.ends_with("ldlj")) value.doubt = std::hypot(value.doubt, kJerkDoubt);
 }
 
 }  // namespace condyle::host

@@ -26,7 +26,7 @@ constexpr double kLeastSpeedShare = 0.05;  // of the peak: begin and end of a mo
 constexpr double kReturn_m = 1e-3;         // near the reference position
 // Of the spread of instantaneous axes, on motion without noise.
 constexpr double kSpreadError_mm = 0.1;
-constexpr double kShareOfSmoothing = 0.5;
+constexpr double kShareOfSmoothing = 0.25;
 
 // Speed from `begin` to `end` (without): its peak, and the movement around the peak.
 struct Movement {
@@ -222,9 +222,9 @@ void narrow_what_noise_adds(const std::vector<StrokeReading>& names,
     if (!is_spread && !is_hull && !name.starts_with("condylar_path")) continue;
     // What noise adds to a length or a hull follows from its variance, which is known to a few
     // percent.
-    values[i].smoothing *= kShareOfSmoothing;
+    values[i].scale_systematic(kShareOfSmoothing);
     // The spread of axes is never negative, so that smoothing always adds to it.
-    if (is_spread) values[i].smoothing = std::hypot(values[i].smoothing, kSpreadError_mm);
+    if (is_spread) values[i].doubt = std::hypot(values[i].doubt, kSpreadError_mm);
   }
 }
 

@@ -64,7 +64,11 @@ class TaskReader {
       if (!std::isfinite(other.value)) difference.missing = other.missing;
       difference.value -= other.value;
       difference.noise_sd = std::hypot(difference.noise_sd, other.noise_sd);
-      difference.smoothing += other.smoothing;
+      difference.doubt += other.doubt;
+      for (std::size_t i = 0; i < difference.corrections.size(); ++i) {
+        difference.corrections[i] =
+            std::abs(difference.corrections[i]) + std::abs(other.corrections[i]);
+      }
       for (std::size_t i = 0; i < difference.fixed.size() && i < other.fixed.size(); ++i) {
         difference.fixed[i] -= other.fixed[i];
       }
@@ -346,7 +350,7 @@ class TaskReader {
     frequency.value = 1 / mean.value;
     const double slope = frequency.value * frequency.value;
     frequency.noise_sd *= slope;
-    frequency.smoothing *= slope;
+    frequency.scale_systematic(slope);
     for (double& change : frequency.fixed) change *= slope;
     add(definition_of("cycle_frequency_Hz"), TaskKind::chewing, Side::none, 0, frequency, is_found);
   }

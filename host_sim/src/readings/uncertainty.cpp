@@ -327,7 +327,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
     result.value = values[i] - smoothing - mean;
     result.noise_sd = growth * std::sqrt(std::max(drawn.squares / count - mean * mean, 0.0));
     // What is left after the correction is less than what was corrected.
-    result.smoothing = std::hypot(settings.times_smoothing * smoothing, mean);
+    result.corrections = {settings.times_smoothing * smoothing, mean};
     for (const double change : result.fixed) {
       if (!std::isfinite(change))
         result.missing = "whether the movement reaches it depends on the landmarks";

@@ -7,9 +7,8 @@
 //   m    the motion smoothed over a still wider window, then averaged over half of it
 //   smoothing   F(S z) - F(z), what smoothing changes, is subtracted, and a multiple of it is in
 //               the interval
-//   noise       mean of F(S(m + e)) - F(S m), what noise adds, is subtracted; the standard
-//   deviation
-//               of these is that of the value
+//   noise       mean of F(S(m + e)) - F(S m), what noise adds, is subtracted, and its size is in
+//               the interval; the standard deviation of these is that of the value
 //   fixed       F with one landmark coordinate, or one component of the reference position, off by
 //               its standard deviation: an error that all strokes of a recording share
 #pragma once
