@@ -196,6 +196,25 @@ TEST(CondyleReadings, CountCrossingsThatNoiseDoesNotExplain) {
   EXPECT_EQ(count({0.3, -0.3, -0.3, 0.1, 0.3, 0.4, 0.3, -0.3}), 3);
 }
 
+// A shift of 2 mm, known to 1 mm: at 1 mm its direction is known half as well.
+TEST(WorkingShift, HasADirectionAsFarAsTheSmallestShiftHasOne) {
+  const std::vector<StrokeReading> names = {{"working_shift_mm", Side::left},
+                                            {"working_shift_angle_deg", Side::left}};
+  const auto angle_of = [&](double half_mm) {
+    std::vector<UncertainValue> values(2);
+    values[0].value = 2 * std::cos(0.3);
+    values[0].doubt = half_mm;
+    values[1].value = 0.3 * 180 / std::numbers::pi;
+    values[1].noise_sd = 1;
+    widen_shift_angle(names, values);
+    return values[1];
+  };
+  EXPECT_NEAR(angle_of(0).half_interval(), kHalf95, 1e-9);
+  EXPECT_NEAR(angle_of(1).half_interval(), 2 * kHalf95, 1e-9);
+  EXPECT_TRUE(std::isnan(angle_of(2.1).value));
+  EXPECT_FALSE(angle_of(2.1).missing.empty());
+}
+
 // Without noise what is left is the method's own error.
 TEST(Analysis, WithoutNoiseDeviatesByAQuarterOfItsHalfInterval) {
   for (const double rate_Hz : {60.0, 200.0}) {

@@ -20,6 +20,9 @@ constexpr double kMargin_s = 0.15, kMarginAtPause_s = 0.3;
 // Standard deviation of the instant at which the jaw leaves or reaches a pause: it begins and ends
 // so slowly that its form, which is not known, decides.
 constexpr double kPauseBoundary_s = 8e-3;
+// Error of the instant of a top between samples, whose jerk changes there, over step^2 / time to
+// the next turn.
+constexpr double kBetweenSamples = 1.4;
 
 std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext& context,
                                       std::uint64_t stream) {
@@ -48,6 +51,8 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
       cycle.begins_after_pause ? kPauseBoundary_s : std::hypot(cycle.begin_sd_s, stamp_s);
   const double at_end_s =
       cycle.ends_with_pause ? kPauseBoundary_s : std::hypot(cycle.end_sd_s, stamp_s);
+  const double step_s =
+      (time_s[cycle.end] - time_s[cycle.begin]) / static_cast<double>(cycle.end - cycle.begin);
   const auto names = readings_of_cycle(context.has_landmarks);
   const auto doubts = take_arc_length_doubts(values);
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -55,6 +60,9 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
     const bool has_begin = name == "cycle_duration_s" || name == "opening_time_s";
     const bool has_end =
         name == "cycle_duration_s" || name == "closing_time_s" || name == "slow_close_time_s";
+    if (name == "opening_time_s" || name == "closing_time_s") {
+      values[i].doubt = kBetweenSamples * step_s * step_s / values[i].value;
+    }
     if (name.ends_with("ldlj")) values[i].scale_systematic(kTimesJerk);
     widen_smoothness(name, doubts, values[i]);
     if (has_begin) values[i].noise_sd = std::hypot(values[i].noise_sd, at_begin_s);

@@ -228,4 +228,23 @@ void narrow_what_noise_adds(const std::vector<StrokeReading>& names,
   }
 }
 
+void widen_shift_angle(const std::vector<StrokeReading>& names,
+                       std::vector<UncertainValue>& values) {
+  for (std::size_t i = 1; i < names.size(); ++i) {
+    if (names[i].name != "working_shift_angle_deg") continue;
+    const UncertainValue& aside = values[i - 1];
+    UncertainValue& angle = values[i];
+    if (!std::isfinite(angle.value)) continue;
+    const double shift_mm = std::abs(aside.value / std::cos(angle.value * kDegree));
+    const double least_mm = shift_mm - aside.half_interval();
+    if (!(least_mm > 0)) {
+      angle.value = kNone;
+      angle.missing = "the condyle's shift may be zero, which has no direction";
+      continue;
+    }
+    const double growth = shift_mm / least_mm;
+    angle.doubt = std::hypot(angle.doubt, angle.half_interval() * std::sqrt(growth * growth - 1));
+  }
+}
+
 }  // namespace condyle::host

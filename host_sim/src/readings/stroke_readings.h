@@ -26,4 +26,10 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
 void narrow_what_noise_adds(const std::vector<StrokeReading>& names,
                             std::vector<UncertainValue>& values);
 
+/// Of the direction of a working condyle's shift: its interval becomes that of the smallest shift
+/// within the shift's own interval, of which it is missing if that contains none. Otherwise errors
+/// that make a small shift seem large would also make its direction seem known.
+void widen_shift_angle(const std::vector<StrokeReading>& names,
+                       std::vector<UncertainValue>& values);
+
 }  // namespace condyle::host

@@ -242,6 +242,7 @@ class TaskReader {
     }
     if (values.size() > names.size()) finish_separations(names, values);
     narrow_what_noise_adds(names, values);
+    widen_shift_angle(names, values);
     if (is_stroke) read_speeds_of_stroke(names, analysis_.path, stroke, context_, values);
     const std::string onset =
         is_stroke && context_.has_landmarks ? problem_of_onset(analysis_.path, stroke) : "";
