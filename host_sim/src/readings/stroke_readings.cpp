@@ -26,7 +26,7 @@ constexpr double kLeastSpeedShare = 0.05;  // of the peak: begin and end of a mo
 constexpr double kReturn_m = 1e-3;         // near the reference position
 // Of the spread of instantaneous axes, on motion without noise.
 constexpr double kSpreadError_mm = 0.1;
-constexpr double kShareOfSmoothing = 0.25;
+constexpr double kShareOfSmoothing = 0.5;
 
 // Speed from `begin` to `end` (without): its peak, and the movement around the peak.
 struct Movement {
