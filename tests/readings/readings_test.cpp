@@ -62,17 +62,6 @@ TEST(Smoothness, OfAMinimumJerkStroke) {
   EXPECT_NEAR(std::exp(-log_dimensionless_jerk(speed, 1 / 20000.0)), 204.8, 0.1);
 }
 
-TEST(HelicalAxis, IsThatOfATurnAboutAKnownLine) {
-  const Eigen::Vector3d point(0.01, 0.02, -0.03), at(0.1, 0, -0.05);
-  const Eigen::Vector3d direction = Eigen::Vector3d(0.1, 1, 0.2).normalized();
-  const Eigen::Matrix3d R = rotation_of<double>(0.3 * direction);
-  const Eigen::Vector3d moved = R * (at - point) + point + 0.002 * direction;
-  const HelicalAxis axis = helical_axis(0.3 * direction, at, moved - at);
-  EXPECT_NEAR(axis.angle_rad, 0.3, 1e-12);
-  EXPECT_NEAR(axis.translation_m, 0.002, 1e-12);
-  EXPECT_LT(direction.cross(axis.point_m - point).norm(), 1e-12);
-}
-
 // The formulas on exact poses, of condyles that differ.
 TEST(StrokeReadings, EqualTheTruthOnExactPoses) {
   JawScenario scenario = session(200, 0, 0, 0);

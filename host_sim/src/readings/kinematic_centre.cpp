@@ -20,9 +20,11 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kLeastPairs = 3;
 constexpr double kLeastTravel_m = 6e-3, kOnset_m = 0.3e-3, kStep_m = 0.25e-3, kReach_m = 12e-3;
-constexpr double kCommonShare = 0.95;   // of the opening path that a protrusive one is held against
-constexpr int kGrid = 4, kShrinks = 5;  // steps to each side; times that they are made smaller
-constexpr double kShrink = 3.5;
+constexpr double kCommonShare = 0.95;  // of the opening path that a protrusive one is held against
+// Steps of the search to each side, and how they get smaller, down to some 5 um; of exact paths, to
+// what a double holds.
+constexpr int kGrid = 4;
+constexpr double kShrink = 3.5, kFinest_m = 5e-6, kFinestExact_m = 1e-10;
 constexpr int kDraws = 2;  // pairs of opposite noise for each pair of strokes
 
 // The way out of a stroke: of any point b of the jaw, in the sagittal plane, a + M b.
@@ -34,9 +36,10 @@ class WayOut {
     travel_m_ = greatest.value;
     Vector3d last = Vector3d::Constant(1);
     for (std::size_t k = 0; k <= greatest.at; ++k) {
-      // Steps of half of kStep_m are fine enough.
+      // Steps of half of kStep_m are fine enough for what is measured.
       const Vector3d& now = path.condyle_m[side][k];
-      if ((now - last).norm() < kStep_m / 2 && k != greatest.at) continue;
+      const double least_m = path.is_exact ? 0 : kStep_m / 2;
+      if ((now - last).norm() < least_m && k != greatest.at) continue;
       last = now;
       const Eigen::Matrix3d turn =
           rotation_of<double>(path.rotation_rad[k]) - Eigen::Matrix3d::Identity();
@@ -108,14 +111,16 @@ double misfit_m(const WayOut& opening, const WayOut& protrusion, const Vector3d&
   return count > 0 ? sum_m / count : 1;
 }
 
-// The centre of one pair from the condylar point (m); absent at the border of the search.
-std::optional<Vector2d> centre_of(const JawPath& opened, const JawPath& protruded,
-                                  std::size_t side) {
+}  // namespace
+
+std::optional<Vector2d> centre_of_pair_m(const JawPath& opened, const JawPath& protruded,
+                                         std::size_t side) {
   const WayOut opening(opened, side), protrusion(protruded, side);
   const Vector3d& condyle = opened.condyle_at_m[side];
   Vector2d best = Vector2d::Zero();
-  double step_m = kReach_m / kGrid;
-  for (int i = 0; i <= kShrinks; ++i, step_m /= kShrink) {
+  const double widest_m = kReach_m / kGrid;
+  const double finest_m = opened.is_exact ? kFinestExact_m : kFinest_m;
+  for (double step_m = widest_m; step_m > finest_m; step_m /= kShrink) {
     const Vector2d middle = best;
     double least_m = 1;
     for (int x = -kGrid; x <= kGrid; ++x) {
@@ -128,10 +133,13 @@ std::optional<Vector2d> centre_of(const JawPath& opened, const JawPath& protrude
         best = shift;
       }
     }
-    if (i == 0 && best.cwiseAbs().maxCoeff() > kReach_m - step_m / 2) return std::nullopt;
+    if (step_m == widest_m && best.cwiseAbs().maxCoeff() > kReach_m - step_m / 2)
+      return std::nullopt;
   }
   return best;
 }
+
+namespace {
 
 // A stroke whose noise is drawn anew.
 class DrawnStroke {
@@ -233,15 +241,16 @@ std::array<UncertainValue, 2> kinematic_centre(const ReferredMotion& motion, con
   }
   Sum measured, drawn;
   for (std::size_t i = 0; i < pairs; ++i) {
-    const auto here = centre_of(opening[i].measured(), protrusion[i].measured(), side);
-    const auto once = centre_of(opening[i].once(), protrusion[i].once(), side);
+    const auto here = centre_of_pair_m(opening[i].measured(), protrusion[i].measured(), side);
+    const auto once = centre_of_pair_m(opening[i].once(), protrusion[i].once(), side);
     if (!here || !once) return withhold("it lies more than 12 mm from the condylar point");
     measured.add(*here);
     for (int k = 0; k < kDraws; ++k) {
       opening[i].draw(noise, random);
       protrusion[i].draw(noise, random);
       for (const int sign : {1, -1}) {
-        const auto again = centre_of(opening[i].drawn(sign), protrusion[i].drawn(sign), side);
+        const auto again =
+            centre_of_pair_m(opening[i].drawn(sign), protrusion[i].drawn(sign), side);
         if (!again) return withhold("noise moves it more than 12 mm from the condylar point");
         drawn.add(*again - *once);
       }

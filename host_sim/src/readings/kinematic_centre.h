@@ -10,13 +10,20 @@
 // what was subtracted and the error of the condylar point.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "readings/burst_search.h"
 #include "readings/uncertainty.h"
 
 namespace condyle::host {
+
+/// The centre of one pair of strokes, forward of the condylar point on `side` (0: left) and above
+/// it (m); absent at the border of the search.
+std::optional<Eigen::Vector2d> centre_of_pair_m(const JawPath& opened, const JawPath& protruded,
+                                                std::size_t side);
 
 /// The centre of the condyle on `side` (0: left): forward of the condylar point and above it (mm),
 /// from strokes as samples of `motion`. Missing with fewer than three pairs of strokes in which the
