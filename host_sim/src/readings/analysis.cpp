@@ -141,6 +141,24 @@ Matrix6 spread_of_rests(const PoseTrack& track, const ReferredMotion& motion) {
   return count > 1 ? Matrix6(spread / (count - 1)) : spread;
 }
 
+// From the reference position, or the longest rest if that is too short.
+PoseNoise noise_at_rest(const PoseTrack& track, const ReferredMotion& motion, SampleRun reference,
+                        Analysis& analysis) {
+  PoseNoise noise = noise_of(motion, reference.begin, reference.end);
+  if (noise.is_checked_at_rest || !noise.is_known) return noise;
+  SampleRun longest = reference;
+  for (const SampleRun& run : find_rests(track)) {
+    if (run.end - run.begin > longest.end - longest.begin) longest = run;
+  }
+  noise = noise_of(motion, longest.begin, longest.end);
+  if (!noise.is_checked_at_rest) {
+    analysis.notes.push_back(
+        "no rest is long enough to see noise that neighbouring samples share: intervals may be too "
+        "narrow; record a rest of 3 s");
+  }
+  return noise;
+}
+
 ReadingGeometry geometry_without_landmarks(const PoseTrack& track, const ReferredMotion& motion,
                                            SampleRun reference) {
   ReadingGeometry geometry;
@@ -292,9 +310,8 @@ Analysis analyse_recording(Recording& recording, const std::string& name,
     check_stated_jaw(track, rest, *stated, choice.landmarks);
     landmarks = in_head_frame(*stated, motion);
   }
-  analysis.noise = noise_of(motion, rest.begin, rest.end);
-  analysis.noise.covariance *= track.noise_growth;
-  analysis.noise.root *= std::sqrt(track.noise_growth);
+  analysis.noise = noise_at_rest(track, motion, rest, analysis);
+  grow(analysis.noise, track.noise_growth);
   const ReadingGeometry geometry = landmarks ? geometry_of(*landmarks, motion.middle_m)
                                              : geometry_without_landmarks(track, motion, rest);
   describe_path(motion, geometry, analysis);
@@ -308,11 +325,11 @@ Analysis analyse_recording(Recording& recording, const std::string& name,
   if (landmarks && landmarks->condyle_kind == "arbitrary") {
     context.condyle_assumption = "the condylar points are arbitrary, not measured";
   }
-  const double reference_count = static_cast<double>(rest.end - rest.begin);
   context.landmark_assumption = landmark_assumption(track, stated);
-  context.errors =
-      shared_errors(landmarks ? &*landmarks : nullptr, geometry,
-                    analysis.noise.covariance / reference_count + spread_of_rests(track, motion));
+  context.errors = shared_errors(
+      landmarks ? &*landmarks : nullptr, geometry,
+      covariance_of_mean(analysis.noise, rest.end - rest.begin, 1 / analysis.rate_Hz) +
+          spread_of_rests(track, motion));
   context.rotation_problem = rotation_problem(track, analysis);
   if (track.has_rotation && analysis.largest_displacement_mm * kMillimetre > kFarWithoutTurn_m &&
       analysis.largest_rotation_deg * kDegree < kLeastTurn_rad) {

@@ -149,6 +149,8 @@ class DrawnStroke {
     const auto time = motion.time_s.begin();
     time_s_.assign(time + static_cast<std::ptrdiff_t>(run.begin),
                    time + static_cast<std::ptrdiff_t>(run.end));
+    used_time_s_.assign(time + static_cast<std::ptrdiff_t>(first_),
+                        time + static_cast<std::ptrdiff_t>(fit_.used().end));
     measured_ = fitted(motion.motion, 0);
     const LocalFit wide(motion.time_s, first_, fit_.used().end);
     std::vector<Vector6> slopes;
@@ -165,8 +167,9 @@ class DrawnStroke {
     for (std::size_t k = 0; k < smoothed_.size(); ++k) {
       Vector6 normal;
       for (double& number : normal) number = random.normal();
-      errors_drawn_.emplace_back(noise.root * normal);
+      errors_drawn_.emplace_back(noise.white_root * normal);
     }
+    add_shared_noise(noise.shared, used_time_s_, random, errors_drawn_);
   }
   JawPath drawn(int sign) {
     for (std::size_t k = 0; k < samples_.size(); ++k) {
@@ -188,7 +191,7 @@ class DrawnStroke {
   LocalFit fit_;
   std::size_t first_;  // of the samples that it uses
   const SharedErrors& errors_;
-  std::vector<double> time_s_;
+  std::vector<double> time_s_, used_time_s_;
   std::vector<Vector6> smoothed_, samples_, errors_drawn_;
   JawPath measured_, once_;
 };

@@ -28,42 +28,11 @@ constexpr double kTimesError = 2, kHidden = 1.5, kUnconfirmed = 1.5, kTooFast = 
 constexpr double kMostDifference = 0.05;  // of the speed
 // A gap of more steps and more of the wide window may hide a greater speed.
 constexpr double kStepsOfGap = 2.5, kGapShare = 0.5;
-constexpr double kNowhere = -1e300;  // the speed where there are too few samples
+constexpr double kLongestShared = 4;  // of what noise shares: lag over its tau
+constexpr double kNowhere = -1e300;   // the speed where there are too few samples
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
-
-// A slope as a sum of weighted samples.
-struct SpeedReader::Slope {
-  std::size_t first = 0;
-  std::vector<double> weights;  // empty: too few samples there
-
-  Vector3d of(const Places& places) const {
-    Vector3d sum = Vector3d::Zero();
-    for (std::size_t i = 0; i < weights.size(); ++i) sum += weights[i] * places[first + i];
-    return sum;
-  }
-  // Variance over that of a sample.
-  double gain() const {
-    double sum = 0;
-    for (const double weight : weights) sum += weight * weight;
-    return sum;
-  }
-  // a this + b other.
-  Slope mixed(double a, const Slope& other, double b) const {
-    Slope sum;
-    sum.first = std::min(first, other.first);
-    sum.weights.resize(
-        std::max(first + weights.size(), other.first + other.weights.size()) - sum.first, 0.0);
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-      sum.weights[first - sum.first + i] += a * weights[i];
-    }
-    for (std::size_t i = 0; i < other.weights.size(); ++i) {
-      sum.weights[other.first - sum.first + i] += b * other.weights[i];
-    }
-    return sum;
-  }
-};
 
 // Where a window's speed is greatest; without a speed if it finds samples nowhere.
 struct SpeedReader::Peak {
@@ -98,7 +67,7 @@ SpeedReader::SpeedReader(const ReferredMotion& motion, SampleRun run, const Pose
   paths_of(raw, turning, errors.geometry, part, path_);
 }
 
-SpeedReader::Places SpeedReader::places_of(const ReadingGeometry& geometry, SpeedPoint point,
+Places SpeedReader::places_of(const ReadingGeometry& geometry, SpeedPoint point,
                                            std::size_t begin, std::size_t end) const {
   const auto from = static_cast<std::ptrdiff_t>(first_ + begin);
   const auto to = static_cast<std::ptrdiff_t>(first_ + end);
@@ -115,14 +84,13 @@ SpeedReader::Places SpeedReader::places_of(const ReadingGeometry& geometry, Spee
                                       : path.condyle_m[point == SpeedPoint::condyle_left ? 0 : 1];
 }
 
-// Of one sample of the point at sample `k`, where it moves with `velocity`.
-Eigen::Matrix3d SpeedReader::noise_of(SpeedPoint point, std::size_t k,
-                                      const Vector3d& velocity) const {
+// What noise with the `root` of its covariance does to the point at sample `k`.
+Eigen::Matrix3d SpeedReader::noise_of(SpeedPoint point, std::size_t k, const Matrix6& root) const {
   SmoothMotion moved;
   for (int i = -1; i < 6; ++i) {
     moved.time_s.push_back(0);
     moved.value.push_back(motion_.motion[first_ + k]);
-    if (i >= 0) moved.value.back() += noise_.root.col(i);
+    if (i >= 0) moved.value.back() += root.col(i);
     moved.slope.emplace_back(Vector6::Zero());
   }
   JawPath path;
@@ -135,8 +103,17 @@ Eigen::Matrix3d SpeedReader::noise_of(SpeedPoint point, std::size_t k,
     const Vector3d change = places[i] - places[0];
     covariance += change * change.transpose();
   }
+  return covariance;
+}
+
+// Of the point at sample `k`, where it moves with `velocity`.
+PointNoise SpeedReader::noise_of(SpeedPoint point, std::size_t k, const Vector3d& velocity) const {
   const Vector3d displaced = noise_.stamp_sd_s * velocity;
-  return covariance + displaced * displaced.transpose();
+  PointNoise noise{noise_of(point, k, noise_.white_root) + displaced * displaced.transpose(), {}};
+  for (const SharedNoise& part : noise_.shared) {
+    noise.shared.push_back(noise_of(point, k, part.root));
+  }
+  return noise;
 }
 
 // The samples of the cubic around sample `k`; none if there are too few.
@@ -149,7 +126,7 @@ SampleRun SpeedReader::window_at(std::size_t k, double half_s) const {
   return is_enough ? window : SampleRun{k, k};
 }
 
-SpeedReader::Slope SpeedReader::slope_at(std::size_t k, int width) const {
+Slope SpeedReader::slope_at(std::size_t k, int width) const {
   const auto& time_s = path_.time_s;
   const double half_s = (width + 0.25) * step_s_;
   const SampleRun window = window_at(k, half_s);
@@ -231,7 +208,7 @@ std::vector<SpeedReader::Peak> SpeedReader::peaks_of(const Places& places, Sampl
 
 // What noise adds to a greatest value: it decides where the peak is found.
 double SpeedReader::noise_of_place(const Places& places, const Slope& slope, std::size_t k,
-                                   int width, int way, double variance) {
+                                   int width, int way, const NoiseAlong& noise) {
   const auto& time_s = path_.time_s;
   if (k == 0 || k + 1 >= time_s.size()) return 0;
   const auto reach = static_cast<std::size_t>(std::max(1, width / 2));
@@ -249,7 +226,7 @@ double SpeedReader::noise_of_place(const Places& places, const Slope& slope, std
       (time_s[high] - time_s[low]);
   if (!(curve < 0)) return 0;
   const double apart_s = time_s[k + 1] - time_s[k - 1];
-  return variance * after.mixed(1 / apart_s, before, -1 / apart_s).gain() / (-2 * curve);
+  return noise.variance_of(after.mixed(1 / apart_s, before, -1 / apart_s)) / (-2 * curve);
 }
 
 UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
@@ -271,15 +248,16 @@ UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
   for (; wide > 0 && !agrees; --wide) {
     const std::size_t at = peaks[wide].at;
     const Slope slope = slope_at(at, peaks[wide].width);
-    const Vector3d along = direction_of(slope);
-    const double variance = along.dot(noise_of(point, at, slope.of(places)) * along);
+    const Vector3d direction = direction_of(slope);
+    const NoiseAlong noise =
+        along(direction, noise_of(point, at, slope.of(places)), noise_.shared, step_s_);
     agrees = true;
     for (std::size_t i = 0; i < wide && agrees; ++i) {
       const Slope narrower = slope_at(at, peaks[i].width);
       if (narrower.weights.empty()) continue;
       const Slope difference = slope.mixed(1, narrower, -1);
-      agrees = std::abs(along.dot(difference.of(places))) <=
-               kAgreement * std::sqrt(variance * difference.gain());
+      agrees = std::abs(direction.dot(difference.of(places))) <=
+               kAgreement * std::sqrt(noise.variance_of(difference));
     }
     if (agrees) break;
   }
@@ -293,24 +271,24 @@ UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
       !(direction_of(slope).dot(slope.of(places)) > 0)) {
     return result;
   }
-  const Vector3d velocity = slope.of(places), along = direction_of(slope);
-  const Eigen::Matrix3d noise = noise_of(point, at, velocity);
-  const double variance = along.dot(noise * along);
+  const Vector3d velocity = slope.of(places), direction = direction_of(slope);
+  const PointNoise point_noise = noise_of(point, at, velocity);
+  const NoiseAlong noise = along(direction, point_noise, noise_.shared, step_s_);
   const double ratio = std::pow(static_cast<double>(peaks[narrow].width) / peaks[wide].width, 4);
   const double share = ratio / (1 - ratio);
   const Slope difference = wider.mixed(1, slope, -1);
-  const double differs_m_s = along.dot(difference.of(places));
-  const double speed_m_s = along.dot(velocity);
+  const double differs_m_s = direction.dot(difference.of(places));
+  const double speed_m_s = direction.dot(velocity);
   // What noise hides may be there in all strokes, whose mean has less noise.
   const double hidden_m_s =
-      std::max(std::abs(differs_m_s), kHidden * std::sqrt(variance * difference.gain()));
+      std::max(std::abs(differs_m_s), kHidden * std::sqrt(noise.variance_of(difference)));
   double smoothing_m_s = !agrees       ? kTooFast * std::abs(differs_m_s)
                          : narrow == 0 ? kUnconfirmed * std::abs(differs_m_s)
                                        : kTimesError * share * hidden_m_s;
   if (narrow == 0) {
     const Slope far = slope_at(at, peaks[2].width).mixed(1, slope, -1);
     if (!agrees) {
-      smoothing_m_s = std::max(smoothing_m_s, kFar * std::abs(along.dot(far.of(places))));
+      smoothing_m_s = std::max(smoothing_m_s, kFar * std::abs(direction.dot(far.of(places))));
     }
   }
   if (!agrees && std::abs(differs_m_s) > kMostDifference * speed_m_s) {
@@ -345,14 +323,17 @@ UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
     }
   }
   const Slope corrected = slope.mixed(1, difference, -share);
-  const double sd_m_s = std::sqrt(variance * corrected.gain());
-  const double across = way == 0 ? (noise.trace() - variance) * slope.gain() / (2 * speed_m_s) : 0;
+  const double sd_m_s = std::sqrt(noise.variance_of(corrected));
+  const double across_m_s =
+      way == 0 ? across(direction, point_noise, noise_.shared, step_s_).variance_of(slope) /
+                     (2 * speed_m_s)
+               : 0;
   const double of_place =
-      std::min(noise_of_place(places, agrees ? wider : slope, at, finder, way, variance), sd_m_s);
+      std::min(noise_of_place(places, agrees ? wider : slope, at, finder, way, noise), sd_m_s);
   result.missing.clear();
-  result.value = 1e3 * (speed_m_s + top_m_s - share * differs_m_s - across - of_place);
+  result.value = 1e3 * (speed_m_s + top_m_s - share * differs_m_s - across_m_s - of_place);
   result.noise_sd = 1e3 * sd_m_s;
-  result.doubt = 1e3 * std::hypot(smoothing_m_s, across + of_place);
+  result.doubt = 1e3 * std::hypot(smoothing_m_s, across_m_s + of_place);
   for (std::size_t i = 0; i < result.fixed.size(); ++i) {
     const Places moved =
         places_of(errors_.off_by_one_sd[i], point, slope.first, slope.first + slope.weights.size());

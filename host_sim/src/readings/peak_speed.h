@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "readings/slope_noise.h"
 #include "readings/strokes.h"
 #include "readings/uncertainty.h"
 
@@ -34,20 +35,19 @@ class SpeedReader {
   UncertainValue greatest(SpeedPoint point, SampleRun run, int way);
 
  private:
-  struct Slope;
   struct Peak;
-  using Places = std::vector<Eigen::Vector3d>;
 
   SampleRun window_at(std::size_t k, double half_s) const;
   Slope slope_at(std::size_t k, int width) const;
   double speed_at(const Places& places, std::size_t k, int width, int way);
   Eigen::Vector3d velocity_at(const Places& places, std::size_t k, int width) const;
   std::vector<Peak> peaks_of(const Places& places, SampleRun run, int way);
-  Eigen::Matrix3d noise_of(SpeedPoint point, std::size_t k, const Eigen::Vector3d& velocity) const;
+  Eigen::Matrix3d noise_of(SpeedPoint point, std::size_t k, const Matrix6& root) const;
+  PointNoise noise_of(SpeedPoint point, std::size_t k, const Eigen::Vector3d& velocity) const;
   Places places_of(const ReadingGeometry& geometry, SpeedPoint point, std::size_t begin,
                    std::size_t end) const;
   double noise_of_place(const Places& places, const Slope& slope, std::size_t k, int width, int way,
-                        double variance);
+                        const NoiseAlong& noise);
 
   const ReferredMotion& motion_;
   const PoseNoise& noise_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace condyle::host {
 namespace {
@@ -12,7 +13,10 @@ namespace {
 constexpr std::size_t kOrder = 6;
 constexpr double kLongestOfSteps = 3, kShortestOfSteps = 0.02;  // over the mean
 constexpr std::ptrdiff_t kFastOf = 5, kLeastFast = 40;          // the fastest fifth, if so many
-constexpr double kMedianOfSize = 0.67448975;                    // of a standard normal number
+// Of the squared median of n differences of noise, times sqrt(n), the relative standard deviation,
+// by simulation. Seven neighbours share samples.
+constexpr double kOfMedian = 3.3;
+constexpr double kMedianOfSize = 0.67448975;  // of a standard normal number
 // Below any recording's digits (m, rad): without noise, rounding must not decide.
 constexpr double kRounding = 1e-11;
 constexpr double kLongestStep_s = 0.06;  // as long as the windows of LocalFit
@@ -74,10 +78,10 @@ double stamp_sd_s(std::vector<Difference> differences, Vector6& sd) {
   const auto count = static_cast<std::ptrdiff_t>(differences.size());
   const std::ptrdiff_t fast_count = count / kFastOf;
   if (fast_count < kLeastFast) return 0;
-  // Four standard deviations of the ratio below. Seven neighbours share samples: the squared median
-  // of n differences of noise has the relative standard deviation 3.3 / sqrt(n), by simulation.
+  // Four standard deviations of the ratio below.
   const double chance =
-      4 * 3.3 * std::sqrt(1 / static_cast<double>(fast_count) + 2 / static_cast<double>(count));
+      4 * kOfMedian *
+      std::sqrt(1 / static_cast<double>(fast_count) + 2 / static_cast<double>(count));
   double greatest_ratio = 1, stamp_s2 = 0;
   Vector6 slow_sd = sd;
   for (int i = 0; i < 6; ++i) {
@@ -102,25 +106,56 @@ double stamp_sd_s(std::vector<Difference> differences, Vector6& sd) {
   return std::sqrt(stamp_s2);
 }
 
-// Ratio of the variance that second differences over `step` samples show to that over one, less
-// what chance explains; of the component where it is largest.
+// Ratio of the variance that second differences over `step` samples show to that of `differences`
+// sixth differences, less what chance explains; of the component where it is largest.
 double ratio_over(const ReferredMotion& motion, std::size_t begin, std::size_t end,
-                  std::size_t step, const Matrix6& covariance) {
+                  std::size_t step, const Matrix6& covariance, double differences) {
   double largest = 1;
   const double count = static_cast<double>(end - begin) - 2 * static_cast<double>(step);
   for (int i = 0; i < 6; ++i) {
     if (!(covariance(i, i) > 0)) continue;
-    double sum = 0;
-    for (std::size_t k = begin; k + 2 * step < end; ++k) {
-      const double difference =
-          motion.motion[k][i] - 2 * motion.motion[k + step][i] + motion.motion[k + 2 * step][i];
-      sum += difference * difference;
-    }
-    const double ratio = sum / (6 * count) / covariance(i, i);
+    const double ratio = variance_over(motion, begin, end, step, i) / covariance(i, i);
     // Neighbouring differences share samples: about half of them are independent.
-    largest = std::max(largest, ratio / (1 + 3 * std::sqrt(4 / count)));
+    const double sd = std::sqrt(4 / count + kOfMedian * kOfMedian / differences);
+    largest = std::max(largest, ratio / (1 + 3 * sd));
   }
   return largest;
+}
+
+// A root that changes little if the covariance does, so that readings do not depend on rounding;
+// absent where the covariance is none.
+std::optional<Matrix6> root_of(const Matrix6& covariance) {
+  const Matrix6 raised = covariance + Matrix6(covariance.diagonal().asDiagonal()) * 1e-9;
+  const Eigen::LLT<Matrix6> factor(raised);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  return Matrix6(factor.matrixL());
+}
+
+// What neighbours share at the rest, with the correlations between components that `noise` has.
+void share(const ReferredMotion& motion, std::size_t begin, std::size_t end,
+           const Vector6& white_sd, PoseNoise& noise) {
+  const double step_s =
+      (motion.time_s[end - 1] - motion.time_s[begin]) / static_cast<double>(end - begin - 1);
+  const Vector6 inverse =
+      noise.covariance.diagonal().cwiseSqrt().cwiseMax(kRounding).cwiseInverse();
+  const Matrix6 correlation_root = inverse.asDiagonal() * noise.root;
+  Vector6 white;
+  std::vector<Vector6> shared;
+  for (int i = 0; i < 6; ++i) {
+    const NoiseParts parts = noise_parts(motion, begin, end, i, white_sd[i] * white_sd[i]);
+    white[i] = parts.white;
+    shared.resize(parts.shared.size());
+    for (std::size_t j = 0; j < shared.size(); ++j) shared[j][i] = parts.shared[j];
+  }
+  const auto of = [&](const Vector6& variances) {
+    return Matrix6(variances.cwiseSqrt().asDiagonal() * correlation_root);
+  };
+  noise.white_root = of(white);
+  double tau = 1;
+  for (const Vector6& variances : shared) {
+    noise.shared.push_back({tau * step_s, of(variances)});
+    tau *= 2;
+  }
 }
 
 }  // namespace
@@ -152,29 +187,59 @@ PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t 
                         static_cast<double>(motion.time_s.size() - 1);
   const auto longest = static_cast<std::size_t>(std::max(2.0, kLongestStep_s / step_s));
   noise.is_checked_at_rest = end - begin >= 6 * longest;
+  bool is_shared = false;
   if (noise.is_checked_at_rest) {
     for (std::size_t step = 1; step <= longest; step *= 2) {
       noise.coloured =
-          std::max(noise.coloured, ratio_over(motion, begin, end, step, noise.covariance));
+          std::max(noise.coloured, ratio_over(motion, begin, end, step, noise.covariance, count));
+    }
+    is_shared = noise.coloured > 1;
+    for (std::size_t step = 1; step <= longest_lag(end - begin); step *= 2) {
+      is_shared = is_shared || ratio_over(motion, begin, end, step, noise.covariance, count) > 1;
     }
   }
   noise.covariance *= noise.coloured;
-  // A root that changes little if the covariance does, so that readings do not depend on rounding.
-  const Matrix6 raised =
-      noise.covariance + Matrix6(noise.covariance.diagonal().asDiagonal()) * 1e-9;
-  const Eigen::LLT<Matrix6> factor(raised);
-  if (factor.info() == Eigen::Success) {
-    noise.root = factor.matrixL();
+  if (const auto root = root_of(noise.covariance)) {
+    noise.root = *root;
   } else {
-    noise.root = noise.covariance.diagonal().cwiseSqrt().asDiagonal();
-    noise.covariance = noise.covariance.diagonal().asDiagonal();
+    const Vector6 variances = noise.covariance.diagonal();
+    noise.root = variances.cwiseSqrt().asDiagonal();
+    noise.covariance = variances.asDiagonal();
+  }
+  if (is_shared) {
+    share(motion, begin, end, sd, noise);
+  } else {
+    noise.white_root = noise.root;
   }
   // What changes sign in a mirror at Y = 0 is drawn from the side to which the jaw moves, so that a
   // mirrored recording draws mirrored noise.
   double aside = 0;
   for (const Vector6& place : motion.motion) aside += place[1];
-  if (aside < 0) mirror_columns(noise.root);
+  if (aside < 0) {
+    mirror_columns(noise.root);
+    mirror_columns(noise.white_root);
+    for (SharedNoise& part : noise.shared) mirror_columns(part.root);
+  }
   return noise;
+}
+
+void grow(PoseNoise& noise, double factor) {
+  noise.covariance *= factor;
+  noise.root *= std::sqrt(factor);
+  noise.white_root *= std::sqrt(factor);
+  for (SharedNoise& part : noise.shared) part.root *= std::sqrt(factor);
+}
+
+Matrix6 covariance_of_mean(const PoseNoise& noise, std::size_t count, double step_s) {
+  const double samples = static_cast<double>(count);
+  if (noise.shared.empty()) return noise.covariance / samples;
+  Matrix6 covariance = noise.white_root * noise.white_root.transpose() / samples;
+  for (const SharedNoise& part : noise.shared) {
+    // The integral of its correlation, over the time of the mean.
+    const double together = std::sqrt(2 * std::numbers::pi) * part.tau_s / (samples * step_s);
+    covariance += std::min(1.0, together) * part.root * part.root.transpose();
+  }
+  return covariance;
 }
 
 void mirror_columns(Matrix6& root) {

@@ -8,12 +8,14 @@
 //   tau follows from d where the jaw is fast and where it is slow, if they differ beyond chance
 //   smoothed recordings: noise that neighbours share vanishes in these differences. At rest,
 //   differences over longer steps show it; the covariance grows by the largest ratio, as far as it
-//   is beyond chance.
+//   is beyond chance. Draws are then of noise with the correlation that the rest shows
+//   (shared_noise.h).
 #pragma once
 
 #include <cmath>
 
 #include "readings/pose_track.h"
+#include "readings/shared_noise.h"
 
 namespace condyle::host {
 
@@ -25,12 +27,20 @@ struct PoseNoise {
   bool is_known = false;                 ///< enough samples are near to others
   bool is_checked_at_rest = false;       ///< the rest was long enough to see colour
   double stamp_sd_s = 0;                 ///< of the times; 0: no more than noise explains
+  Matrix6 white_root = Matrix6::Zero();  ///< of what neighbours do not share; `root` if all is
+  std::vector<SharedNoise> shared;       ///< what neighbours share; empty: nothing beyond chance
 
   /// About one axis, root of the mean variance (rad).
   double rotation_sd_rad() const {
     return std::sqrt(covariance.bottomRightCorner<3, 3>().trace() / 3);
   }
 };
+
+/// Multiplies its variances.
+void grow(PoseNoise& noise, double factor);
+
+/// Covariance of the mean of `count` > 0 samples that follow each other by `step_s`.
+Matrix6 covariance_of_mean(const PoseNoise& noise, std::size_t count, double step_s);
 
 /// The noise of `motion`, at rest from `begin` to `end` (without).
 PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t end);

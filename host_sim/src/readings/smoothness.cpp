@@ -128,6 +128,7 @@ double log_dimensionless_jerk(const std::vector<double>& speed, double step_s, E
 Smoothness smoothness_of(const std::vector<double>& time_s, const std::vector<double>& speed,
                          double from_s, double to_s) {
   Smoothness none{kNone, kNone, kNone};
+  if (!(from_s < to_s)) return none;  // absent, too: a path whose begin or end is not found
   const auto first_inside = std::lower_bound(time_s.begin(), time_s.end(), from_s);
   const auto end_inside = std::upper_bound(first_inside, time_s.end(), to_s);
   const auto inside = static_cast<std::size_t>(end_inside - first_inside);

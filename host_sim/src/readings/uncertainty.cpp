@@ -283,14 +283,16 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
   std::vector<Draws> draws(values.size());
   // Smoothing is linear: the smoothed noise is added to the smoothed path, and subtracted.
   std::vector<Vector6> error(mild.size()), error_value, error_slope;
+  const std::vector<double> error_time_s = part_of(motion.time_s, first, last);
   boost::random::normal_distribution<double> normal;
   for (int pair = 0; pair < settings.pairs; ++pair) {
     for (std::size_t k = 0; k < error.size(); ++k) {
       Vector6 numbers;
       for (double& number : numbers) number = normal(random);
-      error[k] = noise.root * numbers;
+      error[k] = noise.white_root * numbers;
       if (noise.stamp_sd_s > 0) error[k] += noise.stamp_sd_s * normal(random) * slopes[k];
     }
+    add_shared_noise(noise.shared, error_time_s, random, error);
     fit.apply(error, first, begin, end, error_value, error_slope);
     const auto read_with = [&](double sign, std::vector<double>& into) {
       for (std::size_t k = 0; k < mild_value.size(); ++k) {
