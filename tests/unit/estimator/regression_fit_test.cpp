@@ -156,7 +156,7 @@ TEST(RegressionFit, TrendOfAConstantHasTheVarianceThatIsStated) {
     squares += friction.trend * friction.trend / friction.trend2;
   }
   EXPECT_NEAR(squares / 300, 1, 0.33);
-  EXPECT_NEAR(trends / std::sqrt(300), 0, 4);
+  EXPECT_NEAR(trends / std::sqrt(300), 0, 5);
 }
 
 TEST(RegressionFit, TrendHasTheSignOfTheChange) {
@@ -164,13 +164,13 @@ TEST(RegressionFit, TrendHasTheSignOfTheChange) {
   for (int run = 0; run < 20; ++run) {
     for (const double rise : {-1.0, 1.0}) {
       const FittedValue friction = friction_of(rise, random);
-      EXPECT_GT(rise * friction.trend / std::sqrt(friction.trend2), 1);
+      EXPECT_GT(rise * friction.trend / std::sqrt(friction.trend2), 2);
     }
   }
 }
 
-// The 95 % interval, wider by 1.15 for repeated looks: 97.6 % of 500 recordings are 488 of standard
-// deviation 3.4.
+// At least 95 % of 500 recordings, less four standard deviations of that number. The interval is
+// wider by 1.15 for repeated looks, and by its asymmetry; not by much more.
 TEST(RegressionFit, IntervalCoversTheTruth) {
   Random random(5);
   int covered = 0;
@@ -182,8 +182,8 @@ TEST(RegressionFit, IntervalCoversTheTruth) {
     covered += std::abs(z) < 1.96 ? 1 : 0;
     squares += z * z;
   }
-  EXPECT_GE(covered, 474);
-  EXPECT_GT(squares / 500, 0.5) << "wider than need be";
+  EXPECT_GE(covered, 475 - 20);
+  EXPECT_GT(squares / 500, 0.35) << "wider than need be";
 }
 
 }  // namespace
