@@ -169,5 +169,32 @@ TEST(DriveNoiseBias, MakesTheScoreZeroAtTheTruth) {
   }
 }
 
+// After a loss, the new first position is independent of the old ones and of the drive, which goes
+// on.
+TEST(DriveNoiseBias, AStartForgetsThePointAndKeepsTheDrive) {
+  constexpr double kPosition = 4e-10, kVelocity = 0.02;
+  const DrivenRates<double> rates{2, 4, 60, 0.3};
+  DriveNoiseBias<double> bias;
+  bias.drive(1e-4);
+  bias.start(1e-10, 0.01);
+  for (int k = 0; k < 10; ++k) {
+    bias.drive(1e-4);
+    bias.predict(rates, driven_response(rates, kT_s), 0, 1, kT_s, 0.01, kT_s);
+    bias.update(1e-10);
+  }
+  const SymmetricMatrix<double, 4> before = bias.covariance();
+  ASSERT_NE(before(0, 3), 0);
+  bias.start(kPosition, kVelocity);
+  const SymmetricMatrix<double, 4>& after = bias.covariance();
+  EXPECT_EQ(after(0, 0), kPosition);
+  EXPECT_EQ(after(1, 1), kVelocity);
+  EXPECT_EQ(after(0, 1), 0);
+  for (const int drive : {2, 3}) {
+    EXPECT_EQ(after(0, drive), 0) << drive;
+    EXPECT_EQ(after(1, drive), 0) << drive;
+    for (const int other : {2, 3}) EXPECT_EQ(after(drive, other), before(drive, other));
+  }
+}
+
 }  // namespace
 }  // namespace condyle

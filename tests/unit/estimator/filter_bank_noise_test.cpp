@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "condyle/estimator/motion/filter_bank.h"
+#include "support/random.h"
 
 namespace condyle {
 namespace {
@@ -38,6 +39,33 @@ TEST(FilterBank, ARunOfOneValueTeachesNoNoise) {
   for (int i = 0; i < 1000; ++i) take();
   EXPECT_EQ(bank.R(0, 9), noise_m2);
   EXPECT_FALSE(bank.noise_is_known());
+}
+
+// A sample that no member expects counts for the noise as one at huber's limit: in the mean of the
+// squares of the samples in memory.
+TEST(FilterBank, AnUnexpectedSampleTeachesTheNoiseByItsShare) {
+  for (const double huber_sd : {2.0, 3.0}) {
+    MotionEstimatorParameters parameters;
+    parameters.noise.memory_s = 2;
+    parameters.outliers.huber_sd = huber_sd;
+    const double T = 0.01, samples = parameters.noise.memory_s / T;
+    FilterBank<double, 1> bank(parameters);
+    bank.start_noise({5e-5});
+    bank.start_motion({0}, 1);
+    testing_support::Random random(1);
+    for (int i = 0; i < 2000; ++i) {
+      bank.predict(white_jerk_jacobian(T), white_jerk_covariance(T));
+      const double z = 5e-5 * random.normal();
+      bank.learn({z}, T);
+      ASSERT_TRUE(bank.update({z}, 1));
+    }
+    const double before_m2 = bank.noise_variance_m2(0);
+    bank.predict(white_jerk_jacobian(T), white_jerk_covariance(T));
+    bank.learn({1}, T);
+    const double expected_m2 =
+        ((samples - 1) * before_m2 + huber_sd * huber_sd * before_m2) / samples;
+    EXPECT_NEAR(bank.noise_variance_m2(0) / expected_m2, 1, 1e-6);
+  }
 }
 
 TEST(FilterBank, HoldsTheNoiseBetweenFloorAndCeiling) {

@@ -149,5 +149,20 @@ TEST(HeadMotion, ParametersAreChecked) {
   EXPECT_FALSE(is_valid(HeadMotionParameters{.damping_rate_per_s = {std::nan(""), 1}}));
 }
 
+// What is accepted as a prior of the identification is as one of a head motion, at any magnitude.
+TEST(HeadMotion, PriorsHaveTheRangesOfTheIdentification) {
+  for (double magnitude = 1e-12; magnitude < 1e12; magnitude *= 1.7) {
+    for (const ImpedancePrior& prior : {ImpedancePrior{magnitude, 1}, ImpedancePrior{-magnitude, 1},
+                                        ImpedancePrior{1, magnitude}, ImpedancePrior{1, -1}}) {
+      ImpedanceParameters identification;
+      identification.friction_Ns_m = prior;
+      const bool is_prior = is_valid(identification);
+      EXPECT_EQ(is_valid(HeadMotionParameters{.damping_rate_per_s = prior}), is_prior);
+      EXPECT_EQ(is_valid(HeadMotionParameters{.stiffness_per_mass_per_s2 = prior}), is_prior)
+          << prior.mean << ", " << prior.sd;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace condyle

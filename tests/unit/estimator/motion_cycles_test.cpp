@@ -216,5 +216,38 @@ TYPED_TEST(MotionCyclesTest, DependOnNoOriginAndIgnoreWhatIsNotUsable) {
   EXPECT_FALSE(finder.finish(cycle));
 }
 
+// A recording that stops at any instant holds the cycles that were over by then, and no other.
+TYPED_TEST(MotionCyclesTest, OfACutRecordingAreThoseThatWereOver) {
+  Random random(4);
+  const Chewing chewing(8, random);
+  constexpr double kUndecided_s = 0.1;  // around a closed instant
+  for (double end_s = 0.3; end_s < chewing.duration_s(); end_s += 0.037) {
+    std::size_t over = 0;
+    bool is_undecided = false;
+    for (const TrueCycle& cycle : chewing.cycles) {
+      over += cycle.end_s < end_s ? 1U : 0U;
+      is_undecided = is_undecided || std::abs(cycle.end_s - end_s) < kUndecided_s;
+    }
+    if (is_undecided) continue;
+    const auto found = found_in<TypeParam>(chewing, 100, random,
+                                           [end_s](double time_s) { return time_s > end_s; });
+    EXPECT_EQ(found.size(), over) << end_s;
+  }
+}
+
+// The closing with which a recording begins has no begin.
+TYPED_TEST(MotionCyclesTest, NeedTheirBegin) {
+  Random random(5);
+  Chewing chewing;
+  chewing.chew(12e-3, 0.35, 0.35);
+  chewing.rest(0.3);
+  const TrueCycle& only = chewing.cycles[0];
+  for (const double begin_s : {only.turn_s - 0.1, only.turn_s, only.turn_s + 0.1}) {
+    const auto found =
+        found_in<TypeParam>(chewing, 100, random, [=](double time_s) { return time_s < begin_s; });
+    EXPECT_TRUE(found.empty()) << begin_s;
+  }
+}
+
 }  // namespace
 }  // namespace condyle

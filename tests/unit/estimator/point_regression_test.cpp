@@ -9,60 +9,17 @@
 #include <memory>
 #include <random>
 
+#include "unit/estimator/chewing_point.h"
+
 namespace condyle {
 namespace {
 
-// A formula of a motion, and the force that makes it.
-struct Chewing {
-  double mass_kg = 0.25, friction_Ns_m = 0.05, stiffness_N_m = 20, offset_N = 0.1, coulomb_N = 0;
+using testing_support::ChewingPoint;
+using testing_support::exact;
+using testing_support::identify;
+using testing_support::kAsItIs;
 
-  static double angle(double t) { return 8.2 * t + 0.8 * std::sin(1.1 * t); }
-  static double position_m(double t) {
-    return 0.007 * std::sin(angle(t)) + 0.002 * std::sin(2 * angle(t) + 1);
-  }
-  double force_N(double t) const {
-    constexpr double kStep_s = 1e-4;
-    const double before = position_m(t - kStep_s), here = position_m(t),
-                 after = position_m(t + kStep_s), v = (after - before) / (2 * kStep_s);
-    return mass_kg * (after - 2 * here + before) / (kStep_s * kStep_s) + friction_Ns_m * v +
-           stiffness_N_m * here - offset_N + coulomb_N * v / std::sqrt(v * v + 25e-6);
-  }
-};
-
-ImpedanceParameters exact() {
-  ImpedanceParameters parameters;
-  parameters.drive.gain_sd = parameters.drive.missing_share = 0;
-  parameters.drive.delay_sd_s = 1e-5;
-  return parameters;
-}
-
-// A drive of 137 Hz and positions of 60 Hz over `duration_s`, with little noise; `spoil(t, z)` may
-// change a position or ask for it to be left out.
-template <class Scalar, class Spoil>
-std::unique_ptr<PointIdentification<Scalar>> identify(const ImpedanceParameters& parameters,
-                                                      const Chewing& chewing, double duration_s,
-                                                      const Spoil& spoil) {
-  auto identification = std::make_unique<PointIdentification<Scalar>>(parameters);
-  std::mt19937_64 random(3);
-  std::normal_distribution<double> noise;
-  int drives = 0;
-  for (int k = 0; k < duration_s * 60; ++k) {
-    const double t = k / 60.0;
-    for (; drives / 137.0 <= t; ++drives) {
-      const double drive_N = chewing.force_N(drives / 137.0) + 1e-3 * noise(random);
-      identification->add_drive(nanoseconds(drives / 137.0), static_cast<Scalar>(drive_N));
-    }
-    double position_m = Chewing::position_m(t) + 1e-5 * noise(random);
-    if (spoil(t, position_m)) {
-      identification->add_position(nanoseconds(t), static_cast<Scalar>(position_m));
-    }
-  }
-  identification->conclude();
-  return identification;
-}
-constexpr auto kAsItIs = [](double, double&) { return true; };
-
-void expect_truth(const ImpedanceEstimate<double>& estimate, const Chewing& chewing) {
+void expect_truth(const ImpedanceEstimate<double>& estimate, const ChewingPoint& chewing) {
   const auto expect = [](const IdentifiedValue<double>& value, double truth) {
     EXPECT_EQ(value.limit, ImpedanceLimit::none) << limit_name(value.limit);
     EXPECT_NEAR(value.fitted, truth, 4 * value.fitted_sd);
@@ -74,9 +31,9 @@ void expect_truth(const ImpedanceEstimate<double>& estimate, const Chewing& chew
 }
 
 TEST(PointIdentification, FindsThePointWhereDriveAndPositionsComeApart) {
-  for (const Chewing& chewing :
-       {Chewing{}, Chewing{.mass_kg = 0.08, .friction_Ns_m = 0.7, .stiffness_N_m = 0},
-        Chewing{.mass_kg = 0.6, .friction_Ns_m = 0, .stiffness_N_m = 120, .offset_N = -1}}) {
+  for (const ChewingPoint& chewing :
+       {ChewingPoint{}, ChewingPoint{.mass_kg = 0.08, .friction_Ns_m = 0.7, .stiffness_N_m = 0},
+        ChewingPoint{.mass_kg = 0.6, .friction_Ns_m = 0, .stiffness_N_m = 120, .offset_N = -1}}) {
     const auto found = identify<double>(exact(), chewing, 20, kAsItIs);
     expect_truth(found->estimate(), chewing);
     EXPECT_NEAR(found->estimate().drive_noise_sd_N, 1e-3, 1e-4);
@@ -107,7 +64,7 @@ TEST(PointIdentification, MeasuresNothingWhileTheMissingForceIsUnknown) {
 // Half of the force measured, and stated so: twice the measured force may be at work.
 TEST(PointIdentification, TakesTheMissingShareOfTheTotal) {
   ImpedanceParameters parameters = exact();
-  const Chewing half{
+  const ChewingPoint half{
       .mass_kg = 0.125, .friction_Ns_m = 0.025, .stiffness_N_m = 10, .offset_N = 0.05};
   for (const double share : {0.1, 0.5}) {
     parameters.drive.missing_share = share;
@@ -132,7 +89,7 @@ TEST(PointIdentification, SaysTheSameInFloat) {
 TEST(PointIdentification, NeedsADriveAndTime) {
   PointIdentification<double> alone(exact());
   for (TimeNs k = 0; k < 600; ++k)
-    alone.add_position(k * 16'666'667, Chewing::position_m(static_cast<double>(k) / 60));
+    alone.add_position(k * 16'666'667, ChewingPoint::position_m(static_cast<double>(k) / 60));
   EXPECT_EQ(alone.estimate().mass_kg.limit, ImpedanceLimit::no_drive);
   EXPECT_EQ(alone.estimate().mass_kg.quantity.provenance, Provenance::assumed);
   EXPECT_EQ(alone.estimate().mass_kg.quantity.value, exact().mass_kg.mean);
@@ -141,7 +98,7 @@ TEST(PointIdentification, NeedsADriveAndTime) {
   PointIdentification<double> slow(exact());
   for (TimeNs k = 0; k < 200; ++k) {
     slow.add_drive(k * 100'000'000, 0);
-    slow.add_position(k * 100'000'000, Chewing::position_m(static_cast<double>(k) / 10));
+    slow.add_position(k * 100'000'000, ChewingPoint::position_m(static_cast<double>(k) / 10));
   }
   EXPECT_EQ(slow.estimate().mass_kg.limit, ImpedanceLimit::too_slow);
 }
@@ -175,7 +132,7 @@ TEST(PointIdentification, FindsTheDelayAndCoulombFriction) {
   parameters.delay = DelayModel::fitted;
   parameters.drive.delay_sd_s = 0.005;
   parameters.coulomb_N.sd = 0.1;
-  Chewing chewing;
+  ChewingPoint chewing;
   chewing.coulomb_N = 0.02;
   auto identification = std::make_unique<PointIdentification<double>>(parameters);
   std::mt19937_64 random(7);
@@ -183,7 +140,8 @@ TEST(PointIdentification, FindsTheDelayAndCoulombFriction) {
   for (int k = 0; k < 6000; ++k) {
     const double t = k / 100.0;
     identification->add_drive(nanoseconds(t + 0.004), chewing.force_N(t) + 1e-3 * noise(random));
-    identification->add_position(nanoseconds(t), Chewing::position_m(t) + 1e-5 * noise(random));
+    identification->add_position(nanoseconds(t),
+                                 ChewingPoint::position_m(t) + 1e-5 * noise(random));
   }
   identification->conclude();
   const auto& estimate = identification->estimate();

@@ -206,5 +206,34 @@ TEST(PoseEstimator, IntervalsHoldOverTheMotionsOfAJaw) {
   }
 }
 
+// Each estimate is of a sample's own time, in order; a sample without a time is told as such.
+TEST(PoseEstimator, EstimatesHaveTheTimesOfTheirSamples) {
+  constexpr int kSamples = 30;
+  constexpr double kStep_s = 0.01;
+  for (const int lag : {0, 8}) {
+    PoseEstimator<double> estimator({}, lag);
+    estimator.set_reference(Matrix3d::Identity());
+    int given = 0;
+    const auto expect_next = [&](const PoseEstimate<double>& estimate) {
+      EXPECT_TRUE(estimate.time_valid) << given;
+      EXPECT_EQ(estimate.time_ns, nanoseconds(given * kStep_s));
+      ++given;
+    };
+    for (int i = 0; i < kSamples; ++i) {
+      const auto estimate =
+          estimator.step(timed(i * kStep_s, {Matrix3d::Identity(), Vector3d(0, 0, 1e-4 * i)}));
+      EXPECT_EQ(estimate.is_ready, i >= lag);
+      if (estimate.is_ready) expect_next(estimate);
+    }
+    PoseEstimate<double> left;
+    while (estimator.drain(left)) expect_next(left);
+    EXPECT_EQ(given, kSamples);
+  }
+  PoseEstimator<double> estimator({});
+  for (const bool is_known : {false, true}) {
+    EXPECT_EQ(estimator.skip({}, is_known).time_valid, is_known);
+  }
+}
+
 }  // namespace
 }  // namespace condyle

@@ -4,10 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string>
 
 #include "condyle/estimator/motion/recommended_estimator.h"
 #include "condyle/estimator/sensors/cycle_sensor.h"
 #include "condyle/estimator/sensors/driven_sensor.h"
+#include "support/paths.h"
 
 namespace condyle {
 namespace {
@@ -48,6 +52,26 @@ void expect_sensors_refuse(const RecommendedParameters& parameters) {
 
 TEST(RecommendedParameters, DefaultsAreValid) {
   EXPECT_TRUE(is_valid(RecommendedParameters{}));
+}
+
+// The page for users lists all parameters of the motion with their defaults.
+TEST(RecommendedParameters, DefaultsAreThoseOfThePage) {
+  std::stringstream page;
+  page << std::ifstream(testing_support::source_path("/host_sim/docs/estimates.md")).rdbuf();
+  const std::string text = page.str();
+  const std::size_t begin = text.find("```toml estimator.toml");
+  ASSERT_NE(begin, std::string::npos);
+  const std::string list = text.substr(begin, text.find("```\n", begin + 3) - begin);
+  const MotionEstimatorParameters parameters;
+  visit_motion_fields(parameters, [&list](const std::string& section, const std::string& key,
+                                          const double* value, std::size_t, const char*, Range) {
+    const std::size_t from = section.empty() ? 0 : list.find("[" + section + "]");
+    ASSERT_NE(from, std::string::npos) << section;
+    std::size_t place = list.find("\n" + key + " = ", from);
+    if (place == std::string::npos) place = list.find("\n# " + key + " = ", from);
+    ASSERT_LT(place, list.find("\n[", from + 1)) << section << "." << key;
+    EXPECT_EQ(std::stod(list.substr(list.find('=', place) + 1)), *value) << section << "." << key;
+  });
 }
 
 TEST(RecommendedParameters, EveryFieldIsChecked) {
