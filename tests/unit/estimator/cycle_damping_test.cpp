@@ -51,19 +51,26 @@ std::vector<CycleReport<Scalar>> cycles_of(CycleDamping<Scalar>& stage, DrivenCh
   return cycles;
 }
 
-// A point of the baseline's properties, with noise.
-DrivenSample measured(double p, double v, double a, testing_support::Random& random) {
-  const double drive_N = 0.25 * a + 0.022 * v + 20 * p - 0.2;
-  return {p + 5e-5 * random.normal(), drive_N + 0.01 * random.normal()};
+struct Motion {
+  double p = 0, v = 0, a = 0;
+};
+
+// Of a point of the baseline's properties.
+double drive_N(const Motion& motion) {
+  return 0.25 * motion.a + 0.022 * motion.v + 20 * motion.p - 0.2;
 }
 
-// The same at `t`, in cycles of two harmonics.
-DrivenSample of_two_harmonics(double t, double cycle_Hz, testing_support::Random& random) {
+DrivenSample with_noise(const Motion& motion, testing_support::Random& random) {
+  return {motion.p + 5e-5 * random.normal(), drive_N(motion) + 0.01 * random.normal()};
+}
+
+// At `t`, in cycles of two harmonics.
+Motion two_harmonics(double t, double cycle_Hz) {
   constexpr double A = 0.0075;
   const double w = 2 * std::numbers::pi * cycle_Hz, x = w * t;
-  return measured(A * (0.8 - std::cos(x) + 0.2 * std::cos(2 * x)),
-                  A * w * (std::sin(x) - 0.4 * std::sin(2 * x)),
-                  A * w * w * (std::cos(x) - 0.8 * std::cos(2 * x)), random);
+  return {A * (0.8 - std::cos(x) + 0.2 * std::cos(2 * x)),
+          A * w * (std::sin(x) - 0.4 * std::sin(2 * x)),
+          A * w * w * (std::cos(x) - 0.8 * std::cos(2 * x))};
 }
 
 // Cycles of two harmonics; after each, the point stands still, longer every time. What it stands
@@ -85,13 +92,40 @@ TEST(CycleDamping, CountsEveryCycleAndNoPause) {
           EXPECT_LT(report.duration_s, 1 / cycle_Hz + 0.5);
         };
         for (int cycle = 0; cycle < 40; ++cycle) {
-          for (double t = 0; t < 1 / cycle_Hz; t += T) add(of_two_harmonics(t, cycle_Hz, random));
-          for (double t = 0; t < pause_s * cycle; t += T) add(measured(0, 0, 0, random));
+          for (double t = 0; t < 1 / cycle_Hz; t += T) {
+            add(with_noise(two_harmonics(t, cycle_Hz), random));
+          }
+          for (double t = 0; t < pause_s * cycle; t += T) add(with_noise({}, random));
         }
         EXPECT_NEAR(ends, 39, 1) << rate_Hz << ' ' << cycle_Hz << ' ' << pause_s;
         EXPECT_EQ(counted, ends) << rate_Hz << ' ' << cycle_Hz << ' ' << pause_s;
       }
     }
+  }
+}
+
+// Against the integrals over a cycle, of a motion without noise.
+TEST(CycleDamping, StatesRhythmAndDriveOfEachCycle) {
+  for (const double cycle_Hz : {0.65, 1.0, 1.6, 3.0}) {
+    constexpr int kSteps = 1000;
+    double velocity2 = 0, acceleration2 = 0, drive2 = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const Motion motion = two_harmonics(i / (kSteps * cycle_Hz), cycle_Hz);
+      velocity2 += motion.v * motion.v;
+      acceleration2 += motion.a * motion.a;
+      drive2 += std::pow(drive_N(motion), 2);
+    }
+    auto stage = stage_at<double>(kBaseline);
+    int counted = 0;
+    for (double t = 0; t < 20; t += 0.005) {
+      const Motion motion = two_harmonics(t, cycle_Hz);
+      const auto report = take(stage, {motion.p, drive_N(motion)}, 0.005);
+      if (report.outcome != CycleOutcome::counted) continue;
+      ++counted;
+      EXPECT_NEAR(report.rhythm_rad_s / std::sqrt(acceleration2 / velocity2), 1, 0.02);
+      EXPECT_NEAR(report.drive_per_velocity_Ns_m / std::sqrt(drive2 / velocity2), 1, 0.02);
+    }
+    EXPECT_NEAR(counted, 20 * cycle_Hz, 2);
   }
 }
 
@@ -235,7 +269,7 @@ TEST(CycleDamping, TakesThreeCyclesASecondForChewingAndFiveNot) {
     auto stage = stage_at<double>(kBaseline);
     int ends = 0;
     for (double t = 0; t < 20; t += 0.005) {
-      const auto report = take(stage, of_two_harmonics(t, cycle_Hz, random), 0.005);
+      const auto report = take(stage, with_noise(two_harmonics(t, cycle_Hz), random), 0.005);
       if (report.outcome == CycleOutcome::none) continue;
       ++ends;
       EXPECT_EQ(report.outcome, cycle_Hz < 4 ? CycleOutcome::counted : CycleOutcome::irregular);

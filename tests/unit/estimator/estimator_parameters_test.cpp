@@ -12,6 +12,23 @@ TEST(Parameters, DefaultsAreValid) {
   EXPECT_TRUE(is_valid(PublishedParameters{}));
 }
 
+// All stages follow the same position, so they trust it alike.
+TEST(Parameters, StagesAgreeOnPositionAndVelocity) {
+  const PublishedParameters parameters;
+  for (int i = 0; i < 2; ++i) {
+    for (const double* variance :
+         {parameters.friction.initial_variance, parameters.mass.initial_variance}) {
+      EXPECT_EQ(variance[i], parameters.motion.initial_variance[i]) << i;
+    }
+    for (const double* variance :
+         {parameters.friction.process_variance, parameters.mass.process_variance}) {
+      EXPECT_EQ(variance[i], parameters.motion.process_variance[i]) << i;
+    }
+    EXPECT_EQ(parameters.friction.measurement_variance[i], parameters.mass.measurement_variance[i]);
+  }
+  EXPECT_EQ(parameters.friction.measurement_variance[0], parameters.motion.measurement_variance[0]);
+}
+
 // Every field, pushed out of its range in turn, makes the parameters invalid, and the cascade says
 // so instead of computing.
 TEST(Parameters, EveryFieldIsChecked) {

@@ -42,6 +42,13 @@ TEST(SampleChecker, NamesWhatIsUnusual) {
   EXPECT_TRUE(checker.check(at(71)).empty());
 }
 
+TEST(SampleChecker, NamesNoGapWithoutANominalStep) {
+  SampleChecker checker;
+  for (TimeNs time_ns = 1; time_ns < TimeNs{1} << 60; time_ns *= 3) {
+    EXPECT_TRUE(checker.check(at(time_ns)).empty()) << time_ns;
+  }
+}
+
 TEST(SampleChecker, NamesPositionsBeyondTenMetres) {
   SampleChecker checker;
   for (const SampleKind kind :

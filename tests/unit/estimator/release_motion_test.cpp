@@ -91,6 +91,34 @@ TEST(ReleaseMotion, BoundIsTheInverseOfTheInformation) {
   }
 }
 
+// The delta method with numerical gradients.
+RC_GTEST_PROP(ReleaseMotion, DeviationsFollowFromTheCovariance, ()) {
+  const double omega = *number_between(2, 60);
+  const ReleaseRates<double> rates{2 * *number_between(0, 3) * omega, omega * omega};
+  const double of_lambda = *number_between(0.01, 10), of_kappa = *number_between(0.01, 10) * omega;
+  const double correlation = *number_between(-0.99, 0.99);
+  ReleaseCovariance<double> covariance = ReleaseCovariance<double>::Zero();
+  covariance(kReleaseLambda, kReleaseLambda) = of_lambda * of_lambda;
+  covariance(kReleaseKappa, kReleaseKappa) = of_kappa * of_kappa;
+  covariance(kReleaseLambda, kReleaseKappa) = covariance(kReleaseKappa, kReleaseLambda) =
+      correlation * of_lambda * of_kappa;
+  const auto deviation_of = [&](auto&& value) {
+    const double h = 1e-5 * omega, k = 1e-5 * rates.kappa;
+    const Eigen::Vector2d gradient(
+        (value(rates.lambda + h, rates.kappa) - value(rates.lambda - h, rates.kappa)) / (2 * h),
+        (value(rates.lambda, rates.kappa + k) - value(rates.lambda, rates.kappa - k)) / (2 * k));
+    return std::sqrt(gradient.dot(covariance.topLeftCorner<2, 2>() * gradient));
+  };
+  const auto is_near = [](double a, double b) { return std::abs(a / b - 1) < 1e-5; };
+  const auto actual = release_deviations(covariance, rates);
+  RC_ASSERT(is_near(actual.damping_rate_per_s, of_lambda));
+  RC_ASSERT(is_near(actual.stiffness_per_mass_per_s2, of_kappa));
+  RC_ASSERT(is_near(actual.damping_ratio,
+                    deviation_of([](double l, double k) { return l / (2 * std::sqrt(k)); })));
+  RC_ASSERT(is_near(actual.natural_frequency_rad_s,
+                    deviation_of([](double, double k) { return std::sqrt(k); })));
+}
+
 // What the design names for 0.6 s at 60 Hz and 0.05 mm; it takes an opening of 10 mm.
 TEST(ReleaseMotion, BoundOfTheNamedReleases) {
   std::vector<double> times;

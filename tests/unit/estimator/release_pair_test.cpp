@@ -42,6 +42,51 @@ TEST(ReleasePair, FindsTheTruthWithEachLoad) {
   }
 }
 
+// The load may be taken off instead of put on, also one that is heavier than the jaw: the same
+// friction and stiffness, and the mass is that of the first recording.
+TEST(ReleasePair, MayBeginWithTheLoad) {
+  for (const double dm : {0.02, 0.1, 0.2, 0.3, 0.5, 1.0}) {
+    const auto without = release_with(0, 0, 0), with = release_with(dm, 0, 0);
+    ReleasePairSettings settings;
+    settings.load.mass_kg = {dm, 0};
+    const auto put_on = combine_releases(without, with, settings);
+    settings.load.mass_kg = {-dm, 0};
+    const auto taken_off = combine_releases(with, without, settings);
+    ASSERT_EQ(put_on.outcome, ReleasePairOutcome::combined) << dm;
+    ASSERT_EQ(taken_off.outcome, ReleasePairOutcome::combined) << dm;
+    EXPECT_NEAR(taken_off.mass_kg.quantity.value, put_on.mass_kg.quantity.value + dm, 1e-7);
+    for (const auto value :
+         {&ReleasePair<double>::friction_Ns_m, &ReleasePair<double>::stiffness_N_m}) {
+      const auto expected = put_on.*value, actual = taken_off.*value;
+      EXPECT_NEAR(actual.quantity.value / expected.quantity.value, 1, 1e-6) << dm;
+      EXPECT_NEAR(actual.low95 / expected.low95, 1, 1e-3) << dm;
+      EXPECT_NEAR(actual.high95 / expected.high95, 1, 1e-3) << dm;
+    }
+  }
+}
+
+// Both releases are known, so the outcome is one of the pair.
+TEST(ReleasePair, RecordingsInTheWrongOrderGiveNoValue) {
+  struct Load {
+    double dm, dk, W;
+  };
+  int not_converged = 0;
+  for (const Load load :
+       {Load{0.05, 0, 0}, Load{0.1, 0, 0}, Load{0.3, 0, 0}, Load{1, 0, 0}, Load{-0.1, 0, 0},
+        Load{0, 80, 0}, Load{0, 0, 0.5}, Load{0.1, 0, -0.981}}) {
+    ReleasePairSettings settings;
+    settings.load = {{load.dm, 0}, {load.dk, 0}, {load.W, 0}};
+    const auto pair =
+        combine_releases(release_with(load.dm, load.dk, load.W), release_with(0, 0, 0), settings);
+    EXPECT_NE(pair.outcome, ReleasePairOutcome::release_not_known) << load.dm << ' ' << load.dk;
+    not_converged += pair.outcome == ReleasePairOutcome::not_converged ? 1 : 0;
+    EXPECT_TRUE(std::isnan(pair.mass_kg.quantity.value));
+    EXPECT_TRUE(std::isnan(pair.friction_Ns_m.quantity.value));
+    EXPECT_TRUE(std::isnan(pair.stiffness_N_m.quantity.value));
+  }
+  EXPECT_GT(not_converged, 0);
+}
+
 // A load that is known to 10 % gives a mass to 10 %, whose interval reaches further up than down:
 // its wider half, 1 / (1 - 0.196) - 1, counts.
 TEST(ReleasePair, LoadsUncertaintyWidensTheInterval) {
