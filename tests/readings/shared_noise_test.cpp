@@ -219,7 +219,7 @@ TEST(SharedNoise, OfARestIsFound) {
     }
     const PoseNoise noise = noise_of(motion, 0, 800);
     EXPECT_EQ(noise.shared.empty(), steps == 0) << steps;
-    Matrix6 all = noise.white_root * noise.white_root.transpose();
+    Matrix6 all = noise.white_root() * noise.white_root().transpose();
     for (const SharedNoise& part : noise.shared) all += part.root * part.root.transpose();
     for (int i = 0; i < 6; ++i) {
       EXPECT_GT(std::sqrt(all(i, i)), 0.7e-4) << steps;

@@ -167,7 +167,7 @@ class DrawnStroke {
     for (std::size_t k = 0; k < smoothed_.size(); ++k) {
       Vector6 normal;
       for (double& number : normal) number = random.normal();
-      errors_drawn_.emplace_back(noise.white_root * normal);
+      errors_drawn_.emplace_back(noise.white_root() * normal);
     }
     add_shared_noise(noise.shared, used_time_s_, random, errors_drawn_);
   }

@@ -67,8 +67,8 @@ SpeedReader::SpeedReader(const ReferredMotion& motion, SampleRun run, const Pose
   paths_of(raw, turning, errors.geometry, part, path_);
 }
 
-Places SpeedReader::places_of(const ReadingGeometry& geometry, SpeedPoint point,
-                                           std::size_t begin, std::size_t end) const {
+Places SpeedReader::places_of(const ReadingGeometry& geometry, SpeedPoint point, std::size_t begin,
+                              std::size_t end) const {
   const auto from = static_cast<std::ptrdiff_t>(first_ + begin);
   const auto to = static_cast<std::ptrdiff_t>(first_ + end);
   const SmoothMotion raw{
@@ -109,7 +109,7 @@ Eigen::Matrix3d SpeedReader::noise_of(SpeedPoint point, std::size_t k, const Mat
 // Of the point at sample `k`, where it moves with `velocity`.
 PointNoise SpeedReader::noise_of(SpeedPoint point, std::size_t k, const Vector3d& velocity) const {
   const Vector3d displaced = noise_.stamp_sd_s * velocity;
-  PointNoise noise{noise_of(point, k, noise_.white_root) + displaced * displaced.transpose(), {}};
+  PointNoise noise{noise_of(point, k, noise_.white_root()) + displaced * displaced.transpose(), {}};
   for (const SharedNoise& part : noise_.shared) {
     noise.shared.push_back(noise_of(point, k, part.root));
   }

@@ -150,7 +150,7 @@ void share(const ReferredMotion& motion, std::size_t begin, std::size_t end,
   const auto of = [&](const Vector6& variances) {
     return Matrix6(variances.cwiseSqrt().asDiagonal() * correlation_root);
   };
-  noise.white_root = of(white);
+  noise.beside_shared = of(white);
   double tau = 1;
   for (const Vector6& variances : shared) {
     noise.shared.push_back({tau * step_s, of(variances)});
@@ -206,18 +206,14 @@ PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t 
     noise.root = variances.cwiseSqrt().asDiagonal();
     noise.covariance = variances.asDiagonal();
   }
-  if (is_shared) {
-    share(motion, begin, end, sd, noise);
-  } else {
-    noise.white_root = noise.root;
-  }
+  if (is_shared) share(motion, begin, end, sd, noise);
   // What changes sign in a mirror at Y = 0 is drawn from the side to which the jaw moves, so that a
   // mirrored recording draws mirrored noise.
   double aside = 0;
   for (const Vector6& place : motion.motion) aside += place[1];
   if (aside < 0) {
     mirror_columns(noise.root);
-    mirror_columns(noise.white_root);
+    mirror_columns(noise.beside_shared);
     for (SharedNoise& part : noise.shared) mirror_columns(part.root);
   }
   return noise;
@@ -226,14 +222,14 @@ PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t 
 void grow(PoseNoise& noise, double factor) {
   noise.covariance *= factor;
   noise.root *= std::sqrt(factor);
-  noise.white_root *= std::sqrt(factor);
+  noise.beside_shared *= std::sqrt(factor);
   for (SharedNoise& part : noise.shared) part.root *= std::sqrt(factor);
 }
 
 Matrix6 covariance_of_mean(const PoseNoise& noise, std::size_t count, double step_s) {
   const double samples = static_cast<double>(count);
   if (noise.shared.empty()) return noise.covariance / samples;
-  Matrix6 covariance = noise.white_root * noise.white_root.transpose() / samples;
+  Matrix6 covariance = noise.beside_shared * noise.beside_shared.transpose() / samples;
   for (const SharedNoise& part : noise.shared) {
     // The integral of its correlation, over the time of the mean.
     const double together = std::sqrt(2 * std::numbers::pi) * part.tau_s / (samples * step_s);

@@ -21,15 +21,17 @@ namespace condyle::host {
 
 /// Noise of one sample's motion.
 struct PoseNoise {
-  Matrix6 covariance = Matrix6::Zero();  ///< m^2, m rad, rad^2
-  Matrix6 root = Matrix6::Zero();        ///< root root' = covariance
-  double coloured = 1;                   ///< variance of what averages slowly, over that above
-  bool is_known = false;                 ///< enough samples are near to others
-  bool is_checked_at_rest = false;       ///< the rest was long enough to see colour
-  double stamp_sd_s = 0;                 ///< of the times; 0: no more than noise explains
-  Matrix6 white_root = Matrix6::Zero();  ///< of what neighbours do not share; `root` if all is
-  std::vector<SharedNoise> shared;       ///< what neighbours share; empty: nothing beyond chance
+  Matrix6 covariance = Matrix6::Zero();     ///< m^2, m rad, rad^2
+  Matrix6 root = Matrix6::Zero();           ///< root root' = covariance
+  double coloured = 1;                      ///< variance of what averages slowly, over that above
+  bool is_known = false;                    ///< enough samples are near to others
+  bool is_checked_at_rest = false;          ///< the rest was long enough to see colour
+  double stamp_sd_s = 0;                    ///< of the times; 0: no more than noise explains
+  std::vector<SharedNoise> shared;          ///< what neighbours share; empty: nothing beyond chance
+  Matrix6 beside_shared = Matrix6::Zero();  ///< root of the covariance of the rest of the noise
 
+  /// Root of the covariance of what neighbours do not share.
+  const Matrix6& white_root() const { return shared.empty() ? root : beside_shared; }
   /// About one axis, root of the mean variance (rad).
   double rotation_sd_rad() const {
     return std::sqrt(covariance.bottomRightCorner<3, 3>().trace() / 3);

@@ -289,7 +289,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
     for (std::size_t k = 0; k < error.size(); ++k) {
       Vector6 numbers;
       for (double& number : numbers) number = normal(random);
-      error[k] = noise.white_root * numbers;
+      error[k] = noise.white_root() * numbers;
       if (noise.stamp_sd_s > 0) error[k] += noise.stamp_sd_s * normal(random) * slopes[k];
     }
     add_shared_noise(noise.shared, error_time_s, random, error);
