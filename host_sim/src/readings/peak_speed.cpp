@@ -28,8 +28,7 @@ constexpr double kTimesError = 2, kHidden = 1.5, kUnconfirmed = 1.5, kTooFast = 
 constexpr double kMostDifference = 0.05;  // of the speed
 // A gap of more steps and more of the wide window may hide a greater speed.
 constexpr double kStepsOfGap = 2.5, kGapShare = 0.5;
-constexpr double kLongestShared = 4;  // of what noise shares: lag over its tau
-constexpr double kNowhere = -1e300;   // the speed where there are too few samples
+constexpr double kNowhere = -1e300;  // the speed where there are too few samples
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
