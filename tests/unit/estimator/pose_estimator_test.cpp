@@ -206,7 +206,7 @@ TEST(PoseEstimator, IntervalsHoldOverTheMotionsOfAJaw) {
   }
 }
 
-// Each estimate is of a sample's own time, in order; a sample without a time is told as such.
+// Each estimate has the time of its sample, in order. A sample without a time is reported as one.
 TEST(PoseEstimator, EstimatesHaveTheTimesOfTheirSamples) {
   constexpr int kSamples = 30;
   constexpr double kStep_s = 0.01;
