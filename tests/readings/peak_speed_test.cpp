@@ -166,12 +166,12 @@ TEST(SpeedReadings, ContainTheTruthOrAreWithheld) {
   std::map<std::string, Coverage> whole;
   for (const double stroke_s : kTimes_s) {
     Coverage of_time;
+    const auto jaw = std::make_shared<const KinematicJaw>(fast_session({stroke_s, 200, 0}));
+    const auto truth = true_readings(*jaw);  // whatever the instrument
     for (const double rate_Hz : {60.0, 200.0, 500.0}) {
       for (const double noise_m : kNoises_m) {
         if (cell++ % stride != 0) continue;
         const JawScenario scenario = fast_session({stroke_s, rate_Hz, noise_m});
-        const auto jaw = std::make_shared<const KinematicJaw>(scenario);
-        const auto truth = true_readings(*jaw);
         for (int run = 0; run < runs; ++run) {
           const KinematicSimulation simulation(jaw, scenario,
                                                300 + static_cast<std::uint64_t>(run));
