@@ -98,6 +98,59 @@ TEST(StrokeReadings, EqualTheTruthOnExactPoses) {
   EXPECT_GE(compared.size(), 40U);
 }
 
+// A stroke out in two parts of 6 mm with a stop between them, and back in one.
+TEST(StrokeReadings, AStopOnTheWayIsNotSmooth) {
+  constexpr double kStep_s = 5e-4, kPart_s = 0.4, kPart_m = 6e-3;
+  const auto sparc_with = [&](double stop_s) {
+    JawPath path;
+    std::vector<double> speeds;
+    const auto add = [&](double travel_m, double rate_m_s) {
+      path.time_s.push_back(static_cast<double>(path.time_s.size()) * kStep_s);
+      for (auto* points : {&path.incisor_m, &path.condyle_m[0], &path.condyle_m[1]}) {
+        points->push_back(travel_m * Eigen::Vector3d::UnitX());
+      }
+      for (auto* rates : {&path.incisor_m_s, &path.condyle_m_s[0], &path.condyle_m_s[1]}) {
+        rates->push_back(rate_m_s * Eigen::Vector3d::UnitX());
+      }
+      path.rotation_rad.emplace_back(0, 0, 0);
+      path.turning_rad_s.emplace_back(0, 0, 0);
+      path.middle_m.push_back(travel_m * Eigen::Vector3d::UnitX());
+    };
+    const auto move = [&](double from_m, double by_m) {
+      for (double u = 0; u < 1; u += kStep_s / kPart_s) {
+        const double rate_m_s = 30 * by_m / kPart_s * u * u * (1 - u) * (1 - u);
+        add(from_m + by_m * u * u * u * (10 - 15 * u + 6 * u * u), rate_m_s);
+        if (by_m > 0) speeds.push_back(rate_m_s);
+      }
+    };
+    move(0, kPart_m);
+    for (double t = 0; t < stop_s; t += kStep_s) {
+      add(kPart_m, 0);
+      speeds.push_back(0);
+    }
+    move(kPart_m, kPart_m);
+    move(2 * kPart_m, -2 * kPart_m);
+    std::vector<double> values;
+    read_stroke(TaskKind::protrusion, true, path, values, nullptr);
+    const auto names = readings_of_stroke(TaskKind::protrusion, true);
+    // What is above 5 % of the peak, and what lies between.
+    const double least_m_s = 0.05 * 1.875 * kPart_m / kPart_s;
+    while (speeds.front() < least_m_s) speeds.erase(speeds.begin());
+    while (speeds.back() < least_m_s) speeds.pop_back();
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (names[i].name == "sparc") {
+        EXPECT_NEAR(values[i], spectral_arc_length(speeds, kStep_s), 2e-3) << stop_s << " s";
+        return values[i];
+      }
+    }
+    ADD_FAILURE() << "no sparc";
+    return 0.0;
+  };
+  EXPECT_LT(sparc_with(0), -1.8);
+  EXPECT_LT(sparc_with(0.1), sparc_with(0));
+  EXPECT_LT(sparc_with(0.5), sparc_with(0.1));
+}
+
 // Also: no excursion encloses more than the hull.
 TEST(BorderReadings, EqualTheTruthOnExactPoses) {
   JawScenario scenario;

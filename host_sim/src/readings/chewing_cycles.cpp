@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "readings/closed_times.h"
 #include "readings/cycle_shape.h"
 #include "readings/path_measures.h"
 #include "readings/smoothness.h"
@@ -18,6 +19,9 @@ constexpr double kLeastHeight_m = 2e-3, kHeightShare = 0.3;
 constexpr double kShortest_s = 0.25, kLongest_s = 3, kLongestGap_s = 0.1, kPause_s = 0.5,
                  kInstant_s = 0.08;
 constexpr double kSearch_s = 0.08;  // around a closed instant
+constexpr double kTimesUsual = 2;   // a pause, over the median closed time
+// Standard deviation of the instant at which a pause begins or ends, over what two laws differ by.
+constexpr double kShareOfDoubt = 0.5;
 
 // Turning points of z: reversals of at least `least_m`, tops and bottoms in turn.
 std::vector<std::size_t> turning_points(const std::vector<double>& z, double least_m,
@@ -42,38 +46,6 @@ std::vector<std::size_t> turning_points(const std::vector<double>& z, double lea
   }
   if (direction > 0) turns.push_back(high);  // the last closing has no opening after it
   return turns;
-}
-
-// Depth below the top that counts as closed.
-double closed_depth_m(double height_m, double noise_sd_m) {
-  return std::max({0.2e-3, 5 * noise_sd_m, 0.015 * height_m});
-}
-
-// When z, going from `from` in steps of `way`, first lies `depth_m` below `top_m`, interpolated.
-double passage_s(const std::vector<double>& time_s, const std::vector<double>& z, std::size_t from,
-                 int way, double level_m) {
-  // Inside the closed time first: noise may have taken `from` below the level.
-  std::size_t k = from;
-  while (z[k] <= level_m && k > 0 && k + 1 < z.size()) k = way > 0 ? k - 1 : k + 1;
-  while (true) {
-    const std::size_t next = way > 0 ? k + 1 : k - 1;
-    if ((way > 0 && next >= z.size()) || (way < 0 && k == 0)) return time_s[k];
-    if (z[next] <= level_m && z[k] > level_m) {
-      const double share = (z[k] - level_m) / (z[k] - z[next]);
-      return time_s[k] + share * (time_s[next] - time_s[k]);
-    }
-    k = next;
-  }
-}
-
-// When the departure in direction `way` from a closed jaw began, if it grows with the third power
-// of time, as movements of least jerk do: the zero of that law through two depths. `last`: the last
-// closed sample.
-double departure_s(const std::vector<double>& time_s, const std::vector<double>& z,
-                   std::size_t last, int way, double top_m, double depth_m) {
-  const double t1 = passage_s(time_s, z, last, way, top_m - depth_m);
-  const double t2 = passage_s(time_s, z, last, way, top_m - 4 * depth_m);
-  return t1 - (t2 - t1) / (std::cbrt(4.0) - 1);
 }
 
 double percentile_90(std::vector<double> values) {
@@ -136,70 +108,93 @@ std::vector<double> heights_of(const JawPath& path, bool has_landmarks) {
   return heights;
 }
 
-std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
-                                      const std::vector<double>& height_m, double noise_sd_m) {
-  std::vector<ChewingCycle> cycles;
-  if (height_m.size() < 5) return cycles;
+namespace {
+
+// The turning points of cycles within the window: top, bottom, top, ...
+std::vector<std::size_t> turns_of_cycles(const std::vector<double>& z, SampleRun window) {
+  const std::vector<double> inside(z.begin() + static_cast<std::ptrdiff_t>(window.begin),
+                                   z.begin() + static_cast<std::ptrdiff_t>(window.end));
   bool begins_with_top = true;
-  std::vector<std::size_t> turns = turning_points(height_m, kLeastHeight_m, begins_with_top);
+  std::vector<std::size_t> turns = turning_points(inside, kLeastHeight_m, begins_with_top);
   std::vector<double> heights_m;
   for (std::size_t i = 1; i < turns.size(); ++i) {
-    heights_m.push_back(std::abs(height_m[turns[i]] - height_m[turns[i - 1]]));
+    heights_m.push_back(std::abs(inside[turns[i]] - inside[turns[i - 1]]));
   }
-  const double typical_m = percentile_90(heights_m);
-  const double least_m = std::max(kLeastHeight_m, kHeightShare * typical_m);
-  turns = turning_points(height_m, least_m, begins_with_top);
+  const double least_m = std::max(kLeastHeight_m, kHeightShare * percentile_90(heights_m));
+  turns = turning_points(inside, least_m, begins_with_top);
   if (!begins_with_top && !turns.empty()) turns.erase(turns.begin());
+  for (std::size_t& turn : turns) turn += window.begin;
+  return turns;
+}
+
+}  // namespace
+
+std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
+                                      const std::vector<double>& height_m, double noise_sd_m,
+                                      SampleRun window) {
+  std::vector<ChewingCycle> cycles;
+  if (window.end < window.begin + 5) return cycles;
+  const std::vector<std::size_t> turns = turns_of_cycles(height_m, window);
+  const ClosedTimes closed_times(time_s, height_m, window, kLongestGap_s);
+  const auto depth_at = [&](std::size_t i) {
+    return closed_depth_m(
+        std::max(height_m[turns[i - 1]], height_m[turns[i + 1]]) - height_m[turns[i]], noise_sd_m);
+  };
+  const auto closed_at = [&](std::size_t i, double depth_m) {
+    return closed_times.around(turns[i], i == 0 ? window.begin : turns[i - 1],
+                               i + 1 < turns.size() ? turns[i + 1] : window.end, depth_m);
+  };
+  // Who is closed as long after each cycle does not pause.
+  std::vector<double> lengths_s;
+  for (std::size_t i = 2; i + 2 < turns.size(); i += 2) {
+    lengths_s.push_back(closed_times.length_s(closed_at(i, depth_at(i + 1))));
+  }
+  const double pause_s = std::max(kPause_s, kTimesUsual * median(lengths_s));
   for (std::size_t i = 0; i + 2 < turns.size(); i += 2) {
     ChewingCycle cycle;
     cycle.turn = turns[i + 1];
     cycle.turn_s = time_s[cycle.turn];
-    const double depth_m = closed_depth_m(
-        std::max(height_m[turns[i]], height_m[turns[i + 2]]) - height_m[cycle.turn], noise_sd_m);
-    // The closed times before and after: all samples near the top.
-    const auto closed = [&](std::size_t top, std::size_t floor, std::size_t roof) {
-      std::size_t first = top, last = top;
-      for (std::size_t k = top; k > floor; --k) {
-        if (height_m[k] > height_m[top] - depth_m) first = k;
-      }
-      for (std::size_t k = top; k < roof; ++k) {
-        if (height_m[k] > height_m[top] - depth_m) last = k;
-      }
-      return std::pair(first, last);
+    const double depth_m = depth_at(i + 1);
+    const ClosedTime begin = closed_at(i, depth_m), end = closed_at(i + 2, depth_m);
+    // What the recording does not show is taken as closed.
+    const auto is_pause = [&](const ClosedTime& closed) {
+      return closed_times.length_s(closed) >= (closed.is_cut ? kInstant_s : pause_s);
     };
-    const std::size_t before = i == 0 ? 0 : turns[i - 1];
-    const std::size_t after = i + 3 < turns.size() ? turns[i + 3] : height_m.size() - 1;
-    const auto [begin_first, begin_last] = closed(turns[i], before, cycle.turn);
-    const auto [end_first, end_last] = closed(turns[i + 2], cycle.turn, after);
-    // Before the first cycle and after the last one, no other cycle shares the closed time.
-    const bool is_last = i + 3 >= turns.size();
-    cycle.begins_after_pause =
-        time_s[begin_last] - time_s[begin_first] >= (i == 0 ? kInstant_s : kPause_s);
-    cycle.ends_with_pause =
-        time_s[end_last] - time_s[end_first] >= (is_last ? kInstant_s : kPause_s);
-    cycle.begin = cycle.begins_after_pause ? begin_last : turns[i];
-    cycle.end = cycle.ends_with_pause ? end_first : turns[i + 2];
+    const auto is_partial = [&](const ClosedTime& closed, std::size_t at) {
+      const bool is_outside = at < window.begin || at >= window.end;
+      return closed.is_in_cycle || (!is_pause(closed) && (closed.is_cut || is_outside));
+    };
+    cycle.open_s = time_s[end.first] - time_s[begin.last];
+    cycle.begins_after_pause = is_pause(begin);
+    cycle.ends_with_pause = is_pause(end);
+    cycle.begin = cycle.begins_after_pause ? begin.last : begin.top;
+    cycle.end = cycle.ends_with_pause ? end.first : end.top;
     cycle.begin_s = time_s[cycle.begin];
     cycle.end_s = time_s[cycle.end];
+    const auto doubt_s = [&](std::size_t at, int way) {
+      return kShareOfDoubt * departure_doubt_s(time_s, height_m, at, way, depth_m,
+                                               height_m[at] - height_m[cycle.turn]);
+    };
+    if (cycle.begins_after_pause) cycle.begin_sd_s = doubt_s(cycle.begin, 1);
+    if (cycle.ends_with_pause) cycle.end_sd_s = doubt_s(cycle.end, -1);
     // A closed time between instant and pause: its middle is the boundary of both cycles.
-    const auto middle = [&](std::size_t first, std::size_t last, std::size_t& at, double& at_s,
-                            double& sd_s) {
-      const double closed_s = time_s[last] - time_s[first];
-      if (closed_s < kInstant_s || closed_s >= kPause_s) return;
-      at = (first + last) / 2;
-      at_s = (time_s[first] + time_s[last]) / 2;
+    const auto middle = [&](const ClosedTime& closed, std::size_t& at, double& at_s, double& sd_s) {
+      const double closed_s = closed_times.length_s(closed);
+      if (closed_s < kInstant_s) return;
+      at = (closed.first + closed.last) / 2;
+      at_s = (time_s[closed.first] + time_s[closed.last]) / 2;
       sd_s = 0.1 * closed_s;
     };
-    if (!cycle.begins_after_pause) {
-      middle(begin_first, begin_last, cycle.begin, cycle.begin_s, cycle.begin_sd_s);
-    }
-    if (!cycle.ends_with_pause) {
-      middle(end_first, end_last, cycle.end, cycle.end_s, cycle.end_sd_s);
-    }
+    if (!cycle.begins_after_pause) middle(begin, cycle.begin, cycle.begin_s, cycle.begin_sd_s);
+    if (!cycle.ends_with_pause) middle(end, cycle.end, cycle.end_s, cycle.end_sd_s);
     const double gap_s = longest_gap_s(time_s, cycle.begin, cycle.end + 1);
     const double duration_s = cycle.end_s - cycle.begin_s;
     if (gap_s > kLongestGap_s) {
       cycle.rejected = fmt::format("a gap of {:.2f} s", gap_s);
+    } else if (is_partial(begin, cycle.begin)) {
+      cycle.rejected = "the task or the recording begins within it";
+    } else if (is_partial(end, cycle.end)) {
+      cycle.rejected = "the task or the recording ends within it";
     } else if (duration_s < kShortest_s || duration_s > kLongest_s) {
       cycle.rejected = fmt::format("it lasts {:.2f} s", duration_s);
     }

@@ -4,12 +4,11 @@
 //   z    height of the incisor (m), smoothed; the jaw closes upward
 //   d    rise and fall that make a cycle: 2 mm, and 0.3 of the 90th percentile of the heights
 //   closed instant   the top of z, or the middle of the time near the top if that is long. Where
-//   the
-//                    jaw stays closed for 0.5 s or more, a cycle ends with
-//                    the arrival and the next one begins with the departure: the zero of a cubic
-//                    law through the passages of two depths below the top
-// A cycle is not taken, but listed, if it lasts less than 0.25 s or more than 3 s, or has a gap of
-// more than 0.1 s.
+//                    the jaw pauses, a cycle ends with the arrival and the next one begins with the
+//                    departure: the zero of a cubic law through the passages of two depths below
+//                    the top. A pause: closed for 0.5 s and twice the median closed time
+// A cycle is not taken, but listed, if it lasts less than 0.25 s or more than 3 s, has a gap of
+// more than 0.1 s, or lies only partly within the task.
 #pragma once
 
 #include <string>
@@ -26,15 +25,18 @@ struct ChewingCycle {
   std::size_t begin = 0, turn = 0, end = 0;  ///< closed, most open, closed
   bool begins_after_pause = false, ends_with_pause = false;
   double begin_s = 0, turn_s = 0, end_s = 0;
-  /// Of a closed time that is too long for an instant: uncertainty of its middle (s); 0: an
-  /// instant.
+  /// Of a closed time that is too long for an instant: uncertainty of its middle or, of a pause, of
+  /// the end next to the cycle (s); 0: an instant.
   double begin_sd_s = 0, end_sd_s = 0;
+  double open_s = 0;     ///< from leaving the closed position to reaching it again
   std::string rejected;  ///< why it is not taken; empty: taken
 };
 
-/// The cycles in `height_m` at `time_s`; `noise_sd_m`: of a smoothed height.
+/// The cycles in the `window` of `height_m` at `time_s`; `noise_sd_m`: of a smoothed height. What
+/// lies outside the window shows where its first cycle began and its last one ended.
 std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
-                                      const std::vector<double>& height_m, double noise_sd_m);
+                                      const std::vector<double>& height_m, double noise_sd_m,
+                                      SampleRun window);
 
 /// Which side a cycle chews on, and how its loop turns.
 struct CycleDirections {

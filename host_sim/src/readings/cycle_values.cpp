@@ -31,10 +31,14 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
   std::size_t begin = cycle.begin, end = cycle.end + 1;
   const double before_s = cycle.begins_after_pause ? kMarginAtPause_s : kMargin_s;
   const double after_s = cycle.ends_with_pause ? kMarginAtPause_s : kMargin_s;
-  while (begin > 0 && time_s[cycle.begin] - time_s[begin - 1] <= before_s) --begin;
-  // On to where the next opening has left the closed position.
-  const double closed_s = 5 * cycle.end_sd_s;
-  while (end < time_s.size() && time_s[end] - time_s[cycle.end] <= after_s + closed_s) ++end;
+  // On to where the neighbouring cycles have left the closed position.
+  const auto closed_s = [](bool is_pause, double sd_s) { return is_pause ? 0 : 5 * sd_s; };
+  const double earliest_s =
+      time_s[cycle.begin] - before_s - closed_s(cycle.begins_after_pause, cycle.begin_sd_s);
+  const double latest_s =
+      time_s[cycle.end] + after_s + closed_s(cycle.ends_with_pause, cycle.end_sd_s);
+  while (begin > 0 && time_s[begin - 1] >= earliest_s) --begin;
+  while (end < time_s.size() && time_s[end] <= latest_s) ++end;
   const std::vector<double> times_s(time_s.begin() + static_cast<std::ptrdiff_t>(begin),
                                     time_s.begin() + static_cast<std::ptrdiff_t>(end));
   const GreatestAt greatest(times_s, kCycleTopReach_s);
@@ -47,10 +51,10 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
                    why);
       });
   const double stamp_s = context.noise->stamp_sd_s;
-  const double at_begin_s =
-      cycle.begins_after_pause ? kPauseBoundary_s : std::hypot(cycle.begin_sd_s, stamp_s);
-  const double at_end_s =
-      cycle.ends_with_pause ? kPauseBoundary_s : std::hypot(cycle.end_sd_s, stamp_s);
+  const double at_begin_s = cycle.begins_after_pause ? std::max(kPauseBoundary_s, cycle.begin_sd_s)
+                                                     : std::hypot(cycle.begin_sd_s, stamp_s);
+  const double at_end_s = cycle.ends_with_pause ? std::max(kPauseBoundary_s, cycle.end_sd_s)
+                                                : std::hypot(cycle.end_sd_s, stamp_s);
   const double step_s =
       (time_s[cycle.end] - time_s[cycle.begin]) / static_cast<double>(cycle.end - cycle.begin);
   const auto names = readings_of_cycle(context.has_landmarks);
@@ -62,6 +66,13 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
         name == "cycle_duration_s" || name == "closing_time_s" || name == "slow_close_time_s";
     if (name == "opening_time_s" || name == "closing_time_s") {
       values[i].doubt = kBetweenSamples * step_s * step_s / values[i].value;
+    }
+    // Where in a closed time the middle lies depends on how the subject closes, in every cycle.
+    if (name == "opening_time_s" && !cycle.begins_after_pause) {
+      values[i].doubt = std::hypot(values[i].doubt, cycle.begin_sd_s);
+    }
+    if ((name == "closing_time_s" || name == "slow_close_time_s") && !cycle.ends_with_pause) {
+      values[i].doubt = std::hypot(values[i].doubt, cycle.end_sd_s);
     }
     if (name.ends_with("ldlj")) values[i].scale_systematic(kTimesJerk);
     widen_smoothness(name, doubts, values[i]);

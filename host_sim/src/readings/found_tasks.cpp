@@ -9,6 +9,7 @@ namespace condyle::host {
 namespace {
 
 constexpr std::size_t kLeastChewingCycles = 4;
+constexpr double kLongestOpen_s = 1.6, kHighest_m = 30e-3;  // of a chewing cycle
 constexpr double kNewSequence_s = 2;
 constexpr double kLeastFoundStroke_m = 3e-3;
 constexpr double kLeastShare = 0.5;  // of the greatest stroke of the same kind
@@ -19,10 +20,12 @@ std::vector<Task> found_tasks(const JawPath& path, const TaskContext& context) {
   std::vector<Task> tasks;
   if (!context.has_landmarks) return tasks;
   const auto& time_s = path.time_s;
-  // Chewing: at least four cycles of at most 1.6 s in a row.
-  const auto cycles = find_cycles(time_s, heights_of(path, true), 0);
-  const auto is_chewing = [](const ChewingCycle& cycle) {
-    return cycle.rejected.empty() && cycle.end_s - cycle.begin_s <= 1.6;
+  // Chewing: at least four short and low cycles in a row. Openings may follow one another as fast.
+  const std::vector<double> heights_m = heights_of(path, true);
+  const auto cycles = find_cycles(time_s, heights_m, 0, {0, time_s.size()});
+  const auto is_chewing = [&heights_m](const ChewingCycle& cycle) {
+    return cycle.rejected.empty() && cycle.open_s <= kLongestOpen_s &&
+           heights_m[cycle.begin] - heights_m[cycle.turn] <= kHighest_m;
   };
   std::vector<bool> chewed(time_s.size(), false);
   for (std::size_t i = 0; i < cycles.size();) {

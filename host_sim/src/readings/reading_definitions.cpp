@@ -110,13 +110,13 @@ const std::vector<ReadingDefinition>& reading_definitions() {
        15, false, false},
       {"sparc", "1",
        "spectral arc length of the incisor's 3-D speed on the way out, to 10 Hz, amplitude "
-       "threshold 0.05 (Balasubramanian et al. 2015); in a stroke while the speed is above 5 % of "
-       "its peak",
+       "threshold 0.05 (Balasubramanian et al. 2015); in a stroke from the first to the last time "
+       "the speed is above 5 % of its peak; what is separated by a stop needs 20 %",
        0.3, false, false},
       {"closing_sparc", "1", "as sparc, on the way back", 0.3, false, false},
       {"ldlj", "1",
        "log dimensionless jerk of the incisor's 3-D speed on the way out (Balasubramanian et al. "
-       "2015); in a stroke while the speed is above 5 % of its peak",
+       "2015); of the same part as sparc",
        0.6, false, false},
       {"closing_ldlj", "1", "as ldlj, on the way back", 0.6, false, false},
       {"cycle_count", "1", "complete chewing cycles", 0, false, false},

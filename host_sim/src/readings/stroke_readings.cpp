@@ -23,12 +23,14 @@ using Eigen::Vector3d;
 constexpr double kNone = JawReading::kNone;
 constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
 constexpr double kLeastSpeedShare = 0.05;  // of the peak: begin and end of a movement
+constexpr double kLeastPartShare = 0.2;    // of the peak: a part before or after a stop
 constexpr double kReturn_m = 1e-3;         // near the reference position
 // Of the spread of instantaneous axes, on motion without noise.
 constexpr double kSpreadError_mm = 0.1;
 constexpr double kShareOfSmoothing = 0.5;
 
-// Speed from `begin` to `end` (without): its peak, and the movement around the peak.
+// Speed from `begin` to `end` (without): its peak, and the movement around the peak. Stops on the
+// way belong to it.
 struct Movement {
   double peak_m_s, begin_s, end_s;
 };
@@ -38,7 +40,10 @@ Movement movement_of(const JawPath& path, const std::vector<double>& speeds, std
   const auto& time_s = path.time_s;
   const Greatest peak = greatest_of(time_s, speeds, begin, end, top_reach_s(path));
   const double least = kLeastSpeedShare * peak.value;
-  std::size_t first = peak.at, last = peak.at;
+  const double of_part = kLeastPartShare * peak.value;
+  std::size_t first = begin, last = end - 1;
+  while (first < peak.at && speeds[first] < of_part) ++first;
+  while (last > peak.at && speeds[last] < of_part) --last;
   while (first > begin && speeds[first - 1] >= least) --first;
   while (last + 1 < end && speeds[last + 1] >= least) ++last;
   // Where the speed is `least`, between this sample and the one outside: on the parabola through

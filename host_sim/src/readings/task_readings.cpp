@@ -200,7 +200,8 @@ class TaskReader {
     const double gap_s = longest_gap_s(analysis_.path.time_s, stroke.begin, stroke.end);
     const bool is_long = stroke.end - stroke.begin > kLongStroke;
     std::string problem;
-    if (stroke.end < stroke.begin + 5) problem = "it has fewer than five usable samples";
+    const bool is_too_short = stroke.end < stroke.begin + 5;
+    if (is_too_short) problem = "it has fewer than five usable samples";
     if (gap_s > kLongestGap_s) problem = fmt::format("a gap of {:.2f} s", gap_s);
     const bool is_stroke = kind == TaskKind::opening || kind == TaskKind::protrusion ||
                            kind == TaskKind::left || kind == TaskKind::right;
@@ -208,7 +209,7 @@ class TaskReader {
       problem = problem_of_stroke(kind, context_.has_landmarks, analysis_.path, stroke);
     }
     if (!context_.unusable.empty()) problem = context_.unusable;
-    if (!problem.empty() && kind != TaskKind::whole) {
+    if (is_too_short || (!problem.empty() && kind != TaskKind::whole)) {
       for (UncertainValue& value : none) value.missing = problem;
       return none;
     }
@@ -272,18 +273,13 @@ class TaskReader {
     const std::vector<double> heights = heights_of(path, context_.has_landmarks);
     for (const SampleRun& window : windows) {
       if (window.end < window.begin + 5) continue;
-      const auto part = [&](const std::vector<double>& all) {
-        return std::vector<double>(all.begin() + static_cast<std::ptrdiff_t>(window.begin),
-                                   all.begin() + static_cast<std::ptrdiff_t>(window.end));
-      };
-      std::vector<double> sds = part(analysis_.incisor_sd_m);
+      const auto sd_at = analysis_.incisor_sd_m.begin();
+      std::vector<double> sds(sd_at + static_cast<std::ptrdiff_t>(window.begin),
+                              sd_at + static_cast<std::ptrdiff_t>(window.end));
       std::nth_element(sds.begin(), sds.begin() + static_cast<std::ptrdiff_t>(sds.size() / 2),
                        sds.end());
       const double sd_m = sds[sds.size() / 2];
-      for (ChewingCycle cycle : find_cycles(part(path.time_s), part(heights), sd_m)) {
-        cycle.begin += window.begin;
-        cycle.turn += window.begin;
-        cycle.end += window.begin;
+      for (const ChewingCycle& cycle : find_cycles(path.time_s, heights, sd_m, window)) {
         AnalysedCycle analysed{cycle, {}, 0, 1, ""};
         if (!analysis_.cycles.empty()) {
           const AnalysedCycle& last = analysis_.cycles.back();
