@@ -103,7 +103,8 @@ struct Score {
 
   template <class Scalar>
   void add(const Truth& of, const Chewed<Scalar>& chewed) {
-    const auto& [jaw, cycles, values] = of;
+    const std::vector<JawCycle>& cycles = of.cycles;
+    const std::map<std::string, double>& values = of.values;
     truth += static_cast<double>(cycles.size());
     found += static_cast<double>(chewed.taken.size());
     int number = 0;
