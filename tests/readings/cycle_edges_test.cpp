@@ -28,6 +28,15 @@ struct Chewing {
       add(-5e-4 * height_mm * (1 - std::cos(2 * std::numbers::pi * k / steps)));
     }
   }
+  // Out and back, each with least jerk.
+  void cycle_of_halves(double out_s, double back_s, double height_mm) {
+    for (const auto& [duration_s, is_back] : {std::pair{out_s, false}, {back_s, true}}) {
+      for (double t = 0; t < duration_s - 1e-9; t += kStep_s) {
+        const double u = is_back ? 1 - t / duration_s : t / duration_s;
+        add(-1e-3 * height_mm * u * u * u * (10 - 15 * u + 6 * u * u));
+      }
+    }
+  }
   void add(double height) {
     time_s.push_back(static_cast<double>(time_s.size()) * kStep_s);
     height_m.push_back(height);
@@ -97,6 +106,28 @@ TEST(CyclesOfATask, AreNotTakenWhereTheRecordingBeginsOrEndsWithinThem) {
     int taken = 0;
     for (const ChewingCycle& cycle : part.cycles()) taken += cycle.rejected.empty();
     EXPECT_EQ(taken, 4) << cut;
+  }
+}
+
+// Who closes fast and opens slowly is closed at the turn, not in the middle of the time near it.
+TEST(CyclesOfATask, BeginWhereTheJawTurnsHoweverFastItCloses) {
+  for (const double back_s : {0.2, 0.3, 0.6, 0.9}) {
+    Chewing chewing;
+    chewing.rest(2);
+    double at_s = chewing.time_s.back() + kStep_s;
+    for (int i = 0; i < 6; ++i) chewing.cycle_of_halves(0.4, back_s, 15);
+    chewing.rest(2);
+    const auto cycles = chewing.cycles();
+    ASSERT_EQ(cycles.size(), 6U);
+    for (const ChewingCycle& cycle : cycles) {
+      if (!cycle.begins_after_pause) {
+        EXPECT_NEAR(cycle.begin_s, at_s, 0.005) << back_s;
+      }
+      at_s += 0.4 + back_s;
+      if (!cycle.ends_with_pause) {
+        EXPECT_NEAR(cycle.end_s, at_s, 0.005) << back_s;
+      }
+    }
   }
 }
 

@@ -20,8 +20,9 @@ constexpr double kShortest_s = 0.25, kLongest_s = 3, kLongestGap_s = 0.1, kPause
                  kInstant_s = 0.08;
 constexpr double kSearch_s = 0.08;  // around a closed instant
 constexpr double kTimesUsual = 2;   // a pause, over the median closed time
-// Standard deviation of the instant at which a pause begins or ends, over what two laws differ by.
-constexpr double kShareOfDoubt = 0.5;
+// Standard deviations: of the instant at which a pause begins or ends, over what two laws differ
+// by; of the middle of a closed time, over this and that time.
+constexpr double kShareOfDoubt = 0.5, kShareOfClosed = 0.075;
 
 // Turning points of z: reversals of at least `least_m`, tops and bottoms in turn.
 std::vector<std::size_t> turning_points(const std::vector<double>& z, double least_m,
@@ -171,22 +172,30 @@ std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
     cycle.end = cycle.ends_with_pause ? end.first : end.top;
     cycle.begin_s = time_s[cycle.begin];
     cycle.end_s = time_s[cycle.end];
-    const auto doubt_s = [&](std::size_t at, int way) {
-      return kShareOfDoubt * departure_doubt_s(time_s, height_m, at, way, depth_m,
-                                               height_m[at] - height_m[cycle.turn]);
+    const auto doubt_s = [&](const ClosedTime& closed, std::size_t at, int way) {
+      const double top_m = height_m[closed.top];
+      return departure_doubt_s(time_s, height_m, at, way, top_m, depth_m,
+                               top_m - height_m[cycle.turn]);
     };
-    if (cycle.begins_after_pause) cycle.begin_sd_s = doubt_s(cycle.begin, 1);
-    if (cycle.ends_with_pause) cycle.end_sd_s = doubt_s(cycle.end, -1);
+    if (cycle.begins_after_pause) cycle.begin_sd_s = kShareOfDoubt * doubt_s(begin, begin.last, 1);
+    if (cycle.ends_with_pause) cycle.end_sd_s = kShareOfDoubt * doubt_s(end, end.first, -1);
     // A closed time between instant and pause: its middle is the boundary of both cycles.
-    const auto middle = [&](const ClosedTime& closed, std::size_t& at, double& at_s, double& sd_s) {
+    const auto middle = [&](const ClosedTime& closed, std::size_t& at, double& at_s, double& sd_s,
+                            bool& is_slow) {
       const double closed_s = closed_times.length_s(closed);
       if (closed_s < kInstant_s) return;
       at = (closed.first + closed.last) / 2;
-      at_s = (time_s[closed.first] + time_s[closed.last]) / 2;
-      sd_s = 0.1 * closed_s;
+      const double of_laws_s = doubt_s(closed, closed.first, -1) + doubt_s(closed, closed.last, 1);
+      is_slow = of_laws_s > closed_s;
+      at_s = middle_of_closed_s(time_s, height_m, at, height_m[closed.top], depth_m, is_slow);
+      sd_s = kShareOfClosed * (closed_s + std::min(of_laws_s, 3 * closed_s));
     };
-    if (!cycle.begins_after_pause) middle(begin, cycle.begin, cycle.begin_s, cycle.begin_sd_s);
-    if (!cycle.ends_with_pause) middle(end, cycle.end, cycle.end_s, cycle.end_sd_s);
+    if (!cycle.begins_after_pause) {
+      middle(begin, cycle.begin, cycle.begin_s, cycle.begin_sd_s, cycle.begins_slowly);
+    }
+    if (!cycle.ends_with_pause) {
+      middle(end, cycle.end, cycle.end_s, cycle.end_sd_s, cycle.ends_slowly);
+    }
     const double gap_s = longest_gap_s(time_s, cycle.begin, cycle.end + 1);
     const double duration_s = cycle.end_s - cycle.begin_s;
     if (gap_s > kLongestGap_s) {
@@ -230,20 +239,20 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
   const std::vector<double> z = heights_of(path, has_landmarks);
   const auto& time_s = path.time_s;
   // The top near `at`, and when the jaw was closed there.
-  const auto closed = [&](std::size_t at, bool is_pause, double sd_s, int way, std::size_t& top) {
+  const auto closed = [&](std::size_t at, bool is_pause, bool is_slow, double sd_s, int way,
+                          std::size_t& top) {
     std::size_t first = at, last = at;
     while (first > 0 && time_s[at] - time_s[first - 1] <= kSearch_s) --first;
     while (last + 1 < z.size() && time_s[last + 1] - time_s[at] <= kSearch_s) ++last;
     top = greatest_at(z, first, last + 1);
     if (!is_pause && sd_s > 0) {
-      // The middle between the passages on both sides.
       top = at;
       double top_m = z[at];
-      for (std::size_t k = at; k > 0 && time_s[at] - time_s[k] < kInstant_s / 2; --k) {
-        top_m = std::max(top_m, z[k]);
+      for (std::size_t k = first; k <= last; ++k) {
+        if (std::abs(time_s[k] - time_s[at]) < kInstant_s / 2) top_m = std::max(top_m, z[k]);
       }
-      const double level_m = top_m - closed_depth_m(top_m - z[cycle.turn - offset], noise_sd_m);
-      return (passage_s(time_s, z, at, 1, level_m) + passage_s(time_s, z, at, -1, level_m)) / 2;
+      const double depth_m = closed_depth_m(top_m - z[cycle.turn - offset], noise_sd_m);
+      return middle_of_closed_s(time_s, z, at, top_m, depth_m, is_slow);
     }
     if (!is_pause) return top_s(time_s, z, top);
     // The height while closed: mean of the half second on the closed side, as far as it is there.
@@ -258,9 +267,10 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
     return departure_s(time_s, z, at, way, top_m, closed_depth_m(height_m, noise_sd_m));
   };
   std::size_t begin = 0, end = 0;
-  const double begin_s =
-      closed(cycle.begin - offset, cycle.begins_after_pause, cycle.begin_sd_s, 1, begin);
-  const double end_s = closed(cycle.end - offset, cycle.ends_with_pause, cycle.end_sd_s, -1, end);
+  const double begin_s = closed(cycle.begin - offset, cycle.begins_after_pause, cycle.begins_slowly,
+                                cycle.begin_sd_s, 1, begin);
+  const double end_s =
+      closed(cycle.end - offset, cycle.ends_with_pause, cycle.ends_slowly, cycle.end_sd_s, -1, end);
   begin = std::min(begin, cycle.turn - offset - 1);
   end = std::max(end, cycle.turn - offset + 1);
   std::vector<double> depths, speeds;

@@ -28,6 +28,8 @@ struct ChewingCycle {
   /// Of a closed time that is too long for an instant: uncertainty of its middle or, of a pause, of
   /// the end next to the cycle (s); 0: an instant.
   double begin_sd_s = 0, end_sd_s = 0;
+  /// Of such a closed time: the jaw reaches or leaves it too slowly for the law of departures.
+  bool begins_slowly = false, ends_slowly = false;
   double open_s = 0;     ///< from leaving the closed position to reaching it again
   std::string rejected;  ///< why it is not taken; empty: taken
 };

@@ -41,10 +41,20 @@ double departure_s(const std::vector<double>& time_s, const std::vector<double>&
 }
 
 double departure_doubt_s(const std::vector<double>& time_s, const std::vector<double>& z,
-                         std::size_t last, int way, double depth_m, double height_m) {
+                         std::size_t last, int way, double top_m, double depth_m, double height_m) {
   const double further_m = std::clamp(height_m / 8, 1.5 * depth_m, 4 * depth_m);
-  return std::abs(departure_s(time_s, z, last, way, z[last], depth_m) -
-                  departure_s(time_s, z, last, way, z[last], further_m));
+  return std::abs(departure_s(time_s, z, last, way, top_m, depth_m) -
+                  departure_s(time_s, z, last, way, top_m, further_m));
+}
+
+double middle_of_closed_s(const std::vector<double>& time_s, const std::vector<double>& z,
+                          std::size_t at, double top_m, double depth_m, bool is_slow) {
+  double sum_s = 0;
+  for (const int way : {-1, 1}) {
+    sum_s += is_slow ? passage_s(time_s, z, at, way, top_m - depth_m)
+                     : departure_s(time_s, z, at, way, top_m, depth_m);
+  }
+  return sum_s / 2;
 }
 
 ClosedTime ClosedTimes::around(std::size_t top, std::size_t floor, std::size_t roof,

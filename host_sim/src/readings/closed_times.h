@@ -31,7 +31,13 @@ double departure_s(const std::vector<double>& time_s, const std::vector<double>&
 /// How far two of those laws, through nearer and through further depths, disagree (s): movements
 /// that arrive more slowly than that have no such zero. `height_m`: of the cycle.
 double departure_doubt_s(const std::vector<double>& time_s, const std::vector<double>& z,
-                         std::size_t last, int way, double depth_m, double height_m);
+                         std::size_t last, int way, double top_m, double depth_m, double height_m);
+
+/// The middle between arrival and departure (s) around the closed sample `at`. Where a jaw closes
+/// fast and opens slowly, the passages of one depth, which stand for them if `is_slow`, lie to the
+/// slow side of it.
+double middle_of_closed_s(const std::vector<double>& time_s, const std::vector<double>& z,
+                          std::size_t at, double top_m, double depth_m, bool is_slow);
 
 /// The samples near a top.
 struct ClosedTime {
