@@ -172,6 +172,8 @@ std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
     cycle.end = cycle.ends_with_pause ? end.first : end.top;
     cycle.begin_s = time_s[cycle.begin];
     cycle.end_s = time_s[cycle.end];
+    cycle.reads_from_s = cycle.begin_s;
+    cycle.reads_to_s = cycle.end_s;
     const auto doubt_s = [&](const ClosedTime& closed, std::size_t at, int way) {
       const double top_m = height_m[closed.top];
       return departure_doubt_s(time_s, height_m, at, way, top_m, depth_m,
@@ -181,7 +183,7 @@ std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
     if (cycle.ends_with_pause) cycle.end_sd_s = kShareOfDoubt * doubt_s(end, end.first, -1);
     // A closed time between instant and pause: its middle is the boundary of both cycles.
     const auto middle = [&](const ClosedTime& closed, std::size_t& at, double& at_s, double& sd_s,
-                            bool& is_slow) {
+                            bool& is_slow, double& far_s, int far_way) {
       const double closed_s = closed_times.length_s(closed);
       if (closed_s < kInstant_s) return;
       at = (closed.first + closed.last) / 2;
@@ -189,12 +191,17 @@ std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
       is_slow = of_laws_s > closed_s;
       at_s = middle_of_closed_s(time_s, height_m, at, height_m[closed.top], depth_m, is_slow);
       sd_s = kShareOfClosed * (closed_s + std::min(of_laws_s, 3 * closed_s));
+      const std::size_t edge = far_way > 0 ? closed.last : closed.first;
+      const double reaches_s = passage_s(time_s, height_m, edge, far_way,
+                                         height_m[closed.top] - kDepthsOfLaw * depth_m);
+      far_s = time_s[edge] + std::clamp(reaches_s - time_s[edge], -closed_s, closed_s);
     };
     if (!cycle.begins_after_pause) {
-      middle(begin, cycle.begin, cycle.begin_s, cycle.begin_sd_s, cycle.begins_slowly);
+      middle(begin, cycle.begin, cycle.begin_s, cycle.begin_sd_s, cycle.begins_slowly,
+             cycle.reads_from_s, -1);
     }
     if (!cycle.ends_with_pause) {
-      middle(end, cycle.end, cycle.end_s, cycle.end_sd_s, cycle.ends_slowly);
+      middle(end, cycle.end, cycle.end_s, cycle.end_sd_s, cycle.ends_slowly, cycle.reads_to_s, 1);
     }
     const double gap_s = longest_gap_s(time_s, cycle.begin, cycle.end + 1);
     const double duration_s = cycle.end_s - cycle.begin_s;

@@ -30,7 +30,10 @@ struct ChewingCycle {
   double begin_sd_s = 0, end_sd_s = 0;
   /// Of such a closed time: the jaw reaches or leaves it too slowly for the law of departures.
   bool begins_slowly = false, ends_slowly = false;
-  double open_s = 0;     ///< from leaving the closed position to reaching it again
+  double open_s = 0;  ///< from leaving the closed position to reaching it again
+  /// The closed times on both sides lie between these times, and how the jaw reaches and leaves
+  /// them.
+  double reads_from_s = 0, reads_to_s = 0;
   std::string rejected;  ///< why it is not taken; empty: taken
 };
 

@@ -36,8 +36,8 @@ double passage_s(const std::vector<double>& time_s, const std::vector<double>& z
 double departure_s(const std::vector<double>& time_s, const std::vector<double>& z,
                    std::size_t last, int way, double top_m, double depth_m) {
   const double t1 = passage_s(time_s, z, last, way, top_m - depth_m);
-  const double t2 = passage_s(time_s, z, last, way, top_m - 4 * depth_m);
-  return t1 - (t2 - t1) / (std::cbrt(4.0) - 1);
+  const double t2 = passage_s(time_s, z, last, way, top_m - kDepthsOfLaw * depth_m);
+  return t1 - (t2 - t1) / (std::cbrt(kDepthsOfLaw) - 1);
 }
 
 double departure_doubt_s(const std::vector<double>& time_s, const std::vector<double>& z,

@@ -22,6 +22,9 @@ double closed_depth_m(double height_m, double noise_sd_m);
 double passage_s(const std::vector<double>& time_s, const std::vector<double>& z, std::size_t from,
                  int way, double level_m);
 
+/// The law of departures goes through a depth and one this many times as deep.
+inline constexpr double kDepthsOfLaw = 4;
+
 /// When the departure in direction `way` from a closed jaw began, if it grows with the third power
 /// of time, as movements of least jerk do: the zero of that law through two depths. `last`: the
 /// last closed sample.

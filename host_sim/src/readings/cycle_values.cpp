@@ -16,7 +16,8 @@ constexpr std::uint64_t kSeed = 20, kFirstStream = 2;
 constexpr int kPairs = 12;
 // Of LDLJ: a calm path shows hardly any of the jerk.
 constexpr double kTimesJerk = 5;
-constexpr double kMargin_s = 0.15, kMarginAtPause_s = 0.3;
+// What is read before and after a cycle: noise moves closed times by less than the last one.
+constexpr double kMargin_s = 0.15, kMarginAtPause_s = 0.3, kMarginOfClosed_s = 0.05;
 // Standard deviation of the instant at which the jaw leaves or reaches a pause: it begins and ends
 // so slowly that its form, which is not known, decides.
 constexpr double kPauseBoundary_s = 8e-3;
@@ -29,14 +30,12 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
   const ChewingCycle& cycle = read.cycle;
   const auto& time_s = context.motion->time_s;
   std::size_t begin = cycle.begin, end = cycle.end + 1;
-  const double before_s = cycle.begins_after_pause ? kMarginAtPause_s : kMargin_s;
-  const double after_s = cycle.ends_with_pause ? kMarginAtPause_s : kMargin_s;
-  // On to where the neighbouring cycles have left the closed position.
-  const auto closed_s = [](bool is_pause, double sd_s) { return is_pause ? 0 : 5 * sd_s; };
   const double earliest_s =
-      time_s[cycle.begin] - before_s - closed_s(cycle.begins_after_pause, cycle.begin_sd_s);
+      std::min(time_s[cycle.begin] - (cycle.begins_after_pause ? kMarginAtPause_s : kMargin_s),
+               cycle.reads_from_s - kMarginOfClosed_s);
   const double latest_s =
-      time_s[cycle.end] + after_s + closed_s(cycle.ends_with_pause, cycle.end_sd_s);
+      std::max(time_s[cycle.end] + (cycle.ends_with_pause ? kMarginAtPause_s : kMargin_s),
+               cycle.reads_to_s + kMarginOfClosed_s);
   while (begin > 0 && time_s[begin - 1] >= earliest_s) --begin;
   while (end < time_s.size() && time_s[end] <= latest_s) ++end;
   const std::vector<double> times_s(time_s.begin() + static_cast<std::ptrdiff_t>(begin),
