@@ -19,6 +19,8 @@ constexpr double kHighest_Hz = 10, kLeastAmplitude = 0.05;
 // What is not known of an amplitude near the threshold; of an arc length at least, and at most,
 // which is a lobe as high as the threshold; of LDLJ.
 constexpr double kAmplitudeDoubt = 0.1, kLeastDoubt = 0.01, kLobe = 0.1, kJerkDoubt = 0.02;
+// A least amplitude above this share of half the slope beside it is no zero between two bins.
+constexpr double kLeastRound = 1.5;
 constexpr int kPadding = 4;          // powers of two
 constexpr std::size_t kStencil = 4;  // of the interpolation
 
@@ -87,11 +89,16 @@ std::vector<double> spectrum_of(const std::vector<double>& speed, double step_s)
   return amplitudes;
 }
 
-// Up to the last frequency with an amplitude of at least `least`.
-double arc_length(const std::vector<double>& amplitudes, double least) {
-  if (amplitudes.empty()) return kNone;
-  std::size_t last = amplitudes.size() - 1;
+// The last frequency with an amplitude of at least `least`.
+std::size_t last_of(const std::vector<double>& amplitudes, double least) {
+  std::size_t last = amplitudes.empty() ? 0 : amplitudes.size() - 1;
   while (last > 0 && amplitudes[last] < least) --last;
+  return last;
+}
+
+// Up to that frequency.
+double arc_length(const std::vector<double>& amplitudes, double least) {
+  const std::size_t last = last_of(amplitudes, least);
   if (last == 0) return kNone;
   const double df = 1 / static_cast<double>(last);
   double length = 0;
@@ -100,6 +107,23 @@ double arc_length(const std::vector<double>& amplitudes, double least) {
     length += std::sqrt(df * df + change * change);
   }
   return -length;
+}
+
+// Half 95 % interval of what the bins cut off the zeros between lobes: between nothing and the
+// slope there, of which twice the least amplitude is in the arc length. Other bins, of a movement
+// sampled faster, cut off another part.
+double doubt_of_zeros(const std::vector<double>& amplitudes, std::size_t last) {
+  double squares = 0;
+  for (std::size_t i = 2; i + 2 <= last; ++i) {
+    const double here = amplitudes[i];
+    if (!(here < amplitudes[i - 1] && here <= amplitudes[i + 1])) continue;
+    const double slope =
+        std::max(amplitudes[i - 2] - amplitudes[i - 1], amplitudes[i + 2] - amplitudes[i + 1]);
+    if (2 * here > kLeastRound * slope) continue;  // no zero: the spectrum turns smoothly
+    const double doubt = std::max(2 * here, slope - 2 * here);
+    squares += doubt * doubt;
+  }
+  return std::sqrt(squares);
 }
 
 }  // namespace
@@ -161,6 +185,7 @@ Smoothness smoothness_of(const std::vector<double>& time_s, const std::vector<do
   for (const double factor : {1 - kAmplitudeDoubt, 1 + kAmplitudeDoubt}) {
     doubt = std::max(doubt, std::abs(arc_length(spectrum, factor * kLeastAmplitude) - length));
   }
+  doubt = std::hypot(doubt, doubt_of_zeros(spectrum, last_of(spectrum, kLeastAmplitude)));
   return {length, doubt, log_dimensionless_jerk(even, part_s, EndJerk::extrapolated)};
 }
 

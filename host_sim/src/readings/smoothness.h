@@ -9,8 +9,10 @@
 // A movement between samples: the speed at the middles of N equal parts, so that its first and last
 // instants need not be samples. Without extrapolation the sum of LDLJ lacks two parts, where the
 // jerk of a movement is greatest.
-// Where the spectrum has a lobe near the threshold, a little noise decides whether it counts.
-// Balasubramanian, Melendez-Calderon, Roby-Brami, Burdet 2015, J NeuroEng Rehabil 12:112.
+// Where the spectrum has a lobe near the threshold, a little noise decides whether it counts. At
+// the zeros between lobes the chords between bins are shorter than the arc: of a movement with a
+// stop, the same at 200 and 2,000 Hz differs by 0.05. Balasubramanian, Melendez-Calderon,
+// Roby-Brami, Burdet 2015, J NeuroEng Rehabil 12:112.
 #pragma once
 
 #include <array>
@@ -33,7 +35,8 @@ double log_dimensionless_jerk(const std::vector<double>& speed, double step_s,
 
 struct Smoothness {
   double spectral_arc_length;
-  double arc_length_doubt;  ///< what a threshold lower or higher by 10 % changes
+  /// What a threshold lower or higher by 10 % changes, and bins elsewhere.
+  double arc_length_doubt;
   double log_dimensionless_jerk;
 };
 
