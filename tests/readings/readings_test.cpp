@@ -44,24 +44,6 @@ Analysis analyse_simulation(const KinematicSimulation& simulation, const Landmar
   return analyse(recording, "simulation", stated_landmarks(simulation, errors), choice);
 }
 
-// Values of the reference implementation of Balasubramanian et al. 2015.
-TEST(Smoothness, EqualsThePublishedValues) {
-  std::vector<double> speed;
-  for (int i = -100; i < 100; ++i) speed.push_back(std::exp(-5 * (i * 0.01) * (i * 0.01)));
-  EXPECT_NEAR(spectral_arc_length(speed, 0.01), -1.41403, 5e-6);
-  EXPECT_NEAR(log_dimensionless_jerk(speed, 0.01), -5.81636, 5e-6);
-}
-
-TEST(Smoothness, OfAMinimumJerkStroke) {
-  // 720 / 1.875^2 = 204.8 exactly.
-  std::vector<double> speed;
-  for (int i = 0; i <= 20000; ++i) {
-    const double t = i / 20000.0;
-    speed.push_back(30 * t * t * (1 - t) * (1 - t));
-  }
-  EXPECT_NEAR(std::exp(-log_dimensionless_jerk(speed, 1 / 20000.0)), 204.8, 0.1);
-}
-
 // The formulas on exact poses, of condyles that differ.
 TEST(StrokeReadings, EqualTheTruthOnExactPoses) {
   JawScenario scenario = session(200, 0, 0, 0);

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "condyle/estimator/pose/rotation_vector.h"
-#include "readings/calm_window.h"
 
 namespace condyle::host {
 namespace {
@@ -14,7 +13,6 @@ namespace {
 // Beyond this share of draws without a value, the value depends on chance.
 constexpr double kMostMissing = 0.1;
 constexpr double kAside_m = 1e-6;  // nearer to Y = 0, rounding must not decide on the side
-constexpr double kLeastCalm_s = 1.2 * kFitHalfWidth_s;
 constexpr double kTimesNoise = 6, kGreatestReach_s = 0.6;
 
 std::vector<double> part_of(const std::vector<double>& values, std::size_t begin, std::size_t end) {
@@ -263,10 +261,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
   };
   // What noise and smoothing add is seen on a path that has hardly any noise: a greatest value
   // among noisy ones would hide half of it.
-  const double calm_half_s = calm_half_width_s(motion, first, last, noise, settings.calm_half_s,
-                                               std::min(kLeastCalm_s, settings.calm_half_s));
-  const double mild_half_s = settings.mild_half_s * calm_half_s / settings.calm_half_s;
-  const LocalFit calm_fit(motion.time_s, first, last, calm_half_s);
+  const LocalFit calm_fit(motion.time_s, first, last, settings.calm_half_s);
   std::vector<Vector6> calm, slopes;
   calm_fit.apply(motion.motion, 0, calm, slopes);
   slopes = slopes_of(part_of(motion.time_s, first, last), calm);
@@ -277,10 +272,10 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
   fit.apply(calm, first, begin, end, smooth.value, smooth.slope);
   read_turned(once);
   // Draws start from a path whose tops are as flat as the true ones, with less noise still.
-  const LocalFit mild_fit(motion.time_s, first, last, mild_half_s);
+  const LocalFit mild_fit(motion.time_s, first, last, settings.mild_half_s);
   std::vector<Vector6> mild;
   mild_fit.apply(motion.motion, 0, mild, slopes);
-  mild = means_of(part_of(motion.time_s, first, last), mild, mild_half_s / 2);
+  mild = means_of(part_of(motion.time_s, first, last), mild, settings.mild_half_s / 2);
   fit.apply(mild, first, begin, end, smooth.value, smooth.slope);
   const std::vector<Vector6> mild_value = smooth.value, mild_slope = smooth.slope;
   std::vector<double> mild_values;

@@ -3,8 +3,7 @@
 //
 //   y    smoothed motion of the stroke; F(y) the measures; S smoothing; e noise of the samples,
 //        and how far the motion goes while their times are off
-//   z    the motion smoothed over a wider window, with hardly any noise: narrower where the samples
-//        contradict it (calm_window.h)
+//   z    the motion smoothed over a wider window, with hardly any noise
 //   m    the motion smoothed over a still wider window, then averaged over half of it
 //   smoothing   F(S z) - F(z), what smoothing changes, is subtracted, and a multiple of it is in
 //               the interval
