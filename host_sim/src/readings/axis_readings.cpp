@@ -17,7 +17,8 @@ using Eigen::Vector3d;
 
 constexpr double kNone = JawReading::kNone;
 constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
-constexpr double kLeastAxisAngle_rad = 5 * kDegree, kHingeArc_rad = 12 * kDegree;
+constexpr double kLeastAxisAngle_rad = 5 * kDegree, kHingeFrom_rad = 1 * kDegree,
+                 kHingeArc_rad = 12 * kDegree;
 constexpr int kSteps = 4;
 constexpr double kFastShare = 0.5, kLeastRateSds = 10;
 
@@ -76,6 +77,53 @@ Pose pose_at(const JawPath& path, const std::vector<double>& twists_rad, std::si
             (1 - share) * path.middle_m[k] + share * path.middle_m[k + 1]};
   }
   return {path.rotation_rad[widest], path.middle_m[widest]};
+}
+
+// The pose at `share` of the time between samples `k` and `k` + 1: cubic through four of them.
+Pose pose_between(const JawPath& path, std::size_t k, double share) {
+  const std::size_t count = path.time_s.size(), points = std::min<std::size_t>(4, count);
+  const std::size_t first = std::clamp<std::size_t>(k, 1, count - points + 1) - 1;
+  const double at_s = path.time_s[k] + share * (path.time_s[k + 1] - path.time_s[k]);
+  Pose pose;
+  for (std::size_t i = first; i < first + points; ++i) {
+    double weight = 1;
+    for (std::size_t j = first; j < first + points; ++j) {
+      if (j != i) weight *= (at_s - path.time_s[j]) / (path.time_s[i] - path.time_s[j]);
+    }
+    pose.rotation_rad += weight * path.rotation_rad[i];
+    pose.middle_m += weight * path.middle_m[i];
+  }
+  return pose;
+}
+
+// The poses from one angle to another, each with its share of the time, by Simpson's rule. However
+// fast the samples follow each other, the first and the last pose have these angles.
+std::vector<WeightedPose> poses_between(const JawPath& path, const std::vector<double>& twists_rad,
+                                        std::size_t widest, double from_rad, double to_rad) {
+  std::size_t first = widest, last = widest;
+  while (first > 0 && twists_rad[first] > from_rad) --first;
+  for (std::size_t k = first; k <= widest; ++k) {
+    if (twists_rad[k] < to_rad) continue;
+    last = k;
+    break;
+  }
+  std::vector<WeightedPose> poses;
+  for (std::size_t k = first; k < last; ++k) {
+    const auto share_at = [&](double level_rad) {
+      return share_of_passage(
+          twists_rad[k] - level_rad, twists_rad[k + 1] - level_rad, [&](double share) {
+            return twist_about(pose_between(path, k, share).rotation_rad, 1) - level_rad;
+          });
+    };
+    const double begin = k == first && twists_rad[k] < from_rad ? share_at(from_rad) : 0;
+    const double end = k + 1 == last && twists_rad[last] > to_rad ? share_at(to_rad) : 1;
+    const double length_s = (end - begin) * (path.time_s[k + 1] - path.time_s[k]);
+    for (const double part : {0.0, 0.5, 1.0}) {
+      const Pose pose = pose_between(path, k, begin + part * (end - begin));
+      poses.push_back({pose.rotation_rad, pose.middle_m, length_s * (part == 0.5 ? 4.0 : 1.0) / 6});
+    }
+  }
+  return poses;
 }
 
 void add_finite_axes(const JawPath& path, const std::vector<double>& twists_rad, std::size_t widest,
@@ -163,14 +211,8 @@ void add_axes(const JawPath& path, const std::vector<double>& twists_rad, std::s
   };
   if (twists_rad[widest] >= kLeastAxisAngle_rad) {
     // The beginning of the opening, as far as the hinge phase goes.
-    std::size_t first = widest, last = widest;
-    while (first > 0 && twists_rad[first] > 0.2 * kLeastAxisAngle_rad) --first;
-    for (std::size_t k = first; k <= widest; ++k) {
-      if (twists_rad[k] < kHingeArc_rad) continue;
-      last = k;
-      break;
-    }
-    const auto hinge = hinge_axis_crossing_m(path, first, last);
+    const auto hinge = hinge_axis_crossing_m(
+        path, poses_between(path, twists_rad, widest, kHingeFrom_rad, kHingeArc_rad));
     if (hinge) crossing = *hinge;
   }
   out.add(crossing.x() / kMillimetre, too_little);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "readings/path_measures.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +12,10 @@ namespace condyle::host {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+
+namespace {
+constexpr double kLeastTurn = 1e-6;  // determinant over trace^2 of poses that turn about an axis
+}  // namespace
 
 std::size_t greatest_at(const std::vector<double>& values, std::size_t begin, std::size_t end) {
   const auto first = values.begin() + static_cast<std::ptrdiff_t>(begin);
@@ -219,29 +223,35 @@ HelicalAxis helical_axis(const Vector3d& w_rad, const Vector3d& at_m, const Vect
   return axis;
 }
 
-std::optional<Vector3d> hinge_axis_crossing_m(const JawPath& path, std::size_t begin,
-                                              std::size_t end) {
-  // In coordinates about f, a length of 0.1 m as unit: rows [R, -I] z = -t.
-  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
-  Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
-  for (std::size_t k = begin; k <= end; ++k) {
-    Eigen::Matrix<double, 3, 6> row;
-    row << rotation_of<double>(path.rotation_rad[k]), -Matrix3d::Identity();
-    normal += row.transpose() * row;
-    right -= row.transpose() * path.middle_m[k];
+std::optional<Vector3d> hinge_axis_crossing_m(const JawPath& path,
+                                              const std::vector<WeightedPose>& poses) {
+  // About f, the point p moves to R p + m.
+  std::vector<Matrix3d> rotations;
+  Matrix3d mean = Matrix3d::Zero();
+  Vector3d middle_m = Vector3d::Zero();
+  double weight_s = 0;
+  for (const WeightedPose& pose : poses) {
+    rotations.push_back(rotation_of<double>(pose.rotation_rad));
+    mean += pose.weight_s * rotations.back();
+    middle_m += pose.weight_s * pose.middle_m;
+    weight_s += pose.weight_s;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(normal);
-  const auto& values = solver.eigenvalues();  // ascending: the axis direction first
-  if (!(values[1] > 4 * values[0]) || !(values[1] > 0)) return std::nullopt;
-  Eigen::Matrix<double, 6, 1> z = Eigen::Matrix<double, 6, 1>::Zero();
-  for (int i = 1; i < 6; ++i) {
-    const auto vector = solver.eigenvectors().col(i);
-    z += vector * (vector.dot(right) / values[i]);
+  if (!(weight_s > 0)) return std::nullopt;
+  const Vector3d f = path.middle_at_m;
+  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    const Matrix3d turn = rotations[k] - mean / weight_s;
+    const Vector3d moved_m = poses[k].middle_m - middle_m / weight_s - turn.col(1) * f.y();
+    Eigen::Matrix<double, 3, 2> columns;
+    columns << turn.col(0), turn.col(2);
+    normal += poses[k].weight_s * columns.transpose() * columns;
+    right -= poses[k].weight_s * columns.transpose() * moved_m;
   }
-  const Vector3d direction = solver.eigenvectors().col(0).head<3>().normalized();
-  if (std::abs(direction.y()) < 0.5) return std::nullopt;
-  const Vector3d point = path.middle_at_m + z.head<3>();
-  return point - direction * (point.y() / direction.y());
+  const double size = normal.trace();
+  if (!(normal.determinant() > kLeastTurn * size * size)) return std::nullopt;
+  const Eigen::Vector2d p = normal.inverse() * right;
+  return Vector3d(f.x() + p.x(), 0, f.z() + p.y());
 }
 
 }  // namespace condyle::host

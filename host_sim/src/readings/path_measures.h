@@ -138,10 +138,16 @@ struct HelicalAxis {
 HelicalAxis helical_axis(const Eigen::Vector3d& w_rad, const Eigen::Vector3d& at_m,
                          const Eigen::Vector3d& d_m);
 
-/// The axis about which the poses from sample `begin` to `end` (included) turn, by least squares of
-/// |R x + t - c| (Ehrig, Taylor, Duda, Heller 2007): where it crosses Y = 0. Absent if they turn
-/// too little.
-std::optional<Eigen::Vector3d> hinge_axis_crossing_m(const JawPath& path, std::size_t begin,
-                                                     std::size_t end);
+/// A pose, rotation vector and displacement of f, and for how long it counts.
+struct WeightedPose {
+  Eigen::Vector3d rotation_rad, middle_m;
+  double weight_s;
+};
+
+/// The point of Y = 0 that the `poses` of `path` keep nearest to one place: where the axis about
+/// which they turn crosses, by weighted least squares of |R x + t - c| (Ehrig, Taylor, Duda, Heller
+/// 2007). Absent if it lies along Y = 0, or if they do not turn.
+std::optional<Eigen::Vector3d> hinge_axis_crossing_m(const JawPath& path,
+                                                     const std::vector<WeightedPose>& poses);
 
 }  // namespace condyle::host

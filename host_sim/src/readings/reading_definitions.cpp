@@ -194,7 +194,7 @@ const std::vector<ReadingDefinition>& reading_definitions() {
       {"opening_time_s", "s", "mean time from closed to the greatest opening", 0.1, false, false},
       {"closing_time_s", "s", "mean time from the greatest opening to closed", 0.1, false, false},
       {"hinge_axis_x_mm", "mm",
-       "where the least-squares axis of this opening arc crosses the "
+       "where the least-squares axis of the arc from 1 to 12 deg crosses the "
        "midsagittal plane, forward of the condylar axis",
        3, true, true},
       {"hinge_axis_z_mm", "mm", "the same, above the condylar axis", 3, true, true},

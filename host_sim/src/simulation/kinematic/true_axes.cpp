@@ -36,6 +36,38 @@ Vector3d finite_crossing_mm(const JawPose& a, const JawPose& b) {
   return 1e3 * standing_point(axis_of(R), t, R - Matrix3d::Identity());
 }
 
+// The point (x, 0, z) that the poses from `turning` keep nearest to one place: least squares over
+// time, by the trapezoidal rule.
+Vector3d hinge_mm(const KinematicJaw& jaw, const Span& turning) {
+  struct Sum {
+    Matrix3d rotation = Matrix3d::Zero();
+    Vector3d translation_m = Vector3d::Zero();
+    double weight = 0;
+  } sum;
+  const auto each = [&](const auto& use) {
+    at_instants(turning, [&](double t) {
+      const bool is_end = t == turning.begin_s || t >= turning.end_s;
+      use(jaw.pose_at(t), is_end ? 0.5 : 1);
+    });
+  };
+  each([&sum](const JawPose& pose, double weight) {
+    sum.rotation += weight * pose.rotation;
+    sum.translation_m += weight * pose.translation_m;
+    sum.weight += weight;
+  });
+  Eigen::Matrix2d left = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  each([&](const JawPose& pose, double weight) {
+    const Matrix3d moves = pose.rotation - sum.rotation / sum.weight;
+    Eigen::Matrix<double, 3, 2> columns;
+    columns << moves.col(0), moves.col(2);
+    left += weight * columns.transpose() * columns;
+    right -= weight * columns.transpose() * (pose.translation_m - sum.translation_m / sum.weight);
+  });
+  const Eigen::Vector2d point_m = left.inverse() * right;
+  return {1e3 * point_m.x(), 0, 1e3 * point_m.y()};
+}
+
 struct Mean {
   std::vector<Vector3d> points;
   std::vector<double> weights;
@@ -66,6 +98,13 @@ std::vector<TrueAxisValue> true_axes(const KinematicJaw& jaw, const Span& out) {
     const Vector3d whole_mm = finite_crossing_mm(JawPose{}, jaw.pose_at(widest_s));
     values.push_back({"helical_axis_x_mm", whole_mm.x()});
     values.push_back({"helical_axis_z_mm", whole_mm.z()});
+    const auto from_s = first_passage_s(angle_deg, out, 1);
+    const auto to_s = first_passage_s(angle_deg, out, 12);
+    if (from_s) {
+      const Vector3d place_mm = hinge_mm(jaw, {*from_s, to_s ? *to_s : widest_s});
+      values.push_back({"hinge_axis_x_mm", place_mm.x()});
+      values.push_back({"hinge_axis_z_mm", place_mm.z()});
+    }
   }
   if (widest_deg >= 20) {
     Mean finite;

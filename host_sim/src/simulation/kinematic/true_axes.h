@@ -15,8 +15,8 @@ struct TrueAxisValue {
   double value_mm;
 };
 
-/// Of the way `out` of an opening: helical_axis_*, finite_axes_*, instantaneous_axis_* (mm). Those
-/// whose angle is too small are absent.
+/// Of the way `out` of an opening: hinge_axis_*, helical_axis_*, finite_axes_*,
+/// instantaneous_axis_* (mm). Those whose angle is too small are absent.
 std::vector<TrueAxisValue> true_axes(const KinematicJaw& jaw, const truth::Span& out);
 
 }  // namespace condyle::host
