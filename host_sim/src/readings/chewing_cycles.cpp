@@ -192,8 +192,8 @@ std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
       at_s = middle_of_closed_s(time_s, height_m, at, height_m[closed.top], depth_m, is_slow);
       sd_s = kShareOfClosed * (closed_s + std::min(of_laws_s, 3 * closed_s));
       const std::size_t edge = far_way > 0 ? closed.last : closed.first;
-      const double reaches_s = passage_s(time_s, height_m, edge, far_way,
-                                         height_m[closed.top] - kDepthsOfLaw * depth_m);
+      const double reaches_s =
+          passage_s(time_s, height_m, edge, far_way, height_m[closed.top] - kDepthsOfLaw * depth_m);
       far_s = time_s[edge] + std::clamp(reaches_s - time_s[edge], -closed_s, closed_s);
     };
     if (!cycle.begins_after_pause) {
