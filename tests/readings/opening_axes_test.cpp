@@ -2,7 +2,9 @@
 // Axes of turning and kinematic centres on exact poses, where they are known.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <optional>
 
@@ -66,6 +68,41 @@ TEST(OpeningAxes, OfATurnAboutAKnownLineAreThatLine) {
     ++compared;
   }
   EXPECT_EQ(compared, 10);
+}
+
+// The axis moves while the jaw opens. Where its arc begins and ends must not follow the samples:
+// at 60 Hz the angle grows by 2 deg from one to the next.
+TEST(HingeAxis, IsTheSameAtEveryRate) {
+  JawScenario scenario;
+  scenario.tasks = {default_task(JawTaskKind::opening)};
+  const KinematicJaw jaw(scenario);
+  const auto names = readings_of_stroke(TaskKind::opening, true);
+  double worst_mm = 0;
+  for (const JawStroke& stroke : jaw.motion().strokes()) {
+    const auto hinge_mm = [&](double rate_Hz, double offset) {
+      std::vector<double> values;
+      read_stroke(
+          TaskKind::opening, true,
+          exact_path(jaw, stroke.begin_s - 0.1 + offset / rate_Hz, stroke.end_s + 0.1, 1 / rate_Hz),
+          values, nullptr);
+      Eigen::Vector2d place_mm(JawReading::kNone, JawReading::kNone);
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        if (names[i].name == "hinge_axis_x_mm") place_mm.x() = values[i];
+        if (names[i].name == "hinge_axis_z_mm") place_mm.y() = values[i];
+      }
+      return place_mm;
+    };
+    const Eigen::Vector2d true_mm = hinge_mm(2000, 0);
+    for (const double rate_Hz : {60.0, 75.0, 100.0, 200.0, 500.0}) {
+      for (const double offset : {0.0, 0.2, 0.4, 0.6, 0.8}) {
+        const double error_mm = (hinge_mm(rate_Hz, offset) - true_mm).norm();
+        EXPECT_LT(error_mm, 0.005) << rate_Hz << " Hz, from " << offset << " of a sample";
+        worst_mm = std::max(worst_mm, error_mm);
+      }
+    }
+  }
+  EXPECT_GT(worst_mm, 0);
+  std::printf("hinge axis: %.2g mm at most\n", worst_mm);
 }
 
 TEST(KinematicCentre, IsTheCondyleOnExactPoses) {
