@@ -19,8 +19,9 @@ constexpr double kHighest_Hz = 10, kLeastAmplitude = 0.05;
 // What is not known of an amplitude near the threshold; of an arc length at least, and at most,
 // which is a lobe as high as the threshold; of LDLJ.
 constexpr double kAmplitudeDoubt = 0.1, kLeastDoubt = 0.01, kLobe = 0.1, kJerkDoubt = 0.02;
-// A least amplitude above this share of half the slope beside it is no zero between two bins.
-constexpr double kLeastRound = 1.5;
+// The spectrum has a zero between two bins if twice the least amplitude is at most this share of
+// the slope beside it. Otherwise it turns smoothly.
+constexpr double kLargestZero = 1.5;
 constexpr int kPadding = 4;          // powers of two
 constexpr std::size_t kStencil = 4;  // of the interpolation
 
@@ -119,7 +120,7 @@ double doubt_of_zeros(const std::vector<double>& amplitudes, std::size_t last) {
     if (!(here < amplitudes[i - 1] && here <= amplitudes[i + 1])) continue;
     const double slope =
         std::max(amplitudes[i - 2] - amplitudes[i - 1], amplitudes[i + 2] - amplitudes[i + 1]);
-    if (2 * here > kLeastRound * slope) continue;  // no zero: the spectrum turns smoothly
+    if (2 * here > kLargestZero * slope) continue;
     const double doubt = std::max(2 * here, slope - 2 * here);
     squares += doubt * doubt;
   }
