@@ -20,9 +20,8 @@ constexpr double kShortest_s = 0.25, kLongest_s = 3, kLongestGap_s = 0.1, kPause
                  kInstant_s = 0.08;
 constexpr double kSearch_s = 0.08;  // around a closed instant
 constexpr double kTimesUsual = 2;   // a pause, over the median closed time
-// Standard deviations: of the instant at which a pause begins or ends, over what two laws differ
-// by; of the middle of a closed time, over this and that time.
-constexpr double kShareOfDoubt = 0.5, kShareOfClosed = 0.075;
+// Standard deviation of the middle of a closed time, over that time and what two laws differ by.
+constexpr double kShareOfClosed = 0.075;
 
 // Turning points of z: reversals of at least `least_m`, tops and bottoms in turn.
 std::vector<std::size_t> turning_points(const std::vector<double>& z, double least_m,
@@ -179,8 +178,8 @@ std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
       return departure_doubt_s(time_s, height_m, at, way, top_m, depth_m,
                                top_m - height_m[cycle.turn]);
     };
-    if (cycle.begins_after_pause) cycle.begin_sd_s = kShareOfDoubt * doubt_s(begin, begin.last, 1);
-    if (cycle.ends_with_pause) cycle.end_sd_s = kShareOfDoubt * doubt_s(end, end.first, -1);
+    if (cycle.begins_after_pause) cycle.begin_sd_s = doubt_s(begin, begin.last, 1);
+    if (cycle.ends_with_pause) cycle.end_sd_s = doubt_s(end, end.first, -1);
     // A closed time between instant and pause: its middle is the boundary of both cycles.
     const auto middle = [&](const ClosedTime& closed, std::size_t& at, double& at_s, double& sd_s,
                             bool& is_slow, double& far_s, int far_way) {

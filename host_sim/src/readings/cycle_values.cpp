@@ -73,7 +73,7 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
     if ((name == "closing_time_s" || name == "slow_close_time_s") && !cycle.ends_with_pause) {
       values[i].doubt = std::hypot(values[i].doubt, cycle.end_sd_s);
     }
-    if (name.ends_with("ldlj")) values[i].scale_systematic(kTimesJerk);
+    if (name.ends_with("ldlj")) values[i].scale_corrections(kTimesJerk);
     widen_smoothness(name, doubts, values[i]);
     if (has_begin) values[i].noise_sd = std::hypot(values[i].noise_sd, at_begin_s);
     if (has_end) values[i].noise_sd = std::hypot(values[i].noise_sd, at_end_s);

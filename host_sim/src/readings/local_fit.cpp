@@ -15,14 +15,14 @@ using Pair = double __attribute__((vector_size(16)));
 
 // First and end of the samples that the fit at `k` uses.
 std::pair<std::size_t, std::size_t> window_at(const std::vector<double>& time_s, std::size_t k,
-                                              double half_width_s) {
+                                              double half_width_s, std::size_t least_samples) {
   std::size_t first = k, end = k + 1;
   const auto grow = [&](double width_s) {
     while (first > 0 && time_s[k] - time_s[first - 1] <= width_s + 1e-9) --first;
     while (end < time_s.size() && time_s[end] - time_s[k] <= width_s + 1e-9) ++end;
   };
   grow(half_width_s);
-  while (end - first < kLeastFitSamples) {
+  while (end - first < least_samples) {
     const bool has_before = first > 0, has_after = end < time_s.size();
     if (!has_before && !has_after) break;
     const double before_s = has_before ? time_s[k] - time_s[first - 1] : 1e300;
@@ -57,19 +57,19 @@ SampleRun samples_of_fit(const std::vector<double>& time_s, std::size_t begin, s
                          double half_width_s) {
   SampleRun used{begin, end};
   for (std::size_t k = begin; k < end; ++k) {
-    const auto [first, last] = window_at(time_s, k, half_width_s);
+    const auto [first, last] = window_at(time_s, k, half_width_s, kLeastFitSamples);
     used = {std::min(used.begin, first), std::max(used.end, last)};
   }
   return used;
 }
 
 LocalFit::LocalFit(const std::vector<double>& time_s, std::size_t begin, std::size_t end,
-                   double half_width_s)
+                   double half_width_s, std::size_t least_samples)
     : begin_(begin), end_(end), used_{begin, end} {
   windows_.reserve(end - begin);
   std::size_t count = 0;
   for (std::size_t k = begin; k < end; ++k) {
-    const auto [first, last] = window_at(time_s, k, half_width_s);
+    const auto [first, last] = window_at(time_s, k, half_width_s, least_samples);
     windows_.push_back({first, last - first, count});
     count += last - first;
     used_ = {std::min(used_.begin, first), std::max(used_.end, last)};
@@ -80,9 +80,9 @@ LocalFit::LocalFit(const std::vector<double>& time_s, std::size_t begin, std::si
     const Window& window = windows_[k - begin];
     // At a border, where all samples lie on one side, a quadratic: a cubic would follow the noise.
     const bool is_border = window.first == k || window.first + window.count == k + 1;
-    const int terms = window.count >= kLeastFitSamples ? (is_border ? 3 : 4)
-                      : window.count >= 2              ? 2
-                                                       : 1;
+    const int terms = window.count >= least_samples ? (is_border ? 3 : 4)
+                      : window.count >= 2           ? 2
+                                                    : 1;
     places.resize(window.count);
     for (std::size_t i = 0; i < window.count; ++i) {
       places[i] = (time_s[window.first + i] - time_s[k]) / kFitHalfWidth_s;

@@ -24,7 +24,7 @@ double slope_gain(double rate_Hz);
 class LocalFit {
  public:
   LocalFit(const std::vector<double>& time_s, std::size_t begin, std::size_t end,
-           double half_width_s = kFitHalfWidth_s);
+           double half_width_s = kFitHalfWidth_s, std::size_t least_samples = kLeastFitSamples);
 
   /// Values and slopes (per s) at all its samples, from the `samples` of the recording from
   /// `first_sample` on; they must contain those of `first_used` to `end_used`.

@@ -12,6 +12,14 @@ namespace {
 constexpr const char* kTaskNames[kTaskKinds] = {"opening", "protrusion", "left", "right",
                                                 "chewing", "border",     "rest"};
 
+// What noise explains of a contradiction, in standard deviations; how often the rest is in the
+// interval, because the narrow window hides some of it too.
+constexpr double kExplained = 2, kTimesContradiction = 3;
+
+double rest_of(double square, double explained) {
+  return kTimesContradiction * std::sqrt(std::max(square - explained, 0.0));
+}
+
 // The most repetitions that are worth advising.
 constexpr double kMostAdvised = 100;
 
@@ -56,8 +64,23 @@ double UncertainValue::half_interval() const {
   return std::hypot(kHalf95 * std::sqrt(variance), systematic());
 }
 
+double UncertainValue::systematic() const {
+  return std::hypot(std::hypot(doubt, of_contradiction()), corrections[0], corrections[1]);
+}
+
+double UncertainValue::of_contradiction() const {
+  return rest_of(contradiction * contradiction,
+                 kExplained * kExplained * contradiction_sd * contradiction_sd);
+}
+
 void UncertainValue::scale_systematic(double factor) {
   doubt *= factor;
+  contradiction *= factor;
+  contradiction_sd *= factor;
+  scale_corrections(factor);
+}
+
+void UncertainValue::scale_corrections(double factor) {
   for (double& correction : corrections) correction *= factor;
 }
 
@@ -65,12 +88,13 @@ void UncertainValue::set_half_interval(double half) {
   noise_sd = half / kHalf95;
   doubt = 0;
   corrections = {};
+  contradiction = contradiction_sd = 0;
   fixed.clear();
 }
 
 UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
   UncertainValue mean;
-  double count = 0, variance = 0;
+  double count = 0, variance = 0, contradiction_variance = 0;
   std::array<double, 2> squares{};
   for (const UncertainValue& stroke : strokes) {
     if (!std::isfinite(stroke.value)) {
@@ -84,6 +108,8 @@ UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
     ++count;
     mean.value += stroke.value;
     mean.doubt += stroke.doubt;
+    mean.contradiction += stroke.contradiction;
+    contradiction_variance += stroke.contradiction_sd * stroke.contradiction_sd;
     for (std::size_t i = 0; i < squares.size(); ++i) {
       mean.corrections[i] += stroke.corrections[i];
       squares[i] += stroke.corrections[i] * stroke.corrections[i];
@@ -96,6 +122,8 @@ UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
   mean.repetitions = static_cast<int>(count);
   mean.value /= count;
   mean.doubt /= count;
+  mean.contradiction /= count;
+  mean.contradiction_sd = std::sqrt(contradiction_variance) / count;
   for (std::size_t i = 0; i < squares.size(); ++i) {
     double& correction = mean.corrections[i];
     correction =
@@ -106,12 +134,34 @@ UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
   return mean;
 }
 
+void share_contradictions(const std::vector<UncertainValue*>& repeated) {
+  double count = 0, squares = 0, variances = 0;
+  for (const UncertainValue* value : repeated) {
+    if (!std::isfinite(value->value)) continue;
+    ++count;
+    squares += value->contradiction * value->contradiction;
+    variances += value->contradiction_sd * value->contradiction_sd;
+  }
+  if (count == 0) return;
+  // The mean of the squares of `count` errors: mean and standard deviation.
+  const double explained = (1 + kExplained * std::sqrt(2 / count)) * variances / count;
+  const double shared = rest_of(squares / count, explained);
+  for (UncertainValue* value : repeated) {
+    const double own = value->of_contradiction();
+    if (own >= shared) continue;
+    value->doubt = std::hypot(value->doubt, std::sqrt(shared * shared - own * own));
+  }
+}
+
 std::string what_narrows(const UncertainValue& value, double limit, std::string_view repeated) {
   double fixed = 0;
   for (const double change : value.fixed) fixed += change * change;
   fixed *= kHalf95 * kHalf95;
   const double noise = kHalf95 * kHalf95 * value.noise_sd * value.noise_sd;
   const double smoothing = value.systematic() * value.systematic(), all = limit * limit;
+  if (value.of_contradiction() > limit) {
+    return "the movement changes too abruptly for the smoothing; a smoother one would narrow it";
+  }
   const double least = all / 10;  // with less room, one part alone would have to vanish
   if (const double room = all - fixed - smoothing; room > least) {
     const double most = std::ceil(value.repetitions * noise / room);

@@ -79,6 +79,9 @@ struct UncertainValue {
   double doubt = 0;     ///< what the definition leaves open
   /// With sign, what may be left of what smoothing changed, and of what noise added.
   std::array<double, 2> corrections{};
+  /// With sign, what the samples show of smoothing beyond what was corrected, and its standard
+  /// deviation by noise: what exceeds the noise is in the interval.
+  double contradiction = 0, contradiction_sd = 0;
   std::vector<double> fixed;  ///< change per standard deviation of each error that strokes share
   int repetitions = 0;        ///< strokes or cycles that were averaged; 0: a single value
   std::string missing;        ///< the reason if the value is NaN
@@ -86,7 +89,10 @@ struct UncertainValue {
   /// Half the 95 % interval.
   double half_interval() const;
   /// Its part that is neither noise nor an error that strokes share.
-  double systematic() const { return std::hypot(doubt, corrections[0], corrections[1]); }
+  double systematic() const;
+  /// Its part by `contradiction`.
+  double of_contradiction() const;
+  void scale_corrections(double factor);
   void scale_systematic(double factor);
   /// Makes `half` that interval, without parts.
   void set_half_interval(double half);
@@ -95,6 +101,10 @@ struct UncertainValue {
 /// The mean of the values of several strokes; those without a value do not count. Corrections that
 /// differ in sign cancel as what is left of them does, at most like independent errors.
 UncertainValue mean_of(const std::vector<UncertainValue>& strokes);
+
+/// Where the contradictions of the `repeated` values together exceed their noise, their root mean
+/// square counts for each: noise hides most of that of one.
+void share_contradictions(const std::vector<UncertainValue*>& repeated);
 
 /// What would narrow the interval of `value` to +-`limit`, as words: more repetitions, less noise,
 /// more exact landmarks, or a higher rate. `repeated`: "strokes" or "cycles".

@@ -227,7 +227,7 @@ void narrow_what_noise_adds(const std::vector<StrokeReading>& names,
     if (!is_spread && !is_hull && !name.starts_with("condylar_path")) continue;
     // What noise adds to a length or a hull follows from its variance, which is known to a few
     // percent.
-    values[i].scale_systematic(kShareOfSmoothing);
+    values[i].scale_corrections(kShareOfSmoothing);
     // The spread of axes is never negative, so that smoothing always adds to it.
     if (is_spread) values[i].doubt = std::hypot(values[i].doubt, kSpreadError_mm);
   }

@@ -65,6 +65,8 @@ class TaskReader {
       difference.value -= other.value;
       difference.noise_sd = std::hypot(difference.noise_sd, other.noise_sd);
       difference.doubt += other.doubt;
+      difference.contradiction = std::abs(difference.contradiction) + std::abs(other.contradiction);
+      difference.contradiction_sd = std::hypot(difference.contradiction_sd, other.contradiction_sd);
       for (std::size_t i = 0; i < difference.corrections.size(); ++i) {
         difference.corrections[i] =
             std::abs(difference.corrections[i]) + std::abs(other.corrections[i]);
@@ -175,15 +177,23 @@ class TaskReader {
     std::vector<std::vector<UncertainValue>> by_reading(names.size());
     for (std::size_t i = 0; i < strokes.size(); ++i) {
       const auto values = values_of(kind, strokes[i], names.size());
+      for (std::size_t k = 0; k < names.size(); ++k) by_reading[k].push_back(values[k]);
+    }
+    std::vector<UncertainValue> means;
+    for (auto& values : by_reading) {
+      means.push_back(mean_of(values));
+      std::vector<UncertainValue*> repeated;
+      for (UncertainValue& value : values) repeated.push_back(&value);
+      share_contradictions(repeated);
+    }
+    for (std::size_t i = 0; i < strokes.size() && !is_one; ++i) {
       for (std::size_t k = 0; k < names.size(); ++k) {
-        by_reading[k].push_back(values[k]);
-        if (is_one) continue;
-        add(definition_of(names[k].name), kind, names[k].side, static_cast<int>(i + 1), values[k],
-            is_found);
+        add(definition_of(names[k].name), kind, names[k].side, static_cast<int>(i + 1),
+            by_reading[k][i], is_found);
       }
     }
     for (std::size_t k = 0; k < names.size(); ++k) {
-      UncertainValue mean = mean_of(by_reading[k]);
+      UncertainValue& mean = means[k];
       if (strokes.empty())
         mean.missing = "the jaw leaves the reference position by less than 1.5 mm";
       means_[mean_key(kind, names[k].name, names[k].side)] = mean;
@@ -311,6 +321,11 @@ class TaskReader {
       if (taken == 0) mean.missing = "no chewing cycle was found";
       add(definition_of(names[k]), TaskKind::chewing, Side::none, 0, mean, is_found);
       if (k == 0) add_frequency(mean, is_found);
+      std::vector<UncertainValue*> repeated;
+      for (AnalysedCycle& cycle : analysis_.cycles) {
+        if (cycle.number != 0) repeated.push_back(&cycle.values[k]);
+      }
+      share_contradictions(repeated);
     }
     add_summaries(taken, is_found);
   }

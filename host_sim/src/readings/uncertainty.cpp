@@ -13,6 +13,9 @@ namespace {
 // Beyond this share of draws without a value, the value depends on chance.
 constexpr double kMostMissing = 0.1;
 constexpr double kAside_m = 1e-6;  // nearer to Y = 0, rounding must not decide on the side
+// Half of the window that shows what the wide one hides; at low rates it is not narrower.
+constexpr double kNarrowHalf_s = 0.02;
+constexpr std::size_t kLeastNarrow = 5;
 constexpr double kTimesNoise = 6, kGreatestReach_s = 0.6;
 
 std::vector<double> part_of(const std::vector<double>& values, std::size_t begin, std::size_t end) {
@@ -29,10 +32,27 @@ std::vector<Vector6> part(const std::vector<Vector6>& samples, std::size_t begin
 struct Draws {
   double count = 0, sum = 0, squares = 0, missing = 0;
   void add(double difference) {
+    if (!std::isfinite(difference)) {
+      ++missing;
+      return;
+    }
     ++count;
     sum += difference;
     squares += difference * difference;
   }
+  double mean() const { return sum / std::max(count, 1.0); }
+  double sd() const {
+    return std::sqrt(std::max(squares / std::max(count, 1.0) - mean() * mean(), 0.0));
+  }
+};
+
+// A smoothing, and what is read of the samples and of the calmer paths smoothed by it.
+struct Window {
+  explicit Window(LocalFit with) : fit(std::move(with)) {}
+  LocalFit fit;
+  std::vector<double> of_samples, of_calm, of_mild, drawn;
+  SmoothMotion mild;
+  std::vector<Vector6> error_value, error_slope;
 };
 
 // Slopes of `values`: those of the quartics through five neighbours (Lagrange).
@@ -227,27 +247,35 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
                                              RandomGenerator& random, const ReadPath& read) {
   // Samples that the fits use are smoothed too, to be smoothed again.
   const auto [first, last] = samples_of_fit(motion.time_s, begin, end);
-  const LocalFit fit(motion.time_s, begin, end);
-  SmoothMotion smooth{part_of(motion.time_s, begin, end), {}, {}};
-  fit.apply(motion.motion, 0, begin, end, smooth.value, smooth.slope);
+  const std::vector<double> times_s = part_of(motion.time_s, begin, end);
+  Window wide(LocalFit(motion.time_s, begin, end)),
+      narrow(LocalFit(motion.time_s, begin, end, kNarrowHalf_s, kLeastNarrow));
+  SmoothMotion smooth{times_s, {}, {}};
   JawPath path;
   TurningMotion turning;
-  std::vector<double> values, once, plus, minus;
-  std::vector<std::string> why;
-  const auto read_smooth = [&](const ReadingGeometry& geometry, std::vector<double>& into,
-                               std::vector<std::string>* reasons) {
+  const auto read_turned = [&](const ReadingGeometry& geometry, std::vector<double>& into,
+                               std::vector<std::string>* why) {
     paths_of(smooth, turning, geometry, settings.part, path);
-    read(path, into, reasons);
+    read(path, into, why);
   };
-  turning_of(smooth, turning);
-  read_smooth(errors.geometry, values, &why);
+  const auto read_smooth = [&](std::vector<double>& into, std::vector<std::string>* why = nullptr) {
+    turning_of(smooth, turning);
+    read_turned(errors.geometry, into, why);
+  };
+  std::vector<std::string> why;
+  for (Window* const window : {&narrow, &wide}) {
+    window->fit.apply(motion.motion, 0, begin, end, smooth.value, smooth.slope);
+    read_smooth(window->of_samples, &why);
+  }
+  const std::vector<double>& values = wide.of_samples;
   std::vector<UncertainValue> results(values.size());
   const auto [geometries, shares] = geometries_to_read(errors, settings.part);
   Eigen::MatrixXd changes(values.size(), geometries.size());
+  std::vector<double> moved;
   for (std::size_t k = 0; k < geometries.size(); ++k) {
-    read_smooth(geometries[k], once, nullptr);
+    read_turned(geometries[k], moved, nullptr);
     for (std::size_t i = 0; i < values.size(); ++i) {
-      changes(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = once[i] - values[i];
+      changes(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = moved[i] - values[i];
     }
   }
   changes *= shares;
@@ -255,10 +283,6 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
     const auto row = changes.row(static_cast<Eigen::Index>(i));
     results[i].fixed.assign(row.begin(), row.end());
   }
-  const auto read_turned = [&](std::vector<double>& into) {
-    turning_of(smooth, turning);
-    read_smooth(errors.geometry, into, nullptr);
-  };
   // What noise and smoothing add is seen on a path that has hardly any noise: a greatest value
   // among noisy ones would hide half of it.
   const LocalFit calm_fit(motion.time_s, first, last, settings.calm_half_s);
@@ -268,21 +292,22 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
   smooth.value = part(calm, begin - first, end - first);
   smooth.slope = part(slopes, begin - first, end - first);
   std::vector<double> calm_values;
-  read_turned(calm_values);
-  fit.apply(calm, first, begin, end, smooth.value, smooth.slope);
-  read_turned(once);
+  read_smooth(calm_values);
   // Draws start from a path whose tops are as flat as the true ones, with less noise still.
   const LocalFit mild_fit(motion.time_s, first, last, settings.mild_half_s);
-  std::vector<Vector6> mild;
-  mild_fit.apply(motion.motion, 0, mild, slopes);
+  std::vector<Vector6> mild, mild_slopes;
+  mild_fit.apply(motion.motion, 0, mild, mild_slopes);
   mild = means_of(part_of(motion.time_s, first, last), mild, settings.mild_half_s / 2);
-  fit.apply(mild, first, begin, end, smooth.value, smooth.slope);
-  const std::vector<Vector6> mild_value = smooth.value, mild_slope = smooth.slope;
-  std::vector<double> mild_values;
-  read_turned(mild_values);
-  std::vector<Draws> draws(values.size());
+  for (Window* const window : {&narrow, &wide}) {
+    window->fit.apply(calm, first, begin, end, smooth.value, smooth.slope);
+    read_smooth(window->of_calm);
+    window->fit.apply(mild, first, begin, end, smooth.value, smooth.slope);
+    read_smooth(window->of_mild);
+    window->mild = smooth;
+  }
+  std::vector<Draws> draws(values.size()), narrowings(values.size());
   // Smoothing is linear: the smoothed noise is added to the smoothed path, and subtracted.
-  std::vector<Vector6> error(mild.size()), error_value, error_slope;
+  std::vector<Vector6> error(mild.size());
   const std::vector<double> error_time_s = part_of(motion.time_s, first, last);
   boost::random::normal_distribution<double> normal;
   for (int pair = 0; pair < settings.pairs; ++pair) {
@@ -293,43 +318,53 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
       if (noise.stamp_sd_s > 0) error[k] += noise.stamp_sd_s * normal(random) * slopes[k];
     }
     add_shared_noise(noise.shared, error_time_s, random, error);
-    fit.apply(error, first, begin, end, error_value, error_slope);
-    const auto read_with = [&](double sign, std::vector<double>& into) {
-      for (std::size_t k = 0; k < mild_value.size(); ++k) {
-        smooth.value[k] = mild_value[k] + sign * error_value[k];
-        smooth.slope[k] = mild_slope[k] + sign * error_slope[k];
+    // Whether narrowing exceeds its noise needs that less exactly.
+    const bool is_narrowed = pair % 2 == 0;
+    const auto draw = [&](Window& window, double sign) {
+      for (std::size_t k = 0; k < times_s.size(); ++k) {
+        smooth.value[k] = window.mild.value[k] + sign * window.error_value[k];
+        smooth.slope[k] = window.mild.slope[k] + sign * window.error_slope[k];
       }
-      read_turned(into);
+      read_smooth(window.drawn);
     };
-    read_with(1, plus);
-    read_with(-1, minus);
-    for (std::size_t i = 0; i < draws.size(); ++i) {
-      for (const double drawn : {plus[i], minus[i]}) {
-        if (std::isfinite(drawn) && std::isfinite(mild_values[i])) {
-          draws[i].add(drawn - mild_values[i]);
-        } else {
-          ++draws[i].missing;
-        }
+    wide.fit.apply(error, first, begin, end, wide.error_value, wide.error_slope);
+    if (is_narrowed) {
+      narrow.fit.apply(error, first, begin, end, narrow.error_value, narrow.error_slope);
+    }
+    for (const double sign : {1.0, -1.0}) {
+      draw(wide, sign);
+      for (std::size_t i = 0; i < draws.size(); ++i) {
+        draws[i].add(wide.drawn[i] - wide.of_mild[i]);
+      }
+      if (!is_narrowed) continue;
+      draw(narrow, sign);
+      for (std::size_t i = 0; i < draws.size(); ++i) {
+        narrowings[i].add((narrow.drawn[i] - narrow.of_mild[i]) -
+                          (wide.drawn[i] - wide.of_mild[i]));
       }
     }
   }
-  const double growth = growth_of_noise(fit, calm_fit, first, begin, end);
+  const double growth = growth_of_noise(wide.fit, calm_fit, first, begin, end);
   for (std::size_t i = 0; i < results.size(); ++i) {
     UncertainValue& result = results[i];
     result.missing = why[i];
     if (!std::isfinite(values[i])) continue;
-    const Draws& drawn = draws[i];
-    if (!std::isfinite(once[i]) || !std::isfinite(calm_values[i]) ||
-        drawn.missing > kMostMissing * 2 * settings.pairs) {
+    if (!std::isfinite(wide.of_calm[i]) || !std::isfinite(calm_values[i]) ||
+        draws[i].missing > kMostMissing * 2 * settings.pairs) {
       result.missing = "whether the movement reaches it depends on noise";
       continue;
     }
-    const double count = std::max(drawn.count, 1.0), mean = drawn.sum / count;
-    const double smoothing = once[i] - calm_values[i];
+    const double smoothing = wide.of_calm[i] - calm_values[i], mean = draws[i].mean();
     result.value = values[i] - smoothing - mean;
-    result.noise_sd = growth * std::sqrt(std::max(drawn.squares / count - mean * mean, 0.0));
+    result.noise_sd = growth * draws[i].sd();
     // What is left after the correction is less than what was corrected.
     result.corrections = {settings.times_smoothing * smoothing, mean};
+    const double narrowing = narrow.of_samples[i] - values[i] -
+                             (narrow.of_calm[i] - wide.of_calm[i]) - narrowings[i].mean();
+    if (std::isfinite(narrowing)) {
+      result.contradiction = narrowing;
+      result.contradiction_sd = narrowings[i].sd();
+    }
     for (const double change : result.fixed) {
       if (!std::isfinite(change))
         result.missing = "whether the movement reaches it depends on the landmarks";

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// Chewing that the teeth stop: the jaw closes at full speed and stands within a few milliseconds,
+// which no smoothing shows. The intervals have to contain it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <string>
+
+#include "readings/simulated_readings.h"
+
+namespace condyle::host {
+namespace {
+
+constexpr int kCycles = 20;
+constexpr double kRest_s = 3, kOpening_s = 0.25, kFaster_s = 0.15, kSteady_s = 0.17;
+
+// A jaw that opens as a cosine, closes ever faster, then at `speed_m_s`, and stops within
+// `stop_s`.
+struct Contact {
+  double speed_m_s, stop_s;
+
+  double closing_s() const { return kFaster_s + kSteady_s + stop_s; }
+  double period_s() const { return kOpening_s + closing_s(); }
+  double height_m() const { return speed_m_s * (kFaster_s / 2 + kSteady_s + stop_s / 2); }
+
+  // Height of the incisor at `t_s` after the jaw was closed.
+  double height_at_m(double t_s) const {
+    if (t_s < kOpening_s) {
+      const double u = t_s / kOpening_s;
+      return -height_m() / 2 * (1 - std::cos(std::numbers::pi * u));
+    }
+    const double left_s = period_s() - t_s;
+    if (left_s < stop_s) return -speed_m_s * left_s * left_s / (2 * stop_s);
+    if (left_s < stop_s + kSteady_s) return -speed_m_s * (left_s - stop_s / 2);
+    const double u = (t_s - kOpening_s) / kFaster_s;  // its speed rises as u^2 (3 - 2 u)
+    return -height_m() + speed_m_s * kFaster_s * (u * u * u - u * u * u * u / 2);
+  }
+
+  double height_after_rest_m(double time_s) const {
+    const double since_s = time_s - kRest_s;
+    if (since_s < 0 || since_s >= kCycles * period_s()) return 0;
+    return height_at_m(std::fmod(since_s, period_s()));
+  }
+
+  std::map<std::string, double, std::less<>> truth() const {
+    return {{"cycle_duration_s", period_s()},
+            {"opening_time_s", kOpening_s},
+            {"closing_time_s", closing_s()},
+            {"slow_close_time_s", stop_s / 2},
+            {"cycle_height_mm", 1e3 * height_m()}};
+  }
+};
+
+constexpr LandmarkErrors kErrors{1e-4, 1e-4, 1e-4};
+
+Analysis analysis_of(const Contact& contact, double rate_Hz, double noise_m) {
+  JawScenario scenario;
+  scenario.tasks = {default_task(JawTaskKind::rest)};
+  scenario.facebow.noise_m = scenario.facebow.noise_rad = 0;
+  scenario.landmarks = kErrors;
+  const KinematicSimulation simulation(scenario, 1);
+  const Sample still = simulation.samples().front();
+  const JawLandmarks& points = simulation.stated_landmarks();
+  const Eigen::Vector3d up = (points.plane_left - points.plane_front)
+                                 .cross(points.plane_right - points.plane_front)
+                                 .normalized();
+  const double sign = up.dot(points.condyle_left - points.incisor_lower) > 0 ? 1 : -1;
+  RandomGenerator random(1, 1);
+  std::vector<Sample> samples;
+  const double length_s = 2 * kRest_s + kCycles * contact.period_s();
+  for (int k = 0; k < length_s * rate_Hz; ++k) {
+    const double time_s = k / rate_Hz;
+    Sample sample = still;
+    sample.time_ns = std::llround(1e9 * time_s);
+    const Eigen::Vector3d shift = sign * contact.height_after_rest_m(time_s) * up;
+    for (int i = 0; i < 9; ++i) {
+      sample.coordinates[static_cast<std::size_t>(i)] += shift[i % 3] + noise_m * random.normal();
+    }
+    samples.push_back(sample);
+  }
+  SampleRecording recording(samples);
+  AnalysisChoice choice;
+  choice.tasks = {{TaskKind::rest, 0.1, kRest_s - 0.1, false},
+                  {TaskKind::chewing, kRest_s - 0.5, length_s - kRest_s + 0.5, false}};
+  return analyse(recording, "simulation", stated_landmarks(simulation, kErrors), choice);
+}
+
+// How often intervals held the truth.
+struct Held {
+  std::uint64_t shown = 0, held = 0;
+  void add(double value, double half_interval, double truth) {
+    ++shown;
+    held += std::abs(value - truth) <= half_interval;
+  }
+  double share() const { return static_cast<double>(held) / static_cast<double>(shown); }
+};
+
+// Without what narrower windows show, the means of slow closing held 11 %, of closing and opening
+// 65 %, of the duration 52 %.
+TEST(ToothContact, IsWithinTheIntervalsOfCyclesAndMeans) {
+  std::map<std::string, Held, std::less<>> cycles, means;
+  for (const double rate_Hz : {100.0, 200.0}) {
+    for (const double noise_m : {0.02e-3, 0.05e-3, 0.1e-3}) {
+      for (const double speed_m_s : {0.025, 0.05}) {
+        for (const double stop_s : {0.006, 0.012, 0.03}) {
+          const Contact contact{speed_m_s, stop_s};
+          const Analysis analysis = analysis_of(contact, rate_Hz, noise_m);
+          const auto names = readings_of_cycle(true);
+          for (const auto& [name, truth] : contact.truth()) {
+            const auto at = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) -
+                                                     names.begin());
+            // The first and the last one begin and end with the rest.
+            for (const AnalysedCycle& cycle : analysis.cycles) {
+              if (cycle.number < 2 || cycle.number >= kCycles) continue;
+              const UncertainValue& value = cycle.values[at];
+              cycles[name].add(value.value, value.half_interval(), truth);
+            }
+            for (const JawReading& reading : analysis.readings) {
+              if (reading.task != TaskKind::chewing || reading.definition->name != name) continue;
+              means[name].add(reading.value, (reading.high - reading.low) / 2, truth);
+            }
+          }
+        }
+      }
+    }
+  }
+  for (const auto& [name, held] : cycles) {
+    EXPECT_EQ(held.shown, 36U * (kCycles - 2)) << name;
+    EXPECT_GE(held.share(), 0.85) << name;
+  }
+  for (const auto& [name, held] : means) {
+    EXPECT_EQ(held.shown, 36U) << name;
+    EXPECT_GE(held.share(), 0.85) << name;
+  }
+}
+
+}  // namespace
+}  // namespace condyle::host
