@@ -7,6 +7,8 @@
 //   m    the motion smoothed over a still wider window, then averaged over half of it
 //   smoothing   F(S z) - F(z), what smoothing changes, is subtracted, and a multiple of it is in
 //               the interval
+//   narrowing   what S' with a narrower window changes of the samples, F(S' y) - F(S y), without
+//               what it changes of z and of noise: what exceeds its noise is in the interval
 //   noise       mean of F(S(m + e)) - F(S m), what noise adds, is subtracted, and its size is in
 //               the interval; the standard deviation of these is that of the value
 //   fixed       F with one landmark coordinate, or one component of the reference position, off by
