@@ -120,11 +120,11 @@ TEST(CyclesOfATask, BeginWhereTheJawTurnsHoweverFastItCloses) {
     const auto cycles = chewing.cycles();
     ASSERT_EQ(cycles.size(), 6U);
     for (const ChewingCycle& cycle : cycles) {
-      if (!cycle.begins_after_pause) {
+      if (!cycle.begins.is_pause) {
         EXPECT_NEAR(cycle.begin_s, at_s, 0.005) << back_s;
       }
       at_s += 0.4 + back_s;
-      if (!cycle.ends_with_pause) {
+      if (!cycle.ends.is_pause) {
         EXPECT_NEAR(cycle.end_s, at_s, 0.005) << back_s;
       }
     }
@@ -144,7 +144,7 @@ TEST(Pauses, ThatFollowEachCycleBelongToThem) {
     double sum_s = 0;
     int count = 0;
     for (const ChewingCycle& cycle : chewing.cycles()) {
-      if (!cycle.rejected.empty() || cycle.begins_after_pause || cycle.ends_with_pause) continue;
+      if (!cycle.rejected.empty() || cycle.begins.is_pause || cycle.ends.is_pause) continue;
       sum_s += cycle.end_s - cycle.begin_s;
       ++count;
     }
@@ -166,7 +166,7 @@ TEST(Pauses, ThatBeginSlowlyBeginAtAnUncertainTime) {
     }
     for (double t = 0; t < slow_s; t += kStep_s) chewing.add(-1e-3 * slow_mm * (1 - t / slow_s));
     chewing.rest(2);
-    return chewing.cycles().back().end_sd_s;
+    return chewing.cycles().back().ends.sd_s;
   };
   EXPECT_LT(doubt_s(0, 0), 0.03);
   EXPECT_GT(doubt_s(0.8, 0.3), 0.06);

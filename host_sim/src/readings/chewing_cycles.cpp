@@ -165,43 +165,38 @@ std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
       return closed.is_in_cycle || (!is_pause(closed) && (closed.is_cut || is_outside));
     };
     cycle.open_s = time_s[end.first] - time_s[begin.last];
-    cycle.begins_after_pause = is_pause(begin);
-    cycle.ends_with_pause = is_pause(end);
-    cycle.begin = cycle.begins_after_pause ? begin.last : begin.top;
-    cycle.end = cycle.ends_with_pause ? end.first : end.top;
-    cycle.begin_s = time_s[cycle.begin];
-    cycle.end_s = time_s[cycle.end];
-    cycle.reads_from_s = cycle.begin_s;
-    cycle.reads_to_s = cycle.end_s;
     const auto doubt_s = [&](const ClosedTime& closed, std::size_t at, int way) {
       const double top_m = height_m[closed.top];
       return departure_doubt_s(time_s, height_m, at, way, top_m, depth_m,
                                top_m - height_m[cycle.turn]);
     };
-    if (cycle.begins_after_pause) cycle.begin_sd_s = doubt_s(begin, begin.last, 1);
-    if (cycle.ends_with_pause) cycle.end_sd_s = doubt_s(end, end.first, -1);
-    // A closed time between instant and pause: its middle is the boundary of both cycles.
-    const auto middle = [&](const ClosedTime& closed, std::size_t& at, double& at_s, double& sd_s,
-                            bool& is_slow, double& far_s, int far_way) {
-      const double closed_s = closed_times.length_s(closed);
-      if (closed_s < kInstant_s) return;
-      at = (closed.first + closed.last) / 2;
-      const double of_laws_s = doubt_s(closed, closed.first, -1) + doubt_s(closed, closed.last, 1);
-      is_slow = of_laws_s > closed_s;
-      at_s = middle_of_closed_s(time_s, height_m, at, height_m[closed.top], depth_m, is_slow);
-      sd_s = kShareOfClosed * (closed_s + std::min(of_laws_s, 3 * closed_s));
-      const std::size_t edge = far_way > 0 ? closed.last : closed.first;
-      const double reaches_s =
-          passage_s(time_s, height_m, edge, far_way, height_m[closed.top] - kDepthsOfLaw * depth_m);
-      far_s = time_s[edge] + std::clamp(reaches_s - time_s[edge], -closed_s, closed_s);
+    // The edge that `closed` gives; `way`: from it into the cycle.
+    const auto edge_of = [&](const ClosedTime& closed, int way, std::size_t& at, double& at_s) {
+      const double top_m = height_m[closed.top], closed_s = closed_times.length_s(closed);
+      const std::size_t near = way > 0 ? closed.last : closed.first;
+      const std::size_t far = way > 0 ? closed.first : closed.last;
+      CycleEdge edge;
+      edge.is_pause = is_pause(closed);
+      at = edge.is_pause ? near : closed.top;
+      at_s = edge.reads_s = time_s[at];
+      if (edge.is_pause) {
+        edge.sd_s = doubt_s(closed, near, way);
+      } else if (closed_s >= kInstant_s) {
+        // Between instant and pause: its middle is the edge of both cycles.
+        at = (closed.first + closed.last) / 2;
+        const double of_laws_s =
+            doubt_s(closed, closed.first, -1) + doubt_s(closed, closed.last, 1);
+        edge.is_slow = of_laws_s > closed_s;
+        at_s = middle_of_closed_s(time_s, height_m, at, top_m, depth_m, edge.is_slow);
+        edge.sd_s = kShareOfClosed * (closed_s + std::min(of_laws_s, 3 * closed_s));
+        const double reaches_s =
+            passage_s(time_s, height_m, far, -way, top_m - kDepthsOfLaw * depth_m);
+        edge.reads_s = time_s[far] + std::clamp(reaches_s - time_s[far], -closed_s, closed_s);
+      }
+      return edge;
     };
-    if (!cycle.begins_after_pause) {
-      middle(begin, cycle.begin, cycle.begin_s, cycle.begin_sd_s, cycle.begins_slowly,
-             cycle.reads_from_s, -1);
-    }
-    if (!cycle.ends_with_pause) {
-      middle(end, cycle.end, cycle.end_s, cycle.end_sd_s, cycle.ends_slowly, cycle.reads_to_s, 1);
-    }
+    cycle.begins = edge_of(begin, 1, cycle.begin, cycle.begin_s);
+    cycle.ends = edge_of(end, -1, cycle.end, cycle.end_s);
     const double gap_s = longest_gap_s(time_s, cycle.begin, cycle.end + 1);
     const double duration_s = cycle.end_s - cycle.begin_s;
     if (gap_s > kLongestGap_s) {
@@ -245,22 +240,21 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
   const std::vector<double> z = heights_of(path, has_landmarks);
   const auto& time_s = path.time_s;
   // The top near `at`, and when the jaw was closed there.
-  const auto closed = [&](std::size_t at, bool is_pause, bool is_slow, double sd_s, int way,
-                          std::size_t& top) {
+  const auto closed = [&](std::size_t at, const CycleEdge& edge, int way, std::size_t& top) {
     std::size_t first = at, last = at;
     while (first > 0 && time_s[at] - time_s[first - 1] <= kSearch_s) --first;
     while (last + 1 < z.size() && time_s[last + 1] - time_s[at] <= kSearch_s) ++last;
     top = greatest_at(z, first, last + 1);
-    if (!is_pause && sd_s > 0) {
+    if (!edge.is_pause && edge.sd_s > 0) {
       top = at;
       double top_m = z[at];
       for (std::size_t k = first; k <= last; ++k) {
         if (std::abs(time_s[k] - time_s[at]) < kInstant_s / 2) top_m = std::max(top_m, z[k]);
       }
       const double depth_m = closed_depth_m(top_m - z[cycle.turn - offset], noise_sd_m);
-      return middle_of_closed_s(time_s, z, at, top_m, depth_m, is_slow);
+      return middle_of_closed_s(time_s, z, at, top_m, depth_m, edge.is_slow);
     }
-    if (!is_pause) return top_s(time_s, z, top);
+    if (!edge.is_pause) return top_s(time_s, z, top);
     // The height while closed: mean of the half second on the closed side, as far as it is there.
     double sum = 0, count = 0;
     for (std::size_t k = at;; k = way > 0 ? k - 1 : k + 1) {
@@ -273,10 +267,8 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
     return departure_s(time_s, z, at, way, top_m, closed_depth_m(height_m, noise_sd_m));
   };
   std::size_t begin = 0, end = 0;
-  const double begin_s = closed(cycle.begin - offset, cycle.begins_after_pause, cycle.begins_slowly,
-                                cycle.begin_sd_s, 1, begin);
-  const double end_s =
-      closed(cycle.end - offset, cycle.ends_with_pause, cycle.ends_slowly, cycle.end_sd_s, -1, end);
+  const double begin_s = closed(cycle.begin - offset, cycle.begins, 1, begin);
+  const double end_s = closed(cycle.end - offset, cycle.ends, -1, end);
   begin = std::min(begin, cycle.turn - offset - 1);
   end = std::max(end, cycle.turn - offset + 1);
   std::vector<double> depths, speeds;
@@ -303,7 +295,7 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
   }
   for (const auto& phase : smoothness) values.insert(values.end(), phase, phase + 2);
   if (why != nullptr) why->assign(values.size(), "");
-  const CycleMarks marks{begin, turn, end, begin_s, end_s, cycle.ends_with_pause};
+  const CycleMarks marks{begin, turn, end, begin_s, end_s, cycle.ends.is_pause};
   const CycleIntegrals integrals = integrals_of(marks, path);
   add_cycle_shape(marks, path, integrals, z, rates, greatest, values, why);
   if (has_landmarks) {

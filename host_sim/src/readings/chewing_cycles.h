@@ -20,20 +20,22 @@
 
 namespace condyle::host {
 
+/// The closed time in which a cycle begins or ends.
+struct CycleEdge {
+  bool is_pause = false;
+  /// If it is too long for an instant: uncertainty of its middle or, of a pause, of the end next to
+  /// the cycle (s); 0: an instant.
+  double sd_s = 0;
+  bool is_slow = false;  ///< the jaw reaches or leaves it too slowly for the law of departures
+  double reads_s = 0;    ///< seen from the cycle, it lies before this time
+};
+
 /// A cycle, as samples of the path in which it was found.
 struct ChewingCycle {
   std::size_t begin = 0, turn = 0, end = 0;  ///< closed, most open, closed
-  bool begins_after_pause = false, ends_with_pause = false;
   double begin_s = 0, turn_s = 0, end_s = 0;
-  /// Of a closed time that is too long for an instant: uncertainty of its middle or, of a pause, of
-  /// the end next to the cycle (s); 0: an instant.
-  double begin_sd_s = 0, end_sd_s = 0;
-  /// Of such a closed time: the jaw reaches or leaves it too slowly for the law of departures.
-  bool begins_slowly = false, ends_slowly = false;
-  double open_s = 0;  ///< from leaving the closed position to reaching it again
-  /// The closed times on both sides lie between these times, and how the jaw reaches and leaves
-  /// them.
-  double reads_from_s = 0, reads_to_s = 0;
+  CycleEdge begins, ends;
+  double open_s = 0;     ///< from leaving the closed position to reaching it again
   std::string rejected;  ///< why it is not taken; empty: taken
 };
 

@@ -31,11 +31,11 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
   const auto& time_s = context.motion->time_s;
   std::size_t begin = cycle.begin, end = cycle.end + 1;
   const double earliest_s =
-      std::min(time_s[cycle.begin] - (cycle.begins_after_pause ? kMarginAtPause_s : kMargin_s),
-               cycle.reads_from_s - kMarginOfClosed_s);
+      std::min(time_s[cycle.begin] - (cycle.begins.is_pause ? kMarginAtPause_s : kMargin_s),
+               cycle.begins.reads_s - kMarginOfClosed_s);
   const double latest_s =
-      std::max(time_s[cycle.end] + (cycle.ends_with_pause ? kMarginAtPause_s : kMargin_s),
-               cycle.reads_to_s + kMarginOfClosed_s);
+      std::max(time_s[cycle.end] + (cycle.ends.is_pause ? kMarginAtPause_s : kMargin_s),
+               cycle.ends.reads_s + kMarginOfClosed_s);
   while (begin > 0 && time_s[begin - 1] >= earliest_s) --begin;
   while (end < time_s.size() && time_s[end] <= latest_s) ++end;
   const std::vector<double> times_s(time_s.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -50,10 +50,10 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
                    why);
       });
   const double stamp_s = context.noise->stamp_sd_s;
-  const double at_begin_s = cycle.begins_after_pause ? std::max(kPauseBoundary_s, cycle.begin_sd_s)
-                                                     : std::hypot(cycle.begin_sd_s, stamp_s);
-  const double at_end_s = cycle.ends_with_pause ? std::max(kPauseBoundary_s, cycle.end_sd_s)
-                                                : std::hypot(cycle.end_sd_s, stamp_s);
+  const double at_begin_s = cycle.begins.is_pause ? std::max(kPauseBoundary_s, cycle.begins.sd_s)
+                                                  : std::hypot(cycle.begins.sd_s, stamp_s);
+  const double at_end_s = cycle.ends.is_pause ? std::max(kPauseBoundary_s, cycle.ends.sd_s)
+                                              : std::hypot(cycle.ends.sd_s, stamp_s);
   const double step_s =
       (time_s[cycle.end] - time_s[cycle.begin]) / static_cast<double>(cycle.end - cycle.begin);
   const auto names = readings_of_cycle(context.has_landmarks);
@@ -67,11 +67,11 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
       values[i].doubt = kBetweenSamples * step_s * step_s / values[i].value;
     }
     // Where in a closed time the middle lies depends on how the subject closes, in every cycle.
-    if (name == "opening_time_s" && !cycle.begins_after_pause) {
-      values[i].doubt = std::hypot(values[i].doubt, cycle.begin_sd_s);
+    if (name == "opening_time_s" && !cycle.begins.is_pause) {
+      values[i].doubt = std::hypot(values[i].doubt, cycle.begins.sd_s);
     }
-    if ((name == "closing_time_s" || name == "slow_close_time_s") && !cycle.ends_with_pause) {
-      values[i].doubt = std::hypot(values[i].doubt, cycle.end_sd_s);
+    if ((name == "closing_time_s" || name == "slow_close_time_s") && !cycle.ends.is_pause) {
+      values[i].doubt = std::hypot(values[i].doubt, cycle.ends.sd_s);
     }
     if (name.ends_with("ldlj")) values[i].scale_corrections(kTimesJerk);
     widen_smoothness(name, doubts, values[i]);
