@@ -23,11 +23,11 @@ namespace condyle::host {
 /// The closed time in which a cycle begins or ends.
 struct CycleEdge {
   bool is_pause = false;
-  /// If it is too long for an instant: uncertainty of its middle or, of a pause, of the end next to
-  /// the cycle (s); 0: an instant.
+  /// Of a pause: uncertainty of the time at which it begins or ends. Else of the middle of the
+  /// closed time; 0 of an instant.
   double sd_s = 0;
   bool is_slow = false;  ///< the jaw reaches or leaves it too slowly for the law of departures
-  double reads_s = 0;    ///< seen from the cycle, it lies before this time
+  double reads_s = 0;    ///< time to which the closed time and its far end reach
 };
 
 /// A cycle, as samples of the path in which it was found.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Value and slope of a motion at each sample: least squares of a cubic over the samples within 50
-// ms on both sides, at least seven of them. A quadratic would give slopes 3 % too small at the peak
-// of a chewing stroke. Linear in the samples, with known weights.
+// Value and slope of a motion at each sample: least squares of a cubic over the samples within a
+// window, usually 50 ms on both sides and at least seven of them. A quadratic would give slopes 3 %
+// too small at the peak of a chewing stroke. Linear in the samples, with known weights.
 #pragma once
 
 #include <cstddef>
@@ -12,15 +12,16 @@
 
 namespace condyle::host {
 
-/// Half width of the window (s), and where samples are few, the greatest half width.
+/// Half width of the usual window (s), and where samples are few, the greatest half width.
 inline constexpr double kFitHalfWidth_s = 0.05, kWidestFit_s = 0.15;
-/// Fewest samples of a fit.
+/// Its fewest samples.
 inline constexpr std::size_t kLeastFitSamples = 7;
 
 /// Standard deviation of a slope over that of a sample, at the constant rate `rate_Hz` (1/s).
 double slope_gain(double rate_Hz);
 
-/// The weights of the fits at samples `begin` to `end` (without) of a recording.
+/// The weights of the fits at samples `begin` to `end` (without) of a recording: over
+/// `half_width_s` on both sides, and farther if that has less than `least_samples`.
 class LocalFit {
  public:
   LocalFit(const std::vector<double>& time_s, std::size_t begin, std::size_t end,

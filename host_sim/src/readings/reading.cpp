@@ -12,13 +12,12 @@ namespace {
 constexpr const char* kTaskNames[kTaskKinds] = {"opening", "protrusion", "left", "right",
                                                 "chewing", "border",     "rest"};
 
-// What noise explains of a contradiction, in standard deviations; how often the rest is in the
-// interval, because the narrow window hides some of it too.
-constexpr double kExplained = 2, kTimesContradiction = 3;
-
-double rest_of(double square, double explained) {
-  return kTimesContradiction * std::sqrt(std::max(square - explained, 0.0));
-}
+// What noise explains of a contradiction, in standard deviations.
+constexpr double kExplained = 2;
+// Of the rest, what the interval contains: the narrow window hides part of the movement too.
+constexpr double kTimesContradiction = 3;
+// The most that one value adds to a shared contradiction, in standard deviations.
+constexpr double kMostShared = 3;
 
 // The most repetitions that are worth advising.
 constexpr double kMostAdvised = 100;
@@ -69,14 +68,16 @@ double UncertainValue::systematic() const {
 }
 
 double UncertainValue::of_contradiction() const {
-  return rest_of(contradiction * contradiction,
-                 kExplained * kExplained * contradiction_sd * contradiction_sd);
+  const double explained = kExplained * contradiction_sd;
+  const double rest = std::max(contradiction * contradiction - explained * explained, 0.0);
+  return kTimesContradiction * std::max(std::sqrt(rest), shared_contradiction);
 }
 
 void UncertainValue::scale_systematic(double factor) {
   doubt *= factor;
   contradiction *= factor;
   contradiction_sd *= factor;
+  shared_contradiction *= factor;
   scale_corrections(factor);
 }
 
@@ -88,7 +89,7 @@ void UncertainValue::set_half_interval(double half) {
   noise_sd = half / kHalf95;
   doubt = 0;
   corrections = {};
-  contradiction = contradiction_sd = 0;
+  contradiction = contradiction_sd = shared_contradiction = 0;
   fixed.clear();
 }
 
@@ -139,18 +140,16 @@ void share_contradictions(const std::vector<UncertainValue*>& repeated) {
   for (const UncertainValue* value : repeated) {
     if (!std::isfinite(value->value)) continue;
     ++count;
-    squares += value->contradiction * value->contradiction;
+    const double size =
+        std::min(std::abs(value->contradiction), kMostShared * value->contradiction_sd);
+    squares += size * size;
     variances += value->contradiction_sd * value->contradiction_sd;
   }
-  if (count == 0) return;
-  // The mean of the squares of `count` errors: mean and standard deviation.
+  if (count < 2) return;
+  // Of the mean of the squares of `count` normal errors: mean and standard deviations.
   const double explained = (1 + kExplained * std::sqrt(2 / count)) * variances / count;
-  const double shared = rest_of(squares / count, explained);
-  for (UncertainValue* value : repeated) {
-    const double own = value->of_contradiction();
-    if (own >= shared) continue;
-    value->doubt = std::hypot(value->doubt, std::sqrt(shared * shared - own * own));
-  }
+  const double shared = std::sqrt(std::max(squares / count - explained, 0.0));
+  for (UncertainValue* value : repeated) value->shared_contradiction = shared;
 }
 
 std::string what_narrows(const UncertainValue& value, double limit, std::string_view repeated) {
@@ -159,8 +158,10 @@ std::string what_narrows(const UncertainValue& value, double limit, std::string_
   fixed *= kHalf95 * kHalf95;
   const double noise = kHalf95 * kHalf95 * value.noise_sd * value.noise_sd;
   const double smoothing = value.systematic() * value.systematic(), all = limit * limit;
-  if (value.of_contradiction() > limit) {
-    return "the movement changes too abruptly for the smoothing; a smoother one would narrow it";
+  // Windows do not become shorter with the rate, and less noise only shows more of it.
+  if (value.of_contradiction() > limit / 2) {
+    return "the movement stops or turns too abruptly for the smoothing over 0.1 s; only a movement "
+           "that does so more slowly would narrow it";
   }
   const double least = all / 10;  // with less room, one part alone would have to vanish
   if (const double room = all - fixed - smoothing; room > least) {

@@ -82,6 +82,8 @@ struct UncertainValue {
   /// With sign, what the samples show of smoothing beyond what was corrected, and its standard
   /// deviation by noise: what exceeds the noise is in the interval.
   double contradiction = 0, contradiction_sd = 0;
+  /// What repeated values show of it together (share_contradictions).
+  double shared_contradiction = 0;
   std::vector<double> fixed;  ///< change per standard deviation of each error that strokes share
   int repetitions = 0;        ///< strokes or cycles that were averaged; 0: a single value
   std::string missing;        ///< the reason if the value is NaN
@@ -103,7 +105,7 @@ struct UncertainValue {
 UncertainValue mean_of(const std::vector<UncertainValue>& strokes);
 
 /// Where the contradictions of the `repeated` values together exceed their noise, their root mean
-/// square counts for each: noise hides most of that of one.
+/// square counts for each: in a single value noise hides it.
 void share_contradictions(const std::vector<UncertainValue*>& repeated);
 
 /// What would narrow the interval of `value` to +-`limit`, as words: more repetitions, less noise,

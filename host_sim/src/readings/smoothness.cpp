@@ -205,6 +205,7 @@ void widen_smoothness(std::string_view name, const std::array<double, 2>& doubts
   // Noise decides which lobes count: in each movement anew.
   const double lobes = name == "sparc" ? doubts[0] : name == "closing_sparc" ? doubts[1] : 0;
   value.noise_sd = std::hypot(value.noise_sd, lobes / kHalf95);
+  value.contradiction_sd = std::hypot(value.contradiction_sd, lobes / kHalf95);
   if (name.ends_with("ldlj")) value.doubt = std::hypot(value.doubt, kJerkDoubt);
 }
 

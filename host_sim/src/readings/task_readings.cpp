@@ -66,7 +66,7 @@ class TaskReader {
       difference.noise_sd = std::hypot(difference.noise_sd, other.noise_sd);
       difference.doubt += other.doubt;
       difference.contradiction = std::abs(difference.contradiction) + std::abs(other.contradiction);
-      difference.contradiction_sd = std::hypot(difference.contradiction_sd, other.contradiction_sd);
+      difference.contradiction_sd += other.contradiction_sd;
       for (std::size_t i = 0; i < difference.corrections.size(); ++i) {
         difference.corrections[i] =
             std::abs(difference.corrections[i]) + std::abs(other.corrections[i]);

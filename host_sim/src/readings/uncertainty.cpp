@@ -13,7 +13,8 @@ namespace {
 // Beyond this share of draws without a value, the value depends on chance.
 constexpr double kMostMissing = 0.1;
 constexpr double kAside_m = 1e-6;  // nearer to Y = 0, rounding must not decide on the side
-// Half of the window that shows what the wide one hides; at low rates it is not narrower.
+// Half of the window that shows what the wide one hides, and its fewest samples, which at low rates
+// make it longer.
 constexpr double kNarrowHalf_s = 0.02;
 constexpr std::size_t kLeastNarrow = 5;
 constexpr double kTimesNoise = 6, kGreatestReach_s = 0.6;
@@ -295,8 +296,8 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
   read_smooth(calm_values);
   // Draws start from a path whose tops are as flat as the true ones, with less noise still.
   const LocalFit mild_fit(motion.time_s, first, last, settings.mild_half_s);
-  std::vector<Vector6> mild, mild_slopes;
-  mild_fit.apply(motion.motion, 0, mild, mild_slopes);
+  std::vector<Vector6> mild;
+  mild_fit.apply(motion.motion, 0, mild, slopes);
   mild = means_of(part_of(motion.time_s, first, last), mild, settings.mild_half_s / 2);
   for (Window* const window : {&narrow, &wide}) {
     window->fit.apply(calm, first, begin, end, smooth.value, smooth.slope);
@@ -318,7 +319,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
       if (noise.stamp_sd_s > 0) error[k] += noise.stamp_sd_s * normal(random) * slopes[k];
     }
     add_shared_noise(noise.shared, error_time_s, random, error);
-    // Whether narrowing exceeds its noise needs that less exactly.
+    // Half of the pairs suffice for the noise of narrowing.
     const bool is_narrowed = pair % 2 == 0;
     const auto draw = [&](Window& window, double sign) {
       for (std::size_t k = 0; k < times_s.size(); ++k) {
@@ -361,7 +362,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
     result.corrections = {settings.times_smoothing * smoothing, mean};
     const double narrowing = narrow.of_samples[i] - values[i] -
                              (narrow.of_calm[i] - wide.of_calm[i]) - narrowings[i].mean();
-    if (std::isfinite(narrowing)) {
+    if (std::isfinite(narrowing) && narrowings[i].missing <= kMostMissing * settings.pairs) {
       result.contradiction = narrowing;
       result.contradiction_sd = narrowings[i].sd();
     }

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // What measures of a path are worth: values with the parts of their uncertainty.
 //
-//   y    smoothed motion of the stroke; F(y) the measures; S smoothing; e noise of the samples,
-//        and how far the motion goes while their times are off
+//   y    samples of the stroke; S smoothing; F(S y) the measures; e noise of the samples, and how
+//        far the motion goes while their times are off
 //   z    the motion smoothed over a wider window, with hardly any noise
 //   m    the motion smoothed over a still wider window, then averaged over half of it
 //   smoothing   F(S z) - F(z), what smoothing changes, is subtracted, and a multiple of it is in
 //               the interval
-//   narrowing   what S' with a narrower window changes of the samples, F(S' y) - F(S y), without
-//               what it changes of z and of noise: what exceeds its noise is in the interval
+//   S'   smoothing over 20 ms on both sides, at least five samples
+//   narrowing   F(S' y) - F(S y), minus the same of z and of noise: where the movement is more
+//               abrupt than z. A multiple of what exceeds its noise is in the interval
 //   noise       mean of F(S(m + e)) - F(S m), what noise adds, is subtracted, and its size is in
 //               the interval; the standard deviation of these is that of the value
 //   fixed       F with one landmark coordinate, or one component of the reference position, off by
