@@ -135,6 +135,22 @@ UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
   return mean;
 }
 
+UncertainValue difference_of(UncertainValue value, const UncertainValue& other) {
+  if (!std::isfinite(other.value)) value.missing = other.missing;
+  value.value -= other.value;
+  value.noise_sd = std::hypot(value.noise_sd, other.noise_sd);
+  value.doubt += other.doubt;
+  value.contradiction = std::abs(value.contradiction) + std::abs(other.contradiction);
+  value.contradiction_sd += other.contradiction_sd;
+  for (std::size_t i = 0; i < value.corrections.size(); ++i) {
+    value.corrections[i] = std::abs(value.corrections[i]) + std::abs(other.corrections[i]);
+  }
+  for (std::size_t i = 0; i < value.fixed.size() && i < other.fixed.size(); ++i) {
+    value.fixed[i] -= other.fixed[i];
+  }
+  return value;
+}
+
 void share_contradictions(const std::vector<UncertainValue*>& repeated) {
   double count = 0, squares = 0, variances = 0;
   for (const UncertainValue* value : repeated) {

@@ -104,6 +104,10 @@ struct UncertainValue {
 /// differ in sign cancel as what is left of them does, at most like independent errors.
 UncertainValue mean_of(const std::vector<UncertainValue>& strokes);
 
+/// `value` - `other`, whose noise is independent; the rest of their uncertainty adds up, but for
+/// errors that both share.
+UncertainValue difference_of(UncertainValue value, const UncertainValue& other);
+
 /// Where the contradictions of the `repeated` values together exceed their noise, their root mean
 /// square counts for each: in a single value noise hides it.
 void share_contradictions(const std::vector<UncertainValue*>& repeated);

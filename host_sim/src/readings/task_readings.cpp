@@ -59,21 +59,7 @@ class TaskReader {
       const auto protrusion =
           means_.find(mean_key(TaskKind::protrusion, "condylar_inclination_5mm_deg", side));
       if (mediotrusion == means_.end() || protrusion == means_.end()) continue;
-      UncertainValue difference = mediotrusion->second;
-      const UncertainValue& other = protrusion->second;
-      if (!std::isfinite(other.value)) difference.missing = other.missing;
-      difference.value -= other.value;
-      difference.noise_sd = std::hypot(difference.noise_sd, other.noise_sd);
-      difference.doubt += other.doubt;
-      difference.contradiction = std::abs(difference.contradiction) + std::abs(other.contradiction);
-      difference.contradiction_sd += other.contradiction_sd;
-      for (std::size_t i = 0; i < difference.corrections.size(); ++i) {
-        difference.corrections[i] =
-            std::abs(difference.corrections[i]) + std::abs(other.corrections[i]);
-      }
-      for (std::size_t i = 0; i < difference.fixed.size() && i < other.fixed.size(); ++i) {
-        difference.fixed[i] -= other.fixed[i];
-      }
+      const UncertainValue difference = difference_of(mediotrusion->second, protrusion->second);
       add(definition, orbiting, side, 0, difference, false);
     }
   }
