@@ -15,6 +15,7 @@
 #include "hosted/files/input_error.h"
 #include "hosted/files/number_text.h"
 #include "output/event_text.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -37,9 +38,7 @@ double rate_of(const ExportData& data) {
   for (std::size_t k = 1; k < data.samples(); ++k) {
     steps.push_back(data.time_ns[k] - data.time_ns[k - 1]);
   }
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return 1 / seconds(*middle);
+  return 1 / seconds(upper_median(std::move(steps)));
 }
 
 class Writer {

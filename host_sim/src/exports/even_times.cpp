@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "hosted/files/input_error.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -24,9 +25,7 @@ double median_step_s(const std::vector<TimeNs>& time_ns) {
   for (std::size_t k = 1; k < time_ns.size(); ++k) {
     steps_s.push_back(difference_s<double>(time_ns[k], time_ns[k - 1]));
   }
-  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
-  std::nth_element(steps_s.begin(), middle, steps_s.end());
-  return *middle;
+  return upper_median(std::move(steps_s));
 }
 
 // Time of the first frame, and the step, that fit the samples best.

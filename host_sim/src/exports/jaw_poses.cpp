@@ -6,6 +6,7 @@
 #include "condyle/estimator/pose/point_follower.h"
 #include "condyle/estimator/pose/rigid_body.h"
 #include "readings/pose_track.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -41,12 +42,7 @@ std::optional<JawPoses> fitted_poses(const std::vector<const ExportSeries*>& poi
   }
   if (distances_m[0].empty()) return std::nullopt;
   Eigen::Vector3d medians_m;
-  for (int i = 0; i < 3; ++i) {
-    const auto middle =
-        distances_m[i].begin() + static_cast<std::ptrdiff_t>(distances_m[i].size() / 2);
-    std::nth_element(distances_m[i].begin(), middle, distances_m[i].end());
-    medians_m[i] = *middle;
-  }
+  for (int i = 0; i < 3; ++i) medians_m[i] = upper_median(std::move(distances_m[i]));
   const auto body = RigidBody<double>::from_distances(medians_m);
   if (body.status() != PoseStatus::ok) return std::nullopt;
   std::vector<double> residuals_m;

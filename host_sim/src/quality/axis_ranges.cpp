@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "statistics/quantile.h"
+
 namespace condyle::host {
 namespace {
 
@@ -24,20 +26,14 @@ void AxisRanges::add(const std::array<double, 3>& position_m) {
 std::array<double, 3> AxisRanges::ranges_m() const {
   std::array<double, 3> ranges_m{};
   if (kept_m_.empty()) return ranges_m;
-  const std::size_t count = kept_m_.size();
-  const auto below = static_cast<std::ptrdiff_t>(
-      count < kFewest ? 0 : std::ceil(kLeftOut * static_cast<double>(count - 1)));
+  const std::size_t last = kept_m_.size() - 1;
+  const auto left_out = static_cast<std::size_t>(
+      kept_m_.size() < kFewest ? 0 : std::ceil(kLeftOut * static_cast<double>(last)));
   std::vector<double> along(kept_m_.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::transform(kept_m_.begin(), kept_m_.end(), along.begin(),
                    [axis](const auto& position_m) { return position_m[axis]; });
-    const auto quantile = [&](std::ptrdiff_t index) {
-      std::nth_element(along.begin(), along.begin() + index, along.end());
-      return along[static_cast<std::size_t>(index)];
-    };
-    const auto last = static_cast<std::ptrdiff_t>(along.size()) - 1;
-    const double highest_m = quantile(std::max(last - below, below));
-    ranges_m[axis] = highest_m - quantile(std::min(below, last - below));
+    ranges_m[axis] = sorted_at(along, last - left_out) - sorted_at(along, left_out);
   }
   return ranges_m;
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "quality/sixth_differences.h"
 
-#include <algorithm>
 #include <cmath>
+
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 
@@ -12,9 +13,7 @@ double noise_by_sixth_differences(std::vector<double> values) {
     values.pop_back();
   }
   for (double& difference : values) difference = std::abs(difference);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle / (0.6745 * std::sqrt(924.0));
+  return upper_median(std::move(values)) / (0.6745 * std::sqrt(924.0));
 }
 
 }  // namespace condyle::host

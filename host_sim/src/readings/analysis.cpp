@@ -16,6 +16,7 @@
 #include "readings/strokes.h"
 #include "readings/task_readings.h"
 #include "readings/uncertainty.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -78,11 +79,10 @@ SampleRun reference_of(const PoseTrack& track, const AnalysisChoice& choice,
     for (const Vector3d& mean_m : means_m) {
       distances_m.push_back((mean_m - means_m.front()).norm());
     }
-    const auto middle = distances_m.begin() + static_cast<std::ptrdiff_t>(distances_m.size() / 2);
-    std::nth_element(distances_m.begin(), middle, distances_m.end());
-    if (*middle > kMostReferenceMotion_m) {
+    const double usual_m = upper_median(std::move(distances_m));
+    if (usual_m > kMostReferenceMotion_m) {
       throw InputError(
-          recording, fmt::format("the jaw moves by {:.1f} mm during --reference-s", *middle * 1e3),
+          recording, fmt::format("the jaw moves by {:.1f} mm during --reference-s", usual_m * 1e3),
           "give an interval in which it rests");
     }
   }

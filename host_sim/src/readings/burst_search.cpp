@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "statistics/quantile.h"
+
 namespace condyle::host {
 namespace {
 
@@ -92,9 +94,7 @@ std::vector<SampleRun> find_bursts(const std::vector<double>& time_s,
     const std::size_t to = std::min(begin + kNeighbours, path.size() - 1);
     near.assign(bends.begin() + static_cast<std::ptrdiff_t>(from),
                 bends.begin() + static_cast<std::ptrdiff_t>(to));
-    std::nth_element(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2),
-                     near.end());
-    if (jump_m < kJumpRatio * near[near.size() / 2]) continue;
+    if (jump_m < kJumpRatio * sorted_at(near, near.size() / 2)) continue;
     std::array<std::size_t, kSide> before{};
     std::size_t found = 0;
     for (std::size_t k = begin; k > 0 && found < kSide; --k) {

@@ -11,6 +11,7 @@
 #include "readings/path_measures.h"
 #include "readings/smoothness.h"
 #include "readings/strokes.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -46,13 +47,6 @@ std::vector<std::size_t> turning_points(const std::vector<double>& z, double lea
   }
   if (direction > 0) turns.push_back(high);  // the last closing has no opening after it
   return turns;
-}
-
-double percentile_90(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 9 / 10);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 // Time of the top of z near sample `at`: of the parabola through it and its neighbours.
@@ -120,7 +114,8 @@ std::vector<std::size_t> turns_of_cycles(const std::vector<double>& z, SampleRun
   for (std::size_t i = 1; i < turns.size(); ++i) {
     heights_m.push_back(std::abs(inside[turns[i]] - inside[turns[i - 1]]));
   }
-  const double least_m = std::max(kLeastHeight_m, kHeightShare * percentile_90(heights_m));
+  const double usual_m = heights_m.empty() ? 0 : sorted_at(heights_m, heights_m.size() * 9 / 10);
+  const double least_m = std::max(kLeastHeight_m, kHeightShare * usual_m);
   turns = turning_points(inside, least_m, begins_with_top);
   if (!begins_with_top && !turns.empty()) turns.erase(turns.begin());
   for (std::size_t& turn : turns) turn += window.begin;
@@ -149,7 +144,8 @@ std::vector<ChewingCycle> find_cycles(const std::vector<double>& time_s,
   for (std::size_t i = 2; i + 2 < turns.size(); i += 2) {
     lengths_s.push_back(closed_times.length_s(closed_at(i, depth_at(i + 1))));
   }
-  const double pause_s = std::max(kPause_s, kTimesUsual * median(lengths_s));
+  const double usual_s = lengths_s.empty() ? 0 : upper_median(std::move(lengths_s));
+  const double pause_s = std::max(kPause_s, kTimesUsual * usual_s);
   for (std::size_t i = 0; i + 2 < turns.size(); i += 2) {
     ChewingCycle cycle;
     cycle.turn = turns[i + 1];

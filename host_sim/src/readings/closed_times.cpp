@@ -4,14 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace condyle::host {
+#include "statistics/quantile.h"
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
+namespace condyle::host {
 
 double closed_depth_m(double height_m, double noise_sd_m) {
   return std::max({0.2e-3, 5 * noise_sd_m, 0.015 * height_m});
@@ -86,7 +81,7 @@ ClosedTime ClosedTimes::around(std::size_t top, std::size_t floor, std::size_t r
     closed.is_cut = closed.is_cut || ends_at(closed.last, 1);
   }
   // Smoothing lets a fast movement overshoot: not by its top, but by most of it.
-  closed.is_in_cycle = !outside.empty() && median(outside) > z_[top] + depth_m;
+  closed.is_in_cycle = !outside.empty() && upper_median(std::move(outside)) > z_[top] + depth_m;
   return closed;
 }
 

@@ -11,9 +11,6 @@
 
 namespace condyle::host {
 
-/// The upper median; 0 of none.
-double median(std::vector<double> values);
-
 /// Depth below the top (m) that counts as closed, in a cycle of `height_m`.
 double closed_depth_m(double height_m, double noise_sd_m);
 

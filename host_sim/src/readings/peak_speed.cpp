@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "readings/polynomial_fit.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -51,9 +52,7 @@ SpeedReader::SpeedReader(const ReferredMotion& motion, SampleRun run, const Pose
   std::vector<double> steps_s;
   for (std::size_t k = first_ + 1; k < last_; ++k) steps_s.push_back(time_s[k] - time_s[k - 1]);
   if (steps_s.empty()) return;
-  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
-  std::nth_element(steps_s.begin(), middle, steps_s.end());
-  step_s_ = *middle;
+  step_s_ = upper_median(std::move(steps_s));
   const SmoothMotion raw{
       {time_s.begin() + static_cast<std::ptrdiff_t>(first_),
        time_s.begin() + static_cast<std::ptrdiff_t>(last_)},

@@ -11,6 +11,7 @@
 #include "condyle/estimator/pose/rigid_body.h"
 #include "condyle/estimator/pose/rotation_vector.h"
 #include "hosted/files/input_error.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -24,12 +25,6 @@ constexpr std::size_t kMostCandidates = 50, kMostLearned = 4000;
 constexpr int kRounds = 3;
 // Second singular value of an isosceles triangle of the smallest usable height.
 constexpr double kSmallestSpread_m = 0.8 * kSmallestHeight_m;
-
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::vector<Index> points_in(const PointColumns& points_m) {
   std::vector<Index> there;
@@ -101,7 +96,7 @@ PointColumns typical_sample(const std::vector<PointColumns>& samples) {
         if (std::isfinite(distance_m)) distances_m.push_back(distance_m);
       }
       if (distances_m.empty()) continue;
-      const double usual_m = median_of(distances_m);
+      const double usual_m = upper_median(distances_m);
       for (std::size_t k = 0; k < candidates.size(); ++k) {
         const double off_m = (candidates[k]->col(i) - candidates[k]->col(j)).norm() - usual_m;
         if (std::isfinite(off_m)) misfit_m[k] += std::abs(off_m);
@@ -152,7 +147,8 @@ PointColumns refined(const std::vector<const PointColumns*>& samples, const Poin
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (places[i][axis].empty()) continue;
-      result(static_cast<Index>(axis), static_cast<Index>(i)) = median_of(places[i][axis]);
+      result(static_cast<Index>(axis), static_cast<Index>(i)) =
+          upper_median(std::move(places[i][axis]));
     }
   }
   return result;

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <optional>
 
+#include "statistics/quantile.h"
+
 namespace condyle::host {
 namespace {
 
@@ -67,9 +69,7 @@ double sd_of(std::vector<Difference>::const_iterator begin,
   std::vector<double> sizes;
   sizes.reserve(static_cast<std::size_t>(end - begin));
   for (auto at = begin; at != end; ++at) sizes.push_back(std::abs(at->value[i]));
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle / kMedianOfSize;
+  return upper_median(std::move(sizes)) / kMedianOfSize;
 }
 
 // Standard deviation of the times (s), and of the noise without them; `sd` stays where the times

@@ -10,6 +10,7 @@
 #include "condyle/estimator/pose/rotation_vector.h"
 #include "hosted/files/input_error.h"
 #include "readings/burst_search.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -20,12 +21,6 @@ using Eigen::Vector3d;
 
 // Digits of a recording, below which a residual means nothing.
 constexpr double kSmallestTolerance_m = 1e-4;
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 struct ThreePoints {
   double time_s;
@@ -38,7 +33,7 @@ void fit_body(const std::vector<ThreePoints>& samples, const std::string& name, 
   for (int k = 0; k < 3; ++k) {
     std::vector<double> all;
     for (const ThreePoints& sample : samples) all.push_back(distances_of(sample.points_m)[k]);
-    distances_m[k] = median_of(std::move(all));
+    distances_m[k] = upper_median(std::move(all));
   }
   const auto in_jaw_frame = RigidBody<double>::from_distances(distances_m);
   if (in_jaw_frame.status() != PoseStatus::ok) {
@@ -73,13 +68,11 @@ void fit_body(const std::vector<ThreePoints>& samples, const std::string& name, 
 }  // namespace
 
 double residual_tolerance_m(const std::vector<double>& residuals_m) {
-  return std::max(8 * median_of(residuals_m), kSmallestTolerance_m);
+  return std::max(8 * upper_median(residuals_m), kSmallestTolerance_m);
 }
 
 double usual_residual_m(std::vector<double> residuals_m) {
-  const auto at = residuals_m.begin() + static_cast<std::ptrdiff_t>(residuals_m.size() * 9 / 10);
-  std::nth_element(residuals_m.begin(), at, residuals_m.end());
-  return *at;
+  return sorted_at(residuals_m, residuals_m.size() * 9 / 10);
 }
 
 void refuse_if_short(std::size_t usable, const PoseCounts& counts, const std::string& name) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "statistics/quantile.h"
+
 namespace condyle::host {
 namespace {
 
@@ -25,9 +27,7 @@ double speed_window_s(const PoseTrack& track) {
                        track.pose[k + 1].translation())
                           .norm());
   }
-  const auto middle = sizes_m.begin() + static_cast<std::ptrdiff_t>(sizes_m.size() / 2);
-  std::nth_element(sizes_m.begin(), middle, sizes_m.end());
-  const double noise_m = *middle / (median_of_chi3 * std::sqrt(6.0));
+  const double noise_m = upper_median(std::move(sizes_m)) / (median_of_chi3 * std::sqrt(6.0));
   const double rate_Hz =
       static_cast<double>(track.time_s.size() - 1) / (track.time_s.back() - track.time_s.front());
   double window_s = kSpeedWindow_s;

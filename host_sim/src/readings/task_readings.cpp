@@ -19,6 +19,7 @@
 #include "readings/stroke_checks.h"
 #include "readings/stroke_readings.h"
 #include "readings/strokes.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -270,11 +271,9 @@ class TaskReader {
     for (const SampleRun& window : windows) {
       if (window.end < window.begin + 5) continue;
       const auto sd_at = analysis_.incisor_sd_m.begin();
-      std::vector<double> sds(sd_at + static_cast<std::ptrdiff_t>(window.begin),
-                              sd_at + static_cast<std::ptrdiff_t>(window.end));
-      std::nth_element(sds.begin(), sds.begin() + static_cast<std::ptrdiff_t>(sds.size() / 2),
-                       sds.end());
-      const double sd_m = sds[sds.size() / 2];
+      const double sd_m =
+          upper_median(std::vector<double>(sd_at + static_cast<std::ptrdiff_t>(window.begin),
+                                           sd_at + static_cast<std::ptrdiff_t>(window.end)));
       for (const ChewingCycle& cycle : find_cycles(path.time_s, heights, sd_m, window)) {
         AnalysedCycle analysed{cycle, {}, 0, 1, ""};
         if (!analysis_.cycles.empty()) {

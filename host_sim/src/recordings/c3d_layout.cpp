@@ -13,6 +13,7 @@
 #include "recordings/c3d.h"
 #include "recordings/c3d_events.h"
 #include "recordings/file_units.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -281,9 +282,7 @@ double usual_extent(ByteReader& reader, const C3dLayout& layout) {
     }
   }
   if (sizes.empty()) return 0;
-  const auto usual = sizes.begin() + static_cast<std::ptrdiff_t>((sizes.size() - 1) * 9 / 10);
-  std::nth_element(sizes.begin(), usual, sizes.end());
-  return *usual;
+  return sorted_at(sizes, (sizes.size() - 1) * 9 / 10);
 }
 
 }  // namespace

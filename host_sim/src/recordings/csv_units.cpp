@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "condyle/estimator/sample.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -25,13 +26,6 @@ struct TimeUnit {
 };
 constexpr std::array<TimeUnit, 4> kTimeUnits{{{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}};
 
-double quantile(std::vector<double>& values, double share) {
-  const auto middle =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 std::optional<double> median_step(const std::vector<double>& times) {
   std::vector<double> steps;
   double last = std::nan("");
@@ -40,7 +34,7 @@ std::optional<double> median_step(const std::vector<double>& times) {
     if (std::isfinite(time)) last = time;
   }
   if (steps.empty()) return std::nullopt;
-  return quantile(steps, 0.5);
+  return lower_quantile(steps, 0.5);
 }
 
 // What the values of a column are like, outliers left out.
@@ -59,10 +53,10 @@ std::optional<Spread> spread_of(const std::vector<double>& column) {
   }
   if (values.size() < 2) return std::nullopt;
   Spread spread;
-  spread.middle = std::abs(quantile(values, 0.5));
-  const double low = quantile(values, 0.05);
-  spread.range = quantile(values, 0.95) - low;
-  spread.step = quantile(steps, 0.9);
+  spread.middle = std::abs(lower_quantile(values, 0.5));
+  const double low = lower_quantile(values, 0.05);
+  spread.range = lower_quantile(values, 0.95) - low;
+  spread.step = lower_quantile(steps, 0.9);
   return spread;
 }
 

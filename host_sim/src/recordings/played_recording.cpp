@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <limits>
@@ -16,6 +15,7 @@
 #include "hosted/files/input_error.h"
 #include "recordings/recording.h"
 #include "recordings/recording_files.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -57,9 +57,7 @@ double usual_step_s(const std::string& source) {
     has_last = true;
   }
   if (steps_s.empty()) return 0;
-  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
-  std::nth_element(steps_s.begin(), middle, steps_s.end());
-  return *middle;
+  return upper_median(std::move(steps_s));
 }
 
 const char* name_of(SampleKind kind) {

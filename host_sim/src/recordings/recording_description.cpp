@@ -10,6 +10,7 @@
 
 #include "hosted/files/number_text.h"
 #include "recordings/named_points.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -89,13 +90,11 @@ class Clock {
   }
 
   void find_median(RecordingDescription& found) {
-    std::vector<TimeNs> sorted_ns;
-    std::copy_if(steps_ns_.begin(), steps_ns_.end(), std::back_inserter(sorted_ns),
+    std::vector<TimeNs> rising_ns;
+    std::copy_if(steps_ns_.begin(), steps_ns_.end(), std::back_inserter(rising_ns),
                  [](TimeNs step_ns) { return step_ns > 0; });
-    if (sorted_ns.empty()) return;
-    const auto middle = sorted_ns.begin() + static_cast<std::ptrdiff_t>(sorted_ns.size() / 2);
-    std::nth_element(sorted_ns.begin(), middle, sorted_ns.end());
-    median_ns_ = shortest_ns_ = longest_ns_ = *middle;
+    if (rising_ns.empty()) return;
+    median_ns_ = shortest_ns_ = longest_ns_ = upper_median(std::move(rising_ns));
     for (const TimeNs step_ns : steps_ns_) judge(step_ns, found);
   }
 

@@ -10,6 +10,7 @@
 
 #include "hosted/files/input_error.h"
 #include "recordings/recording_files.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 
@@ -19,9 +20,7 @@ std::optional<TimeNs> median_step_ns(const std::vector<TimeNs>& times_ns) {
     if (times_ns[i] > times_ns[i - 1]) steps.push_back(times_ns[i] - times_ns[i - 1]);
   }
   if (steps.empty()) return std::nullopt;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return upper_median(std::move(steps));
 }
 
 ReplayFacebow::ReplayFacebow(std::string path, RecordingOptions options, double speed,

@@ -11,6 +11,7 @@
 
 #include "hosted/files/input_error.h"
 #include "recordings/file_units.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -18,13 +19,6 @@ namespace {
 constexpr std::size_t kBlock = 5000, kLeast = 50;
 constexpr double kLeastOfMetres_m = 2e-6, kMostOfMetres_m = 0.15e-3, kNearOrigin_m = 10e-3;
 constexpr double kMostOfJaw_m = 0.5, kAbsurd_m = 5, kMostNoise = 0.1;
-
-double quantile(std::vector<double>& values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 // What a point does in a block of samples: the axis along which it moves farthest.
 struct Motion {
@@ -81,10 +75,10 @@ class UnitWatch {
         steps.push_back(std::abs(values[k] - values[k - 1]));
       }
       Motion motion;
-      motion.step_m = quantile(steps, 0.9);
-      const double low_m = quantile(values, 0.05);
-      motion.range_m = quantile(values, 0.95) - low_m;
-      farthest_m = std::max(farthest_m, std::abs(quantile(values, 0.5)));
+      motion.step_m = lower_quantile(steps, 0.9);
+      const double low_m = lower_quantile(values, 0.05);
+      motion.range_m = lower_quantile(values, 0.95) - low_m;
+      farthest_m = std::max(farthest_m, std::abs(lower_quantile(values, 0.5)));
       if (!widest || motion.range_m > widest->range_m) widest = motion;
     }
     if (widest) widest->middle_m = farthest_m;

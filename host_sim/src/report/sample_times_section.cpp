@@ -6,15 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "statistics/quantile.h"
+
 namespace condyle::host {
 namespace {
-
-double quantile(std::vector<double>& values, double share) {
-  const auto k = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(k);
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
 
 // As shown with one digit.
 double without_minus_zero(double value) {
@@ -104,9 +99,9 @@ SampleTimes sample_times(const std::vector<double>& time_s) {
   std::vector<double> steps_s;
   steps_s.reserve(time_s.size());
   for (std::size_t k = 1; k < time_s.size(); ++k) steps_s.push_back(time_s[k] - time_s[k - 1]);
-  times.usual_step_s = quantile(steps_s, 0.5);
-  times.low_step_s = quantile(steps_s, 0.025);
-  times.high_step_s = quantile(steps_s, 0.975);
+  times.usual_step_s = lower_quantile(steps_s, 0.5);
+  times.low_step_s = lower_quantile(steps_s, 0.025);
+  times.high_step_s = lower_quantile(steps_s, 0.975);
   times.heights.assign(
       static_cast<std::size_t>(std::lround(SampleTimes::kWidest / SampleTimes::kBin)), 0);
   for (std::size_t k = 1; k < time_s.size(); ++k) {

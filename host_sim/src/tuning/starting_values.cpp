@@ -6,6 +6,7 @@
 
 #include "quality/sixth_differences.h"
 #include "statistics/moments.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -33,12 +34,6 @@ void for_each_run(const TuningRecording& recording, Sink&& sink) {
   sink(run);
 }
 
-double middle_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Noise in the windows with the least motion; 0 if there is no window.
 double rest_noise_m(std::span<const TuningRecording> recordings) {
   std::vector<Window> windows;
@@ -61,7 +56,7 @@ double rest_noise_m(std::span<const TuningRecording> recordings) {
       [](const Window& one, const Window& other) { return one.range_m < other.range_m; });
   std::vector<double> noise;
   for (std::size_t i = 0; i < quiet; ++i) noise.push_back(windows[i].noise_m);
-  return middle_of(std::move(noise));
+  return upper_median(std::move(noise));
 }
 
 // Jerk density from third differences of one recording.
@@ -95,7 +90,7 @@ NoiseModel starting_values(std::span<const TuningRecording> recordings) {
     const double density = jerk_density(recording, guess.position_sd_m * guess.position_sd_m);
     if (density > 0) densities.push_back(density);
   }
-  guess.jerk_density_m2_s5 = densities.empty() ? 1 : middle_of(std::move(densities));
+  guess.jerk_density_m2_s5 = densities.empty() ? 1 : upper_median(std::move(densities));
   return guess;
 }
 

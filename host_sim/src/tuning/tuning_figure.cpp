@@ -6,6 +6,7 @@
 
 #include "output/gnuplot.h"
 #include "recordings/recording_files.h"
+#include "statistics/quantile.h"
 #include "tuning/tuning_report.h"
 
 namespace condyle::host {
@@ -107,9 +108,7 @@ Interval usual_bounds(const std::vector<StretchInnovations>& stretches) {
     if (stretch.count >= kFewestShown) counts.push_back(stretch.count);
   }
   if (counts.empty()) return {1, 1};
-  const auto middle = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2);
-  std::nth_element(counts.begin(), middle, counts.end());
-  return mean_chi_square_bounds(1, *middle, 0.95);
+  return mean_chi_square_bounds(1, upper_median(std::move(counts)), 0.95);
 }
 
 std::string held_out_plots(const LikelihoodTuning& tuning) {

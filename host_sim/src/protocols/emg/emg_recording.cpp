@@ -11,6 +11,7 @@
 #include "hosted/files/number_text.h"
 #include "recordings/analog_channels.h"
 #include "recordings/recording_formats.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -99,9 +100,7 @@ double median_rate_Hz(const std::string& path, const std::vector<EmgRow>& rows) 
     throw InputError(path, "contains fewer than three rows of EMG in order of time",
                      "give the EMG of the whole recording");
   }
-  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
-  std::nth_element(steps_s.begin(), middle, steps_s.end());
-  return 1 / *middle;
+  return 1 / upper_median(std::move(steps_s));
 }
 
 // Converts raw EMG to excitations.

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Medians and quantiles of values in any order. A quantile is one of the values, so it needs no
+// arithmetic and exists for times in whole nanoseconds, too.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <vector>
+
+namespace condyle::host {
+
+/// What stands at `place` in the sorted `values`, which must have it; changes their order.
+template <class Value>
+Value sorted_at(std::vector<Value>& values, std::size_t place) {
+  const auto at = std::next(values.begin(), static_cast<std::ptrdiff_t>(place));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+/// The middle of the sorted `values`, which must not be empty; of an even number the upper one of
+/// two.
+template <class Value>
+Value upper_median(std::vector<Value> values) {
+  return sorted_at(values, values.size() / 2);
+}
+
+/// The value that the share `share` (0 to 1) of the other `values` precedes, rounded down; they
+/// must not be empty.
+template <class Value>
+Value lower_quantile(std::vector<Value> values, double share) {
+  const auto place = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
+  return sorted_at(values, place);
+}
+
+}  // namespace condyle::host
