@@ -50,7 +50,9 @@ struct Contact {
             {"opening_time_s", kOpening_s},
             {"closing_time_s", closing_s()},
             {"slow_close_time_s", stop_s / 2},
-            {"cycle_height_mm", 1e3 * height_m()}};
+            {"cycle_height_mm", 1e3 * height_m()},
+            {"opening_peak_speed_mm_s", 1e3 * height_m() / 2 * std::numbers::pi / kOpening_s},
+            {"closing_peak_speed_mm_s", 1e3 * speed_m_s}};
   }
 };
 
@@ -100,6 +102,7 @@ struct Held {
 
 // Without what narrower windows show, and with half of the doubt of pauses, the means of slow
 // closing held 11 %, of closing and opening 65 %, of the duration 52 %.
+// Without the overshoot beside the contact, those of the closing speed held 67 %.
 TEST(ToothContact, IsWithinTheIntervalsOfCyclesAndMeans) {
   std::map<std::string, Held, std::less<>> cycles, means;
   for (const double rate_Hz : {100.0, 200.0}) {

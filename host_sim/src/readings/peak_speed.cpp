@@ -29,6 +29,9 @@ constexpr double kTimesError = 2, kHidden = 1.5, kUnconfirmed = 1.5, kTooFast = 
 constexpr double kMostDifference = 0.05;  // of the speed
 // A gap of more steps and more of the wide window may hide a greater speed.
 constexpr double kStepsOfGap = 2.5, kGapShare = 0.5;
+// Beside an abrupt change of the speed the slope of a cubic overshoots by at most this share of the
+// change, however wide the window: -min over x of the integral from x to 1 of (15/8) (5 t - 7 t^3) (t - x).
+constexpr double kOvershoot = 0.061;
 constexpr double kNowhere = -1e300;  // the speed where there are too few samples
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -227,6 +230,17 @@ double SpeedReader::noise_of_place(const Places& places, const Slope& slope, std
   return noise.variance_of(after.mixed(1 / apart_s, before, -1 / apart_s)) / (-2 * curve);
 }
 
+// How far the slope at sample `k` may overshoot if the speed changes abruptly less than `width`
+// samples away.
+double SpeedReader::overshoot_at(const Places& places, std::size_t k, int width, int way) {
+  const auto reach = static_cast<std::size_t>(width);
+  if (k < reach || k + reach >= places.size()) return 0;
+  const double before = speed_at(places, k - reach, width, way);
+  const double after = speed_at(places, k + reach, width, way);
+  if (before == kNowhere || after == kNowhere) return 0;
+  return kOvershoot * std::abs(after - before);
+}
+
 UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
   UncertainValue result;
   result.fixed.assign(errors_.off_by_one_sd.size(), 0);
@@ -331,7 +345,8 @@ UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
   result.missing.clear();
   result.value = 1e3 * (speed_m_s + top_m_s - share * differs_m_s - across_m_s - of_place);
   result.noise_sd = 1e3 * sd_m_s;
-  result.doubt = 1e3 * std::hypot(smoothing_m_s, across_m_s + of_place);
+  const double overshoot_m_s = overshoot_at(places, at, peaks[wide].width, way);
+  result.doubt = 1e3 * std::hypot(smoothing_m_s, across_m_s + of_place, overshoot_m_s);
   for (std::size_t i = 0; i < result.fixed.size(); ++i) {
     const Places moved =
         places_of(errors_.off_by_one_sd[i], point, slope.first, slope.first + slope.weights.size());
