@@ -30,7 +30,8 @@ constexpr double kMostDifference = 0.05;  // of the speed
 // A gap of more steps and more of the wide window may hide a greater speed.
 constexpr double kStepsOfGap = 2.5, kGapShare = 0.5;
 // Beside an abrupt change of the speed the slope of a cubic overshoots by at most this share of the
-// change, however wide the window: -min over x of the integral from x to 1 of (15/8) (5 t - 7 t^3) (t - x).
+// change, however wide the window: -min over x of the integral from x to 1 of (15/8) (5 t - 7 t^3)
+// (t - x).
 constexpr double kOvershoot = 0.061;
 constexpr double kNowhere = -1e300;  // the speed where there are too few samples
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
