@@ -57,6 +57,27 @@ TEST(ReadingAdvice, NarrowsTheIntervalToTheLimit) {
   EXPECT_GT(followed, 4000);
 }
 
+// One value in ten that is not known may lie twice as far from the mean as any other. With more
+// there is no mean: they are not like those that are known.
+TEST(MeansOfStrokes, DoNotPassOverHiddenValues) {
+  const auto mean_with = [](int known, int hidden) {
+    std::vector<UncertainValue> values(static_cast<std::size_t>(known + hidden));
+    for (int i = 0; i < known; ++i) values[static_cast<std::size_t>(i)].value = i % 2 == 0 ? 4 : 6;
+    for (int i = known; i < known + hidden; ++i) {
+      values[static_cast<std::size_t>(i)].is_hidden = true;
+      values[static_cast<std::size_t>(i)].missing = "too fast";
+    }
+    return mean_of(values);
+  };
+  EXPECT_EQ(mean_with(18, 0).half_interval(), 0);
+  EXPECT_NEAR(mean_with(18, 2).half_interval(), 2 * 2.0 / 20, 1e-12);
+  EXPECT_EQ(mean_with(18, 2).value, 5);
+  const UncertainValue withheld = mean_with(17, 3);
+  EXPECT_TRUE(std::isnan(withheld.value));
+  EXPECT_THAT(withheld.missing, HasSubstr("of 20 values 3 are not known"));
+  EXPECT_THAT(withheld.missing, HasSubstr("too fast"));
+}
+
 // What corrections leave of a mean: a shared error stays, one that differs from stroke to stroke
 // becomes smaller like noise, and none vanishes because signs happen to cancel.
 TEST(MeansOfStrokes, KeepWhatCorrectionsMayLeave) {

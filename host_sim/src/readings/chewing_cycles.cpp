@@ -19,8 +19,9 @@ namespace {
 constexpr double kLeastHeight_m = 2e-3, kHeightShare = 0.3;
 constexpr double kShortest_s = 0.25, kLongest_s = 3, kLongestGap_s = 0.1, kPause_s = 0.5,
                  kInstant_s = 0.08;
-constexpr double kSearch_s = 0.08;  // around a closed instant
-constexpr double kTimesUsual = 2;   // a pause, over the median closed time
+constexpr double kSearch_s = 0.08;   // around a closed instant
+constexpr double kPartingNoise = 4;  // standard deviations of a rise between two openings
+constexpr double kTimesUsual = 2;    // a pause, over the median closed time
 // Standard deviation of the middle of a closed time, over that time and what two laws differ by.
 constexpr double kShareOfClosed = 0.075;
 
@@ -230,6 +231,29 @@ std::vector<std::string_view> readings_of_cycle(bool has_landmarks) {
   return names;
 }
 
+namespace {
+
+// The deepest place from `begin` to `end` (without). If a rise parts two, means over 60 ms make the
+// narrower one less deep; the values decide.
+Greatest deepest_of(const std::vector<double>& time_s, const std::vector<double>& depths_m,
+                    std::size_t begin, std::size_t end, double noise_sd_m,
+                    const GreatestAt& greatest) {
+  const Greatest deepest = greatest.of(depths_m, begin, end);
+  const std::size_t top = greatest_at(depths_m, begin, end);
+  if (std::abs(time_s[top] - deepest.time_s) <= kCycleTopReach_s) return deepest;
+  const auto [from, to] = std::minmax(top, deepest.at);
+  const double between_m = *std::min_element(depths_m.begin() + static_cast<std::ptrdiff_t>(from),
+                                             depths_m.begin() + static_cast<std::ptrdiff_t>(to));
+  if (deepest.value - between_m < kPartingNoise * noise_sd_m) return deepest;
+  std::size_t first = top, last = top;
+  while (first > begin && time_s[top] - time_s[first - 1] <= kCycleTopReach_s) --first;
+  while (last + 1 < end && time_s[last + 1] - time_s[top] <= kCycleTopReach_s) ++last;
+  const Greatest other = greatest.of(depths_m, first, last + 1);
+  return other.value > deepest.value ? other : deepest;
+}
+
+}  // namespace
+
 void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m,
                 bool has_landmarks, const JawPath& path, const GreatestAt& greatest,
                 std::vector<double>& values, std::vector<std::string>* why) {
@@ -274,7 +298,7 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
     depths.push_back(-z[k]);
     speeds.push_back(path.incisor_m_s[k].norm());
   }
-  const Greatest deepest = greatest.of(depths, begin, end + 1);
+  const Greatest deepest = deepest_of(time_s, depths, begin, end + 1, noise_sd_m, greatest);
   const std::size_t turn = deepest.at;
   const std::vector<double> rates = height_rates_of(path, has_landmarks);
   const double turn_s = standstill_s(time_s, rates, turn);

@@ -17,16 +17,16 @@ constexpr std::size_t kLeastForScatter = 3, kLeastThird = 3;
 
 using Values = std::vector<UncertainValue>;
 
-// The reading `name` of the cycles that have it.
-Values values_of(const Analysis& analysis, std::string_view name) {
+// The reading `name` of the cycles that have it; `hidden`: how many have one that is not known.
+Values values_of(const Analysis& analysis, std::string_view name, int& hidden) {
   const auto names = readings_of_cycle(analysis.has_landmarks);
   const auto at =
       static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
   Values values;
   for (const AnalysedCycle& cycle : analysis.cycles) {
-    if (at < cycle.values.size() && std::isfinite(cycle.values[at].value)) {
-      values.push_back(cycle.values[at]);
-    }
+    if (at >= cycle.values.size()) continue;
+    if (std::isfinite(cycle.values[at].value)) values.push_back(cycle.values[at]);
+    if (cycle.values[at].is_hidden) ++hidden;
   }
   return values;
 }
@@ -305,9 +305,11 @@ std::vector<CycleSummary> summaries_of(const Analysis& analysis) {
        true},
   };
   std::vector<CycleSummary> summaries;
-  const auto withhold = [&summaries](std::string_view name, Side side) {
+  const auto withhold = [&summaries](
+                            std::string_view name, Side side,
+                            std::string reason = "it needs landmarks; give --landmarks FILE") {
     CycleSummary summary{name, side, {}, {}, {}};
-    summary.value.missing = "it needs landmarks; give --landmarks FILE";
+    summary.value.missing = std::move(reason);
     summaries.push_back(summary);
   };
   for (const Names& names : all) {
@@ -315,7 +317,17 @@ std::vector<CycleSummary> summaries_of(const Analysis& analysis) {
       for (const auto name : {names.sd, names.relative, names.change}) withhold(name, Side::none);
       continue;
     }
-    const Values values = values_of(analysis, names.cycle);
+    int hidden = 0;
+    const Values values = values_of(analysis, names.cycle, hidden);
+    if (hidden > 0) {
+      const std::string reason =
+          fmt::format("of {} cycles {} have a {} that is not known, and may not be like the others",
+                      values.size() + static_cast<std::size_t>(hidden), hidden, names.cycle);
+      for (const auto name : {names.sd, names.relative, names.change}) {
+        withhold(name, Side::none, reason);
+      }
+      continue;
+    }
     summaries.push_back(scatter(names.sd, values, false, names.method_share));
     summaries.push_back(scatter(names.relative, values, true, names.method_share));
     summaries.push_back(change(names.change, values));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "readings/cycle_values.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -21,6 +22,9 @@ constexpr double kMargin_s = 0.15, kMarginAtPause_s = 0.3, kMarginOfClosed_s = 0
 // Standard deviation of the instant at which the jaw leaves or reaches a pause: it begins and ends
 // so slowly that its form, which is not known, decides.
 constexpr double kPauseBoundary_s = 8e-3;
+// Half interval of the opening time from which on the jaw may turn elsewhere: in another opening of
+// the cycle.
+constexpr double kUnknownTurn_s = 2 * kCycleTopReach_s;
 // Error of the instant of a top between samples, whose jerk changes there, over step^2 / time to
 // the next turn.
 constexpr double kBetweenSamples = 1.4;
@@ -49,6 +53,12 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
         read_cycle(cycle, begin, read.height_sd_m, context.has_landmarks, path, greatest, into,
                    why);
       });
+  const auto names = readings_of_cycle(context.has_landmarks);
+  const auto value_of = [&](std::string_view name) -> UncertainValue& {
+    return values[static_cast<std::size_t>(std::find(names.begin(), names.end(), name) -
+                                           names.begin())];
+  };
+  const bool turns_unknown = value_of("opening_time_s").half_interval() > kUnknownTurn_s;
   const double stamp_s = context.noise->stamp_sd_s;
   const double at_begin_s = cycle.begins.is_pause ? std::max(kPauseBoundary_s, cycle.begins.sd_s)
                                                   : std::hypot(cycle.begins.sd_s, stamp_s);
@@ -56,7 +66,6 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
                                               : std::hypot(cycle.ends.sd_s, stamp_s);
   const double step_s =
       (time_s[cycle.end] - time_s[cycle.begin]) / static_cast<double>(cycle.end - cycle.begin);
-  const auto names = readings_of_cycle(context.has_landmarks);
   const auto doubts = take_arc_length_doubts(values);
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string_view name = names[i];
@@ -79,6 +88,12 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
     if (has_end) values[i].noise_sd = std::hypot(values[i].noise_sd, at_end_s);
   }
   read_speeds_of_cycle(cycle, context, values);
+  for (std::size_t i = 0; i < names.size() && turns_unknown; ++i) {
+    if (names[i].find("_peak_") == std::string_view::npos) continue;
+    values[i].value = JawReading::kNone;
+    values[i].is_hidden = true;
+    values[i].missing = "when the jaw turns is not known to 0.1 s";
+  }
   return values;
 }
 

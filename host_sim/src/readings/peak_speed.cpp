@@ -21,12 +21,15 @@ constexpr int kNarrowest = 2, kLeastWidest = 4;  // samples on both sides
 constexpr double kGrowth = 1.22;
 // In standard deviations: of the difference between windows that agree.
 constexpr double kAgreement = 1.8;
+// In the same: of the difference at the place, anywhere in the run, where a narrower window's speed
+// is greatest.
+constexpr double kBurst = 5.2;
 constexpr double kNarrower = 1.6;
 // How often the estimated error of the value is in the interval; and of the two differences that
 // are there if no narrower window could confirm the value.
 constexpr double kTimesError = 2, kHidden = 1.5, kUnconfirmed = 1.5, kTooFast = 3,
                  kFar = 1;                // kHidden: sd
-constexpr double kMostDifference = 0.05;  // of the speed
+constexpr double kMostDifference = 0.25;  // of the speed
 // A gap of more steps and more of the wide window may hide a greater speed.
 constexpr double kStepsOfGap = 2.5, kGapShare = 0.5;
 // Beside an abrupt change of the speed the slope of a cubic overshoots by at most this share of the
@@ -242,10 +245,24 @@ double SpeedReader::overshoot_at(const Places& places, std::size_t k, int width,
   return kOvershoot * std::abs(after - before);
 }
 
+// Whether the slope of a window of `width` passes over a burst of speed, which a narrower one has
+// at its peak.
+bool SpeedReader::passes_over(const Places& places, const Peak& burst, int width, int way,
+                              const PointNoise& noise) const {
+  const Slope narrow = slope_at(burst.at, burst.width), wide = slope_at(burst.at, width);
+  if (narrow.weights.empty() || wide.weights.empty()) return false;
+  const Slope difference = narrow.mixed(1, wide, -1);
+  const Vector3d passed = difference.of(places);
+  const Vector3d direction = way == 0 ? Vector3d(passed.normalized()) : Vector3d(0, 0, way);
+  const NoiseAlong along_it = along(direction, noise, noise_.shared, step_s_);
+  return direction.dot(passed) > kBurst * std::sqrt(along_it.variance_of(difference));
+}
+
 UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
   UncertainValue result;
   result.fixed.assign(errors_.off_by_one_sd.size(), 0);
   result.missing = "too few samples around the greatest speed";
+  result.is_hidden = true;
   const Places& places = point == SpeedPoint::incisor
                              ? path_.incisor_m
                              : path_.condyle_m[point == SpeedPoint::condyle_left ? 0 : 1];
@@ -262,8 +279,8 @@ UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
     const std::size_t at = peaks[wide].at;
     const Slope slope = slope_at(at, peaks[wide].width);
     const Vector3d direction = direction_of(slope);
-    const NoiseAlong noise =
-        along(direction, noise_of(point, at, slope.of(places)), noise_.shared, step_s_);
+    const PointNoise of_point = noise_of(point, at, slope.of(places));
+    const NoiseAlong noise = along(direction, of_point, noise_.shared, step_s_);
     agrees = true;
     for (std::size_t i = 0; i < wide && agrees; ++i) {
       const Slope narrower = slope_at(at, peaks[i].width);
@@ -271,6 +288,9 @@ UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
       const Slope difference = slope.mixed(1, narrower, -1);
       agrees = std::abs(direction.dot(difference.of(places))) <=
                kAgreement * std::sqrt(noise.variance_of(difference));
+    }
+    for (std::size_t i = 0; i < wide && agrees; ++i) {
+      agrees = !passes_over(places, peaks[i], peaks[wide].width, way, of_point);
     }
     if (agrees) break;
   }
@@ -344,6 +364,7 @@ UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
   const double of_place =
       std::min(noise_of_place(places, agrees ? wider : slope, at, finder, way, noise), sd_m_s);
   result.missing.clear();
+  result.is_hidden = false;
   result.value = 1e3 * (speed_m_s + top_m_s - share * differs_m_s - across_m_s - of_place);
   result.noise_sd = 1e3 * sd_m_s;
   const double overshoot_m_s = overshoot_at(places, at, peaks[wide].width, way);

@@ -3,11 +3,12 @@
 //
 //   D_n    slope of the cubic of least squares through n samples on both sides
 //   N      the widest window whose slope at its own peak agrees with those of all narrower ones,
-//          within 1.8 standard deviations of the noise of their difference
+//          within 1.8 standard deviations of the noise of their difference, and at their peaks, so
+//          that it passes over no burst of speed, within 4.5
 //   value  D_n at that peak, n 1.6 times narrower, less what D_N - D_n says of its own error, which
 //          grows with the fourth power of the width, and less what noise adds
 // If even the narrowest windows differ by more than noise, the movement is fast for the rate: their
-// differences are in the interval. Beyond 5 % of the speed, the value is withheld.
+// differences are in the interval. Beyond 25 % of the speed, the value is hidden.
 // Beside an abrupt change of the speed, as where teeth stop the jaw, D_n overshoots by up to 6 % of
 // the change, however short the window: so much of the change within N is in the interval.
 #pragma once
@@ -48,6 +49,8 @@ class SpeedReader {
   PointNoise noise_of(SpeedPoint point, std::size_t k, const Eigen::Vector3d& velocity) const;
   Places places_of(const ReadingGeometry& geometry, SpeedPoint point, std::size_t begin,
                    std::size_t end) const;
+  bool passes_over(const Places& places, const Peak& burst, int width, int way,
+                   const PointNoise& noise) const;
   double overshoot_at(const Places& places, std::size_t k, int width, int way);
   double noise_of_place(const Places& places, const Slope& slope, std::size_t k, int width, int way,
                         const NoiseAlong& noise);

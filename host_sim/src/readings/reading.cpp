@@ -16,6 +16,8 @@ constexpr const char* kTaskNames[kTaskKinds] = {"opening", "protrusion", "left",
 constexpr double kExplained = 2;
 // Of the rest, what the interval contains: the narrow window hides part of the movement too.
 constexpr double kTimesContradiction = 3;
+// Of the values of a mean, how many may be hidden; where they lie, in distances of the others.
+constexpr double kMostHidden = 0.1, kTimesFarthest = 2;
 // The most that one value adds to a shared contradiction, in standard deviations.
 constexpr double kMostShared = 3;
 
@@ -95,10 +97,11 @@ void UncertainValue::set_half_interval(double half) {
 
 UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
   UncertainValue mean;
-  double count = 0, variance = 0, contradiction_variance = 0;
+  double count = 0, hidden = 0, variance = 0, contradiction_variance = 0;
   std::array<double, 2> squares{};
   for (const UncertainValue& stroke : strokes) {
     if (!std::isfinite(stroke.value)) {
+      if (stroke.is_hidden) ++hidden;
       if (mean.missing.empty()) mean.missing = stroke.missing;
       continue;
     }
@@ -119,6 +122,13 @@ UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
     for (std::size_t i = 0; i < stroke.fixed.size(); ++i) mean.fixed[i] += stroke.fixed[i];
   }
   if (count == 0) return mean;
+  if (hidden > kMostHidden * (count + hidden)) {
+    mean.value = JawReading::kNone;
+    mean.missing =
+        fmt::format("of {:.0f} values {:.0f} are not known, and may not be like the others: {}",
+                    count + hidden, hidden, mean.missing);
+    return mean;
+  }
   mean.missing.clear();
   mean.repetitions = static_cast<int>(count);
   mean.value /= count;
@@ -132,6 +142,13 @@ UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
   }
   mean.noise_sd = std::sqrt(variance) / count;
   for (double& change : mean.fixed) change /= count;
+  double farthest = 0;
+  for (const UncertainValue& stroke : strokes) {
+    if (hidden > 0 && std::isfinite(stroke.value)) {
+      farthest = std::max(farthest, std::abs(stroke.value - mean.value));
+    }
+  }
+  mean.doubt = std::hypot(mean.doubt, kTimesFarthest * farthest * hidden / (count + hidden));
   return mean;
 }
 
@@ -176,6 +193,11 @@ std::string what_narrows(const UncertainValue& value, double limit, std::string_
   const double smoothing = value.systematic() * value.systematic(), all = limit * limit;
   // Windows do not become shorter with the rate, and less noise only shows more of it.
   if (value.of_contradiction() > limit / 2) {
+    if (std::hypot(value.corrections[0], value.corrections[1]) > limit) {
+      return "smoothing over 0.1 s and noise change it by more than that; only a slower movement "
+             "with "
+             "less noise would narrow it";
+    }
     return "the movement stops or turns too abruptly for the smoothing over 0.1 s; only a movement "
            "that does so more slowly would narrow it";
   }
