@@ -12,6 +12,7 @@
 #include "hosted/files/input_error.h"
 #include "readings/analysis_stop.h"
 #include "readings/head_reference.h"
+#include "readings/number_step.h"
 #include "readings/stroke_readings.h"
 #include "readings/strokes.h"
 #include "readings/task_readings.h"
@@ -143,14 +144,14 @@ Matrix6 spread_of_rests(const PoseTrack& track, const ReferredMotion& motion) {
 
 // From the reference position, or the longest rest if that is too short.
 PoseNoise noise_at_rest(const PoseTrack& track, const ReferredMotion& motion, SampleRun reference,
-                        Analysis& analysis) {
-  PoseNoise noise = noise_of(motion, reference.begin, reference.end);
+                        const Matrix6& least, Analysis& analysis) {
+  PoseNoise noise = noise_of(motion, reference.begin, reference.end, least);
   if (noise.is_checked_at_rest || !noise.is_known) return noise;
   SampleRun longest = reference;
   for (const SampleRun& run : find_rests(track)) {
     if (run.end - run.begin > longest.end - longest.begin) longest = run;
   }
-  noise = noise_of(motion, longest.begin, longest.end);
+  noise = noise_of(motion, longest.begin, longest.end, least);
   if (!noise.is_checked_at_rest) {
     analysis.notes.push_back(
         "no rest is long enough to see noise that neighbouring samples share: intervals may be too "
@@ -310,7 +311,8 @@ Analysis analyse_recording(Recording& recording, const std::string& name,
     check_stated_jaw(track, rest, *stated, choice.landmarks);
     landmarks = in_head_frame(*stated, motion);
   }
-  analysis.noise = noise_at_rest(track, motion, rest, analysis);
+  const Matrix6 steps = covariance_of_steps(track, rest.begin);
+  analysis.noise = noise_at_rest(track, motion, rest, steps, analysis);
   grow(analysis.noise, track.noise_growth);
   const ReadingGeometry geometry = landmarks ? geometry_of(*landmarks, motion.middle_m)
                                              : geometry_without_landmarks(track, motion, rest);
@@ -329,7 +331,7 @@ Analysis analyse_recording(Recording& recording, const std::string& name,
   context.errors = shared_errors(
       landmarks ? &*landmarks : nullptr, geometry,
       covariance_of_mean(analysis.noise, rest.end - rest.begin, 1 / analysis.rate_Hz) +
-          spread_of_rests(track, motion));
+          spread_of_rests(track, motion) + left_in_mean(steps, analysis.noise));
   context.rotation_problem = rotation_problem(track, analysis);
   if (track.has_rotation && analysis.largest_displacement_mm * kMillimetre > kFarWithoutTurn_m &&
       analysis.largest_rotation_deg * kDegree < kLeastTurn_rad) {

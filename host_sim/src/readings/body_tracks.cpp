@@ -9,6 +9,7 @@
 
 #include "hosted/files/input_error.h"
 #include "hosted/files/nearest_word.h"
+#include "readings/number_step.h"
 #include "readings/pose_noise.h"
 #include "recordings/point_list.h"
 
@@ -180,6 +181,8 @@ BodyPoses fit_body(const NamedPoints& points, const std::vector<std::string>& wa
   BodyPoses result;
   result.body.names = wanted;
   result.body.shape_m = shape.shape_m();
+  result.step_m = step_of_points(own_m.size(), own_m[0].cols(),
+                                 [&](std::size_t k) -> const PointColumns& { return own_m[k]; });
   std::vector<double> residuals_m;
   for (const PointColumns& points_m : own_m) {
     BodyFit fit = shape.fit(points_m);
@@ -228,12 +231,14 @@ PoseTrack read_bodies(NamedPointsRecording& recording, const std::string& name,
         "with --marker NAME");
   }
   track.jaw = jaw.body;
+  track.step_m = jaw.step_m;
   track.body_problem = jaw.problem;
   describe("jaw", jaw, track);
   BodyPoses head;
   if (!bodies.head.empty()) {
     head = fit_body(points, bodies.head, "head", "--head", name);
     track.head = head.body;
+    track.step_m = std::hypot(jaw.step_m, head.step_m);
     if (track.body_problem.empty()) track.body_problem = head.problem;
     describe("head", head, track);
   }

@@ -50,6 +50,7 @@ NamedPoints read_named_points(Recording& recording, const std::string& name);
 struct BodyPoses {
   TrackedBody body;
   std::vector<BodyFit> fits;  ///< of each sample
+  double step_m = 0;          ///< of its points' coordinates (number_step.h); 0: none is seen
   std::string problem;        ///< why the body cannot be trusted; empty: it can
   std::size_t too_few = 0;  ///< samples with too few points, or with points that add too much noise
   std::size_t not_rigid = 0;  ///< samples that do not fit the body

@@ -74,7 +74,7 @@ double sd_of(std::vector<Difference>::const_iterator begin,
 
 // Standard deviation of the times (s), and of the noise without them; `sd` stays where the times
 // are right.
-double stamp_sd_s(std::vector<Difference> differences, Vector6& sd) {
+double stamp_sd_s(std::vector<Difference> differences, const Matrix6& least, Vector6& sd) {
   const auto count = static_cast<std::ptrdiff_t>(differences.size());
   const std::ptrdiff_t fast_count = count / kFastOf;
   if (fast_count < kLeastFast) return 0;
@@ -91,7 +91,7 @@ double stamp_sd_s(std::vector<Difference> differences, Vector6& sd) {
     const auto middle = differences.begin() + count / 2, fast = differences.end() - fast_count;
     std::nth_element(differences.begin(), middle, differences.end(), is_slower);
     std::nth_element(middle, fast, differences.end(), is_slower);
-    slow_sd[i] = sd_of(differences.begin(), middle, i);
+    slow_sd[i] = std::max(sd_of(differences.begin(), middle, i), std::sqrt(least(i, i)));
     const double fast_sd = sd_of(fast, differences.end(), i);
     double squares = 0;
     for (auto at = fast; at != differences.end(); ++at) squares += at->rate[i] * at->rate[i];
@@ -160,14 +160,16 @@ void share(const ReferredMotion& motion, std::size_t begin, std::size_t end,
 
 }  // namespace
 
-PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t end) {
+PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t end,
+                   const Matrix6& least) {
   PoseNoise noise;
   const std::vector<Difference> differences = sixth_differences(motion);
   if (differences.size() < 7) return noise;
   noise.is_known = true;
   Vector6 sd;
   for (int i = 0; i < 6; ++i) sd[i] = sd_of(differences.begin(), differences.end(), i);
-  noise.stamp_sd_s = stamp_sd_s(differences, sd);
+  noise.stamp_sd_s = stamp_sd_s(differences, least, sd);
+  sd = sd.cwiseMax(least.diagonal().cwiseSqrt());
   const double count = static_cast<double>(differences.size());
   for (int i = 0; i < 6; ++i) {
     noise.covariance(i, i) = sd[i] * sd[i];

@@ -44,8 +44,10 @@ void grow(PoseNoise& noise, double factor);
 /// Covariance of the mean of `count` > 0 samples that follow each other by `step_s`.
 Matrix6 covariance_of_mean(const PoseNoise& noise, std::size_t count, double step_s);
 
-/// The noise of `motion`, at rest from `begin` to `end` (without).
-PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t end);
+/// The noise of `motion`, at rest from `begin` to `end` (without). No variance is below that of
+/// `least`.
+PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t end,
+                   const Matrix6& least = Matrix6::Zero());
 
 /// Turns the signs of the columns of a motion's components that a mirror at Y = 0 turns, of the
 /// root of a covariance: it stays one.

@@ -10,6 +10,7 @@
 #include "condyle/estimator/pose/rotation_vector.h"
 #include "hosted/files/input_error.h"
 #include "readings/burst_search.h"
+#include "readings/number_step.h"
 #include "statistics/quantile.h"
 
 namespace condyle::host {
@@ -165,6 +166,8 @@ PoseTrack read_poses(Recording& recording, const std::string& name) {
   track.has_rotation = track.info.kind != SampleKind::one_point;
   if (track.info.kind == SampleKind::three_points) {
     refuse_if_short(points.size(), track.counts, name);
+    track.step_m = step_of_points(
+        points.size(), 3, [&](std::size_t k) -> const Matrix3d& { return points[k].points_m; });
     fit_body(points, name, track);
   }
   refuse_if_short(track.pose.size(), track.counts, name);

@@ -43,8 +43,9 @@ struct PoseTrack {
   std::vector<Eigen::Isometry3d> pose;       ///< orientation, and place of the points' middle (m)
   std::vector<Eigen::Isometry3d> head_pose;  ///< of a tracked head, in the instrument's frame
   Eigen::Isometry3d head_at = Eigen::Isometry3d::Identity();  ///< the head's for which `pose` holds
-  double noise_growth = 1;                 ///< of the variance, where points are missing
-  std::string body_problem;                ///< why a body cannot be trusted; empty: it can
+  double noise_growth = 1;   ///< of the variance, where points are missing
+  double step_m = 0;         ///< of the coordinates of three points (number_step.h); 0: not known
+  std::string body_problem;  ///< why a body cannot be trusted; empty: it can
   std::vector<std::string> events, notes;  ///< bursts, as text; what was read how
 };
 

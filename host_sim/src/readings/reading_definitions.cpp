@@ -39,8 +39,8 @@ const std::vector<ReadingDefinition>& reading_definitions() {
        "greatest rotation about the vertical axis to that side (twist of swing and twist)", 3, true,
        true},
       {"condylar_path_mm", "mm",
-       "length of the outward path of the condyle, from 0.3 mm of travel "
-       "to the greatest travel, by chords of 0.5 mm",
+       "length of the outward path of the condyle, from 0.3 mm of sagittal travel to the greatest "
+       "sagittal travel, by chords of 0.5 mm",
        3, true, false},
       {"condylar_translation_mm", "mm", "greatest displacement of the condyle", 3, true, false},
       {"condylar_path_difference_mm", "mm", "condylar path, left minus right", 3, true, false},
@@ -97,7 +97,8 @@ const std::vector<ReadingDefinition>& reading_definitions() {
        "crossings are not seen",
        0, true, true},
       {"rotation_per_translation_deg_mm", "deg/mm",
-       "rotation about the left-right axis over the travel of the condyle, from 0.2 to 0.8 of its "
+       "rotation about the left-right axis over the sagittal travel of the condyle, from 0.2 to "
+       "0.8 of its "
        "greatest on the way out",
        0.5, true, true},
       {"fischer_angle_5mm_deg", "deg",
@@ -110,7 +111,8 @@ const std::vector<ReadingDefinition>& reading_definitions() {
        15, false, false},
       {"sparc", "1",
        "spectral arc length of the incisor's 3-D speed on the way out, to 10 Hz, amplitude "
-       "threshold 0.05 (Balasubramanian et al. 2015); in a stroke from the first to the last time "
+       "threshold 0.05, zero padding to 16 times the next power of two (Balasubramanian et al. "
+       "2015); in a stroke from the first to the last time "
        "the speed is above 5 % of its peak; what is separated by a stop needs 20 %",
        0.3, false, false},
       {"closing_sparc", "1", "as sparc, on the way back", 0.3, false, false},
@@ -189,8 +191,9 @@ const std::vector<ReadingDefinition>& reading_definitions() {
        "mean time within 0.5 mm of the most closed position at the end of a cycle", 0.1, false,
        false},
       {"slow_close_time_s", "s",
-       "mean time from when the closing speed falls below half of its peak to closed", 0.1, false,
-       false},
+       "mean time from when the vertical closing speed first falls below half of its peak to "
+       "closed",
+       0.1, false, false},
       {"opening_time_s", "s", "mean time from closed to the greatest opening", 0.1, false, false},
       {"closing_time_s", "s", "mean time from the greatest opening to closed", 0.1, false, false},
       {"hinge_axis_x_mm", "mm",
