@@ -24,7 +24,7 @@ constexpr double kMargin_s = 0.15, kMarginAtPause_s = 0.3, kMarginOfClosed_s = 0
 constexpr double kPauseBoundary_s = 8e-3;
 // Half interval of the opening time from which on the jaw may turn elsewhere: in another opening of
 // the cycle.
-constexpr double kUnknownTurn_s = 2 * kCycleTopReach_s;
+constexpr double kUnknownTurn_s = 0.2;
 // Error of the instant of a top between samples, whose jerk changes there, over step^2 / time to
 // the next turn.
 constexpr double kBetweenSamples = 1.4;
@@ -92,7 +92,7 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
     if (names[i].find("_peak_") == std::string_view::npos) continue;
     values[i].value = JawReading::kNone;
     values[i].is_hidden = true;
-    values[i].missing = "when the jaw turns is not known to 0.1 s";
+    values[i].missing = "when the jaw turns is not known to 0.2 s";
   }
   return values;
 }
