@@ -101,7 +101,7 @@ UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
   std::array<double, 2> squares{};
   for (const UncertainValue& stroke : strokes) {
     if (!std::isfinite(stroke.value)) {
-      if (stroke.is_hidden) ++hidden;
+      if (stroke.is_hidden && ++hidden == 1) mean.missing = stroke.missing;
       if (mean.missing.empty()) mean.missing = stroke.missing;
       continue;
     }
@@ -142,9 +142,10 @@ UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
   }
   mean.noise_sd = std::sqrt(variance) / count;
   for (double& change : mean.fixed) change /= count;
+  if (hidden == 0) return mean;
   double farthest = 0;
   for (const UncertainValue& stroke : strokes) {
-    if (hidden > 0 && std::isfinite(stroke.value)) {
+    if (std::isfinite(stroke.value)) {
       farthest = std::max(farthest, std::abs(stroke.value - mean.value));
     }
   }
@@ -195,8 +196,7 @@ std::string what_narrows(const UncertainValue& value, double limit, std::string_
   if (value.of_contradiction() > limit / 2) {
     if (std::hypot(value.corrections[0], value.corrections[1]) > limit) {
       return "smoothing over 0.1 s and noise change it by more than that; only a slower movement "
-             "with "
-             "less noise would narrow it";
+             "with less noise would narrow it";
     }
     return "the movement stops or turns too abruptly for the smoothing over 0.1 s; only a movement "
            "that does so more slowly would narrow it";
