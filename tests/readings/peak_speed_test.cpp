@@ -151,6 +151,7 @@ TEST(PeakSpeed, IncludesAClickThatNoiseDoesNotHide) {
         }
         std::printf("%.2f s at %.0f Hz, %.0f um: %d of %d shown, %d of these covered\n", click_s,
                     rate_Hz, 1e6 * noise_m, score.shown, score.all, score.covered);
+        EXPECT_GE(score.shown, 0.7 * score.all);
         // Of the 12 cells one fails with a probability of 0.1 % if 90 % are covered.
         EXPECT_GE(static_cast<std::uint64_t>(score.covered),
                   testing_support::fewest_hits(static_cast<std::uint64_t>(score.shown), 0.9, 1e-4));

@@ -72,9 +72,11 @@ TEST(MeansOfStrokes, DoNotPassOverHiddenValues) {
   EXPECT_EQ(mean_with(18, 0).half_interval(), 0);
   EXPECT_NEAR(mean_with(18, 2).half_interval(), 2 * 2.0 / 20, 1e-12);
   EXPECT_EQ(mean_with(18, 2).value, 5);
+  EXPECT_EQ(mean_with(9, 1).value, mean_with(9, 0).value);
+  EXPECT_FALSE(mean_with(0, 3).missing.empty());
   const UncertainValue withheld = mean_with(17, 3);
   EXPECT_TRUE(std::isnan(withheld.value));
-  EXPECT_THAT(withheld.missing, HasSubstr("of 20 values 3 are not known"));
+  EXPECT_THAT(withheld.missing, HasSubstr("not known for 3 of 20"));
   EXPECT_THAT(withheld.missing, HasSubstr("too fast"));
 }
 

@@ -233,22 +233,20 @@ std::vector<std::string_view> readings_of_cycle(bool has_landmarks) {
 
 namespace {
 
-// The deepest place from `begin` to `end` (without). If a rise parts two, means over 60 ms make the
-// narrower one less deep; the values decide.
+// The deepest place from `begin` to `end` (without). If a rise parts two, the deeper one: means
+// over 60 ms would prefer the wider.
 Greatest deepest_of(const std::vector<double>& time_s, const std::vector<double>& depths_m,
                     std::size_t begin, std::size_t end, double noise_sd_m,
                     const GreatestAt& greatest) {
   const Greatest deepest = greatest.of(depths_m, begin, end);
   const std::size_t top = greatest_at(depths_m, begin, end);
   if (std::abs(time_s[top] - deepest.time_s) <= kCycleTopReach_s) return deepest;
-  const auto [from, to] = std::minmax(top, deepest.at);
-  const double between_m = *std::min_element(depths_m.begin() + static_cast<std::ptrdiff_t>(from),
-                                             depths_m.begin() + static_cast<std::ptrdiff_t>(to));
-  if (deepest.value - between_m < kPartingNoise * noise_sd_m) return deepest;
-  std::size_t first = top, last = top;
-  while (first > begin && time_s[top] - time_s[first - 1] <= kCycleTopReach_s) --first;
-  while (last + 1 < end && time_s[last + 1] - time_s[top] <= kCycleTopReach_s) ++last;
-  const Greatest other = greatest.of(depths_m, first, last + 1);
+  const auto at = [&](std::size_t k) { return depths_m.begin() + static_cast<std::ptrdiff_t>(k); };
+  const auto rise = std::min_element(at(std::min(top, deepest.at)), at(std::max(top, deepest.at)));
+  if (deepest.value - *rise < kPartingNoise * noise_sd_m) return deepest;
+  const auto parting = static_cast<std::size_t>(rise - depths_m.begin());
+  const Greatest other = top < deepest.at ? greatest.of(depths_m, begin, parting + 1)
+                                          : greatest.of(depths_m, parting, end);
   return other.value > deepest.value ? other : deepest;
 }
 

@@ -321,8 +321,8 @@ std::vector<CycleSummary> summaries_of(const Analysis& analysis) {
     const Values values = values_of(analysis, names.cycle, hidden);
     if (hidden > 0) {
       const std::string reason =
-          fmt::format("of {} cycles {} have a {} that is not known, and may not be like the others",
-                      values.size() + static_cast<std::size_t>(hidden), hidden, names.cycle);
+          fmt::format("{} is not known for {} of {} cycles, which may differ from the others",
+                      names.cycle, hidden, values.size() + static_cast<std::size_t>(hidden));
       for (const auto name : {names.sd, names.relative, names.change}) {
         withhold(name, Side::none, reason);
       }

@@ -268,6 +268,7 @@ void withhold_condyles(const std::vector<StrokeReading>& names, const std::strin
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (!is_condylar(names[i].name)) continue;
     values[i].value = JawReading::kNone;
+    values[i].is_hidden = false;
     values[i].missing = why;
   }
 }

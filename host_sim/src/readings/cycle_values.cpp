@@ -22,8 +22,7 @@ constexpr double kMargin_s = 0.15, kMarginAtPause_s = 0.3, kMarginOfClosed_s = 0
 // Standard deviation of the instant at which the jaw leaves or reaches a pause: it begins and ends
 // so slowly that its form, which is not known, decides.
 constexpr double kPauseBoundary_s = 8e-3;
-// Half interval of the opening time from which on the jaw may turn elsewhere: in another opening of
-// the cycle.
+// Half interval of the opening time above which the jaw may turn in another opening of the cycle.
 constexpr double kUnknownTurn_s = 0.2;
 // Error of the instant of a top between samples, whose jerk changes there, over step^2 / time to
 // the next turn.
@@ -54,11 +53,11 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
                    why);
       });
   const auto names = readings_of_cycle(context.has_landmarks);
-  const auto value_of = [&](std::string_view name) -> UncertainValue& {
-    return values[static_cast<std::size_t>(std::find(names.begin(), names.end(), name) -
-                                           names.begin())];
-  };
-  const bool turns_unknown = value_of("opening_time_s").half_interval() > kUnknownTurn_s;
+  const auto opening = std::find(names.begin(), names.end(), "opening_time_s") - names.begin();
+  const UncertainValue& opening_s = values[static_cast<std::size_t>(opening)];
+  const bool knows_turn =
+      opening_s.half_interval() <= kUnknownTurn_s &&
+      std::abs(cycle.begin_s + opening_s.value - cycle.turn_s) <= kUnknownTurn_s;
   const double stamp_s = context.noise->stamp_sd_s;
   const double at_begin_s = cycle.begins.is_pause ? std::max(kPauseBoundary_s, cycle.begins.sd_s)
                                                   : std::hypot(cycle.begins.sd_s, stamp_s);
@@ -88,7 +87,7 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
     if (has_end) values[i].noise_sd = std::hypot(values[i].noise_sd, at_end_s);
   }
   read_speeds_of_cycle(cycle, context, values);
-  for (std::size_t i = 0; i < names.size() && turns_unknown; ++i) {
+  for (std::size_t i = 0; i < names.size() && !knows_turn; ++i) {
     if (names[i].find("_peak_") == std::string_view::npos) continue;
     values[i].value = JawReading::kNone;
     values[i].is_hidden = true;

@@ -21,8 +21,7 @@ constexpr int kNarrowest = 2, kLeastWidest = 4;  // samples on both sides
 constexpr double kGrowth = 1.22;
 // In standard deviations: of the difference between windows that agree.
 constexpr double kAgreement = 1.8;
-// In the same: of the difference at the place, anywhere in the run, where a narrower window's speed
-// is greatest.
+// In the same: of the difference at a narrower window's own peak, anywhere in the run.
 constexpr double kBurst = 5.2;
 constexpr double kNarrower = 1.6;
 // How often the estimated error of the value is in the interval; and of the two differences that
@@ -32,10 +31,9 @@ constexpr double kTimesError = 2, kHidden = 1.5, kUnconfirmed = 1.5, kTooFast = 
 constexpr double kMostDifference = 0.25;  // of the speed
 // A gap of more steps and more of the wide window may hide a greater speed.
 constexpr double kStepsOfGap = 2.5, kGapShare = 0.5;
-// Beside an abrupt change of the speed the slope of a cubic overshoots by at most this share of the
-// change, however wide the window: -min over x of the integral from x to 1 of (15/8) (5 t - 7 t^3)
-// (t - x).
-constexpr double kOvershoot = 0.061;
+// Beside an abrupt change of the speed the slope of a cubic overshoots by so much of the change at
+// most: by 0.087 with three samples on both sides, by 0.061 with many.
+constexpr double kOvershoot = 0.09;
 constexpr double kNowhere = -1e300;  // the speed where there are too few samples
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -238,15 +236,14 @@ double SpeedReader::noise_of_place(const Places& places, const Slope& slope, std
 // samples away.
 double SpeedReader::overshoot_at(const Places& places, std::size_t k, int width, int way) {
   const auto reach = static_cast<std::size_t>(width);
-  if (k < reach || k + reach >= places.size()) return 0;
-  const double before = speed_at(places, k - reach, width, way);
-  const double after = speed_at(places, k + reach, width, way);
-  if (before == kNowhere || after == kNowhere) return 0;
-  return kOvershoot * std::abs(after - before);
+  const double before = speed_at(places, k - std::min(k, reach), width, way);
+  const double after = speed_at(places, std::min(k + reach, places.size() - 1), width, way);
+  const bool is_known = before != kNowhere && after != kNowhere;
+  return kOvershoot * std::abs(is_known ? after - before : speed_at(places, k, width, way));
 }
 
-// Whether the slope of a window of `width` passes over a burst of speed, which a narrower one has
-// at its peak.
+// Whether the slope of a window of `width` differs from that at the peak of a narrower one. Also a
+// change of direction counts.
 bool SpeedReader::passes_over(const Places& places, const Peak& burst, int width, int way,
                               const PointNoise& noise) const {
   const Slope narrow = slope_at(burst.at, burst.width), wide = slope_at(burst.at, width);

@@ -4,12 +4,12 @@
 //   D_n    slope of the cubic of least squares through n samples on both sides
 //   N      the widest window whose slope at its own peak agrees with those of all narrower ones,
 //          within 1.8 standard deviations of the noise of their difference, and at their peaks, so
-//          that it passes over no burst of speed, within 4.5
+//          that it passes over no burst of speed, within 5.2
 //   value  D_n at that peak, n 1.6 times narrower, less what D_N - D_n says of its own error, which
 //          grows with the fourth power of the width, and less what noise adds
 // If even the narrowest windows differ by more than noise, the movement is fast for the rate: their
 // differences are in the interval. Beyond 25 % of the speed, the value is hidden.
-// Beside an abrupt change of the speed, as where teeth stop the jaw, D_n overshoots by up to 6 % of
+// Beside an abrupt change of the speed, as where teeth stop the jaw, D_n overshoots by up to 9 % of
 // the change, however short the window: so much of the change within N is in the interval.
 #pragma once
 

@@ -16,7 +16,8 @@ constexpr const char* kTaskNames[kTaskKinds] = {"opening", "protrusion", "left",
 constexpr double kExplained = 2;
 // Of the rest, what the interval contains: the narrow window hides part of the movement too.
 constexpr double kTimesContradiction = 3;
-// Of the values of a mean, how many may be hidden; where they lie, in distances of the others.
+// Share of hidden values that a mean may lack; how far these may lie from it, over the farthest
+// known one.
 constexpr double kMostHidden = 0.1, kTimesFarthest = 2;
 // The most that one value adds to a shared contradiction, in standard deviations.
 constexpr double kMostShared = 3;
@@ -125,8 +126,8 @@ UncertainValue mean_of(const std::vector<UncertainValue>& strokes) {
   if (hidden > kMostHidden * (count + hidden)) {
     mean.value = JawReading::kNone;
     mean.missing =
-        fmt::format("of {:.0f} values {:.0f} are not known, and may not be like the others: {}",
-                    count + hidden, hidden, mean.missing);
+        fmt::format("not known for {:.0f} of {:.0f}, which may differ from the others: {}", hidden,
+                    count + hidden, mean.missing);
     return mean;
   }
   mean.missing.clear();
@@ -195,8 +196,8 @@ std::string what_narrows(const UncertainValue& value, double limit, std::string_
   // Windows do not become shorter with the rate, and less noise only shows more of it.
   if (value.of_contradiction() > limit / 2) {
     if (std::hypot(value.corrections[0], value.corrections[1]) > limit) {
-      return "smoothing over 0.1 s and noise change it by more than that; only a slower movement "
-             "with less noise would narrow it";
+      return "smoothing over 0.1 s and noise may leave a larger error; only a slower movement with "
+             "less noise would narrow it";
     }
     return "the movement stops or turns too abruptly for the smoothing over 0.1 s; only a movement "
            "that does so more slowly would narrow it";

@@ -87,7 +87,7 @@ struct UncertainValue {
   std::vector<double> fixed;  ///< change per standard deviation of each error that strokes share
   int repetitions = 0;        ///< strokes or cycles that were averaged; 0: a single value
   std::string missing;        ///< the reason if the value is NaN
-  /// It has a value that is not known, so that a mean lacks it.
+  /// The value exists but is not known: a mean without it may be biased.
   bool is_hidden = false;
 
   /// Half the 95 % interval.
@@ -104,8 +104,8 @@ struct UncertainValue {
 
 /// The mean of the values of several strokes; those without a value do not count. Corrections that
 /// differ in sign cancel as what is left of them does, at most like independent errors. Hidden
-/// values are seldom like the others: if one in ten is hidden, twice the farthest distance of
-/// another from the mean counts for each; if more are, there is no mean.
+/// values are seldom like the others: if up to one in ten are hidden, twice the farthest distance
+/// of another from the mean counts for each; if more are, there is no mean.
 UncertainValue mean_of(const std::vector<UncertainValue>& strokes);
 
 /// `value` - `other`, whose noise is independent; the rest of their uncertainty adds up, but for

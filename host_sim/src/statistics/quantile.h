@@ -18,15 +18,15 @@ Value sorted_at(std::vector<Value>& values, std::size_t place) {
   return *at;
 }
 
-/// The middle of the sorted `values`, which must not be empty; of an even number the upper one of
-/// two.
+/// The middle of the sorted `values`, which must not be empty; the upper of two if their number is
+/// even.
 template <class Value>
 Value upper_median(std::vector<Value> values) {
   return sorted_at(values, values.size() / 2);
 }
 
-/// The value that the share `share` (0 to 1) of the other `values` precedes, rounded down; they
-/// must not be empty.
+/// The value at the rank `share` (0 to 1) times (count - 1), rounded down, of the sorted `values`,
+/// which must not be empty.
 template <class Value>
 Value lower_quantile(std::vector<Value> values, double share) {
   const auto place = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
