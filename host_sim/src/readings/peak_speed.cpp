@@ -242,8 +242,8 @@ double SpeedReader::overshoot_at(const Places& places, std::size_t k, int width,
   return kOvershoot * std::abs(is_known ? after - before : speed_at(places, k, width, way));
 }
 
-// Whether the slope of a window of `width` differs from that at the peak of a narrower one. Also a
-// change of direction counts.
+// Whether the slope of a window of `width` differs from that at the peak of a narrower one. A
+// change of direction counts, too.
 bool SpeedReader::passes_over(const Places& places, const Peak& burst, int width, int way,
                               const PointNoise& noise) const {
   const Slope narrow = slope_at(burst.at, burst.width), wide = slope_at(burst.at, width);

@@ -2,9 +2,9 @@
 // The greatest speed of a point, with an interval that knows how fast the point moves.
 //
 //   D_n    slope of the cubic of least squares through n samples on both sides
-//   N      the widest window whose slope at its own peak agrees with those of all narrower ones,
-//          within 1.8 standard deviations of the noise of their difference, and at their peaks, so
-//          that it passes over no burst of speed, within 5.2
+//   N      the widest window whose slope agrees with those of all narrower ones: at its own peak
+//          within 1.8 standard deviations of the noise of their difference, at their peaks within
+//          5.2, so that it passes over no burst of speed
 //   value  D_n at that peak, n 1.6 times narrower, less what D_N - D_n says of its own error, which
 //          grows with the fourth power of the width, and less what noise adds
 // If even the narrowest windows differ by more than noise, the movement is fast for the rate: their

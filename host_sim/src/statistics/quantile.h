@@ -10,7 +10,8 @@
 
 namespace condyle::host {
 
-/// What stands at `place` in the sorted `values`, which must have it; changes their order.
+/// The element at `place` of the sorted `values`, which must have more elements than that. Changes
+/// their order.
 template <class Value>
 Value sorted_at(std::vector<Value>& values, std::size_t place) {
   const auto at = std::next(values.begin(), static_cast<std::ptrdiff_t>(place));
