@@ -57,8 +57,8 @@ TEST(ReadingAdvice, NarrowsTheIntervalToTheLimit) {
   EXPECT_GT(followed, 4000);
 }
 
-// A hidden value may lie twice as far from the mean as the farthest known value. If more than one in
-// ten is hidden, the mean has no value.
+// A hidden value may lie twice as far from the mean as the farthest known value. If more than one
+// in ten is hidden, the mean has no value.
 TEST(MeansOfStrokes, DoNotPassOverHiddenValues) {
   const auto mean_with = [](int known, int hidden) {
     std::vector<UncertainValue> values(static_cast<std::size_t>(known + hidden));

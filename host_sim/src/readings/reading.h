@@ -102,11 +102,11 @@ struct UncertainValue {
   void set_half_interval(double half);
 };
 
-/// The mean of the values of several strokes. Strokes without a value do not count. Corrections that
-/// differ in sign cancel as what is left of them does, at most like independent errors. A hidden
-/// value may differ from the others: it may lie twice as far from the mean as the farthest known
-/// value, and the interval contains this. If more than one value in ten is hidden, the mean has no
-/// value.
+/// The mean of the values of several strokes. Strokes without a value do not count. Corrections
+/// that differ in sign cancel as what is left of them does, at most like independent errors. A
+/// hidden value may differ from the others: it may lie twice as far from the mean as the farthest
+/// known value, and the interval contains this. If more than one value in ten is hidden, the mean
+/// has no value.
 UncertainValue mean_of(const std::vector<UncertainValue>& strokes);
 
 /// `value` - `other`, whose noise is independent; the rest of their uncertainty adds up, but for
