@@ -302,6 +302,7 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
   const double turn_s = standstill_s(time_s, rates, turn);
   values = {end_s - begin_s, turn_s - begin_s, end_s - turn_s};
   double smoothness[2][2], doubts[2];
+  std::vector<double> shortfalls;  // m
   for (int back = 0; back < 2; ++back) {
     const std::size_t from = back == 0 ? begin : turn, to = back == 0 ? turn : end;
     values.push_back(greatest.of(speeds, from, to + 1).value * 1e3);
@@ -317,15 +318,20 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
   const CycleIntegrals integrals = integrals_of(marks, path);
   add_cycle_shape(marks, path, integrals, z, rates, greatest, values, why);
   if (has_landmarks) {
-    values.push_back((greatest.of(z, begin, end + 1).value + deepest.value) * 1e3);
+    const Greatest highest = greatest.of(z, begin, end + 1);
+    values.push_back((highest.value + deepest.value) * 1e3);
+    shortfalls.push_back(shortfall_of(highest) + shortfall_of(deepest));
     if (why != nullptr) why->emplace_back();
     for (const int axis : {1, 0}) {
-      double range = 0;
+      double range = 0, shortfall = 0;
       for (const double sign : {1.0, -1.0}) {
         for (std::size_t k = 0; k < z.size(); ++k) depths[k] = sign * path.incisor_m[k][axis];
-        range += greatest.of(depths, begin, end + 1).value;
+        const Greatest top = greatest.of(depths, begin, end + 1);
+        range += top.value;
+        shortfall += shortfall_of(top);
       }
       values.push_back(range * 1e3);
+      shortfalls.push_back(shortfall);
       if (why != nullptr) why->emplace_back();
     }
     add_cycle_shape_with_landmarks(marks, path, integrals, greatest, values, why);
@@ -333,6 +339,7 @@ void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m
     if (why != nullptr) why->emplace_back();
   }
   values.insert(values.end(), doubts, doubts + 2);
+  for (const double shortfall_m : shortfalls) values.push_back(shortfall_m * 1e3);
   if (why != nullptr) why->resize(values.size());
 }
 

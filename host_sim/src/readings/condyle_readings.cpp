@@ -198,13 +198,15 @@ void add_condyle_names(TaskKind kind, std::vector<StrokeReading>& names) {
 
 CondylarSeparations add_condyles(TaskKind kind, const JawPath& path, ReadingValues& out) {
   CondylarSeparations separations{};
-  double length_mm[2], translation_mm[2];
+  double length_mm[2], translation_mm[2], shortfalls_mm = 0;
   for (std::size_t side = 0; side < 2; ++side) {
     const Outward outward = outward_of(path, side);
     length_mm[side] = outward_length_m(path, side, outward) / kMillimetre;
     out.add(length_mm[side], [] { return std::string("the condyle travels less than 0.3 mm"); });
-    translation_mm[side] = greatest_mm(path, sizes_of(path.condyle_m[side]));
-    out.add(translation_mm[side]);
+    const Greatest translation = top_of(path, sizes_of(path.condyle_m[side]));
+    translation_mm[side] = translation.value / kMillimetre;
+    shortfalls_mm += shortfall_of(translation) / kMillimetre;
+    out.add_top(translation, kMillimetre);
     if (!goes_forward(kind, side)) continue;
     add_inclinations(path, side, outward, orbits(kind, side), out);
     if (orbits(kind, side)) add_side_shift(path, side, outward, out);
@@ -213,6 +215,7 @@ CondylarSeparations add_condyles(TaskKind kind, const JawPath& path, ReadingValu
   }
   out.add(length_mm[0] - length_mm[1]);
   out.add(translation_mm[0] - translation_mm[1]);
+  out.keep_shortfall(shortfalls_mm);
   return separations;
 }
 

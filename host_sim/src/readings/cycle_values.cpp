@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "readings/analysis_stop.h"
+#include "readings/shortfalls.h"
 #include "readings/smoothness.h"
 #include "readings/speed_readings.h"
 #include "statistics/monte_carlo.h"
@@ -65,6 +66,7 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
                                               : std::hypot(cycle.ends.sd_s, stamp_s);
   const double step_s =
       (time_s[cycle.end] - time_s[cycle.begin]) / static_cast<double>(cycle.end - cycle.begin);
+  take_shortfalls(names, values);
   const auto doubts = take_arc_length_doubts(values);
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string_view name = names[i];

@@ -74,7 +74,7 @@ Greatest greatest_by(const std::vector<double>& time_s, const std::vector<double
     best = there;
     at = k;
   }
-  Greatest greatest{at, time_s[at], values[at]};
+  Greatest greatest{at, time_s[at], values[at], *highest};
   if (at == begin || at + 1 >= end) return greatest;
   // A parabola through three samples, values[at] + slope x + curve x^2; another through the means.
   const double a = time_s[at - 1] - time_s[at], b = time_s[at + 1] - time_s[at];
@@ -98,6 +98,10 @@ double weight_of(const std::vector<double>& time_s, std::size_t k, std::size_t i
 }
 
 }  // namespace
+
+double shortfall_of(const Greatest& top) {
+  return std::max(top.highest - top.value, 0.0);
+}
 
 Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double>& values,
                      std::size_t begin, std::size_t end, double reach_s) {

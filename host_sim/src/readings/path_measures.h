@@ -23,7 +23,10 @@ std::size_t greatest_at(const std::vector<double>& values, std::size_t begin, st
 struct Greatest {
   std::size_t at;  ///< sample nearest to it
   double time_s, value;
+  double highest;  ///< of the samples, wherever it is; the means may pass over a short top
 };
+/// How far it lies below the highest sample.
+double shortfall_of(const Greatest& top);
 Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double>& values,
                      std::size_t begin, std::size_t end, double reach_s);
 

@@ -4,29 +4,24 @@
 //   D_n    slope of the cubic of least squares through n samples on both sides
 //   N      the widest window whose slope agrees with those of all narrower ones: at its own peak
 //          within 1.8 standard deviations of the noise of their difference, at their peaks within
-//          5.2, so that it passes over no burst of speed
+//          what noise reaches once in a thousand windows, so that it passes over no burst of speed
 //   value  D_n at that peak, n 1.6 times narrower, less what D_N - D_n says of its own error, which
 //          grows with the fourth power of the width, and less what noise adds
-// If even the narrowest windows differ by more than noise, the movement is fast for the rate: their
-// differences are in the interval. Beyond 25 % of the speed, the value is hidden.
-// Beside an abrupt change of the speed, as where teeth stop the jaw, D_n overshoots by up to 9 % of
-// the change, however short the window: so much of the change within N is in the interval.
+// In the interval, too:
+//   - the differences of the narrowest windows if even they differ by more than noise: the movement
+//     is fast for the rate. Beyond 25 % of the speed, the value is hidden
+//   - where the slopes do not converge, as far as they may change; and the overshoot beside an
+//     abrupt change of the speed (window_slopes.h)
+// If the point may move faster than the interval in a burst elsewhere, the value is hidden.
 #pragma once
 
-#include <map>
-#include <utility>
 #include <vector>
 
-#include "readings/slope_noise.h"
-#include "readings/strokes.h"
-#include "readings/uncertainty.h"
+#include "readings/window_slopes.h"
 
 namespace condyle::host {
 
-/// The points whose speed is read.
-enum class SpeedPoint { incisor, condyle_left, condyle_right };
-
-/// The raw paths of these points around some samples of a motion.
+/// The greatest speeds of points in a part of a motion.
 class SpeedReader {
  public:
   /// For peaks in `run`. `part`: all, or the incisor only. `widest_s`: half the widest window.
@@ -40,31 +35,17 @@ class SpeedReader {
  private:
   struct Peak;
 
-  SampleRun window_at(std::size_t k, double half_s) const;
-  Slope slope_at(std::size_t k, int width) const;
-  double speed_at(const Places& places, std::size_t k, int width, int way);
-  Eigen::Vector3d velocity_at(const Places& places, std::size_t k, int width) const;
   std::vector<Peak> peaks_of(const Places& places, SampleRun run, int way);
-  Eigen::Matrix3d noise_of(SpeedPoint point, std::size_t k, const Matrix6& root) const;
-  PointNoise noise_of(SpeedPoint point, std::size_t k, const Eigen::Vector3d& velocity) const;
-  Places places_of(const ReadingGeometry& geometry, SpeedPoint point, std::size_t begin,
-                   std::size_t end) const;
-  bool passes_over(const Places& places, const Peak& burst, int width, int way,
-                   const PointNoise& noise) const;
-  double overshoot_at(const Places& places, std::size_t k, int width, int way);
+  bool may_be_faster(const Places& places, SampleRun run, const std::vector<Peak>& peaks,
+                     std::size_t wide, int way, const PointNoise& noise, double most_m_s);
   double noise_of_place(const Places& places, const Slope& slope, std::size_t k, int width, int way,
                         const NoiseAlong& noise);
 
   const ReferredMotion& motion_;
-  const PoseNoise& noise_;
+  const std::vector<SharedNoise>& shared_;
   const SharedErrors& errors_;
-  PathPart part_;
+  WindowSlopes slopes_;
   double widest_s_;
-  std::size_t first_ = 0, last_ = 0;  // samples of the paths, last without
-  double step_s_ = 0;
-  JawPath path_;
-  // By places, width and sample.
-  std::map<std::pair<const Places*, int>, Places> velocities_;
 };
 
 }  // namespace condyle::host

@@ -28,10 +28,22 @@ class ReadingValues {
   void add(double value) {
     add(value, [] { return std::string("it could not be computed"); });
   }
+  /// A greatest value in units of `unit`. How far it lies below the highest sample is kept.
+  void add_top(const Greatest& top, double unit) {
+    add(top.value / unit);
+    keep_shortfall(shortfall_of(top) / unit);
+  }
+  void keep_shortfall(double shortfall) { shortfalls_.push_back(shortfall); }
+  /// Adds what was kept, in the order of the readings (shortfalls.h).
+  void add_shortfalls() {
+    for (const double shortfall : shortfalls_) add(shortfall);
+    shortfalls_.clear();
+  }
 
  private:
   std::vector<double>& values_;
   std::vector<std::string>* why_;
+  std::vector<double> shortfalls_;
 };
 
 /// A reading of a stroke of some kind, and its side.
@@ -74,8 +86,8 @@ inline std::vector<double> coordinate_of(const Points& points, int axis, double 
   return values;
 }
 
-inline double greatest_mm(const JawPath& path, const std::vector<double>& values_m) {
-  return greatest_of(path.time_s, values_m, 0, values_m.size(), top_reach_s(path)).value * 1e3;
+inline Greatest top_of(const JawPath& path, const std::vector<double>& values) {
+  return greatest_of(path.time_s, values, 0, values.size(), top_reach_s(path));
 }
 
 }  // namespace condyle::host

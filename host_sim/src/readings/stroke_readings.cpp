@@ -65,13 +65,13 @@ Movement movement_of(const JawPath& path, const std::vector<double>& speeds, std
 
 void add_opening(const JawPath& path, std::size_t turn, double turning_sd_rad_s,
                  ReadingValues& out) {
-  out.add(greatest_mm(path, sizes_of(path.incisor_m)));
-  out.add(greatest_mm(path, coordinate_of(path.incisor_m, 2, -1)));
+  out.add_top(top_of(path, sizes_of(path.incisor_m)), kMillimetre);
+  out.add_top(top_of(path, coordinate_of(path.incisor_m, 2, -1)), kMillimetre);
   std::vector<double> twists;
   for (const Vector3d& w : path.rotation_rad) twists.push_back(twist_about(w, 1));
-  const Greatest twist = greatest_of(path.time_s, twists, 0, twists.size(), top_reach_s(path));
+  const Greatest twist = top_of(path, twists);
   const std::size_t widest = twist.at;
-  out.add(twist.value / kDegree);
+  out.add_top(twist, kDegree);
   out.add(path.incisor_m[turn].y() / kMillimetre);
   double deviation_m = 0;
   const Vector3d chord = path.incisor_m[turn] - path.incisor_m[0];
@@ -156,18 +156,24 @@ std::vector<StrokeReading> readings_of_stroke(TaskKind kind, bool has_landmarks)
   return names;
 }
 
-void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
-                 std::vector<double>& values, std::vector<std::string>* why,
-                 double turning_sd_rad_s) {
-  ReadingValues out(values, why);
+std::vector<std::string_view> names_of(const std::vector<StrokeReading>& readings) {
+  std::vector<std::string_view> names;
+  for (const StrokeReading& reading : readings) names.push_back(reading.name);
+  return names;
+}
+
+namespace {
+
+void add_stroke(TaskKind kind, bool has_landmarks, const JawPath& path, double turning_sd_rad_s,
+                ReadingValues& out) {
   const std::vector<double> distances = sizes_of(path.incisor_m);
   const double reach_s =
       top_reach_s(path, kind == TaskKind::whole ? kCycleTopReach_s : kTopReach_s);
   const Greatest farthest = greatest_of(path.time_s, distances, 0, distances.size(), reach_s);
   const std::size_t turn = farthest.at;
-  out.add(farthest.value / kMillimetre);
+  out.add_top(farthest, kMillimetre);
   const std::vector<double> angles = sizes_of(path.rotation_rad);
-  out.add(greatest_of(path.time_s, angles, 0, angles.size(), reach_s).value / kDegree);
+  out.add_top(greatest_of(path.time_s, angles, 0, angles.size(), reach_s), kDegree);
   if (kind == TaskKind::rest || kind == TaskKind::whole) return;
   if (kind == TaskKind::border) {
     if (!has_landmarks) return;
@@ -189,24 +195,24 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
     if (kind == TaskKind::opening) {
       out.add(kNone,
               [] { return std::string("the lower incisor is not known; give --landmarks"); });
+      out.keep_shortfall(0);
     }
     add_doubts();
     return;
   }
   if (kind == TaskKind::opening) add_opening(path, turn, turning_sd_rad_s, out);
   if (kind == TaskKind::protrusion) {
-    out.add(greatest_mm(path, coordinate_of(path.incisor_m, 0, 1)));
+    out.add_top(top_of(path, coordinate_of(path.incisor_m, 0, 1)), kMillimetre);
   }
   if (kind == TaskKind::left || kind == TaskKind::right) {
     const bool is_left = kind == TaskKind::left;
     const std::vector<double> aside = coordinate_of(path.incisor_m, 1, is_left ? 1 : -1);
-    const Greatest farthest_aside =
-        greatest_of(path.time_s, aside, 0, aside.size(), top_reach_s(path));
-    out.add(farthest_aside.value / kMillimetre);
+    const Greatest farthest_aside = top_of(path, aside);
+    out.add_top(farthest_aside, kMillimetre);
     std::vector<double> yaws;
     for (const Vector3d& w : path.rotation_rad)
       yaws.push_back((is_left ? 1 : -1) * twist_about(w, 2));
-    out.add(greatest_of(path.time_s, yaws, 0, yaws.size(), top_reach_s(path)).value / kDegree);
+    out.add_top(top_of(path, yaws), kDegree);
     const std::size_t side = is_left ? 0 : 1;
     const std::size_t at = farthest_aside.at;
     const Vector3d& working = path.condyle_m[side][at];
@@ -216,6 +222,16 @@ void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
   const CondylarSeparations separations = add_condyles(kind, path, out);
   add_separations(kind, path, separations, out);
   add_doubts();
+}
+
+}  // namespace
+
+void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
+                 std::vector<double>& values, std::vector<std::string>* why,
+                 double turning_sd_rad_s) {
+  ReadingValues out(values, why);
+  add_stroke(kind, has_landmarks, path, turning_sd_rad_s, out);
+  out.add_shortfalls();
 }
 
 void narrow_what_noise_adds(const std::vector<StrokeReading>& names,

@@ -13,6 +13,7 @@ namespace condyle::host {
 
 /// What a stroke of `kind` has.
 std::vector<StrokeReading> readings_of_stroke(TaskKind kind, bool has_landmarks);
+std::vector<std::string_view> names_of(const std::vector<StrokeReading>& readings);
 
 /// Their values for the path of one stroke, in their units; NaN where there is none. `why`, if not
 /// null, then holds the reason. `turning_sd_rad_s`: noise of the path's rate of turning.

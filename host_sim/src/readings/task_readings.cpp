@@ -14,6 +14,7 @@
 #include "readings/cycle_values.h"
 #include "readings/kinematic_centre.h"
 #include "readings/reading_groups.h"
+#include "readings/shortfalls.h"
 #include "readings/smoothness.h"
 #include "readings/speed_readings.h"
 #include "readings/stroke_checks.h"
@@ -232,6 +233,7 @@ class TaskReader {
           read_stroke(kind, context_.has_landmarks, path, into, why, turning_sd_rad_s);
         });
     const auto names = readings_of_stroke(kind, context_.has_landmarks);
+    take_shortfalls(names_of(names), values);
     if (is_stroke) {
       const auto doubts = take_arc_length_doubts(values);
       for (std::size_t k = 0; k < names.size(); ++k) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "condyle/estimator/pose/rotation_vector.h"
+#include "readings/abrupt_parts.h"
 
 namespace condyle::host {
 namespace {
@@ -52,7 +53,7 @@ struct Window {
   explicit Window(LocalFit with) : fit(std::move(with)) {}
   LocalFit fit;
   std::vector<double> of_samples, of_calm, of_mild, drawn;
-  SmoothMotion mild;
+  SmoothMotion samples, calm, mild;
   std::vector<Vector6> error_value, error_slope;
 };
 
@@ -266,6 +267,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
   std::vector<std::string> why;
   for (Window* const window : {&narrow, &wide}) {
     window->fit.apply(motion.motion, 0, begin, end, smooth.value, smooth.slope);
+    window->samples = smooth;
     read_smooth(window->of_samples, &why);
   }
   const std::vector<double>& values = wide.of_samples;
@@ -301,6 +303,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
   mild = means_of(part_of(motion.time_s, first, last), mild, settings.mild_half_s / 2);
   for (Window* const window : {&narrow, &wide}) {
     window->fit.apply(calm, first, begin, end, smooth.value, smooth.slope);
+    window->calm = smooth;
     read_smooth(window->of_calm);
     window->fit.apply(mild, first, begin, end, smooth.value, smooth.slope);
     read_smooth(window->of_mild);
@@ -310,6 +313,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
   // Smoothing is linear: the smoothed noise is added to the smoothed path, and subtracted.
   std::vector<Vector6> error(mild.size());
   const std::vector<double> error_time_s = part_of(motion.time_s, first, last);
+  AbruptParts abrupt;
   boost::random::normal_distribution<double> normal;
   for (int pair = 0; pair < settings.pairs; ++pair) {
     for (std::size_t k = 0; k < error.size(); ++k) {
@@ -331,6 +335,7 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
     wide.fit.apply(error, first, begin, end, wide.error_value, wide.error_slope);
     if (is_narrowed) {
       narrow.fit.apply(error, first, begin, end, narrow.error_value, narrow.error_slope);
+      abrupt.add_noise(narrow.error_value, wide.error_value);
     }
     for (const double sign : {1.0, -1.0}) {
       draw(wide, sign);
@@ -344,6 +349,15 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
                           (wide.drawn[i] - wide.of_mild[i]));
       }
     }
+  }
+  // The abrupt parts alone, which have little noise.
+  const std::vector<bool> is_abrupt = abrupt.of(narrow.samples, wide.samples);
+  std::vector<double> of_abrupt, of_calm_abrupt;
+  if (!is_abrupt.empty()) {
+    smooth = narrowed_where(is_abrupt, narrow.samples, wide.samples);
+    read_smooth(of_abrupt);
+    smooth = narrowed_where(is_abrupt, narrow.calm, wide.calm);
+    read_smooth(of_calm_abrupt);
   }
   const double growth = growth_of_noise(wide.fit, calm_fit, first, begin, end);
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -365,6 +379,13 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
     if (std::isfinite(narrowing) && narrowings[i].missing <= kMostMissing * settings.pairs) {
       result.contradiction = narrowing;
       result.contradiction_sd = narrowings[i].sd();
+    }
+    if (!is_abrupt.empty()) {
+      const double change = of_abrupt[i] - values[i] - (of_calm_abrupt[i] - wide.of_calm[i]);
+      if (std::abs(change) > std::abs(result.contradiction) - 2 * result.contradiction_sd) {
+        result.contradiction = change;
+        result.contradiction_sd = 0;
+      }
     }
     for (const double change : result.fixed) {
       if (!std::isfinite(change))

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "readings/shortfalls.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace condyle::host {
+namespace {
+
+constexpr std::array<std::string_view, 13> kGreatestValues = {"displacement_mm",
+                                                              "rotation_deg",
+                                                              "opening_mm",
+                                                              "opening_vertical_mm",
+                                                              "opening_angle_deg",
+                                                              "protrusion_mm",
+                                                              "laterotrusion_mm",
+                                                              "yaw_angle_deg",
+                                                              "condylar_translation_mm",
+                                                              "condylar_translation_difference_mm",
+                                                              "cycle_height_mm",
+                                                              "cycle_width_mm",
+                                                              "cycle_depth_mm"};
+// What noise explains of a shortfall, in standard deviations; how often the rest is in the
+// interval, because smoothing hides a part of a short top.
+constexpr double kExplained = 2, kTimesShortfall = 1.5;
+
+}  // namespace
+
+void take_shortfalls(const std::vector<std::string_view>& names,
+                     std::vector<UncertainValue>& values) {
+  for (std::size_t i = names.size(); i-- > 0;) {
+    const auto found = std::find(kGreatestValues.begin(), kGreatestValues.end(), names[i]);
+    if (found == kGreatestValues.end()) continue;
+    const UncertainValue shortfall = values.back();
+    values.pop_back();
+    UncertainValue& value = values[i];
+    if (!std::isfinite(shortfall.value)) continue;
+    const double explained = kExplained * shortfall.noise_sd;
+    const double rest = std::max(shortfall.value * shortfall.value - explained * explained, 0.0);
+    value.doubt = std::hypot(value.doubt, kTimesShortfall * std::sqrt(rest));
+    value.contradiction += shortfall.contradiction;
+    value.contradiction_sd = std::hypot(value.contradiction_sd, shortfall.contradiction_sd);
+  }
+}
+
+}  // namespace condyle::host
