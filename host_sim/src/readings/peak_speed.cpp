@@ -20,6 +20,7 @@ constexpr double kAgreement = 1.8;
 // Probabilities that noise alone looks like a burst to one of the narrower windows: that widens the
 // interval, or hides the value.
 constexpr double kFalseBurst = 1e-3, kFalseHiding = 1e-4;
+constexpr double kRounding = 0.95;  // of times, which makes the noise of slopes vary
 // How often the estimated error of the value is in the interval; and of the two differences that
 // are there if no narrower window could confirm the value.
 constexpr double kTimesError = 2, kHidden = 1.5, kUnconfirmed = 1.5, kTooFast = 3,
@@ -112,14 +113,18 @@ bool SpeedReader::may_be_faster(const Places& places, SampleRun run, const std::
                                 std::size_t wide, int way, const PointNoise& noise,
                                 double most_m_s) {
   for (std::size_t i = 0; i < wide; ++i) {
-    const auto stride = static_cast<std::size_t>(std::max(1, peaks[i].width / 2));
+    const int narrow = peaks[i].width, width = peaks[wide].width;
     const double threshold =
-        burst_threshold(kFalseHiding, static_cast<double>(run.end - run.begin) / peaks[i].width);
+        burst_threshold(kFalseHiding, static_cast<double>(run.end - run.begin) / narrow);
+    // In the middle of the samples windows are full, so that noise is smallest there.
+    const double least_m_s =
+        kRounding * threshold * slopes_.least_sd_of_difference(narrow, width, noise);
+    const auto stride = static_cast<std::size_t>(std::max(1, narrow / 2));
     for (std::size_t k = run.begin; k < run.end; k += stride) {
-      const int width = peaks[i].width;
-      if (slopes_.passes_over(places, k, width, peaks[wide].width, way, noise, threshold) &&
-          slopes_.speed_at(places, k, width, way) +
-                  slopes_.abrupt_change_at(places, k, width, way, noise) >
+      if (slopes_.may_pass_over(places, k, narrow, width, least_m_s) &&
+          slopes_.passes_over(places, k, narrow, width, way, noise, threshold) &&
+          slopes_.speed_at(places, k, narrow, way) +
+                  slopes_.abrupt_change_at(places, k, narrow, way, noise) >
               most_m_s) {
         return true;
       }

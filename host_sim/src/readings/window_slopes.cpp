@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "readings/window_slopes.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -134,11 +135,16 @@ Slope WindowSlopes::slope_at(std::size_t k, int width) const {
   return slope;
 }
 
-double WindowSlopes::speed_at(const Places& places, std::size_t k, int width, int way) {
+const Vector3d& WindowSlopes::known_velocity(const Places& places, std::size_t k, int width) {
   auto& known = velocities_[{&places, width}];
   if (known.empty()) known.resize(places.size(), Vector3d::Constant(kUnknown));
   Vector3d& velocity = known[k];
   if (std::isnan(velocity.x())) velocity = velocity_at(places, k, width);
+  return velocity;
+}
+
+double WindowSlopes::speed_at(const Places& places, std::size_t k, int width, int way) {
+  const Vector3d& velocity = known_velocity(places, k, width);
   if (velocity.x() == kNowhere) return kNowhere;
   return way == 0 ? velocity.norm() : way * velocity.z();
 }
@@ -184,6 +190,24 @@ bool WindowSlopes::passes_over(const Places& places, std::size_t k, int narrow_w
   const Vector3d direction = way == 0 ? Vector3d(passed.normalized()) : Vector3d(0, 0, way);
   const NoiseAlong along_it = along(direction, noise, noise_.shared, step_s_);
   return direction.dot(passed) > threshold * std::sqrt(along_it.variance_of(difference));
+}
+
+double WindowSlopes::least_sd_of_difference(int narrow_width, int width,
+                                            const PointNoise& noise) const {
+  const std::size_t middle = path_.time_s.size() / 2;
+  const Slope narrow = slope_at(middle, narrow_width), wide = slope_at(middle, width);
+  if (narrow.weights.empty() || wide.weights.empty()) return 0;
+  const double least_variance =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(noise.white, Eigen::EigenvaluesOnly)
+          .eigenvalues()[0];
+  return std::sqrt(std::max(least_variance, 0.0) * narrow.mixed(1, wide, -1).gain());
+}
+
+bool WindowSlopes::may_pass_over(const Places& places, std::size_t k, int narrow_width, int width,
+                                 double least_m_s) {
+  const Vector3d &narrow = known_velocity(places, k, narrow_width),
+                 &wide = known_velocity(places, k, width);
+  return narrow.x() != kNowhere && wide.x() != kNowhere && (narrow - wide).norm() >= least_m_s;
 }
 
 double WindowSlopes::abrupt_change_at(const Places& places, std::size_t k, int width, int way,

@@ -56,10 +56,16 @@ class WindowSlopes {
   /// few samples. All ways share the velocities.
   double speed_at(const Places& places, std::size_t k, int width, int way);
 
+  /// What the standard deviation of the difference of two slopes in the middle of the samples is at
+  /// least (m/s), in any direction. 0: not known.
+  double least_sd_of_difference(int narrow_width, int width, const PointNoise& noise) const;
   /// Whether at sample `k` the slope of a narrow window exceeds that of one of `width` by more than
   /// `threshold` standard deviations of noise. A change of direction counts, too.
   bool passes_over(const Places& places, std::size_t k, int narrow_width, int width, int way,
                    const PointNoise& noise, double threshold) const;
+  /// False if it cannot, as the slopes differ by less than `least_m_s`.
+  bool may_pass_over(const Places& places, std::size_t k, int narrow_width, int width,
+                     double least_m_s);
   /// How much faster (m/s) the point may be at sample `k` than the slope of `width`, because the
   /// slopes do not converge; 0: they do.
   double abrupt_change_at(const Places& places, std::size_t k, int width, int way,
@@ -70,6 +76,7 @@ class WindowSlopes {
 
  private:
   SampleRun window_at(std::size_t k, double half_s) const;
+  const Eigen::Vector3d& known_velocity(const Places& places, std::size_t k, int width);
   Eigen::Vector3d velocity_at(const Places& places, std::size_t k, int width) const;
   Eigen::Matrix3d noise_of(SpeedPoint point, std::size_t k, const Matrix6& root) const;
 
