@@ -2,6 +2,8 @@
 // Recordings of the kinematic jaw, analysed and held against its true readings.
 #pragma once
 
+#include <cmath>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -57,6 +59,42 @@ inline std::vector<Task> stated_tasks(const KinematicSimulation& simulation) {
     tasks.push_back({task_kind(span.name(), "simulation"), span.begin_s, span.end_s, false});
   }
   return tasks;
+}
+
+/// The analysis of a jaw whose incisor goes up and down as `height_m` says (m, of the time in s),
+/// without turning: rests of `rest_s` at 0 m before and after `chewing_s` of chewing. Each
+/// coordinate of its three points has noise of `noise_m`.
+inline Analysis analysis_of_heights(const std::function<double(double)>& height_m, double rest_s,
+                                    double chewing_s, double rate_Hz, double noise_m) {
+  JawScenario scenario;
+  scenario.tasks = {default_task(JawTaskKind::rest)};
+  scenario.facebow.noise_m = scenario.facebow.noise_rad = 0;
+  scenario.landmarks = {1e-4, 1e-4, 1e-4};
+  const KinematicSimulation simulation(scenario, 1);
+  const Sample still = simulation.samples().front();
+  const JawLandmarks& points = simulation.stated_landmarks();
+  const Eigen::Vector3d up = (points.plane_left - points.plane_front)
+                                 .cross(points.plane_right - points.plane_front)
+                                 .normalized();
+  const double sign = up.dot(points.condyle_left - points.incisor_lower) > 0 ? 1 : -1;
+  RandomGenerator random(1, 1);
+  std::vector<Sample> samples;
+  const double length_s = 2 * rest_s + chewing_s;
+  for (int k = 0; k < length_s * rate_Hz; ++k) {
+    const double time_s = k / rate_Hz;
+    Sample sample = still;
+    sample.time_ns = std::llround(1e9 * time_s);
+    const Eigen::Vector3d shift = sign * height_m(time_s) * up;
+    for (int i = 0; i < 9; ++i) {
+      sample.coordinates[static_cast<std::size_t>(i)] += shift[i % 3] + noise_m * random.normal();
+    }
+    samples.push_back(sample);
+  }
+  SampleRecording recording(samples);
+  AnalysisChoice choice;
+  choice.tasks = {{TaskKind::rest, 0.1, rest_s - 0.1, false},
+                  {TaskKind::chewing, rest_s - 0.5, length_s - rest_s + 0.5, false}};
+  return analyse(recording, "simulation", stated_landmarks(simulation, scenario.landmarks), choice);
 }
 
 /// The exact path of `jaw`, at 2 kHz by default.

@@ -56,38 +56,10 @@ struct Contact {
   }
 };
 
-constexpr LandmarkErrors kErrors{1e-4, 1e-4, 1e-4};
-
 Analysis analysis_of(const Contact& contact, double rate_Hz, double noise_m) {
-  JawScenario scenario;
-  scenario.tasks = {default_task(JawTaskKind::rest)};
-  scenario.facebow.noise_m = scenario.facebow.noise_rad = 0;
-  scenario.landmarks = kErrors;
-  const KinematicSimulation simulation(scenario, 1);
-  const Sample still = simulation.samples().front();
-  const JawLandmarks& points = simulation.stated_landmarks();
-  const Eigen::Vector3d up = (points.plane_left - points.plane_front)
-                                 .cross(points.plane_right - points.plane_front)
-                                 .normalized();
-  const double sign = up.dot(points.condyle_left - points.incisor_lower) > 0 ? 1 : -1;
-  RandomGenerator random(1, 1);
-  std::vector<Sample> samples;
-  const double length_s = 2 * kRest_s + kCycles * contact.period_s();
-  for (int k = 0; k < length_s * rate_Hz; ++k) {
-    const double time_s = k / rate_Hz;
-    Sample sample = still;
-    sample.time_ns = std::llround(1e9 * time_s);
-    const Eigen::Vector3d shift = sign * contact.height_after_rest_m(time_s) * up;
-    for (int i = 0; i < 9; ++i) {
-      sample.coordinates[static_cast<std::size_t>(i)] += shift[i % 3] + noise_m * random.normal();
-    }
-    samples.push_back(sample);
-  }
-  SampleRecording recording(samples);
-  AnalysisChoice choice;
-  choice.tasks = {{TaskKind::rest, 0.1, kRest_s - 0.1, false},
-                  {TaskKind::chewing, kRest_s - 0.5, length_s - kRest_s + 0.5, false}};
-  return analyse(recording, "simulation", stated_landmarks(simulation, kErrors), choice);
+  const double chewing_s = kCycles * contact.period_s();
+  return analysis_of_heights([&](double time_s) { return contact.height_after_rest_m(time_s); },
+                             kRest_s, chewing_s, rate_Hz, noise_m);
 }
 
 // How often intervals held the truth.

@@ -60,7 +60,8 @@ inline constexpr double kCycleTopReach_s = 0.06;
 /// The readings of `cycle` from the `path` of its samples and some around, which begins with sample
 /// `offset` of the path in which it was found. `greatest`: of values at these samples, with the
 /// reach kCycleTopReach_s. With landmarks the values of CycleDirections follow those of
-/// readings_of_cycle.
+/// readings_of_cycle. Last are the doubts of arc lengths (smoothness.h) and the shortfalls of
+/// greatest values (shortfalls.h).
 void read_cycle(const ChewingCycle& cycle, std::size_t offset, double noise_sd_m,
                 bool has_landmarks, const JawPath& path, const GreatestAt& greatest,
                 std::vector<double>& values, std::vector<std::string>* why);

@@ -18,7 +18,7 @@ using Points = std::vector<Eigen::Vector3d>;
 std::size_t greatest_at(const std::vector<double>& values, std::size_t begin, std::size_t end);
 
 /// The greatest of `values` from `begin` to `end` (without), which must not be empty: the instant
-/// is the top of their means over 50 ms on both sides, so that it does not follow the noise, and
+/// is the top of their means over a reach on both sides, so that it does not follow the noise, and
 /// the value is theirs at that instant.
 struct Greatest {
   std::size_t at;  ///< sample nearest to it
