@@ -9,6 +9,7 @@
 #include "readings/shortfalls.h"
 #include "readings/smoothness.h"
 #include "readings/speed_readings.h"
+#include "statistics/chi_square.h"
 #include "statistics/monte_carlo.h"
 
 namespace condyle::host {
@@ -23,11 +24,54 @@ constexpr double kMargin_s = 0.15, kMarginAtPause_s = 0.3, kMarginOfClosed_s = 0
 // Standard deviation of the instant at which the jaw leaves or reaches a pause: it begins and ends
 // so slowly that its form, which is not known, decides.
 constexpr double kPauseBoundary_s = 8e-3;
-// Half interval of the opening time above which the jaw may turn in another opening of the cycle.
-constexpr double kUnknownTurn_s = 0.2;
+// Farther from where the cycle was found to turn, the jaw may turn in another of its openings.
+constexpr double kUnknownTurn_s = 0.2, kUnbounded_s = 1e3;
 // Error of the instant of a top between samples, whose jerk changes there, over step^2 / time to
 // the next turn.
 constexpr double kBetweenSamples = 1.4;
+
+// When the jaw turns: from its begin or from its end, whichever is known better.
+Interval turn_of(const ChewingCycle& cycle, const std::vector<std::string_view>& names,
+                 const std::vector<UncertainValue>& values) {
+  Interval turn_s{-kUnbounded_s, kUnbounded_s};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const bool is_opening = names[i] == "opening_time_s";
+    if (!is_opening && names[i] != "closing_time_s") continue;
+    const double half_s = values[i].half_interval();
+    const double middle_s =
+        is_opening ? cycle.begin_s + values[i].value : cycle.end_s - values[i].value;
+    if (half_s < (turn_s.high - turn_s.low) / 2) turn_s = {middle_s - half_s, middle_s + half_s};
+  }
+  return turn_s;
+}
+
+// The peak speeds, where the jaw may turn at any time in `turn_s`. They are hidden if they depend
+// on it.
+void read_speeds_of_unknown_turn(const ChewingCycle& cycle, Interval turn_s,
+                                 const TaskContext& context, std::vector<UncertainValue>& values) {
+  const auto names = readings_of_cycle(context.has_landmarks);
+  const std::vector<UncertainValue> smoothed = values;
+  read_speeds_of_cycle(cycle, context, values);
+  std::vector<bool> depends(names.size(), false);
+  const auto& time_s = context.motion->time_s;
+  for (const double end_s : {turn_s.low, turn_s.high}) {
+    ChewingCycle moved = cycle;
+    moved.turn = cycle.begin;
+    while (moved.turn + 1 < cycle.end && time_s[moved.turn] < end_s) ++moved.turn;
+    std::vector<UncertainValue> other = smoothed;
+    read_speeds_of_cycle(moved, context, other);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const double change = std::abs(other[i].value - values[i].value);
+      if (!(change <= values[i].half_interval() / 2)) depends[i] = true;
+    }
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i].find("_peak_") == std::string_view::npos || !depends[i]) continue;
+    values[i].value = JawReading::kNone;
+    values[i].is_hidden = true;
+    values[i].missing = "when the jaw turns is not known to 0.2 s";
+  }
+}
 
 std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext& context,
                                       std::uint64_t stream) {
@@ -54,11 +98,7 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
                    why);
       });
   const auto names = readings_of_cycle(context.has_landmarks);
-  const auto opening = std::find(names.begin(), names.end(), "opening_time_s") - names.begin();
-  const UncertainValue& opening_s = values[static_cast<std::size_t>(opening)];
-  const bool knows_turn =
-      opening_s.half_interval() <= kUnknownTurn_s &&
-      std::abs(cycle.begin_s + opening_s.value - cycle.turn_s) <= kUnknownTurn_s;
+  const Interval turn_s = turn_of(cycle, names, values);
   const double stamp_s = context.noise->stamp_sd_s;
   const double at_begin_s = cycle.begins.is_pause ? std::max(kPauseBoundary_s, cycle.begins.sd_s)
                                                   : std::hypot(cycle.begins.sd_s, stamp_s);
@@ -88,12 +128,10 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
     if (has_begin) values[i].noise_sd = std::hypot(values[i].noise_sd, at_begin_s);
     if (has_end) values[i].noise_sd = std::hypot(values[i].noise_sd, at_end_s);
   }
-  read_speeds_of_cycle(cycle, context, values);
-  for (std::size_t i = 0; i < names.size() && !knows_turn; ++i) {
-    if (names[i].find("_peak_") == std::string_view::npos) continue;
-    values[i].value = JawReading::kNone;
-    values[i].is_hidden = true;
-    values[i].missing = "when the jaw turns is not known to 0.2 s";
+  if (turn_s.low >= cycle.turn_s - kUnknownTurn_s && turn_s.high <= cycle.turn_s + kUnknownTurn_s) {
+    read_speeds_of_cycle(cycle, context, values);
+  } else {
+    read_speeds_of_unknown_turn(cycle, turn_s, context, values);
   }
   return values;
 }
