@@ -53,6 +53,7 @@ SpeedReader::SpeedReader(const ReferredMotion& motion, SampleRun run, const Pose
     : motion_(motion),
       shared_(noise.shared),
       errors_(errors),
+      part_(part),
       slopes_(motion, run, noise, errors, part),
       widest_s_(widest_s) {}
 
@@ -131,6 +132,38 @@ bool SpeedReader::may_be_faster(const Places& places, SampleRun run, const std::
     }
   }
   return false;
+}
+
+// The greatest speed of the point at `places` if it changes its velocity as the `witness` does
+// where this moves in bursts.
+double SpeedReader::witnessed_speed(const Places& places, SpeedPoint witness, SampleRun run,
+                                    const std::vector<Peak>& peaks, std::size_t wide, int way) {
+  const Places& seen = slopes_.places_of(witness);
+  const int width = peaks[wide].width;
+  const std::size_t at = peaks[wide].at;
+  const PointNoise noise = slopes_.noise_of(witness, at, slopes_.slope_at(at, width).of(seen));
+  double greatest_m_s = 0;
+  for (std::size_t i = 0; i < wide; ++i) {
+    const int narrow = peaks[i].width;
+    const double threshold =
+        burst_threshold(kFalseHiding, static_cast<double>(run.end - run.begin) / narrow);
+    const double least_m_s =
+        kRounding * threshold * slopes_.least_sd_of_difference(narrow, width, noise);
+    const auto stride = static_cast<std::size_t>(std::max(1, narrow / 2));
+    for (std::size_t k = run.begin; k < run.end; k += stride) {
+      if (!slopes_.may_pass_over(seen, k, narrow, width, least_m_s) ||
+          !slopes_.passes_over(seen, k, narrow, width, 0, noise, threshold)) {
+        continue;
+      }
+      const Vector3d faster = slopes_.velocity_at(places, k, width) +
+                              slopes_.velocity_at(seen, k, narrow) -
+                              slopes_.velocity_at(seen, k, width);
+      greatest_m_s =
+          std::max(greatest_m_s, (way == 0 ? faster.norm() : way * faster.z()) +
+                                     slopes_.abrupt_change_at(seen, k, narrow, way, noise));
+    }
+  }
+  return greatest_m_s;
 }
 
 UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
@@ -265,6 +298,12 @@ UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
     here.first = 0;
     const Vector3d changed = here.of(moved);
     result.fixed[i] = 1e3 * ((way == 0 ? changed.norm() : way * changed.z()) - speed_m_s);
+  }
+  for (const SpeedPoint witness : {SpeedPoint::middle, SpeedPoint::incisor}) {
+    if (part_ != PathPart::all || witness == point) continue;
+    const double beyond =
+        1e3 * witnessed_speed(places, witness, searched, peaks, wide, way) - result.value;
+    result.doubt = std::hypot(result.doubt, std::max(beyond, 0.0));
   }
   const double most_m_s = 1e-3 * (result.value + result.half_interval());
   if (may_be_faster(places, searched, peaks, wide, way, point_noise, most_m_s)) {

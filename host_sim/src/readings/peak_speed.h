@@ -12,6 +12,8 @@
 //     is fast for the rate. Beyond 25 % of the speed, the value is hidden
 //   - where the slopes do not converge, as far as they may change; and the overshoot beside an
 //     abrupt change of the speed (window_slopes.h)
+//   - bursts that another point shows whose noise is smaller: as much as it changes its velocity,
+//     the point may change its own
 // If the point may move faster than the interval in a burst elsewhere, the value is hidden.
 #pragma once
 
@@ -38,12 +40,15 @@ class SpeedReader {
   std::vector<Peak> peaks_of(const Places& places, SampleRun run, int way);
   bool may_be_faster(const Places& places, SampleRun run, const std::vector<Peak>& peaks,
                      std::size_t wide, int way, const PointNoise& noise, double most_m_s);
+  double witnessed_speed(const Places& places, SpeedPoint witness, SampleRun run,
+                         const std::vector<Peak>& peaks, std::size_t wide, int way);
   double noise_of_place(const Places& places, const Slope& slope, std::size_t k, int width, int way,
                         const NoiseAlong& noise);
 
   const ReferredMotion& motion_;
   const std::vector<SharedNoise>& shared_;
   const SharedErrors& errors_;
+  PathPart part_;
   WindowSlopes slopes_;
   double widest_s_;
 };

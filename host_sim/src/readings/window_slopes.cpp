@@ -26,8 +26,14 @@ constexpr double kSurely = 3.7, kClearly = 2, kShortest = 1.5;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 const Places& of_point(const JawPath& path, SpeedPoint point) {
-  return point == SpeedPoint::incisor ? path.incisor_m
-                                      : path.condyle_m[point == SpeedPoint::condyle_left ? 0 : 1];
+  switch (point) {
+    case SpeedPoint::incisor:
+      return path.incisor_m;
+    case SpeedPoint::middle:
+      return path.middle_m;
+    default:
+      return path.condyle_m[point == SpeedPoint::condyle_left ? 0 : 1];
+  }
 }
 
 }  // namespace
@@ -135,22 +141,22 @@ Slope WindowSlopes::slope_at(std::size_t k, int width) const {
   return slope;
 }
 
-const Vector3d& WindowSlopes::known_velocity(const Places& places, std::size_t k, int width) {
+const Vector3d& WindowSlopes::velocity_at(const Places& places, std::size_t k, int width) {
   auto& known = velocities_[{&places, width}];
   if (known.empty()) known.resize(places.size(), Vector3d::Constant(kUnknown));
   Vector3d& velocity = known[k];
-  if (std::isnan(velocity.x())) velocity = velocity_at(places, k, width);
+  if (std::isnan(velocity.x())) velocity = read_velocity(places, k, width);
   return velocity;
 }
 
 double WindowSlopes::speed_at(const Places& places, std::size_t k, int width, int way) {
-  const Vector3d& velocity = known_velocity(places, k, width);
+  const Vector3d& velocity = velocity_at(places, k, width);
   if (velocity.x() == kNowhere) return kNowhere;
   return way == 0 ? velocity.norm() : way * velocity.z();
 }
 
 // The slope as in slope_at, from the samples' moments.
-Vector3d WindowSlopes::velocity_at(const Places& places, std::size_t k, int width) const {
+Vector3d WindowSlopes::read_velocity(const Places& places, std::size_t k, int width) const {
   const auto& time_s = path_.time_s;
   const double half_s = (width + 0.25) * step_s_;
   const SampleRun window = window_at(k, half_s);
@@ -205,8 +211,8 @@ double WindowSlopes::least_sd_of_difference(int narrow_width, int width,
 
 bool WindowSlopes::may_pass_over(const Places& places, std::size_t k, int narrow_width, int width,
                                  double least_m_s) {
-  const Vector3d &narrow = known_velocity(places, k, narrow_width),
-                 &wide = known_velocity(places, k, width);
+  const Vector3d &narrow = velocity_at(places, k, narrow_width),
+                 &wide = velocity_at(places, k, width);
   return narrow.x() != kNowhere && wide.x() != kNowhere && (narrow - wide).norm() >= least_m_s;
 }
 

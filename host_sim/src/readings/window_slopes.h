@@ -22,8 +22,8 @@
 
 namespace condyle::host {
 
-/// The points whose speed is read.
-enum class SpeedPoint { incisor, condyle_left, condyle_right };
+/// The points whose slopes are read; `middle`: that of the instrument's points on the jaw.
+enum class SpeedPoint { incisor, condyle_left, condyle_right, middle };
 
 /// From one width to the next.
 inline constexpr double kNarrower = 1.6;
@@ -56,6 +56,9 @@ class WindowSlopes {
   /// few samples. All ways share the velocities.
   double speed_at(const Places& places, std::size_t k, int width, int way);
 
+  /// The velocity (m/s), as in speed_at; its x is kNowhere if there are too few samples.
+  const Eigen::Vector3d& velocity_at(const Places& places, std::size_t k, int width);
+
   /// What the standard deviation of the difference of two slopes in the middle of the samples is at
   /// least (m/s), in any direction. 0: not known.
   double least_sd_of_difference(int narrow_width, int width, const PointNoise& noise) const;
@@ -76,8 +79,7 @@ class WindowSlopes {
 
  private:
   SampleRun window_at(std::size_t k, double half_s) const;
-  const Eigen::Vector3d& known_velocity(const Places& places, std::size_t k, int width);
-  Eigen::Vector3d velocity_at(const Places& places, std::size_t k, int width) const;
+  Eigen::Vector3d read_velocity(const Places& places, std::size_t k, int width) const;
   Eigen::Matrix3d noise_of(SpeedPoint point, std::size_t k, const Matrix6& root) const;
 
   const ReferredMotion& motion_;
