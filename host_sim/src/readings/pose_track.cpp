@@ -22,6 +22,19 @@ using Eigen::Vector3d;
 
 // Digits of a recording, below which a residual means nothing.
 constexpr double kSmallestTolerance_m = 1e-4;
+// No jaw is faster. The incisor of a jaw that taps its teeth together moves at 0.5 m/s at most.
+constexpr double kFastestJaw_m_s = 1;
+
+// Whether a jaw may make the movement of the `run` of samples, which have others on both sides.
+bool may_be_of_jaw(const std::vector<double>& time_s, const std::vector<Vector6>& path,
+                   const SampleRun& run) {
+  for (const std::size_t k : {run.begin, run.end}) {
+    if (k == 0 || k >= path.size()) continue;
+    const double speed_m_s = (path[k] - path[k - 1]).norm() / (time_s[k] - time_s[k - 1]);
+    if (speed_m_s > kFastestJaw_m_s) return false;
+  }
+  return true;
+}
 
 struct ThreePoints {
   double time_s;
@@ -101,12 +114,15 @@ void keep_usable(PoseTrack& track) {
           "{} samples from {:.2f} to {:.2f} s {}", run.end - run.begin, track.time_s[run.begin],
           track.time_s[run.end - 1],
           runs == &bursts ? "jump away from the path" : "repeat one pose while the jaw moves"));
+      const bool is_jump = runs == &bursts && may_be_of_jaw(track.time_s, path, run);
       for (std::size_t i = run.begin; i < run.end; ++i) {
+        if (is_jump) track.jumps_s.push_back(track.time_s[i]);
         *count += bad[i] ? 0U : 1U;
         bad[i] = true;
       }
     }
   }
+  std::sort(track.jumps_s.begin(), track.jumps_s.end());
   std::size_t kept = 0;
   for (std::size_t i = 0; i < path.size(); ++i) {
     if (bad[i]) continue;
@@ -183,6 +199,7 @@ ReferredMotion motion_from(const PoseTrack& track, std::size_t begin, std::size_
   ReferredMotion result;
   result.middle_m = reference.translation();
   result.time_s = track.time_s;
+  result.jumps_s = track.jumps_s;
   result.motion.reserve(track.pose.size());
   for (const Isometry3d& pose : track.pose) {
     Isometry3d moved = pose * back;

@@ -4,7 +4,8 @@
 //
 // A sample is not used if it is missing, does not fit the body of its three points, runs backwards
 // in time, or belongs to a burst: a run of at most 0.2 s that departs with a jump from a path which
-// a cubic over the samples before and after it describes well.
+// a cubic over the samples before and after it describes well. A jaw may make it if it jumps by
+// less than 1 m/s.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -43,9 +44,10 @@ struct PoseTrack {
   std::vector<Eigen::Isometry3d> pose;       ///< orientation, and place of the points' middle (m)
   std::vector<Eigen::Isometry3d> head_pose;  ///< of a tracked head, in the instrument's frame
   Eigen::Isometry3d head_at = Eigen::Isometry3d::Identity();  ///< the head's for which `pose` holds
-  double noise_growth = 1;   ///< of the variance, where points are missing
-  double step_m = 0;         ///< of the coordinates of three points (number_step.h); 0: not known
-  std::string body_problem;  ///< why a body cannot be trusted; empty: it can
+  double noise_growth = 1;  ///< of the variance, where points are missing
+  double step_m = 0;        ///< of the coordinates of three points (number_step.h); 0: not known
+  std::vector<double> jumps_s;             ///< times of samples in bursts that a jaw may make
+  std::string body_problem;                ///< why a body cannot be trusted; empty: it can
   std::vector<std::string> events, notes;  ///< bursts, as text; what was read how
 };
 
@@ -74,6 +76,9 @@ struct ReferredMotion {
   Eigen::Vector3d middle_m;  ///< of the points, in the reference position
   std::vector<double> time_s;
   std::vector<Vector6> motion;
+  /// Times of the samples that were not used, although a jaw may move so (s, rising). What is read
+  /// of short movements beside them is not known.
+  std::vector<double> jumps_s;
 };
 
 /// The motion of `track` relative to the mean pose of the samples from `begin` to `end` (without).

@@ -24,6 +24,15 @@ inline bool is_fast(std::string_view name) {
   return false;
 }
 
+/// Whether a movement of a few samples decides on it.
+inline bool is_of_short_movements(std::string_view name) {
+  for (const std::string_view word :
+       {"peak_", "sparc", "ldlj", "instantaneous", "condylar_path", "cycle_path"}) {
+    if (name.find(word) != std::string_view::npos) return true;
+  }
+  return false;
+}
+
 /// Whether a mistaken place of the landmarks changes it: all but times and counts.
 inline bool is_place(std::string_view unit) {
   return unit != "s" && unit != "Hz" && unit != "1" && !unit.empty();

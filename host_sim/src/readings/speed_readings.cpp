@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "readings/speed_readings.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 
 #include "readings/path_measures.h"
 #include "readings/peak_speed.h"
+#include "readings/reading_groups.h"
+#include "readings/stroke_readings.h"
 
 namespace condyle::host {
 namespace {
@@ -28,6 +33,23 @@ void replace(UncertainValue& value, const UncertainValue& speed) {
   if (std::isfinite(value.value) || value.missing.empty()) value = speed;
 }
 
+// Hides what short movements decide on, if a sample of `run` was not used that may be one.
+void hide_beside_jumps(const ReferredMotion& motion, SampleRun run,
+                       const std::vector<std::string_view>& names,
+                       std::vector<UncertainValue>& values) {
+  const auto& jumps_s = motion.jumps_s;
+  const auto jump = std::lower_bound(jumps_s.begin(), jumps_s.end(), motion.time_s[run.begin]);
+  if (jump == jumps_s.end() || *jump > motion.time_s[run.end - 1]) return;
+  for (std::size_t i = 0; i < names.size() && i < values.size(); ++i) {
+    if (!is_of_short_movements(names[i]) || !std::isfinite(values[i].value)) continue;
+    values[i].value = JawReading::kNone;
+    values[i].is_hidden = true;
+    values[i].missing = fmt::format(
+        "samples at {:.2f} s jump away from the path and are not used, but a jaw may move so",
+        *jump);
+  }
+}
+
 }  // namespace
 
 void read_speeds_of_stroke(const std::vector<StrokeReading>& names, const JawPath& path,
@@ -49,6 +71,7 @@ void read_speeds_of_stroke(const std::vector<StrokeReading>& names, const JawPat
                               {stroke.begin, end + 1}, 0));
     }
   }
+  hide_beside_jumps(*context.motion, stroke, names_of(names), values);
 }
 
 void read_speeds_of_cycle(const ChewingCycle& cycle, const TaskContext& context,
@@ -68,6 +91,7 @@ void read_speeds_of_cycle(const ChewingCycle& cycle, const TaskContext& context,
       replace(values[i], reader.greatest(SpeedPoint::incisor, back, 1));
     }
   }
+  hide_beside_jumps(*context.motion, {cycle.begin, cycle.end + 1}, names, values);
 }
 
 }  // namespace condyle::host
