@@ -21,6 +21,8 @@ constexpr double kLeastAxisAngle_rad = 5 * kDegree, kHingeFrom_rad = 1 * kDegree
                  kHingeArc_rad = 12 * kDegree;
 constexpr int kSteps = 4;
 constexpr double kFastShare = 0.5, kLeastRateSds = 10;
+// Of a rate in a short movement over the peak of means: then other samples would be the fast ones.
+constexpr double kMostAbovePeak = 1.3;
 
 // Where an axis crosses Y = 0; absent if it lies along that plane.
 std::optional<Vector3d> crossing_m(const Vector3d& point_m, const Vector3d& direction) {
@@ -153,9 +155,10 @@ void add_instantaneous_axes(const JawPath& path, std::size_t widest, double turn
                             ReadingValues& out) {
   Crossings crossings;
   const std::vector<double> rates = sizes_of(path.turning_rad_s);
-  const double fast_rad_s =
-      kFastShare * greatest_of(path.time_s, rates, 0, widest + 1, top_reach_s(path)).value;
-  const bool is_clear = fast_rad_s > kLeastRateSds * turning_sd_rad_s;
+  const Greatest peak = greatest_of(path.time_s, rates, 0, widest + 1, top_reach_s(path));
+  const double fast_rad_s = kFastShare * peak.value;
+  const bool is_short = peak.highest > kMostAbovePeak * peak.value;
+  const bool is_clear = !is_short && fast_rad_s > kLeastRateSds * turning_sd_rad_s;
   const auto crossing_at = [&](std::size_t k) {
     const Vector3d& omega = path.turning_rad_s[k];
     const Vector3d place = path.condyle_at_m[0] + path.condyle_m[0][k];
@@ -183,6 +186,7 @@ void add_instantaneous_axes(const JawPath& path, std::size_t widest, double turn
   }
   crossings.give(
       [&] {
+        if (is_short) return std::string("the jaw turns fastest in a movement of less than 0.1 s");
         return fmt::format(
             "half of the peak rate of turning, {:.1f} deg/s, is below 10 sd of the rate, {:.1f} "
             "deg/s",

@@ -350,7 +350,6 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
       }
     }
   }
-  // The abrupt parts alone, which have little noise.
   const std::vector<bool> is_abrupt = abrupt.of(narrow.samples, wide.samples);
   std::vector<double> of_abrupt, of_calm_abrupt;
   if (!is_abrupt.empty()) {
@@ -380,7 +379,9 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
       result.contradiction = narrowing;
       result.contradiction_sd = narrowings[i].sd();
     }
-    if (!is_abrupt.empty()) {
+    if (!is_abrupt.empty() && !std::isfinite(of_abrupt[i])) {
+      result.missing = "a movement shorter than the smoothing decides on it";
+    } else if (!is_abrupt.empty()) {
       const double change = of_abrupt[i] - values[i] - (of_calm_abrupt[i] - wide.of_calm[i]);
       if (std::abs(change) > std::abs(result.contradiction) - 2 * result.contradiction_sd) {
         result.contradiction = change;
