@@ -12,6 +12,7 @@
 #include <numbers>
 #include <string>
 
+#include "readings/reading_groups.h"
 #include "readings/simulated_readings.h"
 #include "readings/stroke_readings.h"
 #include "support/acceptance.h"
@@ -42,6 +43,17 @@ Displacement click(double click_s) {
             kClick_m * (least_jerk((time_s - from_s) / click_s) -
                         least_jerk((time_s - stroke.return_begin_s) / kReturn_s)),
             0};
+  };
+}
+
+// Forward and down, and at once back, on the way out.
+Displacement jerk(double amplitude_m, double jerk_s) {
+  return [=](const JawStroke& stroke, double time_s) -> Vector3d {
+    const double share = 0.3 + 0.1 * stroke.stroke;
+    const double since_s =
+        time_s - stroke.begin_s - share * (stroke.outward_end_s - stroke.begin_s);
+    const double bump = least_jerk(2 * since_s / jerk_s) - least_jerk(2 * since_s / jerk_s - 1);
+    return amplitude_m * bump * Vector3d(0.7, 0, -0.7);
   };
 }
 
@@ -173,6 +185,30 @@ TEST(ShortMovements, OfAClickAreInTheIntervalsOrWithheld) {
         << name;
   }
   EXPECT_EQ(coverages["condylar_path_mm"].shown, coverages["condylar_path_mm"].wanted);
+}
+
+// Samples that jump away from the path are not used, as if an instrument had failed. The jaw may
+// have jumped.
+TEST(ShortMovements, OfAJerkAreInTheIntervalsOrWithheld) {
+  const int runs = testing_support::runs(1, 2, 20);
+  Coverages coverages;
+  for (const double amplitude_m : {1e-3, 2e-3, 5e-3}) {
+    for (const double jerk_s : {0.025, 0.06, 0.12}) {
+      for (const double rate_Hz : {60.0, 100.0, 200.0}) {
+        for (int run = 0; run < runs; ++run) {
+          compare_strokes(simulation_of(rate_Hz, 1e-4, run), jerk(amplitude_m, jerk_s), coverages);
+        }
+      }
+    }
+  }
+  print(coverages);
+  for (const auto& [name, coverage] : coverages) {
+    if (!is_of_short_movements(name)) continue;
+    // As above.
+    EXPECT_GE(static_cast<std::uint64_t>(coverage.covered),
+              testing_support::fewest_hits(static_cast<std::uint64_t>(coverage.shown), 0.75, 1e-4))
+        << name;
+  }
 }
 
 // The instant of a greatest value is the top of means, beside which a tremor has higher ones.
