@@ -151,11 +151,13 @@ TEST(PeakSpeed, IncludesAClickThatNoiseDoesNotHide) {
         }
         std::printf("%.2f s at %.0f Hz, %.0f um: %d of %d shown, %d of these covered\n", click_s,
                     rate_Hz, 1e6 * noise_m, score.shown, score.all, score.covered);
-        // A click of 4 samples at 200 Hz has no speed that could be read with noise.
+        // The speed of a click within a few samples, or in more noise, cannot be read.
         if (click_s > 0.03 && noise_m < 4e-5) {
           EXPECT_GE(score.shown, 0.7 * score.all);
+        } else if (click_s > 0.03) {
+          EXPECT_GE(score.shown, 0.15 * score.all);
         }
-        // Of the 18 cells one fails with a probability of 0.1 % if 90 % are covered.
+        // Of the 18 cells one fails with a probability of 0.2 % if 90 % are covered.
         EXPECT_GE(static_cast<std::uint64_t>(score.covered),
                   testing_support::fewest_hits(static_cast<std::uint64_t>(score.shown), 0.9, 1e-4));
       }

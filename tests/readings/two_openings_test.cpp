@@ -99,6 +99,8 @@ TEST(TwoOpenings, HaveATurnThatNoiseDoesNotChoose) {
                 name.c_str(), held.shown, held.all, held.held, held.hidden, means[name].shown,
                 means[name].all, means[name].held);
     EXPECT_EQ(held.all, 16 * (kCycles - 2)) << name;
+    EXPECT_GT(held.shown, held.all / 2) << name;
+    EXPECT_GT(means[name].shown, 0) << name;
     // The cycles of a noise share their draws between depths.
     EXPECT_GE(held.held, 0.85 * held.shown) << name;
     // Measured: 7 of 10 for the times. The bottom is nearly flat, so that smoothing moves the turn.

@@ -9,8 +9,9 @@ namespace {
 
 // Exceeded by chi-square of six degrees of freedom with a probability of 1e-8.
 constexpr double kBeyondNoise = 48;
-// Rounding of a noise-free recording is no noise that can be inverted (m^2, rad^2).
+// Keeps the covariance invertible if a recording has no noise (m^2, rad^2).
 constexpr double kLeastVariance = 1e-20;
+constexpr double kRounding_s = 1e-9;
 
 }  // namespace
 
@@ -23,9 +24,14 @@ void AbruptParts::add_noise(const std::vector<Vector6>& narrow, const std::vecto
 }
 
 std::vector<bool> AbruptParts::of(const SmoothMotion& narrow, const SmoothMotion& wide) const {
-  if (count_ == 0) return {};
+  if (count_ == 0 || wide.time_s.empty()) return {};
   const auto& time_s = wide.time_s;
   const Eigen::LLT<Matrix6> covariance(sum_ / count_ + kLeastVariance * Matrix6::Identity());
+  // At low rates the usual window is longer.
+  const double step_s = (time_s.back() - time_s.front()) /
+                        static_cast<double>(std::max<std::size_t>(time_s.size(), 2) - 1);
+  const double reach_s =
+      std::max(kFitHalfWidth_s, static_cast<double>(kLeastFitSamples / 2) * step_s) + kRounding_s;
   std::vector<bool> is_abrupt;
   std::size_t end = 0;  // all before it are decided
   for (std::size_t k = 0; k < time_s.size(); ++k) {
@@ -33,9 +39,9 @@ std::vector<bool> AbruptParts::of(const SmoothMotion& narrow, const SmoothMotion
     if (!(covariance.matrixL().solve(difference).squaredNorm() > kBeyondNoise)) continue;
     is_abrupt.resize(time_s.size(), false);
     std::size_t first = k;
-    while (first > end && time_s[k] - time_s[first - 1] <= kFitHalfWidth_s) --first;
+    while (first > end && time_s[k] - time_s[first - 1] <= reach_s) --first;
     for (end = std::max(end, first);
-         end < time_s.size() && (end <= k || time_s[end] - time_s[k] <= kFitHalfWidth_s); ++end) {
+         end < time_s.size() && (end <= k || time_s[end] - time_s[k] <= reach_s); ++end) {
       is_abrupt[end] = true;
     }
   }

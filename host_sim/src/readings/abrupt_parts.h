@@ -4,7 +4,8 @@
 //
 //   d_k   difference of the two smoothings at sample k (position and rotation)
 //   C     covariance of d, from draws of the noise
-//   k is abrupt if  d_k' C^-1 d_k > 48: of noise alone, one sample in 10^8 is
+//   k is abrupt if  d_k' C^-1 d_k > 48: of noise alone, one sample in 10^8 would be if C were
+//   exact; it rests on few draws
 // What smoothing does to an abrupt sample reaches over its window, so that the samples around it
 // count too.
 #pragma once

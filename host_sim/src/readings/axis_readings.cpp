@@ -21,7 +21,8 @@ constexpr double kLeastAxisAngle_rad = 5 * kDegree, kHingeFrom_rad = 1 * kDegree
                  kHingeArc_rad = 12 * kDegree;
 constexpr int kSteps = 4;
 constexpr double kFastShare = 0.5, kLeastRateSds = 10;
-// Of a rate in a short movement over the peak of means: then other samples would be the fast ones.
+// A greater ratio of the highest rate to the peak of means: a short movement decides which samples
+// are fast.
 constexpr double kMostAbovePeak = 1.3;
 
 // Where an axis crosses Y = 0; absent if it lies along that plane.
@@ -157,8 +158,9 @@ void add_instantaneous_axes(const JawPath& path, std::size_t widest, double turn
   const std::vector<double> rates = sizes_of(path.turning_rad_s);
   const Greatest peak = greatest_of(path.time_s, rates, 0, widest + 1, top_reach_s(path));
   const double fast_rad_s = kFastShare * peak.value;
-  const bool is_short = peak.highest > kMostAbovePeak * peak.value;
-  const bool is_clear = !is_short && fast_rad_s > kLeastRateSds * turning_sd_rad_s;
+  const bool is_above_noise = fast_rad_s > kLeastRateSds * turning_sd_rad_s;
+  const bool is_short = is_above_noise && peak.highest > kMostAbovePeak * peak.value;
+  const bool is_clear = is_above_noise && !is_short;
   const auto crossing_at = [&](std::size_t k) {
     const Vector3d& omega = path.turning_rad_s[k];
     const Vector3d place = path.condyle_at_m[0] + path.condyle_m[0][k];
@@ -186,7 +188,7 @@ void add_instantaneous_axes(const JawPath& path, std::size_t widest, double turn
   }
   crossings.give(
       [&] {
-        if (is_short) return std::string("the jaw turns fastest in a movement of less than 0.1 s");
+        if (is_short) return std::string("the jaw turns fastest in a movement of less than 0.12 s");
         return fmt::format(
             "half of the peak rate of turning, {:.1f} deg/s, is below 10 sd of the rate, {:.1f} "
             "deg/s",

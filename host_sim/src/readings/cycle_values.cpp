@@ -25,7 +25,8 @@ constexpr double kMargin_s = 0.15, kMarginAtPause_s = 0.3, kMarginOfClosed_s = 0
 // so slowly that its form, which is not known, decides.
 constexpr double kPauseBoundary_s = 8e-3;
 // Farther from where the cycle was found to turn, the jaw may turn in another of its openings.
-constexpr double kUnknownTurn_s = 0.2, kUnbounded_s = 1e3;
+constexpr double kUnknownTurn_s = 0.2;
+constexpr double kUnbounded = 1e9;  // more than any time (s) or speed (mm/s)
 // Error of the instant of a top between samples, whose jerk changes there, over step^2 / time to
 // the next turn.
 constexpr double kBetweenSamples = 1.4;
@@ -33,10 +34,11 @@ constexpr double kBetweenSamples = 1.4;
 // When the jaw turns: from its begin or from its end, whichever is known better.
 Interval turn_of(const ChewingCycle& cycle, const std::vector<std::string_view>& names,
                  const std::vector<UncertainValue>& values) {
-  Interval turn_s{-kUnbounded_s, kUnbounded_s};
+  Interval turn_s{-kUnbounded, kUnbounded};
   for (std::size_t i = 0; i < names.size(); ++i) {
     const bool is_opening = names[i] == "opening_time_s";
     if (!is_opening && names[i] != "closing_time_s") continue;
+    if (!std::isfinite(values[i].value)) continue;
     const double half_s = values[i].half_interval();
     const double middle_s =
         is_opening ? cycle.begin_s + values[i].value : cycle.end_s - values[i].value;
@@ -52,7 +54,7 @@ void read_speeds_of_unknown_turn(const ChewingCycle& cycle, Interval turn_s,
   const auto names = readings_of_cycle(context.has_landmarks);
   const std::vector<UncertainValue> smoothed = values;
   read_speeds_of_cycle(cycle, context, values);
-  std::vector<bool> depends(names.size(), false);
+  std::vector<double> changes(names.size(), 0);
   const auto& time_s = context.motion->time_s;
   for (const double end_s : {turn_s.low, turn_s.high}) {
     ChewingCycle moved = cycle;
@@ -61,15 +63,21 @@ void read_speeds_of_unknown_turn(const ChewingCycle& cycle, Interval turn_s,
     std::vector<UncertainValue> other = smoothed;
     read_speeds_of_cycle(moved, context, other);
     for (std::size_t i = 0; i < names.size(); ++i) {
-      const double change = std::abs(other[i].value - values[i].value);
-      if (!(change <= values[i].half_interval() / 2)) depends[i] = true;
+      changes[i] = std::max(changes[i], std::abs(other[i].value - values[i].value));
+      if (!std::isfinite(other[i].value)) changes[i] = kUnbounded;
     }
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (names[i].find("_peak_") == std::string_view::npos || !depends[i]) continue;
+    if (names[i].find("_peak_") == std::string_view::npos || !std::isfinite(values[i].value)) {
+      continue;
+    }
+    if (changes[i] <= values[i].half_interval() / 2) {
+      values[i].doubt = std::hypot(values[i].doubt, changes[i]);
+      continue;
+    }
     values[i].value = JawReading::kNone;
     values[i].is_hidden = true;
-    values[i].missing = "when the jaw turns is not known to 0.2 s";
+    values[i].missing = "it depends on when the jaw turns, which is not known to 0.2 s";
   }
 }
 

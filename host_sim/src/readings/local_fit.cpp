@@ -141,4 +141,30 @@ std::vector<double> LocalFit::gains() const {
   return gains;
 }
 
+std::vector<Vector6> slopes_of(const std::vector<double>& time_s,
+                               const std::vector<Vector6>& values) {
+  const std::size_t count = values.size(), points = std::min<std::size_t>(5, count);
+  std::vector<Vector6> slopes(count, Vector6::Zero());
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t first =
+        std::clamp<std::size_t>(k, points / 2, count - points + points / 2) - points / 2;
+    for (std::size_t j = first; j < first + points; ++j) {
+      // Derivative at k of the polynomial that is 1 at j and 0 at the others.
+      double weight = 0;
+      if (j == k) {
+        for (std::size_t m = first; m < first + points; ++m) {
+          if (m != k) weight += 1 / (time_s[k] - time_s[m]);
+        }
+      } else {
+        weight = 1 / (time_s[j] - time_s[k]);
+        for (std::size_t m = first; m < first + points; ++m) {
+          if (m != j && m != k) weight *= (time_s[k] - time_s[m]) / (time_s[j] - time_s[m]);
+        }
+      }
+      slopes[k] += weight * values[j];
+    }
+  }
+  return slopes;
+}
+
 }  // namespace condyle::host

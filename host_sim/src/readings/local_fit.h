@@ -61,6 +61,10 @@ class LocalFit {
 SampleRun samples_of_fit(const std::vector<double>& time_s, std::size_t begin, std::size_t end,
                          double half_width_s = kFitHalfWidth_s);
 
+/// Slopes of `values` at `time_s`: those of the quartics through five neighbours (Lagrange).
+std::vector<Vector6> slopes_of(const std::vector<double>& time_s,
+                               const std::vector<Vector6>& values);
+
 /// Part of a motion with its smoothed values.
 struct SmoothMotion {
   std::vector<double> time_s;

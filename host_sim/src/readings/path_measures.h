@@ -25,7 +25,7 @@ struct Greatest {
   double time_s, value;
   double highest;  ///< of the samples, wherever it is; the means may pass over a short top
 };
-/// How far it lies below the highest sample.
+/// How far it lies below the highest sample; 0: it lies above.
 double shortfall_of(const Greatest& top);
 Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double>& values,
                      std::size_t begin, std::size_t end, double reach_s);

@@ -20,7 +20,7 @@ constexpr double kAgreement = 1.8;
 // Probabilities that noise alone looks like a burst to one of the narrower windows: that widens the
 // interval, or hides the value.
 constexpr double kFalseBurst = 1e-3, kFalseHiding = 1e-4;
-constexpr double kRounding = 0.95;  // of times, which makes the noise of slopes vary
+constexpr double kRounding = 0.7;  // of that standard deviation: times vary
 // How often the estimated error of the value is in the interval; and of the two differences that
 // are there if no narrower window could confirm the value.
 constexpr double kTimesError = 2, kHidden = 1.5, kUnconfirmed = 1.5, kTooFast = 3,
@@ -117,7 +117,6 @@ bool SpeedReader::may_be_faster(const Places& places, SampleRun run, const std::
     const int narrow = peaks[i].width, width = peaks[wide].width;
     const double threshold =
         burst_threshold(kFalseHiding, static_cast<double>(run.end - run.begin) / narrow);
-    // In the middle of the samples windows are full, so that noise is smallest there.
     const double least_m_s =
         kRounding * threshold * slopes_.least_sd_of_difference(narrow, width, noise);
     const auto stride = static_cast<std::size_t>(std::max(1, narrow / 2));
@@ -172,7 +171,7 @@ UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
   result.missing = "too few samples around the greatest speed";
   result.is_hidden = true;
   const Places& places = slopes_.places_of(point);
-  if (!(slopes_.step_s() > 0) || run.end <= run.begin) return result;
+  if (!(slopes_.step_s() > 0) || run.end <= run.begin || places.empty()) return result;
   const SampleRun searched{run.begin - slopes_.first(), run.end - slopes_.first()};
   const std::vector<Peak> peaks = peaks_of(places, searched, way);
   if (peaks.size() < 3) return result;

@@ -4,7 +4,7 @@
 //   D_n    slope of the cubic of least squares through n samples on both sides
 //   N      the widest window whose slope agrees with those of all narrower ones: at its own peak
 //          within 1.8 standard deviations of the noise of their difference, at their peaks within
-//          what noise reaches once in a thousand windows, so that it passes over no burst of speed
+//          what noise exceeds in one run of a thousand, for each width. So it passes over no burst
 //   value  D_n at that peak, n 1.6 times narrower, less what D_N - D_n says of its own error, which
 //          grows with the fourth power of the width, and less what noise adds
 // In the interval, too:
@@ -12,8 +12,8 @@
 //     is fast for the rate. Beyond 25 % of the speed, the value is hidden
 //   - where the slopes do not converge, as far as they may change; and the overshoot beside an
 //     abrupt change of the speed (window_slopes.h)
-//   - bursts that another point shows whose noise is smaller: as much as it changes its velocity,
-//     the point may change its own
+//   - of strokes: bursts that the middle of the instrument's points or the incisor shows, which
+//     often have less noise. As much as they change their velocity, the point may change its own
 // If the point may move faster than the interval in a burst elsewhere, the value is hidden.
 #pragma once
 

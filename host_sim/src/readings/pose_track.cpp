@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 
 // Digits of a recording, below which a residual means nothing.
 constexpr double kSmallestTolerance_m = 1e-4;
-// No jaw is faster. The incisor of a jaw that taps its teeth together moves at 0.5 m/s at most.
+// Of the middle of the points, with 0.1 m times the turning: about twice the fastest chewing.
 constexpr double kFastestJaw_m_s = 1;
 
 // Whether a jaw may make the movement of the `run` of samples, which have others on both sides.

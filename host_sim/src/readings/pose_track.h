@@ -4,8 +4,8 @@
 //
 // A sample is not used if it is missing, does not fit the body of its three points, runs backwards
 // in time, or belongs to a burst: a run of at most 0.2 s that departs with a jump from a path which
-// a cubic over the samples before and after it describes well. A jaw may make it if it jumps by
-// less than 1 m/s.
+// a cubic over the samples before and after it describes well. A jaw may make it if its first and
+// last steps are slower than 1 m/s.
 #pragma once
 
 #include <Eigen/Geometry>

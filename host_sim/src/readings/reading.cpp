@@ -173,7 +173,8 @@ UncertainValue difference_of(UncertainValue value, const UncertainValue& other) 
 void share_contradictions(const std::vector<UncertainValue*>& repeated) {
   double count = 0, squares = 0, variances = 0;
   for (const UncertainValue* value : repeated) {
-    if (!std::isfinite(value->value)) continue;
+    // Without noise it is in the interval already (abrupt parts).
+    if (!std::isfinite(value->value) || value->contradiction_sd == 0) continue;
     ++count;
     const double size =
         std::min(std::abs(value->contradiction), kMostShared * value->contradiction_sd);

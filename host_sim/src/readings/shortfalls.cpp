@@ -39,7 +39,10 @@ void take_shortfalls(const std::vector<std::string_view>& names,
     const double explained = kExplained * shortfall.noise_sd;
     const double rest = std::max(shortfall.value * shortfall.value - explained * explained, 0.0);
     value.doubt = std::hypot(value.doubt, kTimesShortfall * std::sqrt(rest));
-    value.contradiction += shortfall.contradiction;
+    // The signs of a difference do not tell to which of both tops the shortfall belongs.
+    value.contradiction = names[i].ends_with("difference_mm")
+                              ? std::abs(value.contradiction) + std::abs(shortfall.contradiction)
+                              : value.contradiction + shortfall.contradiction;
     value.contradiction_sd = std::hypot(value.contradiction_sd, shortfall.contradiction_sd);
   }
 }

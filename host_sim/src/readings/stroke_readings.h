@@ -16,7 +16,8 @@ std::vector<StrokeReading> readings_of_stroke(TaskKind kind, bool has_landmarks)
 std::vector<std::string_view> names_of(const std::vector<StrokeReading>& readings);
 
 /// Their values for the path of one stroke, in their units; NaN where there is none. `why`, if not
-/// null, then holds the reason. `turning_sd_rad_s`: noise of the path's rate of turning.
+/// null, then holds the reason. `turning_sd_rad_s`: noise of the path's rate of turning. After them
+/// come separations (condyle_readings.h), doubts of arc lengths (smoothness.h) and shortfalls.
 void read_stroke(TaskKind kind, bool has_landmarks, const JawPath& path,
                  std::vector<double>& values, std::vector<std::string>* why,
                  double turning_sd_rad_s = 0);

@@ -57,33 +57,6 @@ struct Window {
   std::vector<Vector6> error_value, error_slope;
 };
 
-// Slopes of `values`: those of the quartics through five neighbours (Lagrange).
-std::vector<Vector6> slopes_of(const std::vector<double>& time_s,
-                               const std::vector<Vector6>& values) {
-  const std::size_t count = values.size(), points = std::min<std::size_t>(5, count);
-  std::vector<Vector6> slopes(count, Vector6::Zero());
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t first =
-        std::clamp<std::size_t>(k, points / 2, count - points + points / 2) - points / 2;
-    for (std::size_t j = first; j < first + points; ++j) {
-      // Derivative at k of the polynomial that is 1 at j and 0 at the others.
-      double weight = 0;
-      if (j == k) {
-        for (std::size_t m = first; m < first + points; ++m) {
-          if (m != k) weight += 1 / (time_s[k] - time_s[m]);
-        }
-      } else {
-        weight = 1 / (time_s[j] - time_s[k]);
-        for (std::size_t m = first; m < first + points; ++m) {
-          if (m != j && m != k) weight *= (time_s[k] - time_s[m]) / (time_s[j] - time_s[m]);
-        }
-      }
-      slopes[k] += weight * values[j];
-    }
-  }
-  return slopes;
-}
-
 // Means of `values` over `reach_s` on both sides, with triangular weights.
 std::vector<Vector6> means_of(const std::vector<double>& time_s, const std::vector<Vector6>& values,
                               double reach_s) {
@@ -381,9 +354,11 @@ std::vector<UncertainValue> uncertain_values(const ReferredMotion& motion, std::
     }
     if (!is_abrupt.empty() && !std::isfinite(of_abrupt[i])) {
       result.missing = "a movement shorter than the smoothing decides on it";
+      result.is_hidden = true;
     } else if (!is_abrupt.empty()) {
       const double change = of_abrupt[i] - values[i] - (of_calm_abrupt[i] - wide.of_calm[i]);
-      if (std::abs(change) > std::abs(result.contradiction) - 2 * result.contradiction_sd) {
+      const double explained = 2 * result.contradiction_sd;
+      if (change * change > result.contradiction * result.contradiction - explained * explained) {
         result.contradiction = change;
         result.contradiction_sd = 0;
       }

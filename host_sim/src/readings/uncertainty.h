@@ -10,8 +10,9 @@
 //   S'   smoothing over 20 ms on both sides, at least five samples
 //   narrowing   F(S' y) - F(S y), minus the same of z and of noise: where the movement is more
 //               abrupt than z. A multiple of what exceeds its noise is in the interval
-//   abrupt parts   (abrupt_parts.h) the same with S' only where it differs from S by more than
-//               noise: a short movement that the noise of the whole path would hide
+//   abrupt parts   (abrupt_parts.h) like narrowing, with S' only where it differs from S by more
+//               than noise, so that no noise is subtracted. The noise of the whole path would hide
+//               a short movement. The larger of both counts
 //   noise       mean of F(S(m + e)) - F(S m), what noise adds, is subtracted, and its size is in
 //               the interval; the standard deviation of these is that of the value
 //   fixed       F with one landmark coordinate, or one component of the reference position, off by

@@ -200,13 +200,18 @@ bool WindowSlopes::passes_over(const Places& places, std::size_t k, int narrow_w
 
 double WindowSlopes::least_sd_of_difference(int narrow_width, int width,
                                             const PointNoise& noise) const {
-  const std::size_t middle = path_.time_s.size() / 2;
-  const Slope narrow = slope_at(middle, narrow_width), wide = slope_at(middle, width);
-  if (narrow.weights.empty() || wide.weights.empty()) return 0;
+  // Beside a gap the noise is larger, so that one place would not do.
+  double least_gain = std::numeric_limits<double>::infinity();
+  for (const std::size_t quarter : {1U, 2U, 3U}) {
+    const std::size_t k = quarter * path_.time_s.size() / 4;
+    const Slope narrow = slope_at(k, narrow_width), wide = slope_at(k, width);
+    if (narrow.weights.empty() || wide.weights.empty()) return 0;
+    least_gain = std::min(least_gain, narrow.mixed(1, wide, -1).gain());
+  }
   const double least_variance =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(noise.white, Eigen::EigenvaluesOnly)
           .eigenvalues()[0];
-  return std::sqrt(std::max(least_variance, 0.0) * narrow.mixed(1, wide, -1).gain());
+  return std::sqrt(std::max(least_variance, 0.0) * least_gain);
 }
 
 bool WindowSlopes::may_pass_over(const Places& places, std::size_t k, int narrow_width, int width,

@@ -6,8 +6,9 @@
 //   burst     a narrow window's slope differs from a wide one's by more than noise
 //   abrupt    from one width to the next narrower one (1.6 times) the slopes change no less than
 //             from the width before: they do not converge. On a smooth path the changes fall with
-//             the fourth power of the width; on a step they grow with one over the width, and the
-//             slope of the narrowest window is as far away as these steps lead
+//             the fourth power of the width; on a step they grow. The slope of the narrowest window
+//             is taken to be as far away as equal changes lead. Windows that reach beyond 0.4 s
+//             are not judged
 //   overshoot beside an abrupt change of the speed, as where teeth stop the jaw, the slope of a
 //             cubic exceeds the speed by up to 9 % of the change, however narrow the window
 #pragma once
@@ -25,7 +26,7 @@ namespace condyle::host {
 /// The points whose slopes are read; `middle`: that of the instrument's points on the jaw.
 enum class SpeedPoint { incisor, condyle_left, condyle_right, middle };
 
-/// From one width to the next.
+/// From one width to the narrower one that is compared with it.
 inline constexpr double kNarrower = 1.6;
 /// The fewest samples of a window on one side.
 inline constexpr int kNarrowest = 2;
@@ -51,16 +52,17 @@ class WindowSlopes {
   /// Noise of the point at sample `k`, where it moves with `velocity` (m/s).
   PointNoise noise_of(SpeedPoint point, std::size_t k, const Eigen::Vector3d& velocity) const;
 
+  /// At sample `k`; without weights if there are too few samples.
   Slope slope_at(std::size_t k, int width) const;
-  /// The same speed (m/s) of `places`, which must be one of places_of; kNowhere if there are too
-  /// few samples. All ways share the velocities.
+  /// The speed of that slope (m/s) of `places`, which must be one of places_of; kNowhere if there
+  /// are too few samples. All ways share the velocities.
   double speed_at(const Places& places, std::size_t k, int width, int way);
 
   /// The velocity (m/s), as in speed_at; its x is kNowhere if there are too few samples.
   const Eigen::Vector3d& velocity_at(const Places& places, std::size_t k, int width);
 
-  /// What the standard deviation of the difference of two slopes in the middle of the samples is at
-  /// least (m/s), in any direction. 0: not known.
+  /// About the least standard deviation of the difference of two slopes (m/s), in any direction.
+  /// 0: not known.
   double least_sd_of_difference(int narrow_width, int width, const PointNoise& noise) const;
   /// Whether at sample `k` the slope of a narrow window exceeds that of one of `width` by more than
   /// `threshold` standard deviations of noise. A change of direction counts, too.
@@ -70,7 +72,7 @@ class WindowSlopes {
   bool may_pass_over(const Places& places, std::size_t k, int narrow_width, int width,
                      double least_m_s);
   /// How much faster (m/s) the point may be at sample `k` than the slope of `width`, because the
-  /// slopes do not converge; 0: they do.
+  /// slopes do not converge; 0: they do, or their windows reach too far to tell.
   double abrupt_change_at(const Places& places, std::size_t k, int width, int way,
                           const PointNoise& noise) const;
   /// How far (m/s) the slope at sample `k` may overshoot if the speed changes abruptly less than
