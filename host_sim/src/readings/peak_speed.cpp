@@ -108,39 +108,13 @@ double SpeedReader::noise_of_place(const Places& places, const Slope& slope, std
   return noise.variance_of(after.mixed(1 / apart_s, before, -1 / apart_s)) / (-2 * curve);
 }
 
-// Whether the point may move faster than `most_m_s` somewhere in `run`, in a burst over which the
-// window `wide` passes.
-bool SpeedReader::may_be_faster(const Places& places, SampleRun run, const std::vector<Peak>& peaks,
-                                std::size_t wide, int way, const PointNoise& noise,
-                                double most_m_s) {
-  for (std::size_t i = 0; i < wide; ++i) {
-    const int narrow = peaks[i].width, width = peaks[wide].width;
-    const double threshold =
-        burst_threshold(kFalseHiding, static_cast<double>(run.end - run.begin) / narrow);
-    const double least_m_s =
-        kRounding * threshold * slopes_.least_sd_of_difference(narrow, width, noise);
-    const auto stride = static_cast<std::size_t>(std::max(1, narrow / 2));
-    for (std::size_t k = run.begin; k < run.end; k += stride) {
-      if (slopes_.may_pass_over(places, k, narrow, width, least_m_s) &&
-          slopes_.passes_over(places, k, narrow, width, way, noise, threshold) &&
-          slopes_.speed_at(places, k, narrow, way) +
-                  slopes_.abrupt_change_at(places, k, narrow, way, noise) >
-              most_m_s) {
-        return true;
-      }
-    }
-  }
-  return false;
-}
-
-// The greatest speed of the point at `places` if it changes its velocity as the `witness` does
-// where this moves in bursts.
-double SpeedReader::witnessed_speed(const Places& places, SpeedPoint witness, SampleRun run,
+// The greatest speed of the point at `places` in bursts over which the window `wide` passes, if it
+// changes its velocity as the point at `seen` does, whose `noise` decides what a burst is. 0: there
+// are none.
+double SpeedReader::speed_in_bursts(const Places& places, const Places& seen,
+                                    const PointNoise& noise, SampleRun run,
                                     const std::vector<Peak>& peaks, std::size_t wide, int way) {
-  const Places& seen = slopes_.places_of(witness);
   const int width = peaks[wide].width;
-  const std::size_t at = peaks[wide].at;
-  const PointNoise noise = slopes_.noise_of(witness, at, slopes_.slope_at(at, width).of(seen));
   double greatest_m_s = 0;
   for (std::size_t i = 0; i < wide; ++i) {
     const int narrow = peaks[i].width;
@@ -151,7 +125,7 @@ double SpeedReader::witnessed_speed(const Places& places, SpeedPoint witness, Sa
     const auto stride = static_cast<std::size_t>(std::max(1, narrow / 2));
     for (std::size_t k = run.begin; k < run.end; k += stride) {
       if (!slopes_.may_pass_over(seen, k, narrow, width, least_m_s) ||
-          !slopes_.passes_over(seen, k, narrow, width, 0, noise, threshold)) {
+          !slopes_.passes_over(seen, k, narrow, width, way, noise, threshold)) {
         continue;
       }
       const Vector3d faster = slopes_.velocity_at(places, k, width) +
@@ -300,12 +274,16 @@ UncertainValue SpeedReader::greatest(SpeedPoint point, SampleRun run, int way) {
   }
   for (const SpeedPoint witness : {SpeedPoint::middle, SpeedPoint::incisor}) {
     if (part_ != PathPart::all || witness == point) continue;
-    const double beyond =
-        1e3 * witnessed_speed(places, witness, searched, peaks, wide, way) - result.value;
-    result.doubt = std::hypot(result.doubt, std::max(beyond, 0.0));
+    const Places& seen = slopes_.places_of(witness);
+    const std::size_t top = peaks[wide].at;
+    const PointNoise its_noise =
+        slopes_.noise_of(witness, top, slopes_.slope_at(top, peaks[wide].width).of(seen));
+    const double most_mm_s =
+        1e3 * speed_in_bursts(places, seen, its_noise, searched, peaks, wide, way);
+    result.doubt = std::hypot(result.doubt, std::max(most_mm_s - result.value, 0.0));
   }
-  const double most_m_s = 1e-3 * (result.value + result.half_interval());
-  if (may_be_faster(places, searched, peaks, wide, way, point_noise, most_m_s)) {
+  if (1e3 * speed_in_bursts(places, places, point_noise, searched, peaks, wide, way) >
+      result.value + result.half_interval()) {
     result.value = JawReading::kNone;
     result.is_hidden = true;
     result.missing =

@@ -38,10 +38,8 @@ class SpeedReader {
   struct Peak;
 
   std::vector<Peak> peaks_of(const Places& places, SampleRun run, int way);
-  bool may_be_faster(const Places& places, SampleRun run, const std::vector<Peak>& peaks,
-                     std::size_t wide, int way, const PointNoise& noise, double most_m_s);
-  double witnessed_speed(const Places& places, SpeedPoint witness, SampleRun run,
-                         const std::vector<Peak>& peaks, std::size_t wide, int way);
+  double speed_in_bursts(const Places& places, const Places& seen, const PointNoise& noise,
+                         SampleRun run, const std::vector<Peak>& peaks, std::size_t wide, int way);
   double noise_of_place(const Places& places, const Slope& slope, std::size_t k, int width, int way,
                         const NoiseAlong& noise);
 
