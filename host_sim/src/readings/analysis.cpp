@@ -17,6 +17,7 @@
 #include "readings/strokes.h"
 #include "readings/task_readings.h"
 #include "readings/uncertainty.h"
+#include "readings/whole_path.h"
 #include "statistics/quantile.h"
 
 namespace condyle::host {
@@ -32,7 +33,6 @@ constexpr double kMostRotation_deg = 70, kMostResidual_m = 0.15e-3;
 constexpr double kMostBeyond_m = 1e-3;           // of closing, beyond the reference position
 constexpr double kMostReferenceMotion_m = 1e-3;  // during a stated reference
 constexpr double kSmoothed = 1.5;
-constexpr std::size_t kBlock = 4096;
 constexpr double kNearRest_m = 1.5e-3, kNearRest_rad = 1.5 * kDegree;
 
 // Direction of closing in the instrument's frame.
@@ -171,64 +171,6 @@ ReadingGeometry geometry_without_landmarks(const PoseTrack& track, const Referre
   return geometry;
 }
 
-// Appends `more` to `all`.
-void append(std::vector<Vector3d>& all, const std::vector<Vector3d>& more) {
-  all.insert(all.end(), more.begin(), more.end());
-}
-
-// Block by block: the fits of a long recording would take hundreds of bytes a sample.
-void describe_path(const ReferredMotion& motion, const ReadingGeometry& geometry,
-                   Analysis& analysis) {
-  const std::size_t count = motion.time_s.size();
-  JawPath& path = analysis.path;
-  path.time_s = motion.time_s;
-  for (auto* points :
-       {&path.incisor_m, &path.incisor_m_s, &path.condyle_m[0], &path.condyle_m[1],
-        &path.condyle_m_s[0], &path.condyle_m_s[1], &path.rotation_rad, &path.middle_m}) {
-    points->reserve(count);
-  }
-  analysis.incisor_sd_m.reserve(count);
-  const Vector3d lever = geometry.incisor_m - geometry.middle_m;
-  double turn_rad = 0, distance_m = 0;
-  for (std::size_t begin = 0; begin < count; begin += kBlock) {
-    const std::size_t end = std::min(begin + kBlock, count);
-    const LocalFit fit(motion.time_s, begin, end);
-    SmoothMotion smooth{{motion.time_s.begin() + static_cast<std::ptrdiff_t>(begin),
-                         motion.time_s.begin() + static_cast<std::ptrdiff_t>(end)},
-                        {},
-                        {}};
-    fit.apply(motion.motion, 0, smooth.value, smooth.slope);
-    TurningMotion turning;
-    turning_of(smooth, turning);
-    JawPath block;
-    paths_of(smooth, turning, geometry, PathPart::all, block);
-    append(path.incisor_m, block.incisor_m);
-    append(path.incisor_m_s, block.incisor_m_s);
-    for (std::size_t side = 0; side < 2; ++side) {
-      append(path.condyle_m[side], block.condyle_m[side]);
-      append(path.condyle_m_s[side], block.condyle_m_s[side]);
-    }
-    append(path.rotation_rad, block.rotation_rad);
-    append(path.middle_m, block.middle_m);
-    path.condyle_at_m = block.condyle_at_m;
-    path.incisor_at_m = block.incisor_at_m;
-    path.middle_at_m = block.middle_at_m;
-    const std::vector<double> gains = fit.gains();
-    for (std::size_t k = 0; k < gains.size(); ++k) {
-      turn_rad = std::max(turn_rad, smooth.value[k].tail<3>().norm());
-      distance_m = std::max(distance_m, smooth.value[k].head<3>().norm());
-      const Vector3d r = turning.rotation[k] * lever;
-      Eigen::Matrix<double, 3, 6> J;
-      J << Eigen::Matrix3d::Identity(),
-          -Eigen::Matrix3d{{0, -r[2], r[1]}, {r[2], 0, -r[0]}, {-r[1], r[0], 0}};
-      const double variance = (J * analysis.noise.covariance * J.transpose()).trace() / 3;
-      analysis.incisor_sd_m.push_back(std::sqrt(variance * gains[k]));
-    }
-  }
-  analysis.largest_rotation_deg = turn_rad / kDegree;
-  analysis.largest_displacement_mm = distance_m / kMillimetre;
-}
-
 // Why readings that need rotation are withheld; empty: they are not.
 std::string rotation_problem(const PoseTrack& track, const Analysis& analysis) {
   if (!track.has_rotation) return "the recording has one point, which shows no rotation";
@@ -316,7 +258,11 @@ Analysis analyse_recording(Recording& recording, const std::string& name,
   grow(analysis.noise, track.noise_growth);
   const ReadingGeometry geometry = landmarks ? geometry_of(*landmarks, motion.middle_m)
                                              : geometry_without_landmarks(track, motion, rest);
-  describe_path(motion, geometry, analysis);
+  WholePath whole = whole_path(motion, geometry, analysis.noise.covariance);
+  analysis.path = std::move(whole.path);
+  analysis.incisor_sd_m = std::move(whole.incisor_sd_m);
+  analysis.largest_rotation_deg = whole.largest_rotation_rad / kDegree;
+  analysis.largest_displacement_mm = whole.largest_displacement_m / kMillimetre;
   stop_if_asked(should_stop);
 
   TaskContext context;

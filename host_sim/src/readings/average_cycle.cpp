@@ -26,11 +26,14 @@ struct Instant {
   Vector6 motion;
 };
 
-// The path between samples: of the incisor a cubic, of the motion a line.
-Instant instant_at(const JawPath& path, double time_s) {
+// The path between samples: of the incisor a cubic, of the motion a line. `near`: a sample from
+// which the one before the instant is sought; becomes that one.
+Instant instant_at(const JawPath& path, double time_s, std::size_t& near) {
   const auto& times = path.time_s;
-  const auto after = std::upper_bound(times.begin() + 1, times.end() - 1, time_s);
-  const auto k = static_cast<std::size_t>(after - times.begin()) - 1;
+  std::size_t& k = near;
+  k = std::min(k, times.size() - 2);
+  while (k > 0 && times[k] > time_s) --k;
+  while (k + 2 < times.size() && times[k + 1] <= time_s) ++k;
   const double step_s = times[k + 1] - times[k];
   const double x = std::clamp((time_s - times[k]) / step_s, 0.0, 1.0), y = 1 - x;
   Instant instant;
@@ -86,15 +89,17 @@ AverageCycle average_of(const JawPath& path, const std::vector<const AnalysedCyc
   std::vector<Vector3d> sums(kPoints, Vector3d::Zero()), squares(kPoints, Vector3d::Zero());
   std::vector<Vector6> motion(kPoints, Vector6::Zero());
   std::vector<std::vector<Vector3d>> points(kPoints);
+  for (auto& of_all : points) of_all.reserve(cycles.size());
   for (const AnalysedCycle* cycle : cycles) {
     const auto [begin_s, turn_s, end_s] = times_of(*cycle);
     average.opening_s += (turn_s - begin_s) / count;
     average.closing_s += (end_s - turn_s) / count;
+    std::size_t near = cycle->cycle.begin;
     for (int i = 0; i < kPoints; ++i) {
       const auto k = static_cast<std::size_t>(i);
       const bool is_closing = i >= AverageCycle::kHalf;
       const double from_s = is_closing ? turn_s : begin_s, to_s = is_closing ? end_s : turn_s;
-      const Instant instant = instant_at(path, from_s + share_of(i) * (to_s - from_s));
+      const Instant instant = instant_at(path, from_s + share_of(i) * (to_s - from_s), near);
       points[k].push_back(1e3 * instant.incisor_m);
       sums[k] += points[k].back() / count;
       motion[k] += instant.motion / count;

@@ -6,8 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include "statistics/quantile.h"
-
 namespace condyle::host {
 namespace {
 
@@ -86,15 +84,17 @@ std::vector<SampleRun> find_bursts(const std::vector<double>& time_s,
   std::vector<double> bends(path.size(), 0);
   for (std::size_t k = 1; k + 1 < path.size(); ++k) bends[k] = bend(time_s, path, k);
   std::vector<bool> is_bad(path.size(), false);
-  std::vector<double> near;
   for (std::size_t begin = kSide; begin + kSide < path.size(); ++begin) {
     const double jump_m = bends[begin - 1];
     if (jump_m < kLeastDeparture_m) continue;
     const std::size_t from = begin > kNeighbours ? begin - kNeighbours : 1;
     const std::size_t to = std::min(begin + kNeighbours, path.size() - 1);
-    near.assign(bends.begin() + static_cast<std::ptrdiff_t>(from),
-                bends.begin() + static_cast<std::ptrdiff_t>(to));
-    if (jump_m < kJumpRatio * sorted_at(near, near.size() / 2)) continue;
+    // If it exceeds so many times more than half of them, so it does their median.
+    const auto at = bends.begin();
+    const auto exceeded =
+        std::count_if(at + static_cast<std::ptrdiff_t>(from), at + static_cast<std::ptrdiff_t>(to),
+                      [jump_m](double bend_m) { return kJumpRatio * bend_m <= jump_m; });
+    if (static_cast<std::size_t>(exceeded) <= (to - from) / 2) continue;
     std::array<std::size_t, kSide> before{};
     std::size_t found = 0;
     for (std::size_t k = begin; k > 0 && found < kSide; --k) {

@@ -11,6 +11,7 @@
 #include "hosted/files/input_error.h"
 #include "readings/burst_search.h"
 #include "readings/number_step.h"
+#include "statistics/in_blocks.h"
 #include "statistics/quantile.h"
 
 namespace condyle::host {
@@ -24,6 +25,7 @@ using Eigen::Vector3d;
 constexpr double kSmallestTolerance_m = 1e-4;
 // Of the middle of the points, with 0.1 m times the turning: about twice the fastest chewing.
 constexpr double kFastestJaw_m_s = 1;
+constexpr std::size_t kBlock = 4096;  // samples
 
 // Whether a jaw may make the movement of the `run` of samples, which have others on both sides.
 bool may_be_of_jaw(const std::vector<double>& time_s, const std::vector<Vector6>& path,
@@ -46,6 +48,7 @@ void fit_body(const std::vector<ThreePoints>& samples, const std::string& name, 
   Vector3d distances_m;
   for (int k = 0; k < 3; ++k) {
     std::vector<double> all;
+    all.reserve(samples.size());
     for (const ThreePoints& sample : samples) all.push_back(distances_of(sample.points_m)[k]);
     distances_m[k] = upper_median(std::move(all));
   }
@@ -58,25 +61,28 @@ void fit_body(const std::vector<ThreePoints>& samples, const std::string& name, 
   const Matrix3d shape_m = in_jaw_frame.shape_m().colwise() - middle_m;
   track.jaw.shape_m = shape_m;
   const RigidBody<double> body(shape_m);
-  std::vector<PoseFit<double>> fits;
-  std::vector<double> residuals_m;
-  for (const ThreePoints& sample : samples) {
-    fits.push_back(body.fit(sample.points_m));
-    residuals_m.push_back(fits.back().residual_rms_m);
-  }
+  track.time_s.reserve(samples.size());
+  track.pose.resize(samples.size());
+  std::vector<double> residuals_m(samples.size());
+  std::vector<char> is_fitted(samples.size());  // not bool: threads write to neighbours
+  run_in_blocks(samples.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const PoseFit<double> fit = body.fit(samples[i].points_m);
+      residuals_m[i] = fit.residual_rms_m;
+      is_fitted[i] = fit.status == PoseStatus::ok ? 1 : 0;
+      track.pose[i].linear() = fit.pose.rotation;
+      track.pose[i].translation() = fit.pose.translation;
+    }
+  });
   const double tolerance_m = residual_tolerance_m(residuals_m);
   track.jaw.residual_m = usual_residual_m(residuals_m);
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (fits[i].status != PoseStatus::ok || fits[i].residual_rms_m > tolerance_m) {
-      ++track.counts.not_rigid;
-      continue;
-    }
-    Isometry3d pose;
-    pose.linear() = fits[i].pose.rotation;
-    pose.translation() = fits[i].pose.translation;
+    if (is_fitted[i] == 0 || residuals_m[i] > tolerance_m) continue;
+    track.pose[track.time_s.size()] = track.pose[i];
     track.time_s.push_back(samples[i].time_s);
-    track.pose.push_back(pose);
   }
+  track.pose.resize(track.time_s.size());
+  track.counts.not_rigid += samples.size() - track.time_s.size();
 }
 
 }  // namespace
@@ -96,14 +102,15 @@ void refuse_if_short(std::size_t usable, const PoseCounts& counts, const std::st
 }
 
 void keep_usable(PoseTrack& track) {
-  std::vector<Vector6> path;
-  for (const Isometry3d& pose : track.pose) {
-    Vector6 place;
-    place << pose.translation(),
-        kRotationLength_m *
-            rotation_vector_of<double>(pose.linear() * track.pose[0].linear().transpose());
-    path.push_back(place);
-  }
+  std::vector<Vector6> path(track.pose.size());
+  const Matrix3d back = track.pose[0].linear().transpose();
+  run_in_blocks(path.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Isometry3d& pose = track.pose[i];
+      path[i] << pose.translation(),
+          kRotationLength_m * rotation_vector_of<double>(pose.linear() * back);
+    }
+  });
   const std::vector<SampleRun> bursts = find_bursts(track.time_s, path);
   const std::vector<SampleRun> frozen = find_frozen(path);
   std::vector<bool> bad(path.size(), false);
@@ -200,14 +207,15 @@ ReferredMotion motion_from(const PoseTrack& track, std::size_t begin, std::size_
   result.middle_m = reference.translation();
   result.time_s = track.time_s;
   result.jumps_s = track.jumps_s;
-  result.motion.reserve(track.pose.size());
-  for (const Isometry3d& pose : track.pose) {
-    Isometry3d moved = pose * back;
-    if (moving == MovingBody::upper) moved = moved.inverse(Eigen::Isometry);
-    Vector6 motion;
-    motion << moved * result.middle_m - result.middle_m, rotation_vector_of<double>(moved.linear());
-    result.motion.push_back(motion);
-  }
+  result.motion.resize(track.pose.size());
+  run_in_blocks(track.pose.size(), kBlock, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      Isometry3d moved = track.pose[i] * back;
+      if (moving == MovingBody::upper) moved = moved.inverse(Eigen::Isometry);
+      result.motion[i] << moved * result.middle_m - result.middle_m,
+          rotation_vector_of<double>(moved.linear());
+    }
+  });
   return result;
 }
 

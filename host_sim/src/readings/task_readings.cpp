@@ -7,31 +7,23 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
-#include "readings/analysis_stop.h"
 #include "readings/chewing_summary.h"
-#include "readings/condyle_readings.h"
 #include "readings/cycle_values.h"
 #include "readings/kinematic_centre.h"
 #include "readings/reading_groups.h"
-#include "readings/shortfalls.h"
-#include "readings/smoothness.h"
-#include "readings/speed_readings.h"
-#include "readings/stroke_checks.h"
 #include "readings/stroke_readings.h"
+#include "readings/stroke_values.h"
 #include "readings/strokes.h"
 #include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
 
-// Of random numbers: those of cycles lie between.
-constexpr std::uint64_t kSeed = 20, kStreamOfCentres = 1, kFirstStreamOfStrokes = 1ULL << 32;
-constexpr int kStrokePairs = 40;
-constexpr double kCalmStroke_s = 0.16, kMildStroke_s = 0.2;
+constexpr std::uint64_t kSeed = 20, kStreamOfCentres = 1;
 constexpr double kLeastStroke_m = 1.5e-3;
-constexpr double kMargin_s = 0.15, kLongestGap_s = 0.15, kNewSequence_s = 2;
-constexpr std::size_t kLongStroke = 20'000;  // samples
+constexpr double kMargin_s = 0.15, kNewSequence_s = 2;
 
 class TaskReader {
  public:
@@ -163,9 +155,11 @@ class TaskReader {
     }
     const auto names = readings_of_stroke(kind, context_.has_landmarks);
     std::vector<std::vector<UncertainValue>> by_reading(names.size());
-    for (std::size_t i = 0; i < strokes.size(); ++i) {
-      const auto values = values_of(kind, strokes[i], names.size());
-      for (std::size_t k = 0; k < names.size(); ++k) by_reading[k].push_back(values[k]);
+    for (StrokeValues& read : values_of_strokes(kind, strokes, analysis_, context_)) {
+      for (std::size_t k = 0; k < names.size(); ++k) {
+        by_reading[k].push_back(std::move(read.values[k]));
+      }
+      if (read.is_whole) whole_strokes_[kind].push_back(read.stroke);
     }
     std::vector<UncertainValue> means;
     for (auto& values : by_reading) {
@@ -188,67 +182,6 @@ class TaskReader {
       add(definition_of(names[k].name), kind, names[k].side, 0, mean, is_found);
     }
     withhold_what_needs_landmarks(kind);
-  }
-
-  std::vector<UncertainValue> values_of(TaskKind kind, SampleRun stroke, std::size_t count) {
-    // The same draws whatever other strokes there are.
-    RandomGenerator random(kSeed, kFirstStreamOfStrokes + stroke.begin);
-    stop_if_asked(context_.should_stop);
-    std::vector<UncertainValue> none(count);
-    const double gap_s = longest_gap_s(analysis_.path.time_s, stroke.begin, stroke.end);
-    const bool is_long = stroke.end - stroke.begin > kLongStroke;
-    std::string problem;
-    const bool is_too_short = stroke.end < stroke.begin + 5;
-    if (is_too_short) problem = "it has fewer than five usable samples";
-    if (gap_s > kLongestGap_s) problem = fmt::format("a gap of {:.2f} s", gap_s);
-    const bool is_stroke = kind == TaskKind::opening || kind == TaskKind::protrusion ||
-                           kind == TaskKind::left || kind == TaskKind::right;
-    if (is_stroke && problem.empty()) {
-      problem = problem_of_stroke(kind, context_.has_landmarks, analysis_.path, stroke);
-    }
-    if (!context_.unusable.empty()) problem = context_.unusable;
-    if (is_too_short || (!problem.empty() && kind != TaskKind::whole)) {
-      for (UncertainValue& value : none) value.missing = problem;
-      return none;
-    }
-    const double turning_sd_rad_s =
-        context_.noise->rotation_sd_rad() * slope_gain(analysis_.rate_Hz);
-    ReferredMotion near_greatest;
-    const bool is_greatest_only = kind == TaskKind::rest || kind == TaskKind::whole;
-    const ReferredMotion* motion = context_.motion;
-    if (is_long && is_greatest_only) {
-      near_greatest = near_greatest_of(analysis_.path, *motion, *context_.noise, stroke);
-      motion = &near_greatest;
-      stroke = {0, motion->time_s.size()};
-    }
-    const bool is_still_long = stroke.end - stroke.begin > kLongStroke;
-    // A whole recording may contain chewing, which turns as sharply as in its cycles.
-    const bool is_whole = kind == TaskKind::whole;
-    auto values = uncertain_values(
-        *motion, stroke.begin, stroke.end, *context_.noise, context_.errors,
-        {is_still_long ? 4 : kStrokePairs, is_whole ? kCalmCycle_s : kCalmStroke_s,
-         is_whole ? kMildCycle_s : kMildStroke_s, PathPart::all,
-         is_whole ? kTimesSmoothingOfCycle : 2},
-        random, [&](const JawPath& path, std::vector<double>& into, std::vector<std::string>* why) {
-          read_stroke(kind, context_.has_landmarks, path, into, why, turning_sd_rad_s);
-        });
-    const auto names = readings_of_stroke(kind, context_.has_landmarks);
-    take_shortfalls(names_of(names), values);
-    if (is_stroke) {
-      const auto doubts = take_arc_length_doubts(values);
-      for (std::size_t k = 0; k < names.size(); ++k) {
-        widen_smoothness(names[k].name, doubts, values[k]);
-      }
-    }
-    if (values.size() > names.size()) finish_separations(names, values);
-    narrow_what_noise_adds(names, values);
-    widen_shift_angle(names, values);
-    if (is_stroke) read_speeds_of_stroke(names, analysis_.path, stroke, context_, values);
-    const std::string onset =
-        is_stroke && context_.has_landmarks ? problem_of_onset(analysis_.path, stroke) : "";
-    if (!onset.empty()) withhold_condyles(names, onset, values);
-    if (is_stroke && onset.empty()) whole_strokes_[kind].push_back(stroke);
-    return values;
   }
 
   void withhold_what_needs_landmarks(TaskKind kind) {
@@ -332,8 +265,8 @@ class TaskReader {
   void add_greatest(const std::vector<SampleRun>& windows, bool is_found) {
     const auto names = readings_of_stroke(TaskKind::whole, context_.has_landmarks);
     std::vector<UncertainValue> greatest;
-    for (const SampleRun& window : windows) {
-      const auto values = values_of(TaskKind::whole, window, names.size());
+    for (const auto& read : values_of_strokes(TaskKind::whole, windows, analysis_, context_)) {
+      const auto& values = read.values;
       if (greatest.empty()) greatest = values;
       for (std::size_t k = 0; k < names.size(); ++k) {
         if (values[k].value > greatest[k].value) greatest[k] = values[k];
