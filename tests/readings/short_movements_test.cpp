@@ -29,6 +29,8 @@ using Eigen::Vector3d;
 using Displacement = std::function<Vector3d(const JawStroke&, double time_s)>;
 
 constexpr LandmarkErrors kErrors{1e-4, 1e-4, 1e-4};
+constexpr const char* kGreatestValues[] = {"displacement_mm", "opening_mm", "opening_vertical_mm",
+                                           "protrusion_mm", "condylar_translation_mm"};
 
 double least_jerk(double x) {
   x = std::clamp(x, 0.0, 1.0);
@@ -48,10 +50,10 @@ Displacement click(double click_s) {
   };
 }
 
-// Forward and down, and at once back, on the way out.
-Displacement jerk(double amplitude_m, double jerk_s) {
+// Forward and down, and at once back: on the way out, or where the jaw turns.
+Displacement jerk(double amplitude_m, double jerk_s, bool is_at_turn) {
   return [=](const JawStroke& stroke, double time_s) -> Vector3d {
-    const double share = 0.3 + 0.1 * stroke.stroke;
+    const double share = is_at_turn ? 1 : 0.3 + 0.1 * stroke.stroke;
     const double since_s =
         time_s - stroke.begin_s - share * (stroke.outward_end_s - stroke.begin_s);
     const double bump = least_jerk(2 * since_s / jerk_s) - least_jerk(2 * since_s / jerk_s - 1);
@@ -148,7 +150,12 @@ void compare_strokes(const KinematicSimulation& simulation, const Displacement& 
       ++coverage.wanted;
       if (reading.provenance == ReadingProvenance::withheld) continue;
       ++coverage.shown;
-      coverage.covered += reading.low <= found->second && found->second <= reading.high;
+      const bool is_covered = reading.low <= found->second && found->second <= reading.high;
+      coverage.covered += is_covered;
+      if (reading.provenance == ReadingProvenance::measured) {
+        ++coverage.measured;
+        coverage.measured_covered += is_covered;
+      }
       coverage.sum += reading.value - found->second;
       coverage.halves += (reading.high - reading.low) / 2;
     }
@@ -249,8 +256,9 @@ TEST(ShortMovements, OfAJerkAreInTheIntervalsOrWithheld) {
   for (const double amplitude_m : {1e-3, 2e-3, 5e-3}) {
     for (const double jerk_s : {0.025, 0.06, 0.12}) {
       for (const double rate_Hz : {60.0, 100.0, 200.0}) {
-        for (int run = 0; run < runs; ++run) {
-          compare_strokes(simulation_of(rate_Hz, 1e-4, run), jerk(amplitude_m, jerk_s), coverages);
+        for (int run = 0; run < 2 * runs; ++run) {
+          compare_strokes(simulation_of(rate_Hz, 1e-4, run), jerk(amplitude_m, jerk_s, run >= runs),
+                          coverages);
         }
       }
     }
@@ -264,6 +272,15 @@ TEST(ShortMovements, OfAJerkAreInTheIntervalsOrWithheld) {
     // As above.
     EXPECT_GE(static_cast<std::uint64_t>(coverage.covered),
               testing_support::fewest_hits(static_cast<std::uint64_t>(coverage.shown), 0.75, 1e-4))
+        << name;
+  }
+  // A greatest value beside samples that were not used is derived.
+  for (const char* name : kGreatestValues) {
+    const Coverage& coverage = coverages[name];
+    EXPECT_GT(coverage.measured, 0) << name;
+    EXPECT_GE(
+        static_cast<std::uint64_t>(coverage.measured_covered),
+        testing_support::fewest_hits(static_cast<std::uint64_t>(coverage.measured), 0.75, 1e-4))
         << name;
   }
 }
@@ -281,8 +298,7 @@ TEST(ShortMovements, OfATremorAreInTheIntervalsOfGreatestValues) {
     }
   }
   print(coverages);
-  for (const char* name : {"displacement_mm", "opening_mm", "opening_vertical_mm", "protrusion_mm",
-                           "condylar_translation_mm"}) {
+  for (const char* name : kGreatestValues) {
     const Coverage& coverage = coverages[name];
     EXPECT_GT(coverage.shown, 0.9 * coverage.wanted) << name;
     // As above.

@@ -219,4 +219,13 @@ ReferredMotion motion_from(const PoseTrack& track, std::size_t begin, std::size_
   return result;
 }
 
+std::optional<double> first_jump_s(const ReferredMotion& motion, std::size_t begin,
+                                   std::size_t end) {
+  if (end <= begin) return std::nullopt;
+  const auto& jumps_s = motion.jumps_s;
+  const auto jump = std::lower_bound(jumps_s.begin(), jumps_s.end(), motion.time_s[begin]);
+  if (jump == jumps_s.end() || *jump > motion.time_s[end - 1]) return std::nullopt;
+  return *jump;
+}
+
 }  // namespace condyle::host

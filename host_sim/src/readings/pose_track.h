@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -84,5 +85,9 @@ struct ReferredMotion {
 /// The motion of `track` relative to the mean pose of the samples from `begin` to `end` (without).
 ReferredMotion motion_from(const PoseTrack& track, std::size_t begin, std::size_t end,
                            MovingBody moving);
+
+/// The first of `motion.jumps_s` between the samples `begin` and `end` (without) (s).
+std::optional<double> first_jump_s(const ReferredMotion& motion, std::size_t begin,
+                                   std::size_t end);
 
 }  // namespace condyle::host

@@ -37,16 +37,15 @@ void replace(UncertainValue& value, const UncertainValue& speed) {
 void hide_beside_jumps(const ReferredMotion& motion, SampleRun run,
                        const std::vector<std::string_view>& names,
                        std::vector<UncertainValue>& values) {
-  const auto& jumps_s = motion.jumps_s;
-  const auto jump = std::lower_bound(jumps_s.begin(), jumps_s.end(), motion.time_s[run.begin]);
-  if (jump == jumps_s.end() || *jump > motion.time_s[run.end - 1]) return;
+  const auto jump_s = first_jump_s(motion, run.begin, run.end);
+  if (!jump_s) return;
   for (std::size_t i = 0; i < names.size() && i < values.size(); ++i) {
     if (!is_of_short_movements(names[i]) || !std::isfinite(values[i].value)) continue;
     values[i].value = JawReading::kNone;
     values[i].is_hidden = true;
     values[i].missing = fmt::format(
         "samples at {:.2f} s jump away from the path and are not used, but a jaw may move so",
-        *jump);
+        *jump_s);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <utility>
 
@@ -25,6 +26,12 @@ constexpr std::uint64_t kSeed = 20, kStreamOfCentres = 1;
 constexpr double kLeastStroke_m = 1.5e-3;
 constexpr double kMargin_s = 0.15, kNewSequence_s = 2;
 
+// What a task's readings assume, beside the assumptions of all tasks.
+struct TaskAssumptions {
+  bool is_found = false;  // the task, not stated
+  std::string jumps;      // that samples were rightly not used; empty: a jaw does not move so
+};
+
 class TaskReader {
  public:
   TaskReader(Analysis& analysis, const TaskContext& context)
@@ -32,15 +39,15 @@ class TaskReader {
 
   void read(TaskKind kind) {
     std::vector<SampleRun> windows;
-    bool is_found = false;
+    TaskAssumptions assumptions;
     for (const Task& task : analysis_.tasks) {
       if (task.kind != kind) continue;
       windows.push_back(samples_of(task));
-      is_found = is_found || task.is_found;
+      assumptions.is_found = assumptions.is_found || task.is_found;
     }
     if (windows.empty()) return;
-    if (kind == TaskKind::chewing) return read_chewing(windows, is_found);
-    read_strokes(kind, windows, is_found);
+    if (kind == TaskKind::chewing) return read_chewing(windows, assumptions);
+    read_strokes(kind, windows, assumptions);
   }
 
   // Condylar inclination of mediotrusion minus that of protrusion, by side.
@@ -54,7 +61,8 @@ class TaskReader {
           means_.find(mean_key(TaskKind::protrusion, "condylar_inclination_5mm_deg", side));
       if (mediotrusion == means_.end() || protrusion == means_.end()) continue;
       const UncertainValue difference = difference_of(mediotrusion->second, protrusion->second);
-      add(definition, orbiting, side, 0, difference, false);
+      add(definition, orbiting, side, 0, difference,
+          {false, jumps_in_strokes({orbiting, TaskKind::protrusion})});
     }
   }
 
@@ -68,6 +76,8 @@ class TaskReader {
         !has_task(TaskKind::protrusion)) {
       return;
     }
+    const TaskAssumptions assumptions{false,
+                                      jumps_in_strokes({TaskKind::opening, TaskKind::protrusion})};
     for (const Side side : {Side::left, Side::right}) {
       RandomGenerator random(kSeed, kStreamOfCentres);
       std::array<UncertainValue, 2> centre;
@@ -76,8 +86,10 @@ class TaskReader {
             *context_.motion, *context_.noise, context_.errors, whole_strokes_[TaskKind::opening],
             whole_strokes_[TaskKind::protrusion], side == Side::left ? 0 : 1, random);
       }
-      add(definition_of("kinematic_centre_x_mm"), TaskKind::protrusion, side, 0, centre[0], false);
-      add(definition_of("kinematic_centre_z_mm"), TaskKind::protrusion, side, 0, centre[1], false);
+      add(definition_of("kinematic_centre_x_mm"), TaskKind::protrusion, side, 0, centre[0],
+          assumptions);
+      add(definition_of("kinematic_centre_z_mm"), TaskKind::protrusion, side, 0, centre[1],
+          assumptions);
     }
   }
 
@@ -93,6 +105,27 @@ class TaskReader {
             index(std::upper_bound(time_s.begin(), time_s.end(), task.end_s + 1e-9))};
   }
 
+  // What readings of `runs` assume if samples there were not used that a jaw may move to.
+  std::string jumps_in(const std::vector<SampleRun>& runs) const {
+    for (const SampleRun& run : runs) {
+      if (const auto jump_s = first_jump_s(*context_.motion, run.begin, run.end)) {
+        return fmt::format(
+            "samples at {:.2f} s jump away from the path; they are assumed to be faults of the "
+            "instrument",
+            *jump_s);
+      }
+    }
+    return "";
+  }
+
+  std::string jumps_in_strokes(std::initializer_list<TaskKind> kinds) {
+    std::vector<SampleRun> strokes;
+    for (const TaskKind kind : kinds) {
+      strokes.insert(strokes.end(), whole_strokes_[kind].begin(), whole_strokes_[kind].end());
+    }
+    return jumps_in(strokes);
+  }
+
   std::string problem_of(const ReadingDefinition& definition) const {
     if (!context_.unusable.empty()) return context_.unusable;
     if (definition.needs_rotation) return context_.rotation_problem;
@@ -100,7 +133,7 @@ class TaskReader {
   }
 
   JawReading& add(const ReadingDefinition& definition, TaskKind kind, Side side, int stroke,
-                  UncertainValue value, bool is_found) {
+                  UncertainValue value, const TaskAssumptions& assumptions) {
     const std::string problem = problem_of(definition);
     if (!problem.empty()) {
       value.value = JawReading::kNone;
@@ -124,7 +157,8 @@ class TaskReader {
       if (is_place(definition.unit)) assume(context_.landmark_assumption);
       assume(context_.reference_assumption);
       if (is_fast(definition.name)) assume(context_.smoothing_assumption);
-      if (is_found) {
+      assume(assumptions.jumps);
+      if (assumptions.is_found) {
         reading.reason += reading.reason.empty() ? "" : "; ";
         reading.reason += "the task was found, not stated";
       }
@@ -133,7 +167,8 @@ class TaskReader {
     return analysis_.readings.back();
   }
 
-  void read_strokes(TaskKind kind, const std::vector<SampleRun>& windows, bool is_found) {
+  void read_strokes(TaskKind kind, const std::vector<SampleRun>& windows,
+                    TaskAssumptions assumptions) {
     const bool is_one =
         kind == TaskKind::rest || kind == TaskKind::border || kind == TaskKind::whole;
     std::vector<double> distance_m;
@@ -169,17 +204,19 @@ class TaskReader {
       share_contradictions(repeated);
     }
     for (std::size_t i = 0; i < strokes.size() && !is_one; ++i) {
+      assumptions.jumps = jumps_in({strokes[i]});
       for (std::size_t k = 0; k < names.size(); ++k) {
         add(definition_of(names[k].name), kind, names[k].side, static_cast<int>(i + 1),
-            by_reading[k][i], is_found);
+            by_reading[k][i], assumptions);
       }
     }
+    assumptions.jumps = jumps_in(strokes);
     for (std::size_t k = 0; k < names.size(); ++k) {
       UncertainValue& mean = means[k];
       if (strokes.empty())
         mean.missing = "the jaw leaves the reference position by less than 1.5 mm";
       means_[mean_key(kind, names[k].name, names[k].side)] = mean;
-      add(definition_of(names[k].name), kind, names[k].side, 0, mean, is_found);
+      add(definition_of(names[k].name), kind, names[k].side, 0, mean, assumptions);
     }
     withhold_what_needs_landmarks(kind);
   }
@@ -194,11 +231,12 @@ class TaskReader {
       if (is_here) continue;
       UncertainValue missing;
       missing.missing = "it needs landmarks; give --landmarks FILE";
-      add(definition_of(reading.name), kind, reading.side, 0, missing, false);
+      add(definition_of(reading.name), kind, reading.side, 0, missing, {});
     }
   }
 
-  void read_chewing(const std::vector<SampleRun>& windows, bool is_found) {
+  void read_chewing(const std::vector<SampleRun>& windows, TaskAssumptions assumptions) {
+    assumptions.jumps = jumps_in(windows);
     const JawPath& path = analysis_.path;
     const auto names = readings_of_cycle(context_.has_landmarks);
     std::vector<CycleToRead> to_read;
@@ -234,20 +272,20 @@ class TaskReader {
     const auto taken = static_cast<int>(to_read.size());
     UncertainValue count;
     count.value = taken;
-    add(definition_of("cycle_count"), TaskKind::chewing, Side::none, 0, count, is_found);
-    add_greatest(windows, is_found);
+    add(definition_of("cycle_count"), TaskKind::chewing, Side::none, 0, count, assumptions);
+    add_greatest(windows, assumptions);
     for (std::size_t k = 0; k < names.size(); ++k) {
       UncertainValue mean = mean_of(by_reading[k]);
       if (taken == 0) mean.missing = "no chewing cycle was found";
-      add(definition_of(names[k]), TaskKind::chewing, Side::none, 0, mean, is_found);
-      if (k == 0) add_frequency(mean, is_found);
+      add(definition_of(names[k]), TaskKind::chewing, Side::none, 0, mean, assumptions);
+      if (k == 0) add_frequency(mean, assumptions);
       std::vector<UncertainValue*> repeated;
       for (AnalysedCycle& cycle : analysis_.cycles) {
         if (cycle.number != 0) repeated.push_back(&cycle.values[k]);
       }
       share_contradictions(repeated);
     }
-    add_summaries(taken, is_found);
+    add_summaries(taken, assumptions);
   }
 
   // The values of the cycle's readings, then its directions.
@@ -262,7 +300,7 @@ class TaskReader {
   }
 
   // Displacement and rotation: the greatest of all windows.
-  void add_greatest(const std::vector<SampleRun>& windows, bool is_found) {
+  void add_greatest(const std::vector<SampleRun>& windows, const TaskAssumptions& assumptions) {
     const auto names = readings_of_stroke(TaskKind::whole, context_.has_landmarks);
     std::vector<UncertainValue> greatest;
     for (const auto& read : values_of_strokes(TaskKind::whole, windows, analysis_, context_)) {
@@ -273,21 +311,22 @@ class TaskReader {
       }
     }
     for (std::size_t k = 0; k < greatest.size(); ++k) {
-      add(definition_of(names[k].name), TaskKind::chewing, Side::none, 0, greatest[k], is_found);
+      add(definition_of(names[k].name), TaskKind::chewing, Side::none, 0, greatest[k], assumptions);
     }
   }
 
-  void add_frequency(const UncertainValue& mean, bool is_found) {
+  void add_frequency(const UncertainValue& mean, const TaskAssumptions& assumptions) {
     UncertainValue frequency = mean;
     frequency.value = 1 / mean.value;
     const double slope = frequency.value * frequency.value;
     frequency.noise_sd *= slope;
     frequency.scale_systematic(slope);
     for (double& change : frequency.fixed) change *= slope;
-    add(definition_of("cycle_frequency_Hz"), TaskKind::chewing, Side::none, 0, frequency, is_found);
+    add(definition_of("cycle_frequency_Hz"), TaskKind::chewing, Side::none, 0, frequency,
+        assumptions);
   }
 
-  void add_summaries(int taken, bool is_found) {
+  void add_summaries(int taken, const TaskAssumptions& assumptions) {
     find_sides(analysis_);
     for (CycleSummary& summary : summaries_of(analysis_)) {
       if (taken == 0) summary.value.missing = "no chewing cycle was found";
@@ -296,7 +335,7 @@ class TaskReader {
         summary.value.set_half_interval((high - low) / 2);
       }
       JawReading& reading = add(definition_of(summary.name), TaskKind::chewing, summary.side, 0,
-                                summary.value, is_found);
+                                summary.value, assumptions);
       if (reading.provenance == ReadingProvenance::withheld) continue;
       if (summary.interval) {
         reading.low = summary.interval->front();
