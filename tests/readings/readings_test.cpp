@@ -347,7 +347,7 @@ Coverages check_coverage(const Cell& cell, const JawScenario& scenario, int runs
 
 TEST_P(ReadingCoverage, IsThatOfTheInterval) {
   const Cell& cell = GetParam();
-  const int runs = testing_support::runs(12, 24, 2000);
+  const int runs = testing_support::runs(12, 200, 2000);
   const Coverages coverages =
       check_coverage(cell, session(cell.rate_Hz, cell.noise_m, cell.noise_rad, 1), runs);
   EXPECT_EQ(coverages.at("chewing//cycle_count").covered, runs);
@@ -356,7 +356,7 @@ TEST_P(ReadingCoverage, IsThatOfTheInterval) {
 
 TEST_P(ReadingCoverage, OfBorderMovements) {
   const Cell& cell = GetParam();
-  const int runs = testing_support::runs(5, 12, 2000);
+  const int runs = testing_support::runs(5, 200, 2000);
   JawScenario scenario = session(cell.rate_Hz, cell.noise_m, cell.noise_rad, 1);
   scenario.tasks = {default_task(JawTaskKind::rest), default_task(JawTaskKind::border)};
   const Coverages coverages = check_coverage(cell, scenario, runs);

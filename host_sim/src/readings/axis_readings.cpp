@@ -197,6 +197,18 @@ void add_instantaneous_axes(const JawPath& path, std::size_t widest, double turn
       out);
 }
 
+// Of the axis from the reference position to sample `k`; NaN if the jaw turns too little.
+Vector3d helical_crossing_m(const JawPath& path, const std::vector<double>& twists_rad,
+                            std::size_t k) {
+  if (twists_rad[k] >= kLeastAxisAngle_rad) {
+    const HelicalAxis axis = helical_axis(path.rotation_rad[k], path.middle_at_m, path.middle_m[k]);
+    if (std::abs(axis.direction.y()) > 0.5) {
+      return axis.point_m - axis.direction * (axis.point_m.y() / axis.direction.y());
+    }
+  }
+  return Vector3d::Constant(kNone);
+}
+
 }  // namespace
 
 void add_axis_names(std::vector<StrokeReading>& names) {
@@ -208,8 +220,9 @@ void add_axis_names(std::vector<StrokeReading>& names) {
   }
 }
 
-void add_axes(const JawPath& path, const std::vector<double>& twists_rad, std::size_t widest,
+void add_axes(const JawPath& path, const std::vector<double>& twists_rad, const Greatest& twist,
               double turning_sd_rad_s, ReadingValues& out) {
+  const std::size_t widest = twist.at;
   Vector3d crossing = Vector3d::Constant(kNone);
   const auto too_little = [&] {
     return fmt::format("the jaw turns by {:.1f} deg, at least {:.0f} deg are needed",
@@ -223,16 +236,12 @@ void add_axes(const JawPath& path, const std::vector<double>& twists_rad, std::s
   }
   out.add(crossing.x() / kMillimetre, too_little);
   out.add(crossing.z() / kMillimetre, too_little);
-  crossing = Vector3d::Constant(kNone);
-  if (twists_rad[widest] >= kLeastAxisAngle_rad) {
-    const HelicalAxis axis =
-        helical_axis(path.rotation_rad[widest], path.middle_at_m, path.middle_m[widest]);
-    if (std::abs(axis.direction.y()) > 0.5) {
-      crossing = axis.point_m - axis.direction * (axis.point_m.y() / axis.direction.y());
-    }
+  for (const int axis : {0, 2}) {
+    out.add_at_top(
+        twist, twists_rad,
+        [&](std::size_t k) { return helical_crossing_m(path, twists_rad, k)[axis] / kMillimetre; },
+        too_little);
   }
-  out.add(crossing.x() / kMillimetre, too_little);
-  out.add(crossing.z() / kMillimetre, too_little);
   add_finite_axes(path, twists_rad, widest, out);
   add_instantaneous_axes(path, widest, turning_sd_rad_s, out);
 }

@@ -21,9 +21,9 @@
 namespace condyle::host {
 
 /// Their names, and the readings in this order. `twists_rad`: rotations about the left-right axis,
-/// greatest at sample `widest`; `turning_sd_rad_s`: of the smoothed rate.
+/// `twist` the greatest; `turning_sd_rad_s`: of the smoothed rate.
 void add_axis_names(std::vector<StrokeReading>& names);
-void add_axes(const JawPath& path, const std::vector<double>& twists_rad, std::size_t widest,
+void add_axes(const JawPath& path, const std::vector<double>& twists_rad, const Greatest& twist,
               double turning_sd_rad_s, ReadingValues& out);
 
 }  // namespace condyle::host

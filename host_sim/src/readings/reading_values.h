@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -25,13 +26,29 @@ class ReadingValues {
     values_.push_back(value);
     if (why_ != nullptr) why_->push_back(std::isfinite(value) ? std::string() : reason());
   }
-  void add(double value) {
-    add(value, [] { return std::string("it could not be computed"); });
-  }
+  void add(double value) { add(value, not_computed); }
   /// A greatest value in units of `unit`. How far it lies below the highest sample is kept.
   void add_top(const Greatest& top, double unit) {
     add(top.value / unit);
     keep_shortfall(shortfall_of(top) / unit);
+  }
+  /// `reading(k)` at the greatest of `values`. How far it differs at samples that may be the
+  /// greatest is kept: those that lie below the highest by at most twice what the top of means
+  /// does.
+  template <class Reading, class Reason>
+  void add_at_top(const Greatest& top, const std::vector<double>& values, const Reading& reading,
+                  const Reason& reason) {
+    const double at_top = reading(top.at), least = top.highest - 2 * shortfall_of(top);
+    double farthest = 0;
+    for (std::size_t k = 0; k < values.size() && std::isfinite(at_top); ++k) {
+      if (values[k] >= least) farthest = std::max(farthest, std::abs(reading(k) - at_top));
+    }
+    add(at_top, reason);
+    keep_shortfall(farthest);
+  }
+  template <class Reading>
+  void add_at_top(const Greatest& top, const std::vector<double>& values, const Reading& reading) {
+    add_at_top(top, values, reading, not_computed);
   }
   void keep_shortfall(double shortfall) { shortfalls_.push_back(shortfall); }
   /// Adds what was kept, in the order of the readings (shortfalls.h).
@@ -41,6 +58,8 @@ class ReadingValues {
   }
 
  private:
+  static std::string not_computed() { return "it could not be computed"; }
+
   std::vector<double>& values_;
   std::vector<std::string>* why_;
   std::vector<double> shortfalls_;

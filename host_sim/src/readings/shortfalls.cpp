@@ -2,36 +2,42 @@
 #include "readings/shortfalls.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <span>
 
 namespace condyle::host {
 namespace {
 
-constexpr std::array<std::string_view, 13> kGreatestValues = {"displacement_mm",
-                                                              "rotation_deg",
-                                                              "opening_mm",
-                                                              "opening_vertical_mm",
-                                                              "opening_angle_deg",
-                                                              "protrusion_mm",
-                                                              "laterotrusion_mm",
-                                                              "yaw_angle_deg",
-                                                              "condylar_translation_mm",
-                                                              "condylar_translation_difference_mm",
-                                                              "cycle_height_mm",
-                                                              "cycle_width_mm",
-                                                              "cycle_depth_mm"};
+constexpr std::string_view kGreatestValues[] = {"displacement_mm",
+                                                "rotation_deg",
+                                                "opening_mm",
+                                                "opening_vertical_mm",
+                                                "opening_angle_deg",
+                                                "protrusion_mm",
+                                                "laterotrusion_mm",
+                                                "yaw_angle_deg",
+                                                "condylar_translation_mm",
+                                                "condylar_translation_difference_mm",
+                                                "cycle_height_mm",
+                                                "cycle_width_mm",
+                                                "cycle_depth_mm"};
+constexpr std::string_view kReadAtTop[] = {"opening_deflection_mm", "helical_axis_x_mm",
+                                           "helical_axis_z_mm", "working_shift_mm"};
 // What noise explains of a shortfall, in standard deviations; how often the rest is in the
 // interval, because smoothing hides a part of a short top.
 constexpr double kExplained = 2, kTimesShortfall = 1.5;
+
+bool is_among(std::span<const std::string_view> names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
 
 }  // namespace
 
 void take_shortfalls(const std::vector<std::string_view>& names,
                      std::vector<UncertainValue>& values) {
   for (std::size_t i = names.size(); i-- > 0;) {
-    const auto found = std::find(kGreatestValues.begin(), kGreatestValues.end(), names[i]);
-    if (found == kGreatestValues.end()) continue;
+    const bool is_at_top = is_among(kReadAtTop, names[i]);
+    if (!is_at_top && !is_among(kGreatestValues, names[i])) continue;
     const UncertainValue shortfall = values.back();
     values.pop_back();
     UncertainValue& value = values[i];
@@ -39,8 +45,9 @@ void take_shortfalls(const std::vector<std::string_view>& names,
     const double explained = kExplained * shortfall.noise_sd;
     const double rest = std::max(shortfall.value * shortfall.value - explained * explained, 0.0);
     value.doubt = std::hypot(value.doubt, kTimesShortfall * std::sqrt(rest));
-    // The signs of a difference do not tell to which of both tops the shortfall belongs.
-    value.contradiction = names[i].ends_with("difference_mm")
+    // A size has no sign, and that of a difference does not tell to which of both tops the
+    // shortfall belongs.
+    value.contradiction = is_at_top || names[i].ends_with("difference_mm")
                               ? std::abs(value.contradiction) + std::abs(shortfall.contradiction)
                               : value.contradiction + shortfall.contradiction;
     value.contradiction_sd = std::hypot(value.contradiction_sd, shortfall.contradiction_sd);

@@ -63,16 +63,17 @@ Movement movement_of(const JawPath& path, const std::vector<double>& speeds, std
           last + 1 < end ? passage_s(last, last + 1) : time_s[last]};
 }
 
-void add_opening(const JawPath& path, std::size_t turn, double turning_sd_rad_s,
-                 ReadingValues& out) {
+void add_opening(const JawPath& path, const std::vector<double>& distances_m,
+                 const Greatest& farthest, double turning_sd_rad_s, ReadingValues& out) {
+  const std::size_t turn = farthest.at;
   out.add_top(top_of(path, sizes_of(path.incisor_m)), kMillimetre);
   out.add_top(top_of(path, coordinate_of(path.incisor_m, 2, -1)), kMillimetre);
   std::vector<double> twists;
   for (const Vector3d& w : path.rotation_rad) twists.push_back(twist_about(w, 1));
   const Greatest twist = top_of(path, twists);
-  const std::size_t widest = twist.at;
   out.add_top(twist, kDegree);
-  out.add(path.incisor_m[turn].y() / kMillimetre);
+  out.add_at_top(farthest, distances_m,
+                 [&](std::size_t k) { return path.incisor_m[k].y() / kMillimetre; });
   double deviation_m = 0;
   const Vector3d chord = path.incisor_m[turn] - path.incisor_m[0];
   for (std::size_t k = 0; k <= turn; ++k) {
@@ -83,7 +84,7 @@ void add_opening(const JawPath& path, std::size_t turn, double turning_sd_rad_s,
     if (std::abs(aside_m) > std::abs(deviation_m)) deviation_m = aside_m;
   }
   out.add(deviation_m / kMillimetre);
-  add_axes(path, twists, widest, turning_sd_rad_s, out);
+  add_axes(path, twists, twist, turning_sd_rad_s, out);
 }
 
 // Returns the doubts about the arc lengths.
@@ -200,7 +201,7 @@ void add_stroke(TaskKind kind, bool has_landmarks, const JawPath& path, double t
     add_doubts();
     return;
   }
-  if (kind == TaskKind::opening) add_opening(path, turn, turning_sd_rad_s, out);
+  if (kind == TaskKind::opening) add_opening(path, distances, farthest, turning_sd_rad_s, out);
   if (kind == TaskKind::protrusion) {
     out.add_top(top_of(path, coordinate_of(path.incisor_m, 0, 1)), kMillimetre);
   }
@@ -216,7 +217,9 @@ void add_stroke(TaskKind kind, bool has_landmarks, const JawPath& path, double t
     const std::size_t side = is_left ? 0 : 1;
     const std::size_t at = farthest_aside.at;
     const Vector3d& working = path.condyle_m[side][at];
-    out.add(-medial(working, side) / kMillimetre);
+    out.add_at_top(farthest_aside, aside, [&](std::size_t k) {
+      return -medial(path.condyle_m[side][k], side) / kMillimetre;
+    });
     out.add(std::atan2(working.x(), -medial(working, side)) / kDegree);
   }
   const CondylarSeparations separations = add_condyles(kind, path, out);
