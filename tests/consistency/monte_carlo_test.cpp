@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "statistics/in_blocks.h"
+
 namespace condyle::host {
 namespace {
 
@@ -121,6 +123,29 @@ TEST(MonteCarlo, HoldsFewResultsWhenMergingIsSlow) {
       {.threads = 3});
   EXPECT_EQ(alive, 0);
   EXPECT_LE(most_alive, 2 * 3 + 3 + 2);  // places, those being moved in, and the one being merged
+}
+
+TEST(InBlocks, CoversEachItemOnce) {
+  for (const std::size_t count : {0U, 1U, 7U, 8U, 9U, 800U}) {
+    std::vector<int> visits(count, 0);
+    run_in_blocks(count, 8, [&](std::size_t begin, std::size_t end) {
+      EXPECT_LE(end - begin, 8U);
+      for (std::size_t i = begin; i < end; ++i) ++visits[i];
+    });
+    EXPECT_EQ(visits, std::vector<int>(count, 1));
+  }
+}
+
+TEST(InBlocks, RethrowsTheFirstException) {
+  const auto work = [](std::size_t begin, std::size_t) {
+    if (begin >= 16) throw std::runtime_error(std::to_string(begin));
+  };
+  try {
+    run_in_blocks(100, 8, work);
+    FAIL() << "it threw nothing";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "16");
+  }
 }
 
 }  // namespace

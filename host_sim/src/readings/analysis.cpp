@@ -5,15 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
+#include <utility>
 
-#include "condyle/estimator/pose/rotation_vector.h"
 #include "hosted/files/input_error.h"
 #include "readings/analysis_stop.h"
 #include "readings/head_reference.h"
 #include "readings/number_step.h"
-#include "readings/stroke_readings.h"
 #include "readings/strokes.h"
 #include "readings/task_readings.h"
 #include "readings/uncertainty.h"

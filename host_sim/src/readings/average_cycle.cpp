@@ -26,11 +26,10 @@ struct Instant {
   Vector6 motion;
 };
 
-// The path between samples: of the incisor a cubic, of the motion a line. `near`: a sample from
-// which the one before the instant is sought; becomes that one.
-Instant instant_at(const JawPath& path, double time_s, std::size_t& near) {
+// The path between samples: of the incisor a cubic, of the motion a line. The search begins at
+// sample `k` and leaves there the last one before the instant.
+Instant instant_at(const JawPath& path, double time_s, std::size_t& k) {
   const auto& times = path.time_s;
-  std::size_t& k = near;
   k = std::min(k, times.size() - 2);
   while (k > 0 && times[k] > time_s) --k;
   while (k + 2 < times.size() && times[k + 1] <= time_s) ++k;

@@ -89,12 +89,12 @@ std::vector<SampleRun> find_bursts(const std::vector<double>& time_s,
     if (jump_m < kLeastDeparture_m) continue;
     const std::size_t from = begin > kNeighbours ? begin - kNeighbours : 1;
     const std::size_t to = std::min(begin + kNeighbours, path.size() - 1);
-    // If it exceeds so many times more than half of them, so it does their median.
+    // The jump is that many times their median exactly if it is so for more than half of them.
     const auto at = bends.begin();
-    const auto exceeded =
+    const auto smaller =
         std::count_if(at + static_cast<std::ptrdiff_t>(from), at + static_cast<std::ptrdiff_t>(to),
                       [jump_m](double bend_m) { return kJumpRatio * bend_m <= jump_m; });
-    if (static_cast<std::size_t>(exceeded) <= (to - from) / 2) continue;
+    if (static_cast<std::size_t>(smaller) <= (to - from) / 2) continue;
     std::array<std::size_t, kSide> before{};
     std::size_t found = 0;
     for (std::size_t k = begin; k > 0 && found < kSide; --k) {

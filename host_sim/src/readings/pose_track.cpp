@@ -25,7 +25,6 @@ using Eigen::Vector3d;
 constexpr double kSmallestTolerance_m = 1e-4;
 // Of the middle of the points, with 0.1 m times the turning: about twice the fastest chewing.
 constexpr double kFastestJaw_m_s = 1;
-constexpr std::size_t kBlock = 4096;  // samples
 
 // Whether a jaw may make the movement of the `run` of samples, which have others on both sides.
 bool may_be_of_jaw(const std::vector<double>& time_s, const std::vector<Vector6>& path,
@@ -65,7 +64,7 @@ void fit_body(const std::vector<ThreePoints>& samples, const std::string& name, 
   track.pose.resize(samples.size());
   std::vector<double> residuals_m(samples.size());
   std::vector<char> is_fitted(samples.size());  // not bool: threads write to neighbours
-  run_in_blocks(samples.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+  run_in_blocks(samples.size(), kSamplesInBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const PoseFit<double> fit = body.fit(samples[i].points_m);
       residuals_m[i] = fit.residual_rms_m;
@@ -104,7 +103,7 @@ void refuse_if_short(std::size_t usable, const PoseCounts& counts, const std::st
 void keep_usable(PoseTrack& track) {
   std::vector<Vector6> path(track.pose.size());
   const Matrix3d back = track.pose[0].linear().transpose();
-  run_in_blocks(path.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+  run_in_blocks(path.size(), kSamplesInBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Isometry3d& pose = track.pose[i];
       path[i] << pose.translation(),
@@ -208,7 +207,7 @@ ReferredMotion motion_from(const PoseTrack& track, std::size_t begin, std::size_
   result.time_s = track.time_s;
   result.jumps_s = track.jumps_s;
   result.motion.resize(track.pose.size());
-  run_in_blocks(track.pose.size(), kBlock, [&](std::size_t first, std::size_t last) {
+  run_in_blocks(track.pose.size(), kSamplesInBlock, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       Isometry3d moved = track.pose[i] * back;
       if (moving == MovingBody::upper) moved = moved.inverse(Eigen::Isometry);

@@ -32,9 +32,8 @@ class ReadingValues {
     add(top.value / unit);
     keep_shortfall(shortfall_of(top) / unit);
   }
-  /// `reading(k)` at the greatest of `values`. How far it differs at samples that may be the
-  /// greatest is kept: those that lie below the highest by at most twice what the top of means
-  /// does.
+  /// `reading(k)` at the greatest of `values`. Keeps how far it differs at samples that may be the
+  /// greatest. These lie below the highest by at most twice the shortfall of `top`.
   template <class Reading, class Reason>
   void add_at_top(const Greatest& top, const std::vector<double>& values, const Reading& reading,
                   const Reason& reason) {

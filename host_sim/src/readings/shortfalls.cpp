@@ -22,7 +22,8 @@ constexpr std::string_view kGreatestValues[] = {"displacement_mm",
                                                 "cycle_width_mm",
                                                 "cycle_depth_mm"};
 constexpr std::string_view kReadAtTop[] = {"opening_deflection_mm", "helical_axis_x_mm",
-                                           "helical_axis_z_mm", "working_shift_mm"};
+                                           "helical_axis_z_mm", "working_shift_mm",
+                                           "working_shift_angle_deg"};
 // What noise explains of a shortfall, in standard deviations; how often the rest is in the
 // interval, because smoothing hides a part of a short top.
 constexpr double kExplained = 2, kTimesShortfall = 1.5;
@@ -43,11 +44,15 @@ void take_shortfalls(const std::vector<std::string_view>& names,
     UncertainValue& value = values[i];
     if (!std::isfinite(shortfall.value)) continue;
     const double explained = kExplained * shortfall.noise_sd;
-    const double rest = std::max(shortfall.value * shortfall.value - explained * explained, 0.0);
+    const double left = std::max(shortfall.value, 0.0);
+    const double rest = std::max(left * left - explained * explained, 0.0);
     value.doubt = std::hypot(value.doubt, kTimesShortfall * std::sqrt(rest));
-    // A size has no sign, and that of a difference does not tell to which of both tops the
-    // shortfall belongs.
-    value.contradiction = is_at_top || names[i].ends_with("difference_mm")
+    if (is_at_top) {
+      value.doubt = std::hypot(value.doubt, shortfall.of_contradiction());
+      continue;
+    }
+    // The signs of a difference do not tell to which of both tops the shortfall belongs.
+    value.contradiction = names[i].ends_with("difference_mm")
                               ? std::abs(value.contradiction) + std::abs(shortfall.contradiction)
                               : value.contradiction + shortfall.contradiction;
     value.contradiction_sd = std::hypot(value.contradiction_sd, shortfall.contradiction_sd);

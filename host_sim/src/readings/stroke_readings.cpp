@@ -215,12 +215,16 @@ void add_stroke(TaskKind kind, bool has_landmarks, const JawPath& path, double t
       yaws.push_back((is_left ? 1 : -1) * twist_about(w, 2));
     out.add_top(top_of(path, yaws), kDegree);
     const std::size_t side = is_left ? 0 : 1;
-    const std::size_t at = farthest_aside.at;
-    const Vector3d& working = path.condyle_m[side][at];
     out.add_at_top(farthest_aside, aside, [&](std::size_t k) {
       return -medial(path.condyle_m[side][k], side) / kMillimetre;
     });
-    out.add(std::atan2(working.x(), -medial(working, side)) / kDegree);
+    const auto angle_at = [&](std::size_t k) {
+      const Vector3d& working = path.condyle_m[side][k];
+      return std::atan2(working.x(), -medial(working, side)) / kDegree;
+    };
+    out.add_at_top(farthest_aside, aside, [&, at = angle_at(farthest_aside.at)](std::size_t k) {
+      return at + std::remainder(angle_at(k) - at, 360);
+    });
   }
   const CondylarSeparations separations = add_condyles(kind, path, out);
   add_separations(kind, path, separations, out);

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <string>
-#include <utility>
 
 #include "readings/analysis_stop.h"
 #include "readings/condyle_readings.h"
@@ -84,7 +83,7 @@ StrokeValues values_of(TaskKind kind, SampleRun stroke, const Analysis& analysis
   const std::string onset =
       is_stroke && context.has_landmarks ? problem_of_onset(analysis.path, stroke) : "";
   if (!onset.empty()) withhold_condyles(names, onset, values);
-  read.is_whole = is_stroke && onset.empty();
+  read.has_onset = is_stroke && onset.empty();
   return read;
 }
 

@@ -12,7 +12,7 @@ namespace condyle::host {
 struct StrokeValues {
   SampleRun stroke;
   std::vector<UncertainValue> values;  ///< of readings_of_stroke()
-  bool is_whole = false;               ///< a stroke of a task, from its onset on
+  bool has_onset = false;              ///< a stroke of a task, from its onset on
 };
 
 /// The values of read_stroke for each of `strokes` of a task, samples of the path of `analysis` and

@@ -29,7 +29,7 @@ constexpr double kMargin_s = 0.15, kNewSequence_s = 2;
 // What a task's readings assume, beside the assumptions of all tasks.
 struct TaskAssumptions {
   bool is_found = false;  // the task, not stated
-  std::string jumps;      // that samples were rightly not used; empty: a jaw does not move so
+  std::string jumps;      // on samples that were not used; empty: there are none of a jaw
 };
 
 class TaskReader {
@@ -105,12 +105,13 @@ class TaskReader {
             index(std::upper_bound(time_s.begin(), time_s.end(), task.end_s + 1e-9))};
   }
 
-  // What readings of `runs` assume if samples there were not used that a jaw may move to.
+  // What readings of `runs` assume about samples there that were not used, but may be of a jaw;
+  // empty: there are none.
   std::string jumps_in(const std::vector<SampleRun>& runs) const {
     for (const SampleRun& run : runs) {
       if (const auto jump_s = first_jump_s(*context_.motion, run.begin, run.end)) {
         return fmt::format(
-            "samples at {:.2f} s jump away from the path; they are assumed to be faults of the "
+            "samples at {:.2f} s, which jump away from the path, are assumed to be faults of the "
             "instrument",
             *jump_s);
       }
@@ -194,7 +195,7 @@ class TaskReader {
       for (std::size_t k = 0; k < names.size(); ++k) {
         by_reading[k].push_back(std::move(read.values[k]));
       }
-      if (read.is_whole) whole_strokes_[kind].push_back(read.stroke);
+      if (read.has_onset) whole_strokes_[kind].push_back(read.stroke);
     }
     std::vector<UncertainValue> means;
     for (auto& values : by_reading) {

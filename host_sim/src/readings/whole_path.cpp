@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "readings/local_fit.h"
-#include "readings/uncertainty.h"
 #include "statistics/in_blocks.h"
 
 namespace condyle::host {
@@ -14,8 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Samples: the fits of a whole recording would take hundreds of bytes each.
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kBlock = kSamplesInBlock;
 constexpr std::array kParts = {&JawPath::incisor_m, &JawPath::incisor_m_s, &JawPath::rotation_rad,
                                &JawPath::middle_m};
 constexpr std::array kCondylarParts = {&JawPath::condyle_m, &JawPath::condyle_m_s};
@@ -26,13 +24,14 @@ void put(std::vector<Value>& all, std::size_t begin, const std::vector<Value>& b
 }
 
 // The greatest motion of some samples.
-struct Greatest {
+struct GreatestMotion {
   double rotation_rad = 0, displacement_m = 0;
 };
 
 // Puts the path of the samples from `begin` to `end` into `whole`.
-Greatest put_block(const ReferredMotion& motion, const ReadingGeometry& geometry,
-                   const Matrix6& noise, std::size_t begin, std::size_t end, WholePath& whole) {
+GreatestMotion put_block(const ReferredMotion& motion, const ReadingGeometry& geometry,
+                         const Matrix6& noise, std::size_t begin, std::size_t end,
+                         WholePath& whole) {
   const LocalFit fit(motion.time_s, begin, end);
   SmoothMotion smooth{{motion.time_s.begin() + static_cast<std::ptrdiff_t>(begin),
                        motion.time_s.begin() + static_cast<std::ptrdiff_t>(end)},
@@ -56,7 +55,7 @@ Greatest put_block(const ReferredMotion& motion, const ReadingGeometry& geometry
   }
   const Vector3d lever = geometry.incisor_m - geometry.middle_m;
   const std::vector<double> gains = fit.gains();
-  Greatest greatest;
+  GreatestMotion greatest;
   for (std::size_t k = 0; k < gains.size(); ++k) {
     const Vector6& value = smooth.value[k];
     greatest.rotation_rad = std::max(greatest.rotation_rad, value.tail<3>().norm());
@@ -83,11 +82,11 @@ WholePath whole_path(const ReferredMotion& motion, const ReadingGeometry& geomet
     for (auto& side : whole.path.*part) side.resize(count);
   }
   whole.incisor_sd_m.resize(count);
-  std::vector<Greatest> greatest((count + kBlock - 1) / kBlock);
+  std::vector<GreatestMotion> greatest((count + kBlock - 1) / kBlock);
   run_in_blocks(count, kBlock, [&](std::size_t begin, std::size_t end) {
     greatest[begin / kBlock] = put_block(motion, geometry, noise, begin, end, whole);
   });
-  for (const Greatest& of_block : greatest) {
+  for (const GreatestMotion& of_block : greatest) {
     whole.largest_rotation_rad = std::max(whole.largest_rotation_rad, of_block.rotation_rad);
     whole.largest_displacement_m = std::max(whole.largest_displacement_m, of_block.displacement_m);
   }

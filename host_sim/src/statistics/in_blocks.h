@@ -9,6 +9,9 @@
 
 namespace condyle::host {
 
+/// Of a recording, whose fits would take hundreds of bytes for each of its samples.
+inline constexpr std::size_t kSamplesInBlock = 4096;
+
 /// Runs `work(begin, end)` for each block of at most `size` of `count` items, on all cores. Where
 /// each block writes only to items of its own, the outcome is the same for every number of threads.
 /// An exception of `work` is rethrown: that of the first block that has one.
