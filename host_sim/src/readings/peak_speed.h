@@ -35,15 +35,8 @@ class SpeedReader {
   UncertainValue greatest(SpeedPoint point, SampleRun run, int way);
 
  private:
-  struct Peak;
+  class Search;
 
-  std::vector<Peak> peaks_of(const Places& places, SampleRun run, int way);
-  double speed_in_bursts(const Places& places, const Places& seen, const PointNoise& noise,
-                         SampleRun run, const std::vector<Peak>& peaks, std::size_t wide, int way);
-  double noise_of_place(const Places& places, const Slope& slope, std::size_t k, int width, int way,
-                        const NoiseAlong& noise);
-
-  const ReferredMotion& motion_;
   const std::vector<SharedNoise>& shared_;
   const SharedErrors& errors_;
   PathPart part_;
