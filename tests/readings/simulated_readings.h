@@ -129,7 +129,6 @@ inline JawPath exact_path(const KinematicJaw& jaw, double begin_s, double end_s,
 /// Counts of one reading over many recordings.
 struct Coverage {
   int wanted = 0, shown = 0, covered = 0;
-  int measured = 0, measured_covered = 0;   ///< of the shown, without assumptions
   double sum = 0, squares = 0, halves = 0;  ///< of the error; of half intervals
 };
 
