@@ -2,9 +2,12 @@
 // What must hold whatever the device does to the positions: rounds them, holds a value, stops, or
 // delivers none. Everything is drawn from fixed seeds.
 #include "consistency/any_recording.h"
+#include "support/tier.h"
 
 namespace condyle::testing_support {
 namespace {
+
+const std::uint64_t kSeeds = runs<std::uint64_t>(50, 200, 200);
 
 class DeviceInvariants : public AtAnyRate {};
 INSTANTIATE_TEST_SUITE_P(Rates, DeviceInvariants, testing::ValuesIn(kRates_Hz));
@@ -45,7 +48,7 @@ TEST_P(DeviceInvariants, RoundingIsNoise) {
 // A coordinate that rests between two steps of its grid hardly changes, however long: the step, not
 // the noise, bounds what is known of the position.
 TEST_P(DeviceInvariants, AtRestOnAGridNoPositionIsSurerThanTheGrid) {
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     Random random(seed);
     const double grid_m = log_between(random, 1e-5, 3e-4);
     const double noise_m = grid_m * log_between(random, 0.03, 0.6);
@@ -66,7 +69,7 @@ TEST_P(DeviceInvariants, AtRestOnAGridNoPositionIsSurerThanTheGrid) {
 
 // A value that is held stands for what is missing: it is not shown as the jaw's position.
 TEST_P(DeviceInvariants, AHeldValueIsNotTheJawsPosition) {
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     Random random(seed);
     const auto course = any_chewing(random);
     const double noise_m = log_between(random, 3e-6, 300e-6);
@@ -95,7 +98,7 @@ TEST_P(DeviceInvariants, AHeldValueIsNotTheJawsPosition) {
 
 // A device that stops amid a motion that is far faster than its noise is not believed.
 TEST_P(DeviceInvariants, AStopOfTheDeviceIsNotAStopOfTheJaw) {
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     Random random(seed);
     const auto course = any_chewing(random);
     const double noise_m = log_between(random, 3e-6, 100e-6);
@@ -124,7 +127,7 @@ TEST_P(DeviceInvariants, AStopOfTheDeviceIsNotAStopOfTheJaw) {
 // get farther than 5 sd from what is shown, and never farther than 10.
 TEST_P(DeviceInvariants, AGapMayHideAnOnset) {
   int left = 0;
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     Random random(seed);
     const double noise_m = log_between(random, 3e-6, 300e-6);
     const double speed_m_s = log_between(random, 0.02, 0.3);

@@ -11,6 +11,7 @@
 #include "support/command.h"
 #include "support/paths.h"
 #include "support/temporary_folder.h"
+#include "support/tier.h"
 
 namespace condyle {
 namespace {
@@ -50,8 +51,12 @@ TEST_F(HostileNames, AFolderForFiguresIsAFolder) {
   const std::string home = folder_ / "home";
   fs::create_directory(home);
   setenv("HOME", home.c_str(), 1);
-  for (const char* name : {"|touch pwned;", "~", "~root", "a''b", "'a", "`touch pwned`",
-                           "$(touch pwned)", "a\"b", "a\\nb", "-d", "< touch pwned"}) {
+  std::vector<const char*> names = {"|touch pwned;", "~", "a''b", "`touch pwned`"};
+  if (testing_support::tier_is_at_least(testing_support::Tier::full)) {
+    names.insert(names.end(),
+                 {"~root", "'a", "$(touch pwned)", "a\"b", "a\\nb", "-d", "< touch pwned"});
+  }
+  for (const char* name : names) {
     const CommandResult result =
         run_condyle({"replay", recording(), "--out", "out.csv", std::string("--figures=") + name});
     EXPECT_EQ(result.exit_code, 0) << name << ' ' << result.errors;
