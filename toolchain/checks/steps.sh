@@ -122,8 +122,8 @@ prove() {
   rm -rf --one-file-system "$folder"
 }
 
-# The preset has counters in our sources only: with those of Eigen the tests take hours. Without early
-# inlining, because a line that is inlined before the counters exist counts as never run.
+# The preset puts counters into our sources only: with those of Eigen the tests take many times as
+# long. It excludes early inlining: lines that GCC inlines before it inserts counters count as never run.
 # Left out: tests that measure the program of another build, and tests that link outside this one.
 measure_coverage() {
   local status=0 folder results=build/coverage/coverage.json
