@@ -54,13 +54,12 @@ run_ctest() {  # PRESET NAME_OF_RESULTS [OPTION...]
   sync
   ctest --preset "$1" --parallel $(($(nproc) + 1)) --output-junit "$PWD/build/$1/$2.junit.xml" "${@:3}"
 }
-# In the release tier, run_statistics runs the long tests. The tier check leaves to full what an edit
-# seldom breaks: the checks of the checks, and what waits for deadlines, kills and failing disks.
+# The patterns of left_to_full, as one.
+left_to_full() { sed -E '/^(#|$)/d' toolchain/checks/left_to_full | paste -sd '|'; }
+# In the release tier, run_statistics runs the long tests.
 run_tests() {  # PRESET
-  local left_out=() seldom='(check_runner|check_compiler_cache|installed_package|.*_notices_faults'
-  seldom+='|replay_tests\.(Replay\.MemoryDoesNotGrow|Study\.(LeavesNothingBehind|GoesOnAfterKills)).*'
-  seldom+='|box_tests\.(Requests\.|Box\.(OutlivesWhat|WaitsForNo)|Service\.(.*Disk|.*Memory|StaysPaused)).*)'
-  if in_tier check; then left_out=(--exclude-regex "^$seldom\$"); fi
+  local left_out=()
+  if in_tier check; then left_out=(--exclude-regex "^($(left_to_full))"); fi
   if in_tier release; then left_out=(--exclude-regex '^consistency_tests\.'); fi
   run_ctest "$1" tests --label-exclude '^vm$' "${left_out[@]}"
 }
