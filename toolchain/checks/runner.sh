@@ -7,6 +7,7 @@ names=()
 log_folder=build/checks          # what each step printed
 stamp_folder=build/release-tier  # which steps of the release tier passed, each with its key of files
 times_file=build/times/steps     # RUN TIER STEP RESULT WALL_S CPU_S, a line a step
+reads_pages=" tests packages clean-root "  # subjects whose steps depend on the pages (*.md) too
 cores=$(nproc)
 
 rank() { case $1 in check) echo 1 ;; full) echo 2 ;; release) echo 3 ;; *) return 1 ;; esac; }
@@ -44,16 +45,28 @@ list_subjects() {
     END { for (i = 1; i <= n; ++i) printf "  %-14s%s\n", order[i], steps[order[i]] }'
 }
 
-# Changes with every file of the project, and with the presence of real recordings.
-key_of_files() {
+# Changes with every file on which the step depends, and with the presence of real recordings.
+key_of() {  # STEP
+  local files=(find . \( -path ./build -o -path ./.git \) -prune -o -type f)
+  [[ $reads_pages = *" ${subject_of[$1]} "* ]] || files+=(! -name '*.md')
   {
     echo "${CONDYLE_REFERENCE_DATA:+with reference data}"
-    find . \( -path ./build -o -path ./.git \) -prune -o -type f -printf '%m %p\n' | LC_ALL=C sort
-    find . \( -path ./build -o -path ./.git \) -prune -o -type f -print0 | LC_ALL=C sort -z | xargs -0 sha256sum
+    "${files[@]}" -printf '%m %p\n' | LC_ALL=C sort
+    "${files[@]}" -print0 | LC_ALL=C sort -z | xargs -0 sha256sum
   } | sha256sum | cut -d ' ' -f 1
 }
+find_keys() {
+  local name with_pages without_pages
+  for name in "${names[@]}"; do
+    if [[ $reads_pages = *" ${subject_of[$name]} "* ]]; then
+      key_at_start[$name]=${with_pages:=$(key_of "$name")}
+    else
+      key_at_start[$name]=${without_pages:=$(key_of "$name")}
+    fi
+  done
+}
 passed_already() {
-  ! $force && [ "$tier" = release ] && [ "$(cat "$stamp_folder/$1" 2>/dev/null)" = "$key" ]
+  ! $force && [ "$tier" = release ] && [ "$(cat "$stamp_folder/$1" 2>/dev/null)" = "${key_at_start[$1]}" ]
 }
 
 # Steps without a subject prepare others: they run if another step needs them.
@@ -112,8 +125,8 @@ finish_step() {  # JOB STATUS
   printf '== %s: %s, %s\n' "$name" "${state[$name]}" "$(xargs <<<"${seconds_of[$name]}")"
   printf '%s\t%s\t%s\t%s\t%s\t%s\n' "$run" "$tier" "$name" "${state[$name]}" "$wall_s" "$cpu_s" >>"$times_file"
   if [ "$tier" = release ] && [ "${state[$name]}" = passed ] && [ "${subject_of[$name]}" != - ]; then
-    if [ "$(key_of_files)" = "$key" ]; then
-      echo "$key" >"$stamp_folder/$name"
+    if [ "$(key_of "$name")" = "${key_at_start[$name]}" ]; then
+      echo "${key_at_start[$name]}" >"$stamp_folder/$name"
     else
       echo "The files have changed meanwhile: $name does not count as passed for them"
     fi
@@ -145,12 +158,13 @@ end_jobs() {
 }
 
 run_steps() {
-  local name job status started=0 count=0 free=$cores failed=false run key=
+  local name job status started=0 count=0 free=$cores failed=false run
+  local -A key_at_start=()
   mkdir -p $log_folder $stamp_folder "$(dirname $times_file)"
   exec 9>$log_folder/lock
   flock -n 9 || { echo "toolchain/check: another run is using this folder; wait for its end" >&2; exit 2; }
   run=$(date +%Y-%m-%dT%H:%M:%S)
-  [ "$tier" != release ] || key=$(key_of_files)
+  if [ "$tier" = release ]; then find_keys; fi
   choose_steps
   for name in "${names[@]}"; do [ "${state[$name]:-}" != waiting ] || count=$((count + 1)); done
   trap end_jobs EXIT
