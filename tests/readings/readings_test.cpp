@@ -314,7 +314,7 @@ class ReadingCoverage : public testing::TestWithParam<Cell> {};
 // 95 % intervals over noise, landmarks, plane and reference drawn anew. A reading fails if so few
 // are covered that a true 90 % had a probability of 1e-4. All readings together fail if the mean of
 // the recordings' shares of covered readings is more than four of its standard deviations below
-// 93 % (1e-4 with 100 recordings or more; up to 2 % with the 4 of the tier check). With some
+// 93 % (1e-4 with 60 recordings or more; up to 2 % with the 4 of the tier check). With some
 // 160 readings in each of four cells the false-alarm probability of both tests is 6 %, and the
 // seeds are fixed.
 Coverages check_coverage(const Cell& cell, const JawScenario& scenario, int runs) {
@@ -348,7 +348,7 @@ Coverages check_coverage(const Cell& cell, const JawScenario& scenario, int runs
 
 TEST_P(ReadingCoverage, IsThatOfTheInterval) {
   const Cell& cell = GetParam();
-  const int runs = testing_support::runs(4, 100, 2000);
+  const int runs = testing_support::runs(4, 60, 2000);
   const Coverages coverages =
       check_coverage(cell, session(cell.rate_Hz, cell.noise_m, cell.noise_rad, 1), runs);
   EXPECT_EQ(coverages.at("chewing//cycle_count").covered, runs);
@@ -357,7 +357,7 @@ TEST_P(ReadingCoverage, IsThatOfTheInterval) {
 
 TEST_P(ReadingCoverage, OfBorderMovements) {
   const Cell& cell = GetParam();
-  const int runs = testing_support::runs(4, 100, 2000);
+  const int runs = testing_support::runs(4, 60, 2000);
   JawScenario scenario = session(cell.rate_Hz, cell.noise_m, cell.noise_rad, 1);
   scenario.tasks = {default_task(JawTaskKind::rest), default_task(JawTaskKind::border)};
   const Coverages coverages = check_coverage(cell, scenario, runs);

@@ -5,6 +5,8 @@
 
 #include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "options/command_line.h"
 
@@ -22,6 +24,13 @@ inline constexpr int kExitInterrupted = 130;
 inline constexpr int kExitInternal = 70;
 
 using Command = std::function<int()>;
+/// Names of subcommands, and what they do.
+using Commands = std::vector<std::pair<const char*, Command>>;
+
+/// Adds the subcommands of this program, in the order of its help.
+Commands add_commands(CommandLine line);
+/// Throws InputError if `words` begin with a subcommand that this program lacks but another has.
+void refuse_absent(const std::vector<std::string>& words);
 
 /// `condyle analyse`
 Command add_analyse(CommandLine app);
