@@ -38,7 +38,7 @@ Commands add_commands(CommandLine line) {
   return commands;
 }
 
-void refuse_absent(const std::vector<std::string>& words) {
+void refuse_absent(const Commands&, const std::vector<std::string>& words) {
 #ifndef CONDYLE_HAS_DEVICES
   for (const char* const name : {"doctor", "record", "live", "session", "bridge", "fake"}) {
     if (words.empty() || words[0] != name) continue;

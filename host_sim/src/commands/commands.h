@@ -29,8 +29,9 @@ using Commands = std::vector<std::pair<const char*, Command>>;
 
 /// Adds the subcommands of this program, in the order of its help.
 Commands add_commands(CommandLine line);
-/// Throws InputError if `words` begin with a subcommand that this program lacks but another has.
-void refuse_absent(const std::vector<std::string>& words);
+/// Throws InputError if `words` begin with a subcommand that other programs have, and `commands`
+/// lack.
+void refuse_absent(const Commands& commands, const std::vector<std::string>& words);
 
 /// `condyle analyse`
 Command add_analyse(CommandLine app);

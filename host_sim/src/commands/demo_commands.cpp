@@ -17,10 +17,11 @@ Commands add_commands(CommandLine line) {
   return commands;
 }
 
-void refuse_absent(const std::vector<std::string>& words) {
-  const auto is = [&](const char* name) { return words[0] == name; };
-  if (words.empty() || words[0].starts_with('-')) return;
-  if (is("help") || is("analyse") || is("report") || is("replay") || is("simulate")) return;
+void refuse_absent(const Commands& commands, const std::vector<std::string>& words) {
+  if (words.empty() || words[0] == "help" || words[0].starts_with('-')) return;
+  for (const auto& [name, command] : commands) {
+    if (words[0] == name) return;
+  }
   throw InputError(words[0], "condyle-demo has few commands, and not this one",
                    "build condyle: cmake --build --preset release --target condyle");
 }

@@ -33,7 +33,7 @@ int run_command(int argc, char** argv) {
     write_manual(program.describe(), "condyle " CONDYLE_VERSION, words[2]);
     return kExitOk;
   }
-  refuse_absent(words);
+  refuse_absent(commands, words);
   std::string text;
   switch (program.parse(argc, argv, text)) {
     case Program::Parsed::answered:
