@@ -33,6 +33,8 @@ using Displacement = std::function<Vector3d(const JawStroke&, double time_s)>;
 constexpr LandmarkErrors kErrors{1e-4, 1e-4, 1e-4};
 constexpr const char* kGreatestValues[] = {"displacement_mm", "opening_mm", "opening_vertical_mm",
                                            "protrusion_mm", "condylar_translation_mm"};
+// Of a trembling jaw fewer are known.
+constexpr const char* kPathsToTop[] = {"condylar_path_mm", "condylar_path_difference_mm"};
 constexpr const char* kReadAtTop[] = {"opening_deflection_mm", "helical_axis_x_mm",
                                       "helical_axis_z_mm", "working_shift_mm",
                                       "working_shift_angle_deg"};
@@ -350,9 +352,12 @@ TEST(ShortMovements, OfATremorAreInTheIntervalsOfGreatestValues) {
   print(coverages);
   std::vector<const char*> names(std::begin(kGreatestValues), std::end(kGreatestValues));
   names.insert(names.end(), std::begin(kReadAtTop), std::end(kReadAtTop));
-  for (const char* name : names) {
+  const std::size_t mostly_known = names.size();
+  names.insert(names.end(), std::begin(kPathsToTop), std::end(kPathsToTop));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const char* const name = names[i];
     const Coverage& coverage = coverages[name];
-    EXPECT_GT(coverage.shown, 0.9 * coverage.wanted) << name;
+    EXPECT_GT(coverage.shown, (i < mostly_known ? 0.9 : 0.5) * coverage.wanted) << name;
     // As above.
     EXPECT_GE(static_cast<std::uint64_t>(coverage.covered),
               testing_support::fewest_hits(static_cast<std::uint64_t>(coverage.shown), 0.75, 1e-4))

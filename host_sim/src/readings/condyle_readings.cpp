@@ -29,7 +29,7 @@ constexpr double kShiftFrom_mm = 2, kShiftTo_mm = 5;  // x of the line that give
 // The outward path of a condyle: from kOnset_m to the greatest sagittal travel.
 struct Outward {
   std::size_t begin = 0, end = 0;
-  double travel_m = 0;
+  Greatest top{};
 };
 
 // Whether the condyle of `side` goes forward in a stroke of `kind`, and whether it orbits.
@@ -44,20 +44,50 @@ Outward outward_of(const JawPath& path, std::size_t side) {
   const Points& condyle_m = path.condyle_m[side];
   const std::vector<double> travels = sagittal_sizes_of(condyle_m);
   const Greatest greatest = greatest_of(path.time_s, travels, 0, travels.size(), top_reach_s(path));
-  Outward outward{greatest.at, greatest.at, greatest.value};
+  Outward outward{greatest.at, greatest.at, greatest};
   while (outward.begin > 0 && sagittal_size(condyle_m[outward.begin]) > kOnset_m) --outward.begin;
   return outward;
 }
 
-// Its length, from the very passage of kOnset_m.
-double outward_length_m(const JawPath& path, std::size_t side, const Outward& outward) {
-  if (outward.travel_m < kOnset_m || outward.end == 0) return kNone;
-  Points points = path.condyle_m[side];
-  const auto onset = first_passage(path.time_s, points, path.condyle_m_s[side], outward.begin,
-                                   outward.begin + 1, kOnset_m, sagittal_size);
-  if (onset) points[outward.begin] = onset->point;
-  const double beyond_m = outward.travel_m - sagittal_size(points[outward.end]);
-  return path_length_m(points, outward.begin, outward.end, kChord_m) + beyond_m;
+// The lengths of the paths to each sample, from the last passage of kOnset_m before it; 0 within.
+std::vector<double> outward_lengths_m(const JawPath& path, std::size_t side) {
+  const Points& condyle_m = path.condyle_m[side];
+  std::vector<double> lengths_m;
+  lengths_m.reserve(condyle_m.size());
+  PathLength length(kChord_m);
+  for (std::size_t k = 0; k < condyle_m.size(); ++k) {
+    const bool is_within = sagittal_size(condyle_m[k]) <= kOnset_m;
+    if (k == 0 || is_within) {
+      length.begin(condyle_m[k]);
+    } else if (sagittal_size(condyle_m[k - 1]) <= kOnset_m) {
+      const auto onset = first_passage(path.time_s, condyle_m, path.condyle_m_s[side], k - 1, k,
+                                       kOnset_m, sagittal_size);
+      if (onset) length.begin(onset->point);
+    }
+    if (k > 0 && !is_within) length.add(condyle_m[k]);
+    lengths_m.push_back(length.length_m());
+  }
+  return lengths_m;
+}
+
+// The path's length, and how far it differs at samples whose travel may be the greatest (mm).
+struct PathReading {
+  double length_mm, difference_mm;
+};
+
+PathReading add_path(const JawPath& path, std::size_t side, const Outward& outward,
+                     ReadingValues& out) {
+  const std::vector<double> travels = sagittal_sizes_of(path.condyle_m[side]);
+  const std::vector<double> lengths_m = outward_lengths_m(path, side);
+  const bool is_out = outward.top.value >= kOnset_m && outward.end > 0;
+  const double beyond_m = outward.top.value - travels[outward.end];
+  const auto length_mm = [&](std::size_t k) {
+    return is_out ? (lengths_m[k] + beyond_m) / kMillimetre : kNone;
+  };
+  const double difference_mm = out.add_at_top(outward.top, travels, length_mm, [] {
+    return std::string("the condyle travels less than 0.3 mm");
+  });
+  return {length_mm(outward.end), difference_mm};
 }
 
 void add_inclinations(const JawPath& path, std::size_t side, const Outward& outward, bool bennett,
@@ -68,7 +98,7 @@ void add_inclinations(const JawPath& path, std::size_t side, const Outward& outw
                       outward.end, travel_mm * kMillimetre, sagittal_size);
     const auto reason = [&] {
       return fmt::format("the condyle travels {:.1f} mm, not {:g} mm",
-                         outward.travel_m / kMillimetre, travel_mm);
+                         outward.top.value / kMillimetre, travel_mm);
     };
     out.add(at ? std::atan2(-at->point.z(), at->point.x()) / kDegree : kNone, reason);
     if (bennett) {
@@ -117,7 +147,7 @@ CondylarSeparations::Side separations_mm(const JawPath& path, std::size_t side,
     const double share = kLeastTravelShare + (kMostTravelShare - kLeastTravelShare) *
                                                  static_cast<double>(i) /
                                                  (CondylarSeparations::kPlaces - 1);
-    const double travel_m = share * outward.travel_m;
+    const double travel_m = share * outward.top.value;
     const auto out = first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side],
                                    outward.begin, outward.end, travel_m, sagittal_size);
     const auto back = first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side],
@@ -134,15 +164,15 @@ CondylarSeparations::Side separations_mm(const JawPath& path, std::size_t side,
 double rotation_per_travel(const JawPath& path, std::size_t side, const Outward& outward) {
   double angle_rad[2];
   for (int i = 0; i < 2; ++i) {
-    const double travel_m = (i == 0 ? kSlopeFrom : kSlopeTo) * outward.travel_m;
+    const double travel_m = (i == 0 ? kSlopeFrom : kSlopeTo) * outward.top.value;
     const auto at = first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side],
                                   outward.begin, outward.end, travel_m, sagittal_size);
-    if (!at || outward.travel_m < kLeastSlopeTravel_m) return kNone;
+    if (!at || outward.top.value < kLeastSlopeTravel_m) return kNone;
     angle_rad[i] = (1 - at->share) * twist_about(path.rotation_rad[at->after], 1) +
                    at->share * twist_about(path.rotation_rad[at->after + 1], 1);
   }
   return (angle_rad[1] - angle_rad[0]) / kDegree /
-         ((kSlopeTo - kSlopeFrom) * outward.travel_m / kMillimetre);
+         ((kSlopeTo - kSlopeFrom) * outward.top.value / kMillimetre);
 }
 
 void add_condylar_motion(TaskKind kind, const JawPath& path, std::size_t side,
@@ -159,7 +189,7 @@ void add_condylar_motion(TaskKind kind, const JawPath& path, std::size_t side,
   if (kind != TaskKind::opening) return;
   out.add(rotation_per_travel(path, side, outward), [&] {
     return fmt::format("the condyle travels {:.1f} mm, at least {:g} mm are needed",
-                       outward.travel_m / kMillimetre, kLeastSlopeTravel_m / kMillimetre);
+                       outward.top.value / kMillimetre, kLeastSlopeTravel_m / kMillimetre);
   });
 }
 
@@ -198,11 +228,11 @@ void add_condyle_names(TaskKind kind, std::vector<StrokeReading>& names) {
 
 CondylarSeparations add_condyles(TaskKind kind, const JawPath& path, ReadingValues& out) {
   CondylarSeparations separations{};
-  double length_mm[2], translation_mm[2], shortfalls_mm = 0;
+  PathReading lengths[2];
+  double translation_mm[2], shortfalls_mm = 0;
   for (std::size_t side = 0; side < 2; ++side) {
     const Outward outward = outward_of(path, side);
-    length_mm[side] = outward_length_m(path, side, outward) / kMillimetre;
-    out.add(length_mm[side], [] { return std::string("the condyle travels less than 0.3 mm"); });
+    lengths[side] = add_path(path, side, outward, out);
     const Greatest translation = top_of(path, sizes_of(path.condyle_m[side]));
     translation_mm[side] = translation.value / kMillimetre;
     shortfalls_mm += shortfall_of(translation) / kMillimetre;
@@ -213,7 +243,8 @@ CondylarSeparations add_condyles(TaskKind kind, const JawPath& path, ReadingValu
     separations.mm[side] = separations_mm(path, side, outward);
     add_condylar_motion(kind, path, side, outward, separations.mm[side], out);
   }
-  out.add(length_mm[0] - length_mm[1]);
+  out.add(lengths[0].length_mm - lengths[1].length_mm);
+  out.keep_shortfall(lengths[0].difference_mm + lengths[1].difference_mm);
   out.add(translation_mm[0] - translation_mm[1]);
   out.keep_shortfall(shortfalls_mm);
   return separations;

@@ -152,22 +152,23 @@ Greatest GreatestAt::of(const std::vector<double>& values, std::size_t begin,
                      [&](std::size_t k, std::size_t i) { return i <= first_[k + 1] - first_[k]; });
 }
 
-double path_length_m(const Points& points, std::size_t begin, std::size_t end, double chord_m) {
-  double length_m = 0;
-  Vector3d from = points[begin];
-  for (std::size_t k = begin + 1; k <= end; ++k) {
-    // Chords of the given length along the segment, which may hold several.
-    while ((points[k] - from).norm() >= chord_m) {
-      const Vector3d a = points[k - 1] - from, along = points[k] - points[k - 1];
-      // |a + x along| = chord
-      const double A = along.squaredNorm(), B = a.dot(along);
-      const double C = a.squaredNorm() - chord_m * chord_m;
-      const double x = A > 0 ? (-B + std::sqrt(std::max(B * B - A * C, 0.0))) / A : 1;
-      from = points[k - 1] + std::clamp(x, 0.0, 1.0) * along;
-      length_m += chord_m;
-    }
+void PathLength::begin(const Vector3d& point_m) {
+  from_m_ = last_m_ = point_m;
+  chords_m_ = 0;
+}
+
+void PathLength::add(const Vector3d& point_m) {
+  // Chords of the given length along the segment, which may hold several.
+  while ((point_m - from_m_).norm() >= chord_m_) {
+    const Vector3d a = last_m_ - from_m_, along = point_m - last_m_;
+    // |a + x along| = chord
+    const double A = along.squaredNorm(), B = a.dot(along);
+    const double C = a.squaredNorm() - chord_m_ * chord_m_;
+    const double x = A > 0 ? (-B + std::sqrt(std::max(B * B - A * C, 0.0))) / A : 1;
+    from_m_ = last_m_ + std::clamp(x, 0.0, 1.0) * along;
+    chords_m_ += chord_m_;
   }
-  return length_m + (points[end] - from).norm();
+  last_m_ = point_m;
 }
 
 double hull_area(const Points& points, int first, int second) {

@@ -121,8 +121,19 @@ std::optional<Passage> first_passage(const std::vector<double>& time_s, const Po
   return std::nullopt;
 }
 
-/// Length of the path from sample `begin` to `end` (included), by chords of `chord_m`.
-double path_length_m(const Points& points, std::size_t begin, std::size_t end, double chord_m);
+/// Length of a path by chords of `chord_m`, point by point.
+class PathLength {
+ public:
+  explicit PathLength(double chord_m) : chord_m_(chord_m) {}
+  void begin(const Eigen::Vector3d& point_m);
+  void add(const Eigen::Vector3d& point_m);
+  /// To the last point, the rest of the last chord with it.
+  double length_m() const { return chords_m_ + (last_m_ - from_m_).norm(); }
+
+ private:
+  double chord_m_, chords_m_ = 0;
+  Eigen::Vector3d from_m_ = Eigen::Vector3d::Zero(), last_m_ = Eigen::Vector3d::Zero();
+};
 
 /// Area of the convex hull of the points' coordinates `first` and `second`.
 double hull_area(const Points& points, int first, int second);

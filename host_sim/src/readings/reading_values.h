@@ -33,10 +33,10 @@ class ReadingValues {
     keep_shortfall(shortfall_of(top) / unit);
   }
   /// `reading(k)` at the greatest of `values`. Keeps how far it differs at samples that may be the
-  /// greatest. These lie below the highest by at most twice the shortfall of `top`.
+  /// greatest, and returns it. These lie below the highest by at most twice the shortfall of `top`.
   template <class Reading, class Reason>
-  void add_at_top(const Greatest& top, const std::vector<double>& values, const Reading& reading,
-                  const Reason& reason) {
+  double add_at_top(const Greatest& top, const std::vector<double>& values, const Reading& reading,
+                    const Reason& reason) {
     const double at_top = reading(top.at), least = top.highest - 2 * shortfall_of(top);
     double farthest = 0;
     for (std::size_t k = 0; k < values.size() && std::isfinite(at_top); ++k) {
@@ -44,6 +44,7 @@ class ReadingValues {
     }
     add(at_top, reason);
     keep_shortfall(farthest);
+    return farthest;
   }
   template <class Reading>
   void add_at_top(const Greatest& top, const std::vector<double>& values, const Reading& reading) {

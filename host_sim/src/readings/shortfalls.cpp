@@ -21,9 +21,10 @@ constexpr std::string_view kGreatestValues[] = {"displacement_mm",
                                                 "cycle_height_mm",
                                                 "cycle_width_mm",
                                                 "cycle_depth_mm"};
-constexpr std::string_view kReadAtTop[] = {"opening_deflection_mm", "helical_axis_x_mm",
-                                           "helical_axis_z_mm", "working_shift_mm",
-                                           "working_shift_angle_deg"};
+constexpr std::string_view kReadAtTop[] = {"opening_deflection_mm",      "helical_axis_x_mm",
+                                           "helical_axis_z_mm",          "working_shift_mm",
+                                           "working_shift_angle_deg",    "condylar_path_mm",
+                                           "condylar_path_difference_mm"};
 // What noise explains of a shortfall, in standard deviations; how often the rest is in the
 // interval, because smoothing hides a part of a short top.
 constexpr double kExplained = 2, kTimesShortfall = 1.5;
