@@ -30,6 +30,7 @@ struct AverageCycle {
   double opening_s = 0, closing_s = 0;  ///< mean times
   std::vector<Point> points;            ///< empty if withheld
   std::string withheld;                 ///< why; empty: it is known
+  std::string assumed;                  ///< about samples that were not used; empty: nothing
 };
 
 /// The averages of `cycles` that are taken: of all, then of each side that occurs. The interval

@@ -97,10 +97,11 @@ std::string readings_json(const std::vector<Analysis>& analyses) {
     }
     one["average_cycles"] = nlohmann::ordered_json::array();
     for (const AverageCycle& average : analysis.average_cycles) {
-      one["average_cycles"].push_back({{"side", average.side},
-                                       {"cycles", average.cycles},
-                                       {"known", average.withheld.empty()},
-                                       {"reason", average.withheld}});
+      one["average_cycles"].push_back(
+          {{"side", average.side},
+           {"cycles", average.cycles},
+           {"known", average.withheld.empty()},
+           {"reason", average.withheld.empty() ? average.assumed : average.withheld}});
     }
     one["readings"] = nlohmann::ordered_json::array();
     for (const JawReading& reading : analysis.readings) {
@@ -129,7 +130,7 @@ std::string cycles_csv(const std::vector<Analysis>& analyses) {
   for (const auto name : names) text += fmt::format(",{},{}_half_interval", name, name);
   text +=
       ",side,side_from,closing_side_mm,closing_side_mm_half_interval,frontal_loop,sagittal_loop,"
-      "rejected\n";
+      "rejected,assumed\n";
   for (const Analysis& analysis : analyses) {
     for (const AnalysedCycle& cycle : analysis.cycles) {
       text += fmt::format("{},{},{},{:.6f},{:.6f},{:.6f}", csv_field(analysis.recording),
@@ -141,14 +142,14 @@ std::string cycles_csv(const std::vector<Analysis>& analyses) {
       }
       const CycleDirections& directions = cycle.directions;
       text +=
-          fmt::format(",{},{}{},{},{},{}\n", cycle.side,
+          fmt::format(",{},{}{},{},{},{},{}\n", cycle.side,
                       cycle.side.empty()     ? ""
                       : cycle.is_side_stated ? "stated"
                                              : "closing path",
                       with_half_interval(directions.closing_side_mm),
                       loop_text(directions.frontal_area_mm2, "closes left", "closes right"),
                       loop_text(directions.sagittal_area_mm2, "closes in front", "closes behind"),
-                      without_commas(cycle.cycle.rejected));
+                      without_commas(cycle.cycle.rejected), without_commas(cycle.assumed));
     }
   }
   return text;
@@ -175,7 +176,7 @@ std::string average_cycle_csv(const std::vector<Analysis>& analyses) {
           text += fmt::format(",{:.5f},{:.5f},{:.5f}", point.mean_mm[axis], point.sd_mm[axis],
                               point.half_interval_mm[axis]);
         }
-        text += ",\n";
+        text += "," + without_commas(average.assumed) + "\n";
       }
     }
   }

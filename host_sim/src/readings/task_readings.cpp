@@ -259,6 +259,7 @@ class TaskReader {
           to_read.push_back({cycle, sd_m});
           analysed.number = static_cast<int>(to_read.size());
         }
+        analysed.assumed = jumps_in({{cycle.begin, cycle.end + 1}});
         analysis_.cycles.push_back(std::move(analysed));
       }
     }
@@ -348,6 +349,7 @@ class TaskReader {
     }
     if (analysis_.has_landmarks && context_.unusable.empty()) {
       analysis_.average_cycles = average_cycles(analysis_.path, analysis_.cycles, context_.errors);
+      for (AverageCycle& average : analysis_.average_cycles) average.assumed = assumptions.jumps;
     }
   }
 
