@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // `condyle analyse` as its users meet it: a simulated session, real recordings, wrong input.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <functional>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 
 #include "support/command.h"
@@ -18,6 +23,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing_support::CommandResult;
+using testing_support::read_file;
 using testing_support::reference_data;
 using testing_support::run_condyle;
 using testing_support::source_path;
@@ -84,6 +90,28 @@ class Analyse : public testing::Test {
     }
     return folder_->write("changed.toml", text);
   }
+  // The session, of which rows that are not kept are moved up (mm), or left out if by 0.
+  static std::string edited(const char* name, const std::function<bool(double time_s)>& is_kept,
+                            double up_mm) {
+    std::ifstream file(*folder_ / "jaw.csv");
+    std::string line, text;
+    std::getline(file, line);
+    text = line + "\n";
+    while (std::getline(file, line)) {
+      std::stringstream fields(line);
+      std::string row;
+      int column = 0;
+      double time_s = 0;
+      for (std::string field; std::getline(fields, field, ','); ++column) {
+        if (column == 0) time_s = std::stod(field);
+        const bool is_up = column > 0 && column % 3 == 0 && !is_kept(time_s);
+        row += (column > 0 ? "," : "") +
+               (is_up ? fmt::format("{:.6f}", std::stod(field) + up_mm) : field);
+      }
+      if (up_mm != 0 || is_kept(time_s)) text += row + "\n";
+    }
+    return folder_->write(name, text);
+  }
   static std::string problem(const std::vector<std::string>& arguments) {
     const auto result = analyse(arguments);
     EXPECT_EQ(result.exit_code, 2) << result.output;
@@ -122,6 +150,76 @@ TEST_F(Analyse, WritesReadingsThatContainTheTruth) {
   EXPECT_GT(compared, 40);
   // One draw of the landmarks moves many readings together.
   EXPECT_GE(covered, compared * 4 / 5);
+}
+
+// The length of the longest straight piece of the openings in a figure, in its units.
+double longest_piece(const std::string& svg) {
+  static const std::regex kPath("<path stroke='rgb\\( 31,  95, 168\\)'\\s+d='([^']*)'");
+  static const std::regex kPoint("([ML])([0-9.]+),([0-9.]+)");
+  constexpr std::ptrdiff_t kLeastPoints = 10;  // fewer: the line of the key
+  double longest = 0;
+  for (std::sregex_iterator path(svg.begin(), svg.end(), kPath), none; path != none; ++path) {
+    const std::string points = (*path)[1];
+    std::sregex_iterator point(points.begin(), points.end(), kPoint);
+    if (std::distance(point, none) < kLeastPoints) continue;
+    double x = 0, y = 0;
+    for (; point != none; ++point) {
+      const double to_x = std::stod((*point)[2]), to_y = std::stod((*point)[3]);
+      if ((*point)[1] == "L") longest = std::max(longest, std::hypot(to_x - x, to_y - y));
+      x = to_x;
+      y = to_y;
+    }
+  }
+  return longest;
+}
+
+TEST_F(Analyse, DrawsNoLineOverSamplesThatAreMissing) {
+  const std::string whole = *folder_ / "whole", with_gap = *folder_ / "with_gap";
+  const std::vector<std::string> more = {
+      "--landmarks", *folder_ / "jaw.landmarks.toml", "--task", "opening", "4.6", "15.6", "--out"};
+  const auto draw = [&](const std::string& recording, const std::string& out) {
+    std::vector<std::string> arguments = {recording};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    arguments.push_back(out);
+    EXPECT_EQ(analyse(arguments).exit_code, 0);
+    return longest_piece(read_file(out + "/incisor.svg"));
+  };
+  const double usual = draw(*folder_ / "jaw.csv", whole);
+  ASSERT_GT(usual, 0);
+  const auto is_kept = [](double time_s) { return time_s < 6.0 || time_s > 6.2; };
+  EXPECT_LE(draw(edited("gap.csv", is_kept, 0), with_gap), 1.2 * usual);
+}
+
+// Samples that jump away are not used; the jaw may have jumped.
+TEST_F(Analyse, SaysWhatItAssumesOfEachCycle) {
+  const auto is_kept = [](double time_s) { return time_s < 50.12 || time_s > 50.17; };
+  const std::string jump = edited("jump.csv", is_kept, 4), out = *folder_ / "jump";
+  ASSERT_EQ(analyse({jump, "--landmarks", *folder_ / "jaw.landmarks.toml", "--tasks",
+                     *folder_ / "jaw.tasks.csv", "--out", out, "--no-figures"})
+                .exit_code,
+            0);
+  const auto cycles = testing_support::read_table(out + "/cycles.csv");
+  ASSERT_GT(cycles.rows, 0U);
+  for (std::size_t i = 0; i < cycles.rows; ++i) {
+    const bool has_jump = std::stod(cycles.columns.at("begin_s")[i]) < 50.12 &&
+                          std::stod(cycles.columns.at("end_s")[i]) > 50.17;
+    EXPECT_EQ(cycles.columns.at("assumed")[i].find("faults of the instrument") != std::string::npos,
+              has_jump)
+        << i;
+  }
+  const auto average = testing_support::read_table(out + "/average_cycle.csv");
+  int known = 0;
+  for (std::size_t i = 0; i < average.rows; ++i) {
+    if (average.columns.at("x_mm")[i].empty()) continue;
+    ++known;
+    EXPECT_THAT(average.columns.at("reason")[i], HasSubstr("faults of the instrument"));
+  }
+  EXPECT_GT(known, 0);
+  const auto json = nlohmann::json::parse(read_file(out + "/readings.json"));
+  for (const auto& one : json.at("recordings").at(0).at("average_cycles")) {
+    if (!one.at("known")) continue;
+    EXPECT_THAT(one.at("reason"), HasSubstr("faults of the instrument"));
+  }
 }
 
 TEST_F(Analyse, FindsTheTasksThatAreNotStated) {

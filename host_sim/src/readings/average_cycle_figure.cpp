@@ -32,11 +32,14 @@ std::vector<const AverageCycle*> drawn_averages(const Analysis& analysis) {
 }
 
 std::string cycle_paths(const Analysis& analysis) {
+  const std::vector<double>& time_s = analysis.path.time_s;
+  const double gap_s = longest_drawn_gap_s(time_s);
   std::string text = "$cycles << EOD\n";
   int drawn = 0;
   for (const AnalysedCycle& cycle : analysis.cycles) {
     if (cycle.number == 0 || ++drawn > kMostCycles) continue;
     for (std::size_t k = cycle.cycle.begin; k <= cycle.cycle.end; ++k) {
+      if (k > cycle.cycle.begin && time_s[k] - time_s[k - 1] > gap_s) text += "\n";
       const Eigen::Vector3d point_mm = 1e3 * analysis.path.incisor_m[k];
       text += fmt::format("{:.4f} {:.4f}\n", point_mm.y(), point_mm.z());
     }
@@ -98,8 +101,9 @@ std::string average_cycle_plot(const Analysis& analysis) {
       "plot $cycles using 1:2 with lines lw 0.6 lc rgb '#c0c0c0' notitle{}\n"
       "set size noratio\nset title 'vertical, mean with 95 % band' font ',11'\n"
       "set xlabel 'time from closed (s)'\nset key outside right top\nplot {}\nunset multiplot\n",
-      gnuplot_quoted(fmt::format("Average chewing cycle: {}; research use only",
-                                 recording_name(analysis.recording))),
+      gnuplot_quoted(fmt::format("Average chewing cycle: {}{}; research use only",
+                                 recording_name(analysis.recording),
+                                 averages[0]->assumed.empty() ? "" : "; jumps are not used")),
       frontal, bands + lines);
   return text;
 }

@@ -7,7 +7,9 @@
 
 #include "output/gnuplot.h"
 #include "readings/readings_files.h"
+#include "readings/strokes.h"
 #include "recordings/recording_files.h"
+#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -24,16 +26,40 @@ struct DrawnTask {
   std::size_t share = 1;  // one of so many stretches
 };
 
-// Blocks of data, one for each kind of task: incisor x y z, left condyle x y z, right condyle x y z
-// (mm).
-std::string data_of(const Analysis& analysis, std::vector<DrawnTask>& drawn) {
+// Least and greatest of numbers.
+struct Range {
+  double low = INFINITY, high = -INFINITY;
+  void add(double number) {
+    low = std::min(low, number);
+    high = std::max(high, number);
+  }
+  // As gnuplot takes it; of no numbers: its own choice.
+  std::string text(bool is_mirrored) const {
+    constexpr double kMargin = 0.05;
+    if (!(low < high)) return is_mirrored ? "[*:*] reverse" : "[*:*] noreverse";
+    const double margin = kMargin * (high - low);
+    const double first = low - margin, last = high + margin;
+    return fmt::format("[{:.3f}:{:.3f}]", is_mirrored ? last : first, is_mirrored ? first : last);
+  }
+};
+
+// What is drawn, as blocks of data: for each kind of task incisor x y z, left condyle x y z, right
+// condyle x y z (mm).
+struct DrawnData {
+  std::string text;
+  std::vector<DrawnTask> tasks;
+  Range condyles_x_mm, condyles_z_mm;
+};
+
+DrawnData data_of(const Analysis& analysis) {
+  DrawnData data;
   const JawPath& path = analysis.path;
-  if (path.time_s.size() < 2) return {};
+  if (path.time_s.size() < 2) return data;
   const double step_s =
       (path.time_s.back() - path.time_s.front()) / static_cast<double>(path.time_s.size() - 1);
+  const double gap_s = longest_drawn_gap_s(path.time_s);
   const auto stride = static_cast<std::size_t>(std::max(1.0, kPointStep_s / step_s));
   const auto samples = static_cast<std::size_t>(std::max(1.0, kStretch_s / step_s));
-  std::string text;
   for (std::size_t i = 0; i <= kTaskKinds; ++i) {
     DrawnTask one{.kind = static_cast<TaskKind>(i)};
     std::vector<SampleRun> runs;
@@ -50,7 +76,11 @@ std::string data_of(const Analysis& analysis, std::vector<DrawnTask>& drawn) {
     one.share = 1 + points / kMostPoints;
     std::string block;
     for (const SampleRun& run : runs) {
-      for (std::size_t k = run.begin; k < run.end; k += stride) {
+      std::size_t last = run.begin;  // drawn, or passed over
+      for (std::size_t k = run.begin; k < run.end; last = k, k += stride) {
+        if (longest_gap_s(path.time_s, last, k + 1) > gap_s && !block.ends_with("\n\n")) {
+          block += "\n";
+        }
         const std::size_t stretch = (k - run.begin) / samples;
         if (stretch % one.share != 0) {
           // The next line begins with the next stretch that is drawn.
@@ -64,13 +94,17 @@ std::string data_of(const Analysis& analysis, std::vector<DrawnTask>& drawn) {
           }
         }
         block += "\n";
+        for (const Points& condyle_m : path.condyle_m) {
+          data.condyles_x_mm.add(condyle_m[k].x() * 1e3);
+          data.condyles_z_mm.add(condyle_m[k].z() * 1e3);
+        }
       }
       block += "\n";
     }
-    text += fmt::format("$task{} << EOD\n{}EOD\n", drawn.size(), block);
-    drawn.push_back(one);
+    data.text += fmt::format("$task{} << EOD\n{}EOD\n", data.tasks.size(), block);
+    data.tasks.push_back(one);
   }
-  return text;
+  return data;
 }
 
 std::string title_of(const DrawnTask& task) {
@@ -85,13 +119,15 @@ struct Plane {
   const char *title, *x_label, *y_label;
   int x, y;          // columns
   bool is_mirrored;  // the x axis grows to the left
+  Range x_range = {}, y_range = {};
 };
 
 std::string panel(const Plane& plane, const std::vector<DrawnTask>& drawn, bool has_key) {
   std::string text = fmt::format(
-      "set title '{}' font ',11'\nset xlabel '{}'\nset ylabel '{}'\nset xrange [*:*] {}\n{}\nplot ",
-      plane.title, plane.x_label, plane.y_label, plane.is_mirrored ? "reverse" : "noreverse",
-      has_key ? "set key outside right top" : "unset key");
+      "set title '{}' font ',11'\nset xlabel '{}'\nset ylabel '{}'\nset xrange {}\nset yrange "
+      "{}\n{}\nplot ",
+      plane.title, plane.x_label, plane.y_label, plane.x_range.text(plane.is_mirrored),
+      plane.y_range.text(false), has_key ? "set key outside right top" : "unset key");
   // A colour from a column: a line of one colour takes time with the square of its points.
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     text += fmt::format("{}$task{} using {}:{}:({}) with lines lw 1.2 lc rgb variable notitle",
@@ -116,14 +152,21 @@ std::string layout(const std::string& title, std::size_t panels) {
 
 }  // namespace
 
+double longest_drawn_gap_s(const std::vector<double>& time_s) {
+  constexpr double kMostSteps = 3;
+  std::vector<double> steps_s;
+  for (std::size_t k = 1; k < time_s.size(); ++k) steps_s.push_back(time_s[k] - time_s[k - 1]);
+  return steps_s.empty() ? 0 : kMostSteps * upper_median(std::move(steps_s));
+}
+
 std::vector<std::unique_ptr<OutputFile>> draw_readings(const std::string& directory,
                                                        const std::string& prefix,
                                                        const Analysis& analysis) {
-  std::vector<DrawnTask> drawn;
-  const std::string data = data_of(analysis, drawn);
+  const DrawnData data = data_of(analysis);
+  const std::vector<DrawnTask>& drawn = data.tasks;
   if (drawn.empty() || !analysis.unusable.empty()) return {};
   Gnuplot gnuplot(directory);
-  gnuplot.send(data);
+  gnuplot.send(data.text);
   const bool named = analysis.has_landmarks;
   const std::string what = named ? "Lower incisor" : "Point 1, instrument's axes";
   std::string plot = layout(fmt::format("{}: {}", what, recording_name(analysis.recording)), 3);
@@ -139,10 +182,12 @@ std::vector<std::unique_ptr<OutputFile>> draw_readings(const std::string& direct
   gnuplot.draw(prefix + "incisor", plot, 1400, 560);
   if (named) {
     plot = layout(fmt::format("Condyles, sagittal: {}", recording_name(analysis.recording)), 2);
-    plot += panel({"right, anterior to the right", "anterior (mm)", "up (mm)", 7, 9, false}, drawn,
-                  false);
-    plot +=
-        panel({"left, anterior to the left", "anterior (mm)", "up (mm)", 4, 6, true}, drawn, true);
+    // Equal ranges, so that lengths compare between the sides.
+    const Range &x = data.condyles_x_mm, &z = data.condyles_z_mm;
+    const Plane right = {
+        "right, anterior to the right", "anterior (mm)", "up (mm)", 7, 9, false, x, z};
+    const Plane left = {"left, anterior to the left", "anterior (mm)", "up (mm)", 4, 6, true, x, z};
+    plot += panel(right, drawn, false) + panel(left, drawn, true);
     plot += "unset multiplot\n";
     gnuplot.draw(prefix + "condyles", plot, 1200, 560);
   }
