@@ -33,7 +33,7 @@ using Displacement = std::function<Vector3d(const JawStroke&, double time_s)>;
 constexpr LandmarkErrors kErrors{1e-4, 1e-4, 1e-4};
 constexpr const char* kGreatestValues[] = {"displacement_mm", "opening_mm", "opening_vertical_mm",
                                            "protrusion_mm", "condylar_translation_mm"};
-// Of a trembling jaw fewer are known.
+// With tremor, fewer of these are known.
 constexpr const char* kPathsToTop[] = {"condylar_path_mm", "condylar_path_difference_mm"};
 constexpr const char* kReadAtTop[] = {"opening_deflection_mm", "helical_axis_x_mm",
                                       "helical_axis_z_mm", "working_shift_mm",
@@ -77,6 +77,19 @@ Displacement tremor(double amplitude_m, double frequency_Hz) {
         least_jerk((time_s - stroke.return_begin_s) / (stroke.end_s - stroke.return_begin_s));
     const double phase = 2 * std::numbers::pi * frequency_Hz * time_s + stroke.stroke;
     return amplitude_m * (out - back) * std::sin(phase) * Vector3d(0.6, 0.5, 0.6);
+  };
+}
+
+// To the left while the jaw is farthest, and back on the way in, with a tremor.
+Displacement drift(double amplitude_m, double tremor_m) {
+  constexpr double kTremor_Hz = 7;
+  return [=, trembling = tremor(tremor_m, kTremor_Hz)](const JawStroke& stroke,
+                                                       double time_s) -> Vector3d {
+    const double hold_s = stroke.return_begin_s - stroke.outward_end_s;
+    const double return_s = stroke.end_s - stroke.return_begin_s;
+    const double out = least_jerk((time_s - stroke.outward_end_s) / hold_s);
+    const double back = least_jerk((time_s - stroke.return_begin_s) / return_s);
+    return amplitude_m * (out - back) * Vector3d(0, 1, 0) + trembling(stroke, time_s);
   };
 }
 
@@ -363,6 +376,47 @@ TEST(ShortMovements, OfATremorAreInTheIntervalsOfGreatestValues) {
               testing_support::fewest_hits(static_cast<std::uint64_t>(coverage.shown), 0.75, 1e-4))
         << name;
   }
+}
+
+// A condyle goes aside while its travel hardly changes: where the path ends is not known.
+TEST(ShortMovements, OfADriftAtTheTopAreInTheIntervalsOfPaths) {
+  const int runs = testing_support::runs(2, 6, 40);
+  for (const double tremor_m : {0.0, 1e-4, 4e-4}) {
+    SCOPED_TRACE(testing::Message() << "tremor " << tremor_m << " m");
+    Coverages coverages;
+    for (const double amplitude_m : {1e-3, 3e-3}) {
+      for (int run = 0; run < runs; ++run) {
+        compare_strokes(simulation_of(200, 1e-4, run), drift(amplitude_m, tremor_m), coverages);
+      }
+    }
+    print(coverages);
+    for (const char* name : kPathsToTop) {
+      const Coverage& coverage = coverages[name];
+      if (tremor_m < 2e-4) {
+        EXPECT_GT(coverage.shown, 0.3 * coverage.wanted) << name;
+      }
+      // As above.
+      EXPECT_GE(
+          static_cast<std::uint64_t>(coverage.covered),
+          testing_support::fewest_hits(static_cast<std::uint64_t>(coverage.shown), 0.85, 1e-4))
+          << name;
+    }
+  }
+}
+
+TEST(Roughness, IsTheDistanceFromAParabola) {
+  std::vector<double> time_s, smooth, rough;
+  for (int k = 0; k < 101; ++k) {
+    time_s.push_back(0.005 * k);
+    const double x = time_s.back() - 0.25;
+    smooth.push_back(1 - 3 * x * x);
+    rough.push_back(smooth.back() + (k % 2 == 0 ? 1e-3 : -1e-3));
+  }
+  const Greatest top{50, 0.25, 1, 1};
+  EXPECT_NEAR(roughness_of(time_s, smooth, top, 0.12), 0, 1e-12);
+  EXPECT_NEAR(roughness_of(time_s, rough, top, 0.12), 1e-3, 5e-5);
+  EXPECT_EQ(roughness_of(time_s, rough, top, 0.006), 0);  // three values
+  EXPECT_EQ(roughness_of({0}, {1}, {0, 0, 1, 1}, 0.12), 0);
 }
 
 }  // namespace

@@ -18,6 +18,9 @@ constexpr double kNone = JawReading::kNone;
 constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
 constexpr double kOnset_m = 0.3e-3;  // travel of a condyle that has left the fossa
 constexpr double kChord_m = 0.5e-3;  // of a path's length
+// How far below the highest the greatest travel may lie, as a multiple of its roughness there:
+// noise or tremor, of which the highest sample is one end.
+constexpr double kRough = 6;
 // Paths that are nearer to each other coincide.
 constexpr double kLeastSeparation_mm = 0.05;
 constexpr std::size_t kEnds = 20;
@@ -49,7 +52,8 @@ Outward outward_of(const JawPath& path, std::size_t side) {
   return outward;
 }
 
-// The lengths of the paths to each sample, from the last passage of kOnset_m before it; 0 within.
+// The length of the path to each sample, from the last passage of kOnset_m before it; 0 while the
+// condyle is within kOnset_m.
 std::vector<double> outward_lengths_m(const JawPath& path, std::size_t side) {
   const Points& condyle_m = path.condyle_m[side];
   std::vector<double> lengths_m;
@@ -75,6 +79,7 @@ struct PathReading {
   double length_mm, difference_mm;
 };
 
+// While the travel hardly changes, the path may become longer: the condyle goes aside or trembles.
 PathReading add_path(const JawPath& path, std::size_t side, const Outward& outward,
                      ReadingValues& out) {
   const std::vector<double> travels = sagittal_sizes_of(path.condyle_m[side]);
@@ -84,9 +89,10 @@ PathReading add_path(const JawPath& path, std::size_t side, const Outward& outwa
   const auto length_mm = [&](std::size_t k) {
     return is_out ? (lengths_m[k] + beyond_m) / kMillimetre : kNone;
   };
-  const double difference_mm = out.add_at_top(outward.top, travels, length_mm, [] {
-    return std::string("the condyle travels less than 0.3 mm");
-  });
+  const double difference_mm = out.add_at_top(
+      outward.top, travels, length_mm,
+      [] { return std::string("the condyle travels less than 0.3 mm"); },
+      kRough * roughness_of(path.time_s, travels, outward.top, top_reach_s(path)));
   return {length_mm(outward.end), difference_mm};
 }
 

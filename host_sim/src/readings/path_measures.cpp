@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "readings/path_measures.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -119,6 +120,26 @@ Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double
   return greatest_by(time_s, values, begin, end, mean, [&](std::size_t k, std::size_t i) {
     return weight_of(time_s, k, i, per_s) > 0;
   });
+}
+
+double roughness_of(const std::vector<double>& time_s, const std::vector<double>& values,
+                    const Greatest& top, double reach_s) {
+  constexpr Eigen::Index kPowers = 3;
+  std::size_t begin = top.at, end = top.at + 1;
+  while (begin > 0 && time_s[top.at] - time_s[begin - 1] <= reach_s) --begin;
+  while (end < values.size() && time_s[end] - time_s[top.at] <= reach_s) ++end;
+  const auto count = static_cast<Eigen::Index>(end - begin);
+  if (count <= kPowers) return 0;
+  Eigen::Matrix<double, Eigen::Dynamic, kPowers> powers(count, kPowers);
+  Eigen::VectorXd seen(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const std::size_t k = begin + static_cast<std::size_t>(i);
+    const double x = (time_s[k] - time_s[top.at]) / reach_s;
+    powers.row(i) << 1, x, x * x;
+    seen[i] = values[k];
+  }
+  const Vector3d fit = (powers.transpose() * powers).ldlt().solve(powers.transpose() * seen);
+  return std::sqrt((seen - powers * fit).squaredNorm() / static_cast<double>(count - kPowers));
 }
 
 GreatestAt::GreatestAt(const std::vector<double>& time_s, double reach_s) : time_s_(time_s) {

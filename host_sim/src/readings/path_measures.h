@@ -29,6 +29,10 @@ struct Greatest {
 double shortfall_of(const Greatest& top);
 Greatest greatest_of(const std::vector<double>& time_s, const std::vector<double>& values,
                      std::size_t begin, std::size_t end, double reach_s);
+/// How rough the `values` are around `top`: root of their mean squared distance from a parabola, by
+/// least squares over `reach_s` on both sides. 0 of three values or fewer.
+double roughness_of(const std::vector<double>& time_s, const std::vector<double>& values,
+                    const Greatest& top, double reach_s);
 
 /// The same for many values at the same times, whose weights are computed once.
 class GreatestAt {

@@ -33,11 +33,13 @@ class ReadingValues {
     keep_shortfall(shortfall_of(top) / unit);
   }
   /// `reading(k)` at the greatest of `values`. Keeps how far it differs at samples that may be the
-  /// greatest, and returns it. These lie below the highest by at most twice the shortfall of `top`.
+  /// greatest, and returns it. These lie below the highest by at most `below`, or twice the
+  /// shortfall of `top` if that is more.
   template <class Reading, class Reason>
   double add_at_top(const Greatest& top, const std::vector<double>& values, const Reading& reading,
-                    const Reason& reason) {
-    const double at_top = reading(top.at), least = top.highest - 2 * shortfall_of(top);
+                    const Reason& reason, double below = 0) {
+    const double at_top = reading(top.at);
+    const double least = top.highest - std::max(2 * shortfall_of(top), below);
     double farthest = 0;
     for (std::size_t k = 0; k < values.size() && std::isfinite(at_top); ++k) {
       if (values[k] >= least) farthest = std::max(farthest, std::abs(reading(k) - at_top));
