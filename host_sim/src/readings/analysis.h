@@ -38,7 +38,7 @@ struct AnalysedCycle {
   std::string side;  ///< left, right or midline; empty: not known
   CycleDirections directions{};
   bool is_side_stated = false;  ///< with the task; else by the closing path
-  std::string assumed;          ///< about samples in it that were not used; empty: nothing
+  std::string assumed;          ///< what it assumes about unused samples; empty if nothing
 };
 
 /// Everything about one recording.

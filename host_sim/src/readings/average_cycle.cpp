@@ -93,6 +93,7 @@ AverageCycle average_of(const JawPath& path, const std::vector<const AnalysedCyc
     const auto [begin_s, turn_s, end_s] = times_of(*cycle);
     average.opening_s += (turn_s - begin_s) / count;
     average.closing_s += (end_s - turn_s) / count;
+    if (average.assumed.empty()) average.assumed = cycle->assumed;
     std::size_t near = cycle->cycle.begin;
     for (int i = 0; i < kPoints; ++i) {
       const auto k = static_cast<std::size_t>(i);

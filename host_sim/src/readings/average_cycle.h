@@ -30,7 +30,8 @@ struct AverageCycle {
   double opening_s = 0, closing_s = 0;  ///< mean times
   std::vector<Point> points;            ///< empty if withheld
   std::string withheld;                 ///< why; empty: it is known
-  std::string assumed;                  ///< about samples that were not used; empty: nothing
+  /// What the first of its cycles with unused samples assumes about them; empty if there is none.
+  std::string assumed;
 };
 
 /// The averages of `cycles` that are taken: of all, then of each side that occurs. The interval

@@ -111,7 +111,7 @@ class TaskReader {
     for (const SampleRun& run : runs) {
       if (const auto jump_s = first_jump_s(*context_.motion, run.begin, run.end)) {
         return fmt::format(
-            "samples at {:.2f} s, which jump away from the path, are assumed to be faults of the "
+            "samples that jump away from the path at {:.2f} s are assumed to be faults of the "
             "instrument",
             *jump_s);
       }
@@ -349,7 +349,6 @@ class TaskReader {
     }
     if (analysis_.has_landmarks && context_.unusable.empty()) {
       analysis_.average_cycles = average_cycles(analysis_.path, analysis_.cycles, context_.errors);
-      for (AverageCycle& average : analysis_.average_cycles) average.assumed = assumptions.jumps;
     }
   }
 

@@ -140,7 +140,8 @@ std::string cycles_table(const Analysis& analysis, const std::string& prefix) {
       "<th scope=\"col\">begin (s)</th>",
       prefix);
   for (const auto name : names) text += fmt::format("<th scope=\"col\">{}</th>", name);
-  text += "<th scope=\"col\">not taken</th></tr></thead>\n<tbody>\n";
+  text +=
+      "<th scope=\"col\">not taken</th><th scope=\"col\">assumption</th></tr></thead>\n<tbody>\n";
   for (const AnalysedCycle& cycle : analysis.cycles) {
     text += fmt::format("<tr><td>{}<td>{:.2f}",
                         cycle.number > 0 ? std::to_string(cycle.number) : "", cycle.cycle.begin_s);
@@ -154,7 +155,8 @@ std::string cycles_table(const Analysis& analysis, const std::string& prefix) {
       }
       text += fmt::format("<td>{}", value);
     }
-    text += fmt::format("<td>{}\n", html_text(cycle.cycle.rejected));
+    text +=
+        fmt::format("<td>{}<td>{}\n", html_text(cycle.cycle.rejected), html_text(cycle.assumed));
   }
   return "<details><summary>Chewing cycles</summary>\n<h3>Chewing cycles</h3>\n" + text +
          "</tbody></table></div></details>\n";
