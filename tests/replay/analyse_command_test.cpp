@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `condyle analyse` as its users meet it: a simulated session, real recordings, wrong input.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -9,7 +10,9 @@
 #include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <regex>
+#include <set>
 #include <sstream>
 
 #include "support/command.h"
@@ -58,6 +61,33 @@ class Readings {
   nlohmann::json recording_;
 };
 
+// The lines in the colour of openings, in a figure's units.
+struct Lines {
+  double longest = 0;  // straight piece
+  double total = 0;
+};
+Lines lines_of(const std::string& svg) {
+  static const std::regex kPath("<path stroke='rgb\\( 31,  95, 168\\)'\\s+d='([^']*)'");
+  static const std::regex kPoint("([ML])([0-9.]+),([0-9.]+)");
+  constexpr std::ptrdiff_t kLeastPoints = 3;  // two: the line of the key
+  Lines lines;
+  for (std::sregex_iterator path(svg.begin(), svg.end(), kPath), none; path != none; ++path) {
+    const std::string points = (*path)[1];
+    std::sregex_iterator point(points.begin(), points.end(), kPoint);
+    if (std::distance(point, none) < kLeastPoints) continue;
+    double x = 0, y = 0;
+    for (; point != none; ++point) {
+      const double to_x = std::stod((*point)[2]), to_y = std::stod((*point)[3]);
+      const double length = (*point)[1] == "L" ? std::hypot(to_x - x, to_y - y) : 0;
+      lines.longest = std::max(lines.longest, length);
+      lines.total += length;
+      x = to_x;
+      y = to_y;
+    }
+  }
+  return lines;
+}
+
 class Analyse : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -90,27 +120,35 @@ class Analyse : public testing::Test {
     }
     return folder_->write("changed.toml", text);
   }
-  // The session, of which rows that are not kept are moved up (mm), or left out if by 0.
-  static std::string edited(const char* name, const std::function<bool(double time_s)>& is_kept,
-                            double up_mm) {
+  // Writes the session with the rows that `change` changes: `up_mm` is added to their heights;
+  // without a value, they are left out.
+  using Change = std::function<std::optional<double>(double time_s)>;
+  static std::string edited(const char* name, const Change& up_mm) {
     std::ifstream file(*folder_ / "jaw.csv");
     std::string line, text;
     std::getline(file, line);
     text = line + "\n";
     while (std::getline(file, line)) {
       std::stringstream fields(line);
-      std::string row;
-      int column = 0;
-      double time_s = 0;
-      for (std::string field; std::getline(fields, field, ','); ++column) {
-        if (column == 0) time_s = std::stod(field);
-        const bool is_up = column > 0 && column % 3 == 0 && !is_kept(time_s);
-        row += (column > 0 ? "," : "") +
-               (is_up ? fmt::format("{:.6f}", std::stod(field) + up_mm) : field);
-      }
-      if (up_mm != 0 || is_kept(time_s)) text += row + "\n";
+      std::vector<double> row;
+      for (std::string field; std::getline(fields, field, ',');) row.push_back(std::stod(field));
+      const auto up = up_mm(row[0]);
+      if (!up) continue;
+      for (std::size_t z = 3; z < row.size(); z += 3) row[z] += *up;
+      text += fmt::format("{:.9g}\n", fmt::join(row, ","));
     }
     return folder_->write(name, text);
+  }
+  static bool is_between(double time_s, double begin_s, double end_s) {
+    return time_s > begin_s && time_s < end_s;
+  }
+  // The lines of the openings in the figure `name` of a recording.
+  static Lines drawn(const std::string& recording, const char* name) {
+    const std::string out = *folder_ / "drawn";
+    const auto result = analyse({recording, "--landmarks", *folder_ / "jaw.landmarks.toml",
+                                 "--task", "opening", "4.6", "15.6", "--out", out});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    return lines_of(read_file(out + "/" + name));
   }
   static std::string problem(const std::vector<std::string>& arguments) {
     const auto result = analyse(arguments);
@@ -130,6 +168,8 @@ TEST_F(Analyse, WritesReadingsThatContainTheTruth) {
                            "/summary.txt", "/incisor.png", "/condyles.svg"}) {
     EXPECT_TRUE(std::filesystem::exists(out + name)) << name;
   }
+  // In its own range, not that of the condyles.
+  EXPECT_THAT(read_file(out + "/average_cycle.svg"), HasSubstr(">-20<"));
   std::ifstream json(out + "/readings.json");
   std::stringstream text;
   text << json.rdbuf();
@@ -152,72 +192,99 @@ TEST_F(Analyse, WritesReadingsThatContainTheTruth) {
   EXPECT_GE(covered, compared * 4 / 5);
 }
 
-// The length of the longest straight piece of the openings in a figure, in its units.
-double longest_piece(const std::string& svg) {
-  static const std::regex kPath("<path stroke='rgb\\( 31,  95, 168\\)'\\s+d='([^']*)'");
-  static const std::regex kPoint("([ML])([0-9.]+),([0-9.]+)");
-  constexpr std::ptrdiff_t kLeastPoints = 10;  // fewer: the line of the key
-  double longest = 0;
-  for (std::sregex_iterator path(svg.begin(), svg.end(), kPath), none; path != none; ++path) {
-    const std::string points = (*path)[1];
-    std::sregex_iterator point(points.begin(), points.end(), kPoint);
-    if (std::distance(point, none) < kLeastPoints) continue;
-    double x = 0, y = 0;
-    for (; point != none; ++point) {
-      const double to_x = std::stod((*point)[2]), to_y = std::stod((*point)[3]);
-      if ((*point)[1] == "L") longest = std::max(longest, std::hypot(to_x - x, to_y - y));
-      x = to_x;
-      y = to_y;
-    }
-  }
-  return longest;
+TEST_F(Analyse, DrawsNoLineOverSamplesThatAreMissing) {
+  const auto whole = drawn(*folder_ / "jaw.csv", "incisor.svg");
+  const auto with_gap =
+      drawn(edited("gap.csv",
+                   [](double time_s) {
+                     return is_between(time_s, 6.0, 6.2) ? std::nullopt : std::optional(0.0);
+                   }),
+            "incisor.svg");
+  ASSERT_GT(whole.longest, 0);
+  EXPECT_LE(with_gap.longest, 1.2 * whole.longest);
+  EXPECT_LT(with_gap.total, whole.total);
+  EXPECT_GT(with_gap.total, 0.8 * whole.total);
 }
 
-TEST_F(Analyse, DrawsNoLineOverSamplesThatAreMissing) {
-  const std::string whole = *folder_ / "whole", with_gap = *folder_ / "with_gap";
-  const std::vector<std::string> more = {
-      "--landmarks", *folder_ / "jaw.landmarks.toml", "--task", "opening", "4.6", "15.6", "--out"};
-  const auto draw = [&](const std::string& recording, const std::string& out) {
-    std::vector<std::string> arguments = {recording};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    arguments.push_back(out);
-    EXPECT_EQ(analyse(arguments).exit_code, 0);
-    return longest_piece(read_file(out + "/incisor.svg"));
+// Of a part at a lower rate, and of samples that are lost one by one, all is drawn.
+TEST_F(Analyse, DrawsThePathOfSparseSamples) {
+  const auto whole = drawn(*folder_ / "jaw.csv", "incisor.svg");
+  const auto third = [](double time_s) {
+    return is_between(time_s, 4, 20) && std::lround(time_s * 60) % 3 != 0 ? std::nullopt
+                                                                          : std::optional(0.0);
   };
-  const double usual = draw(*folder_ / "jaw.csv", whole);
-  ASSERT_GT(usual, 0);
-  const auto is_kept = [](double time_s) { return time_s < 6.0 || time_s > 6.2; };
-  EXPECT_LE(draw(edited("gap.csv", is_kept, 0), with_gap), 1.2 * usual);
+  EXPECT_GT(drawn(edited("third.csv", third), "incisor.svg").total, 0.9 * whole.total);
+  // A sample with a gap on both sides is a dot.
+  const auto alone = [](double time_s) {
+    const bool is_alone = is_between(time_s, 6.19, 6.207);
+    return is_between(time_s, 6.0, 6.4) && !is_alone ? std::nullopt : std::optional(0.0);
+  };
+  drawn(edited("alone.csv", alone), "incisor.svg");
+  EXPECT_THAT(read_file(*folder_ / "drawn/incisor.svg"), HasSubstr("gpPt6"));
+}
+
+TEST_F(Analyse, DrawsBothCondylesInOneScale) {
+  drawn(*folder_ / "jaw.csv", "condyles.svg");
+  const std::string svg = read_file(*folder_ / "drawn/condyles.svg");
+  // The frames: closed paths of five points in black.
+  static const std::regex kFrame(
+      "<path stroke='black'\\s+d='M([0-9.]+),([0-9.]+) L([0-9.]+),([0-9.]+) "
+      "L([0-9.]+),([0-9.]+) L([0-9.]+),([0-9.]+) L([0-9.]+),([0-9.]+) Z");
+  std::set<std::string> sizes;
+  int frames = 0;
+  for (std::sregex_iterator frame(svg.begin(), svg.end(), kFrame), none; frame != none; ++frame) {
+    const auto number = [&](std::size_t i) { return std::stod((*frame)[i]); };
+    sizes.insert(fmt::format("{:.0f} x {:.0f}", std::abs(number(5) - number(1)),
+                             std::abs(number(6) - number(2))));
+    ++frames;
+  }
+  EXPECT_GE(frames, 2);
+  EXPECT_EQ(sizes.size(), 1U) << fmt::format("{}", fmt::join(sizes, ", "));
+}
+
+// A task of one sample has no extent.
+TEST_F(Analyse, DrawsAMomentWithoutFailing) {
+  const auto result =
+      analyse(session({"--task", "opening", "5.0", "5.01", "--out", *folder_ / "moment"}));
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
 }
 
 // Samples that jump away are not used; the jaw may have jumped.
 TEST_F(Analyse, SaysWhatItAssumesOfEachCycle) {
-  const auto is_kept = [](double time_s) { return time_s < 50.12 || time_s > 50.17; };
-  const std::string jump = edited("jump.csv", is_kept, 4), out = *folder_ / "jump";
-  ASSERT_EQ(analyse({jump, "--landmarks", *folder_ / "jaw.landmarks.toml", "--tasks",
-                     *folder_ / "jaw.tasks.csv", "--out", out, "--no-figures"})
+  const std::string out = *folder_ / "jump";
+  const auto jump = [](double time_s) {
+    return std::optional(is_between(time_s, 50.12, 50.17) ? 4.0 : 0.0);
+  };
+  ASSERT_EQ(analyse({edited("jump.csv", jump), "--landmarks", *folder_ / "jaw.landmarks.toml",
+                     "--tasks", *folder_ / "jaw.tasks.csv", "--out", out, "--no-figures"})
                 .exit_code,
             0);
   const auto cycles = testing_support::read_table(out + "/cycles.csv");
-  ASSERT_GT(cycles.rows, 0U);
+  int jumps = 0;
+  std::string side;
   for (std::size_t i = 0; i < cycles.rows; ++i) {
     const bool has_jump = std::stod(cycles.columns.at("begin_s")[i]) < 50.12 &&
                           std::stod(cycles.columns.at("end_s")[i]) > 50.17;
+    jumps += has_jump;
+    if (has_jump) side = cycles.columns.at("side")[i];
     EXPECT_EQ(cycles.columns.at("assumed")[i].find("faults of the instrument") != std::string::npos,
               has_jump)
         << i;
   }
+  EXPECT_EQ(jumps, 1);
   const auto average = testing_support::read_table(out + "/average_cycle.csv");
   int known = 0;
   for (std::size_t i = 0; i < average.rows; ++i) {
     if (average.columns.at("x_mm")[i].empty()) continue;
-    ++known;
-    EXPECT_THAT(average.columns.at("reason")[i], HasSubstr("faults of the instrument"));
+    const bool is_of_side = average.columns.at("side")[i] == side;
+    known += is_of_side;
+    EXPECT_EQ(average.columns.at("reason")[i].find("faults of the instrument") != std::string::npos,
+              is_of_side);
   }
   EXPECT_GT(known, 0);
   const auto json = nlohmann::json::parse(read_file(out + "/readings.json"));
   for (const auto& one : json.at("recordings").at(0).at("average_cycles")) {
-    if (!one.at("known")) continue;
+    if (!one.at("known") || one.at("side") != side) continue;
     EXPECT_THAT(one.at("reason"), HasSubstr("faults of the instrument"));
   }
 }

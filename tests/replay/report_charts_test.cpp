@@ -100,6 +100,19 @@ TEST_F(ReportCharts, DrawsGaps) {
   EXPECT_THAT(page, HasSubstr("3 gaps longer than 1.5 usual steps without a usable sample: 0.2 s"));
   EXPECT_THAT(page, HasSubstr("the longest 0.183 s"));
   EXPECT_THAT(page, HasSubstr("not drawn: 1 step of more than 50 ms"));
+  // The path is in two pieces in three planes of the incisor and two of each condyle.
+  const auto pieces = [](const std::string& text) {
+    int count = 0;
+    const std::string piece = "<polyline class=\"path left\"";
+    for (std::size_t at = text.find(piece); at != std::string::npos; ++count) {
+      at = text.find(piece, at + 1);
+    }
+    return count;
+  };
+  words = with_files("report", "session.csv");
+  words.insert(words.end(), {"--out", path("whole.html")});
+  ASSERT_EQ(run_condyle(words).exit_code, 0);
+  EXPECT_EQ(pieces(page), pieces(read_file(path("whole.html"))) + 3 + 2 * 2);
 }
 
 // One axis has no readings, but gaps as well: rows that are not there and a position that is not.

@@ -5,6 +5,7 @@
 
 #include "output/gnuplot.h"
 #include "readings/readings_files.h"
+#include "readings/strokes.h"
 #include "recordings/recording_files.h"
 
 namespace condyle::host {
@@ -38,12 +39,14 @@ std::string cycle_paths(const Analysis& analysis) {
   int drawn = 0;
   for (const AnalysedCycle& cycle : analysis.cycles) {
     if (cycle.number == 0 || ++drawn > kMostCycles) continue;
-    for (std::size_t k = cycle.cycle.begin; k <= cycle.cycle.end; ++k) {
-      if (k > cycle.cycle.begin && time_s[k] - time_s[k - 1] > gap_s) text += "\n";
-      const Eigen::Vector3d point_mm = 1e3 * analysis.path.incisor_m[k];
-      text += fmt::format("{:.4f} {:.4f}\n", point_mm.y(), point_mm.z());
+    for (const SampleRun& run :
+         runs_without_gap(time_s, {cycle.cycle.begin, cycle.cycle.end + 1}, gap_s)) {
+      for (std::size_t k = run.begin; k < run.end; ++k) {
+        const Eigen::Vector3d point_mm = 1e3 * analysis.path.incisor_m[k];
+        text += fmt::format("{:.4f} {:.4f}\n", point_mm.y(), point_mm.z());
+      }
+      text += "\n";
     }
-    text += "\n";
   }
   return text + "EOD\n";
 }
@@ -75,6 +78,8 @@ std::string data_of(const AverageCycle& average, std::size_t number) {
 std::string average_cycle_plot(const Analysis& analysis) {
   const std::vector<const AverageCycle*> averages = drawn_averages(analysis);
   if (averages.empty()) return "";
+  const bool is_assumed = std::any_of(averages.begin(), averages.end(),
+                                      [](const auto* one) { return !one->assumed.empty(); });
   std::string text = cycle_paths(analysis), frontal, bands, lines;
   for (std::size_t i = 0; i < averages.size(); ++i) {
     const AverageCycle& average = *averages[i];
@@ -103,7 +108,7 @@ std::string average_cycle_plot(const Analysis& analysis) {
       "set xlabel 'time from closed (s)'\nset key outside right top\nplot {}\nunset multiplot\n",
       gnuplot_quoted(fmt::format("Average chewing cycle: {}{}; research use only",
                                  recording_name(analysis.recording),
-                                 averages[0]->assumed.empty() ? "" : "; jumps are not used")),
+                                 is_assumed ? "; samples that jump are not used" : "")),
       frontal, bands + lines);
   return text;
 }

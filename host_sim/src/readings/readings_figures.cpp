@@ -9,7 +9,6 @@
 #include "readings/readings_files.h"
 #include "readings/strokes.h"
 #include "recordings/recording_files.h"
-#include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
@@ -17,14 +16,8 @@ namespace {
 constexpr const char* kColours[kTaskKinds + 1] = {"0x1f5fa8", "0xc8641e", "0x2e8b57", "0x8a4fa3",
                                                   "0x505050", "0xb03060", "0xc0a000", "0x1f5fa8"};
 // Of a long task, stretches of its path are drawn.
-constexpr double kPointStep_s = 0.01, kStretch_s = 2;
-constexpr std::size_t kMostPoints = 10'000;
-
-// What is drawn of the tasks of one kind.
-struct DrawnTask {
-  TaskKind kind;
-  std::size_t share = 1;  // one of so many stretches
-};
+constexpr double kPointStep_s = 0.009, kStretch_s = 2;
+constexpr double kMostPoints = 10'000;
 
 // Least and greatest of numbers.
 struct Range {
@@ -33,78 +26,108 @@ struct Range {
     low = std::min(low, number);
     high = std::max(high, number);
   }
-  // As gnuplot takes it; of no numbers: its own choice.
+  // In gnuplot's syntax, at least 1 mm wide; autoscaled if there are no numbers.
   std::string text(bool is_mirrored) const {
-    constexpr double kMargin = 0.05;
-    if (!(low < high)) return is_mirrored ? "[*:*] reverse" : "[*:*] noreverse";
-    const double margin = kMargin * (high - low);
-    const double first = low - margin, last = high + margin;
-    return fmt::format("[{:.3f}:{:.3f}]", is_mirrored ? last : first, is_mirrored ? first : last);
+    constexpr double kMargin = 0.05, kLeast_mm = 1;
+    if (!(low <= high)) return is_mirrored ? "[*:*] reverse" : "[*:*] noreverse";
+    const double half = std::max((0.5 + kMargin) * (high - low), kLeast_mm / 2);
+    const double first = (low + high) / 2 - half, last = (low + high) / 2 + half;
+    return fmt::format("[{:.4f}:{:.4f}]", is_mirrored ? last : first, is_mirrored ? first : last);
   }
 };
 
-// What is drawn, as blocks of data: for each kind of task incisor x y z, left condyle x y z, right
-// condyle x y z (mm).
+// What is drawn of the tasks of one kind. Rows: incisor x y z, left condyle x y z, right condyle x
+// y z (mm).
+struct DrawnTask {
+  TaskKind kind;
+  std::size_t share = 1;    // one of so many stretches
+  std::string lines, dots;  // rows of pieces of the path, and of samples with a gap on both sides
+};
+
 struct DrawnData {
-  std::string text;
   std::vector<DrawnTask> tasks;
   Range condyles_x_mm, condyles_z_mm;
 };
 
+std::string row_of(const JawPath& path, std::size_t k) {
+  std::string row;
+  for (const auto* place : {&path.incisor_m, &path.condyle_m[0], &path.condyle_m[1]}) {
+    for (const double value : (*place)[k]) {
+      fmt::format_to(std::back_inserter(row), "{:.4f} ", value * 1e3);
+    }
+  }
+  return row + "\n";
+}
+
+// Adds the samples of a piece without gaps in a task that begins at `begin_s`.
+void add_piece(const JawPath& path, SampleRun piece, double begin_s, DrawnTask& task,
+               DrawnData& data) {
+  std::string rows;
+  std::size_t count = 0;
+  double drawn_s = 0;
+  const auto end_line = [&] {
+    if (count == 1) task.dots += rows;
+    if (count > 1) task.lines += rows + "\n";
+    rows.clear();
+    count = 0;
+  };
+  for (std::size_t k = piece.begin; k < piece.end; ++k) {
+    const double time_s = path.time_s[k];
+    if (static_cast<std::size_t>((time_s - begin_s) / kStretch_s) % task.share != 0) {
+      end_line();
+      continue;
+    }
+    const bool is_last = k + 1 == piece.end;
+    if (count > 0 && !is_last && time_s - drawn_s < kPointStep_s) continue;
+    rows += row_of(path, k);
+    ++count;
+    drawn_s = time_s;
+    for (const Points& condyle_m : path.condyle_m) {
+      data.condyles_x_mm.add(condyle_m[k].x() * 1e3);
+      data.condyles_z_mm.add(condyle_m[k].z() * 1e3);
+    }
+  }
+  end_line();
+}
+
 DrawnData data_of(const Analysis& analysis) {
   DrawnData data;
   const JawPath& path = analysis.path;
-  if (path.time_s.size() < 2) return data;
-  const double step_s =
-      (path.time_s.back() - path.time_s.front()) / static_cast<double>(path.time_s.size() - 1);
-  const double gap_s = longest_drawn_gap_s(path.time_s);
-  const auto stride = static_cast<std::size_t>(std::max(1.0, kPointStep_s / step_s));
-  const auto samples = static_cast<std::size_t>(std::max(1.0, kStretch_s / step_s));
+  const std::vector<double>& time_s = path.time_s;
+  if (time_s.size() < 2) return data;
+  const double gap_s = longest_drawn_gap_s(time_s);
   for (std::size_t i = 0; i <= kTaskKinds; ++i) {
-    DrawnTask one{.kind = static_cast<TaskKind>(i)};
+    DrawnTask task{static_cast<TaskKind>(i), 1, {}, {}};
     std::vector<SampleRun> runs;
-    std::size_t points = 0;
-    for (const Task& task : analysis.tasks) {
-      if (task.kind != one.kind) continue;
-      const auto begin = std::lower_bound(path.time_s.begin(), path.time_s.end(), task.begin_s);
-      const auto end = std::upper_bound(begin, path.time_s.end(), task.end_s);
-      runs.push_back({static_cast<std::size_t>(begin - path.time_s.begin()),
-                      static_cast<std::size_t>(end - path.time_s.begin())});
-      points += (runs.back().end - runs.back().begin) / stride;
+    double points = 0;
+    for (const Task& one : analysis.tasks) {
+      if (one.kind != task.kind) continue;
+      const auto begin = std::lower_bound(time_s.begin(), time_s.end(), one.begin_s);
+      const auto end = std::upper_bound(begin, time_s.end(), one.end_s);
+      if (begin == end) continue;
+      runs.push_back({static_cast<std::size_t>(begin - time_s.begin()),
+                      static_cast<std::size_t>(end - time_s.begin())});
+      points += std::min(static_cast<double>(end - begin), (*(end - 1) - *begin) / kPointStep_s);
     }
-    if (runs.empty()) continue;
-    one.share = 1 + points / kMostPoints;
-    std::string block;
+    task.share = 1 + static_cast<std::size_t>(points / kMostPoints);
     for (const SampleRun& run : runs) {
-      std::size_t last = run.begin;  // drawn, or passed over
-      for (std::size_t k = run.begin; k < run.end; last = k, k += stride) {
-        if (longest_gap_s(path.time_s, last, k + 1) > gap_s && !block.ends_with("\n\n")) {
-          block += "\n";
-        }
-        const std::size_t stretch = (k - run.begin) / samples;
-        if (stretch % one.share != 0) {
-          // The next line begins with the next stretch that is drawn.
-          if (block.ends_with("\n\n")) continue;
-          block += "\n";
-          continue;
-        }
-        for (const auto* place : {&path.incisor_m, &path.condyle_m[0], &path.condyle_m[1]}) {
-          for (const double value : (*place)[k]) {
-            fmt::format_to(std::back_inserter(block), "{:.4f} ", value * 1e3);
-          }
-        }
-        block += "\n";
-        for (const Points& condyle_m : path.condyle_m) {
-          data.condyles_x_mm.add(condyle_m[k].x() * 1e3);
-          data.condyles_z_mm.add(condyle_m[k].z() * 1e3);
-        }
+      for (const SampleRun& piece : runs_without_gap(time_s, run, gap_s)) {
+        add_piece(path, piece, time_s[run.begin], task, data);
       }
-      block += "\n";
     }
-    data.text += fmt::format("$task{} << EOD\n{}EOD\n", data.tasks.size(), block);
-    data.tasks.push_back(one);
+    if (!runs.empty()) data.tasks.push_back(std::move(task));
   }
   return data;
+}
+
+// As blocks of data that the plots name.
+std::string blocks_of(const std::vector<DrawnTask>& tasks) {
+  std::string text;
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    text += fmt::format("$lines{0} << EOD\n{1}EOD\n$dots{0} << EOD\n{2}EOD\n", i, tasks[i].lines,
+                        tasks[i].dots);
+  }
+  return text;
 }
 
 std::string title_of(const DrawnTask& task) {
@@ -129,10 +152,17 @@ std::string panel(const Plane& plane, const std::vector<DrawnTask>& drawn, bool 
       plane.title, plane.x_label, plane.y_label, plane.x_range.text(plane.is_mirrored),
       plane.y_range.text(false), has_key ? "set key outside right top" : "unset key");
   // A colour from a column: a line of one colour takes time with the square of its points.
+  std::string separator;
   for (std::size_t i = 0; i < drawn.size(); ++i) {
-    text += fmt::format("{}$task{} using {}:{}:({}) with lines lw 1.2 lc rgb variable notitle",
-                        i > 0 ? ", " : "", i, plane.x, plane.y,
-                        kColours[static_cast<std::size_t>(drawn[i].kind)]);
+    const DrawnTask& task = drawn[i];
+    const char* const colour = kColours[static_cast<std::size_t>(task.kind)];
+    for (const bool is_dot : {false, true}) {
+      if ((is_dot ? task.dots : task.lines).empty()) continue;
+      text += fmt::format("{}${}{} using {}:{}:({}) with {} lc rgb variable notitle", separator,
+                          is_dot ? "dots" : "lines", i, plane.x, plane.y, colour,
+                          is_dot ? "points pt 7 ps 0.3" : "lines lw 1.2");
+      separator = ", ";
+    }
   }
   for (const DrawnTask& task : drawn) {
     if (!has_key) break;
@@ -152,13 +182,6 @@ std::string layout(const std::string& title, std::size_t panels) {
 
 }  // namespace
 
-double longest_drawn_gap_s(const std::vector<double>& time_s) {
-  constexpr double kMostSteps = 3;
-  std::vector<double> steps_s;
-  for (std::size_t k = 1; k < time_s.size(); ++k) steps_s.push_back(time_s[k] - time_s[k - 1]);
-  return steps_s.empty() ? 0 : kMostSteps * upper_median(std::move(steps_s));
-}
-
 std::vector<std::unique_ptr<OutputFile>> draw_readings(const std::string& directory,
                                                        const std::string& prefix,
                                                        const Analysis& analysis) {
@@ -166,7 +189,7 @@ std::vector<std::unique_ptr<OutputFile>> draw_readings(const std::string& direct
   const std::vector<DrawnTask>& drawn = data.tasks;
   if (drawn.empty() || !analysis.unusable.empty()) return {};
   Gnuplot gnuplot(directory);
-  gnuplot.send(data.text);
+  gnuplot.send(blocks_of(drawn));
   const bool named = analysis.has_landmarks;
   const std::string what = named ? "Lower incisor" : "Point 1, instrument's axes";
   std::string plot = layout(fmt::format("{}: {}", what, recording_name(analysis.recording)), 3);
@@ -187,8 +210,12 @@ std::vector<std::unique_ptr<OutputFile>> draw_readings(const std::string& direct
     const Plane right = {
         "right, anterior to the right", "anterior (mm)", "up (mm)", 7, 9, false, x, z};
     const Plane left = {"left, anterior to the left", "anterior (mm)", "up (mm)", 4, 6, true, x, z};
+    // Room for the key beside both, or the panel without it would be larger.
+    std::size_t key_width = 0;
+    for (const DrawnTask& task : drawn) key_width = std::max(key_width, title_of(task).size());
+    plot += fmt::format("set rmargin {}\n", key_width + 8);
     plot += panel(right, drawn, false) + panel(left, drawn, true);
-    plot += "unset multiplot\n";
+    plot += "unset multiplot\nset yrange [*:*]\nset rmargin\n";
     gnuplot.draw(prefix + "condyles", plot, 1200, 560);
   }
   plot = average_cycle_plot(analysis);

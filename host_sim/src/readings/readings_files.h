@@ -30,8 +30,6 @@ std::string samples_text(const PoseCounts& counts);
 /// Of a summary: noise of the instrument's positions and turns.
 std::string noise_text(const Analysis& analysis);
 
-/// The longest gap between samples over which figures draw a line, s: three median steps.
-double longest_drawn_gap_s(const std::vector<double>& time_s);
 /// Commands that draw the average cycles in the frontal plane and over time; empty: there are none.
 std::string average_cycle_plot(const Analysis& analysis);
 

@@ -157,4 +157,24 @@ double longest_gap_s(const std::vector<double>& time_s, std::size_t begin, std::
   return gap_s;
 }
 
+double longest_drawn_gap_s(const std::vector<double>& time_s) {
+  constexpr double kGap_s = 0.1, kSteps = 3.5;
+  std::vector<double> steps_s;
+  for (std::size_t k = 1; k < time_s.size(); ++k) steps_s.push_back(time_s[k] - time_s[k - 1]);
+  if (steps_s.empty()) return kGap_s;
+  return std::max(kGap_s, kSteps * upper_median(std::move(steps_s)));
+}
+
+std::vector<SampleRun> runs_without_gap(const std::vector<double>& time_s, SampleRun run,
+                                        double gap_s) {
+  std::vector<SampleRun> runs;
+  for (std::size_t k = run.begin; k < run.end; ++k) {
+    // Times are known to about a nanosecond.
+    const bool is_after_gap = k > run.begin && time_s[k] - time_s[k - 1] > gap_s + 1e-9;
+    if (k == run.begin || is_after_gap) runs.push_back({k, k});
+    runs.back().end = k + 1;
+  }
+  return runs;
+}
+
 }  // namespace condyle::host

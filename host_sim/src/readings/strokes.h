@@ -39,4 +39,11 @@ std::optional<TaskKind> kind_of_stroke(const Eigen::Vector3d& turn_m);
 /// The longest time between neighbouring samples from `begin` to `end` (without), s.
 double longest_gap_s(const std::vector<double>& time_s, std::size_t begin, std::size_t end);
 
+/// The longest gap between samples over which a drawn path goes on (s): 0.1 s, or 3.5 median steps
+/// if they are longer.
+double longest_drawn_gap_s(const std::vector<double>& time_s);
+/// The samples of `run`, divided where the gap between two is longer than `gap_s`.
+std::vector<SampleRun> runs_without_gap(const std::vector<double>& time_s, SampleRun run,
+                                        double gap_s);
+
 }  // namespace condyle::host

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "readings/strokes.h"
 #include "report/html_table.h"
 #include "report/html_text.h"
 #include "report/plane_drawing.h"
@@ -59,12 +60,18 @@ std::string frontal_svg(const Analysis& analysis, const std::vector<const Averag
   drawing.y_label = analysis.has_landmarks ? "up" : "z";
   drawing.x = 1;
   std::vector<DrawnPath> paths;
+  const std::vector<double>& time_s = analysis.path.time_s;
+  const double gap_s = longest_drawn_gap_s(time_s);
   for (const AnalysedCycle& cycle : analysis.cycles) {
     if (cycle.number == 0) continue;
     const auto begin = analysis.path.incisor_m.begin();
-    paths.push_back({"one",
-                     {{begin + static_cast<std::ptrdiff_t>(cycle.cycle.begin),
-                       begin + static_cast<std::ptrdiff_t>(cycle.cycle.end + 1)}}});
+    DrawnPath path{"one", {}};
+    for (const SampleRun& run :
+         runs_without_gap(time_s, {cycle.cycle.begin, cycle.cycle.end + 1}, gap_s)) {
+      path.pieces_m.push_back({begin + static_cast<std::ptrdiff_t>(run.begin),
+                               begin + static_cast<std::ptrdiff_t>(run.end)});
+    }
+    paths.push_back(std::move(path));
     if (paths.size() == kMostCycles) break;
   }
   for (const AverageCycle* const average : shown) {
@@ -177,6 +184,11 @@ std::string average_cycle_html(const Analysis& analysis, const std::string& pref
         "Dashed: closing. Band: 95 % interval of the mean. Grey: single cycles, thirty at "
         "most.</p>\n";
   }
+  for (const AverageCycle* const average : shown) {
+    if (average->assumed.empty()) continue;
+    text += fmt::format("<p>{} {} The average is derived: {}.</p>\n", provenance_mark("derived"),
+                        html_text(average->side), html_text(average->assumed));
+  }
   for (const AverageCycle& average : analysis.average_cycles) {
     if (average.withheld.empty()) continue;
     text += fmt::format("<p>{} The average of {} cycles is withheld: {}.</p>\n",
@@ -194,6 +206,7 @@ nlohmann::ordered_json average_cycle_json(const Analysis& analysis) {
     Json one = {{"side", average.side},
                 {"cycles", average.cycles},
                 {"withheld", average.withheld},
+                {"assumed", average.assumed},
                 {"points", Json::array()}};
     for (const AverageCycle::Point& point : average.points) {
       one["points"].push_back({{"half", point.is_closing ? "closing" : "opening"},

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "readings/strokes.h"
 #include "report/html_text.h"
 
 namespace condyle::host {
@@ -15,7 +16,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 // Of a drawing. If tasks have more, pieces of the long ones are drawn: no line joins distant
 // moments.
-constexpr std::size_t kMostPoints = 8'000, kPieces = 12;
+constexpr std::size_t kMostPoints = 8'000, kStretches = 12;
 constexpr double kDrawnRate_Hz = 50, kLeastStep_mm = 0.05;
 
 class Drawing {
@@ -93,7 +94,11 @@ class Drawing {
         x_mm = x;
         y_mm = y;
       }
-      text += fmt::format("<polyline class=\"path {}\" points=\"{}\"/>", path.kind, points);
+      // Round ends make a dot of a line without length.
+      const bool is_dot = points.find(' ') + 1 == points.size();
+      if (is_dot) points += points;
+      text += fmt::format("<polyline class=\"path {}{}\" points=\"{}\"/>", path.kind,
+                          is_dot ? " dot" : "", points);
     }
     return text;
   }
@@ -197,18 +202,20 @@ std::vector<DrawnPath> task_paths(const Analysis& analysis,
     points.push_back((index_of(task.end_s) - index_of(task.begin_s)) / stride);
   }
   const std::size_t most = most_of_each(points);
+  const double gap_s = longest_drawn_gap_s(time_s);
   std::vector<DrawnPath> paths;
   for (const Task& task : analysis.tasks) {
     const std::size_t begin = index_of(task.begin_s), count = index_of(task.end_s) - begin;
-    DrawnPath path{task.kind == TaskKind::whole ? "whole" : name_of(task.kind), {}};
     const bool is_whole = count / stride <= most;
-    const std::size_t pieces = is_whole ? 1 : std::clamp<std::size_t>(most / 10, 2, kPieces);
-    const std::size_t drawn = is_whole ? count : most * stride / pieces;
-    for (std::size_t i = 0; i < pieces; ++i) {
-      const std::size_t first = begin + i * count / pieces;
-      auto& piece = path.pieces_m.emplace_back();
-      for (std::size_t k = first; k < std::min(first + drawn, begin + count); k += stride) {
-        piece.push_back(path_m[k]);
+    DrawnPath path{task.kind == TaskKind::whole ? "whole" : name_of(task.kind), {}, !is_whole};
+    const std::size_t stretches = is_whole ? 1 : std::clamp<std::size_t>(most / 10, 2, kStretches);
+    const std::size_t drawn = is_whole ? count : most * stride / stretches;
+    for (std::size_t i = 0; i < stretches; ++i) {
+      const std::size_t first = begin + i * count / stretches;
+      const SampleRun stretch = {first, std::min(first + drawn, begin + count)};
+      for (const SampleRun& run : runs_without_gap(time_s, stretch, gap_s)) {
+        auto& piece = path.pieces_m.emplace_back();
+        for (std::size_t k = run.begin; k < run.end; k += stride) piece.push_back(path_m[k]);
       }
     }
     paths.push_back(std::move(path));
@@ -216,9 +223,9 @@ std::vector<DrawnPath> task_paths(const Analysis& analysis,
   return paths;
 }
 
-bool is_drawn_in_pieces(const std::vector<DrawnPath>& paths) {
+bool is_shortened(const std::vector<DrawnPath>& paths) {
   return std::any_of(paths.begin(), paths.end(),
-                     [](const DrawnPath& path) { return path.pieces_m.size() > 1; });
+                     [](const DrawnPath& path) { return path.is_shortened; });
 }
 
 std::string plane_svg(const PlaneDrawing& drawing, const std::vector<DrawnPath>& paths) {

@@ -131,7 +131,7 @@ std::string paths(const ReportSection& section) {
     text += figure(plane_svg(drawing, incisor), drawing.title);
   }
   text += "</div>\n" + task_key(analysis) + "</div>\n";
-  if (is_drawn_in_pieces(incisor)) {
+  if (is_shortened(incisor)) {
     text += paragraph("Of the long tasks, evenly spaced pieces are drawn.");
   }
   if (!analysis.has_landmarks) {
