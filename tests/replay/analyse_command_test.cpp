@@ -192,7 +192,7 @@ TEST_F(Analyse, DrawsThePathOfSparseSamples) {
     return is_between(time_s, 6.0, 6.4) && !is_alone ? std::nullopt : std::optional(0.0);
   };
   drawn(edited("alone.csv", alone), "incisor.svg");
-  EXPECT_THAT(read_file(*folder_ / "drawn/incisor.svg"), HasSubstr("gpPt6"));
+  EXPECT_THAT(read_file(*folder_ / "drawn/incisor.svg"), HasSubstr("#gpPt6"));
 }
 
 TEST_F(Analyse, DrawsBothCondylesInOneScale) {
@@ -212,13 +212,31 @@ TEST_F(Analyse, DrawsBothCondylesInOneScale) {
   }
   EXPECT_GE(frames, 2);
   EXPECT_EQ(sizes.size(), 1U) << fmt::format("{}", fmt::join(sizes, ", "));
+  // Anterior: to the right in the right condyle's panel, which comes first, to the left in the
+  // other. The numbers below a panel are centred.
+  static const std::regex kNumber(
+      "translate\\(([0-9.]+),[0-9.]+\\)\"[^>]*text-anchor=\"middle\">\\s*<text><tspan[^>]*>\\s*"
+      "(-?[0-9]+)</tspan>");
+  double last_mm = NAN, last_at = NAN;
+  int right = 0, left = 0;
+  for (std::sregex_iterator number(svg.begin(), svg.end(), kNumber), none; number != none;
+       ++number) {
+    const double at = std::stod((*number)[1]), mm = std::stod((*number)[2]);
+    if (mm > last_mm) ++(at > last_at ? right : left);
+    last_mm = mm;
+    last_at = at;
+  }
+  EXPECT_GE(right, 2);
+  EXPECT_EQ(left, right);
 }
 
-// A task of one sample has no extent.
-TEST_F(Analyse, DrawsAMomentWithoutFailing) {
+// A task of one sample has no extent, and of a jaw that is exactly still no line would be seen.
+TEST_F(Analyse, DrawsAMomentAsADot) {
   const auto result =
       analyse(session({"--task", "opening", "5.0", "5.01", "--out", *folder_ / "moment"}));
   EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_EQ(result.errors, "");
+  EXPECT_THAT(read_file(*folder_ / "moment/incisor.svg"), HasSubstr("#gpPt6"));
 }
 
 // Samples that jump away are not used; the jaw may have jumped.

@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kColours[kTaskKinds + 1] = {"0x1f5fa8", "0xc8641e", "0x2e8b57", "0x8a4fa3",
                                                   "0x505050", "0xb03060", "0xc0a000", "0x1f5fa8"};
-// Of a long task, stretches of its path are drawn.
+// Of a long task, stretches of its path are drawn. Of a recording at 100 Hz, all samples.
 constexpr double kPointStep_s = 0.009, kStretch_s = 2;
 constexpr double kMostPoints = 10'000;
 
@@ -46,7 +46,7 @@ struct DrawnTask {
 
 struct DrawnData {
   std::vector<DrawnTask> tasks;
-  Range condyles_x_mm, condyles_z_mm;
+  Range incisor_mm[3], condyles_x_mm, condyles_z_mm;
 };
 
 std::string row_of(const JawPath& path, std::size_t k) {
@@ -62,12 +62,18 @@ std::string row_of(const JawPath& path, std::size_t k) {
 // Adds the samples of a piece without gaps in a task that begins at `begin_s`.
 void add_piece(const JawPath& path, SampleRun piece, double begin_s, DrawnTask& task,
                DrawnData& data) {
-  std::string rows;
+  std::string rows, first;
   std::size_t count = 0;
+  bool has_length = false;
   double drawn_s = 0;
+  // Of a line without length nothing would be seen.
   const auto end_line = [&] {
-    if (count == 1) task.dots += rows;
-    if (count > 1) task.lines += rows + "\n";
+    if (has_length) {
+      task.lines += rows + "\n";
+    } else if (count > 0) {
+      task.dots += first;
+    }
+    has_length = false;
     rows.clear();
     count = 0;
   };
@@ -79,9 +85,13 @@ void add_piece(const JawPath& path, SampleRun piece, double begin_s, DrawnTask& 
     }
     const bool is_last = k + 1 == piece.end;
     if (count > 0 && !is_last && time_s - drawn_s < kPointStep_s) continue;
-    rows += row_of(path, k);
+    const std::string row = row_of(path, k);
+    if (count == 0) first = row;
+    has_length = has_length || row != first;
+    rows += row;
     ++count;
     drawn_s = time_s;
+    for (int axis = 0; axis < 3; ++axis) data.incisor_mm[axis].add(path.incisor_m[k][axis] * 1e3);
     for (const Points& condyle_m : path.condyle_m) {
       data.condyles_x_mm.add(condyle_m[k].x() * 1e3);
       data.condyles_z_mm.add(condyle_m[k].z() * 1e3);
@@ -138,6 +148,9 @@ std::string title_of(const DrawnTask& task) {
                      kStretch_s * static_cast<double>(task.share));
 }
 
+// What the next figure does not set itself.
+constexpr const char* kEndOfPanels = "unset multiplot\nset yrange [*:*]\nset rmargin\n";
+
 struct Plane {
   const char *title, *x_label, *y_label;
   int x, y;          // columns
@@ -193,29 +206,31 @@ std::vector<std::unique_ptr<OutputFile>> draw_readings(const std::string& direct
   const bool named = analysis.has_landmarks;
   const std::string what = named ? "Lower incisor" : "Point 1, instrument's axes";
   std::string plot = layout(fmt::format("{}: {}", what, recording_name(analysis.recording)), 3);
+  const Range &x = data.incisor_mm[0], &y = data.incisor_mm[1], &z = data.incisor_mm[2];
   const Plane planes[] = {
       {named ? "sagittal, seen from the right" : "x, z", named ? "anterior (mm)" : "x (mm)",
-       named ? "up (mm)" : "z (mm)", 1, 3, false},
+       named ? "up (mm)" : "z (mm)", 1, 3, false, x, z},
       {named ? "frontal, seen from the front" : "y, z", named ? "left (mm)" : "y (mm)",
-       named ? "up (mm)" : "z (mm)", 2, 3, false},
+       named ? "up (mm)" : "z (mm)", 2, 3, false, y, z},
       {named ? "horizontal, seen from below" : "x, y", named ? "left (mm)" : "y (mm)",
-       named ? "anterior (mm)" : "x (mm)", 2, 1, false}};
+       named ? "anterior (mm)" : "x (mm)", 2, 1, false, y, x}};
   for (const Plane& plane : planes) plot += panel(plane, drawn, &plane == &planes[2]);
-  plot += "unset multiplot\n";
+  plot += kEndOfPanels;
   gnuplot.draw(prefix + "incisor", plot, 1400, 560);
   if (named) {
     plot = layout(fmt::format("Condyles, sagittal: {}", recording_name(analysis.recording)), 2);
     // Equal ranges, so that lengths compare between the sides.
-    const Range &x = data.condyles_x_mm, &z = data.condyles_z_mm;
+    const Range &across = data.condyles_x_mm, &up = data.condyles_z_mm;
     const Plane right = {
-        "right, anterior to the right", "anterior (mm)", "up (mm)", 7, 9, false, x, z};
-    const Plane left = {"left, anterior to the left", "anterior (mm)", "up (mm)", 4, 6, true, x, z};
+        "right, anterior to the right", "anterior (mm)", "up (mm)", 7, 9, false, across, up};
+    const Plane left = {
+        "left, anterior to the left", "anterior (mm)", "up (mm)", 4, 6, true, across, up};
     // Room for the key beside both, or the panel without it would be larger.
     std::size_t key_width = 0;
     for (const DrawnTask& task : drawn) key_width = std::max(key_width, title_of(task).size());
     plot += fmt::format("set rmargin {}\n", key_width + 8);
     plot += panel(right, drawn, false) + panel(left, drawn, true);
-    plot += "unset multiplot\nset yrange [*:*]\nset rmargin\n";
+    plot += kEndOfPanels;
     gnuplot.draw(prefix + "condyles", plot, 1200, 560);
   }
   plot = average_cycle_plot(analysis);
