@@ -31,8 +31,9 @@ constexpr double kShiftFrom_mm = 2, kShiftTo_mm = 5;  // x of the line that give
 
 // The outward path of a condyle: from kOnset_m to the greatest sagittal travel.
 struct Outward {
-  std::size_t begin = 0, end = 0;
-  Greatest top{};
+  std::size_t begin = 0;
+  Greatest top{};                 // its end
+  std::vector<double> travels_m;  // sagittal, of all samples
 };
 
 // Whether the condyle of `side` goes forward in a stroke of `kind`, and whether it orbits.
@@ -44,11 +45,12 @@ bool goes_forward(TaskKind kind, std::size_t side) {
 }
 
 Outward outward_of(const JawPath& path, std::size_t side) {
-  const Points& condyle_m = path.condyle_m[side];
-  const std::vector<double> travels = sagittal_sizes_of(condyle_m);
-  const Greatest greatest = greatest_of(path.time_s, travels, 0, travels.size(), top_reach_s(path));
-  Outward outward{greatest.at, greatest.at, greatest};
-  while (outward.begin > 0 && sagittal_size(condyle_m[outward.begin]) > kOnset_m) --outward.begin;
+  Outward outward;
+  outward.travels_m = sagittal_sizes_of(path.condyle_m[side]);
+  const std::vector<double>& travels_m = outward.travels_m;
+  outward.top = greatest_of(path.time_s, travels_m, 0, travels_m.size(), top_reach_s(path));
+  outward.begin = outward.top.at;
+  while (outward.begin > 0 && travels_m[outward.begin] > kOnset_m) --outward.begin;
   return outward;
 }
 
@@ -82,18 +84,18 @@ struct PathReading {
 // While the travel hardly changes, the path may become longer: the condyle goes aside or trembles.
 PathReading add_path(const JawPath& path, std::size_t side, const Outward& outward,
                      ReadingValues& out) {
-  const std::vector<double> travels = sagittal_sizes_of(path.condyle_m[side]);
+  const Greatest& top = outward.top;
   const std::vector<double> lengths_m = outward_lengths_m(path, side);
-  const bool is_out = outward.top.value >= kOnset_m && outward.end > 0;
-  const double beyond_m = outward.top.value - travels[outward.end];
+  const bool is_out = top.value >= kOnset_m && top.at > 0;
+  const double beyond_m = top.value - outward.travels_m[top.at];
   const auto length_mm = [&](std::size_t k) {
     return is_out ? (lengths_m[k] + beyond_m) / kMillimetre : kNone;
   };
   const double difference_mm = out.add_at_top(
-      outward.top, travels, length_mm,
+      top, outward.travels_m, length_mm,
       [] { return std::string("the condyle travels less than 0.3 mm"); },
-      kRough * roughness_of(path.time_s, travels, outward.top, top_reach_s(path)));
-  return {length_mm(outward.end), difference_mm};
+      kRough * roughness_of(path.time_s, outward.travels_m, top, top_reach_s(path)));
+  return {length_mm(top.at), difference_mm};
 }
 
 void add_inclinations(const JawPath& path, std::size_t side, const Outward& outward, bool bennett,
@@ -101,7 +103,7 @@ void add_inclinations(const JawPath& path, std::size_t side, const Outward& outw
   for (const double travel_mm : {3.0, 5.0, 10.0}) {
     const auto at =
         first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side], outward.begin,
-                      outward.end, travel_mm * kMillimetre, sagittal_size);
+                      outward.top.at, travel_mm * kMillimetre, sagittal_size);
     const auto reason = [&] {
       return fmt::format("the condyle travels {:.1f} mm, not {:g} mm",
                          outward.top.value / kMillimetre, travel_mm);
@@ -118,7 +120,7 @@ void add_side_shift(const JawPath& path, std::size_t side, const Outward& outwar
   const auto forward = [](const Vector3d& point) { return point.x(); };
   const auto at = [&](double x_mm) {
     return first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side], outward.begin,
-                         outward.end, x_mm * kMillimetre, forward);
+                         outward.top.at, x_mm * kMillimetre, forward);
   };
   // Least squares over all x, by Simpson's rule.
   constexpr int kSteps = 30;
@@ -155,9 +157,9 @@ CondylarSeparations::Side separations_mm(const JawPath& path, std::size_t side,
                                                  (CondylarSeparations::kPlaces - 1);
     const double travel_m = share * outward.top.value;
     const auto out = first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side],
-                                   outward.begin, outward.end, travel_m, sagittal_size);
+                                   outward.begin, outward.top.at, travel_m, sagittal_size);
     const auto back = first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side],
-                                    outward.end, path.time_s.size() - 1, -travel_m, inward);
+                                    outward.top.at, path.time_s.size() - 1, -travel_m, inward);
     separations[i] = kNone;
     if (!out || !back) continue;
     const double angle = inclination(back->point) - inclination(out->point);
@@ -172,7 +174,7 @@ double rotation_per_travel(const JawPath& path, std::size_t side, const Outward&
   for (int i = 0; i < 2; ++i) {
     const double travel_m = (i == 0 ? kSlopeFrom : kSlopeTo) * outward.top.value;
     const auto at = first_passage(path.time_s, path.condyle_m[side], path.condyle_m_s[side],
-                                  outward.begin, outward.end, travel_m, sagittal_size);
+                                  outward.begin, outward.top.at, travel_m, sagittal_size);
     if (!at || outward.top.value < kLeastSlopeTravel_m) return kNone;
     angle_rad[i] = (1 - at->share) * twist_about(path.rotation_rad[at->after], 1) +
                    at->share * twist_about(path.rotation_rad[at->after + 1], 1);
@@ -185,7 +187,7 @@ void add_condylar_motion(TaskKind kind, const JawPath& path, std::size_t side,
                          const Outward& outward, const CondylarSeparations::Side& separations,
                          ReadingValues& out) {
   const std::vector<double> speeds = sizes_of(path.condyle_m_s[side]);
-  out.add(greatest_of(path.time_s, speeds, 0, outward.end + 1, top_reach_s(path)).value /
+  out.add(greatest_of(path.time_s, speeds, 0, outward.top.at + 1, top_reach_s(path)).value /
           kMillimetre);
   double sum_mm = 0;
   for (const double mm : separations) sum_mm += std::abs(mm);
