@@ -3,18 +3,14 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstddef>
 #include <vector>
+
+#include "readings/sample_run.h"
 
 namespace condyle::host {
 
 /// Length that makes a rotation (rad) comparable to a displacement (m).
 inline constexpr double kRotationLength_m = 0.1;
-
-/// Samples from `begin` to `end` (without).
-struct SampleRun {
-  std::size_t begin, end;
-};
 
 /// Bursts in `path`: displacement (m), and rotation times kRotationLength_m. A burst lasts at most
 /// 0.2 s. A cubic through four samples before and four after it fits these, and the samples of the

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "readings/burst_search.h"
+#include "readings/sample_run.h"
 
 namespace condyle::host {
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "readings/body_tracks.h"
-#include "readings/burst_search.h"
 #include "readings/landmarks.h"
 #include "readings/pose_track.h"
+#include "readings/sample_run.h"
 
 namespace condyle::host {
 

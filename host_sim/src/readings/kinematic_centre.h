@@ -15,7 +15,7 @@
 #include <optional>
 #include <vector>
 
-#include "readings/burst_search.h"
+#include "readings/sample_run.h"
 #include "readings/uncertainty.h"
 
 namespace condyle::host {

@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "readings/burst_search.h"
 #include "readings/pose_track.h"
+#include "readings/sample_run.h"
 
 namespace condyle::host {
 

@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "readings/burst_search.h"
 #include "readings/reading.h"
 #include "readings/reading_geometry.h"
+#include "readings/sample_run.h"
 
 namespace condyle::host {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "readings/burst_search.h"
 #include "readings/reading.h"
 #include "readings/reading_geometry.h"
+#include "readings/sample_run.h"
 
 namespace condyle::host {
 

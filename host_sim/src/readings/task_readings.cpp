@@ -42,7 +42,7 @@ class TaskReader {
     TaskAssumptions assumptions;
     for (const Task& task : analysis_.tasks) {
       if (task.kind != kind) continue;
-      windows.push_back(samples_of(task));
+      windows.push_back(samples_of(task, analysis_.path.time_s));
       assumptions.is_found = assumptions.is_found || task.is_found;
     }
     if (windows.empty()) return;
@@ -96,13 +96,6 @@ class TaskReader {
  private:
   static std::string mean_key(TaskKind kind, std::string_view name, Side side) {
     return fmt::format("{}/{}/{}", name_of(kind), name, name_of(side));
-  }
-
-  SampleRun samples_of(const Task& task) const {
-    const auto& time_s = analysis_.path.time_s;
-    const auto index = [&](auto at) { return static_cast<std::size_t>(at - time_s.begin()); };
-    return {index(std::lower_bound(time_s.begin(), time_s.end(), task.begin_s - 1e-9)),
-            index(std::upper_bound(time_s.begin(), time_s.end(), task.end_s + 1e-9))};
   }
 
   // What readings of `runs` assume about samples there that were not used, but may be of a jaw;

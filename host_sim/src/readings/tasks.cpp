@@ -66,6 +66,14 @@ Task task_of(const std::string& place, const std::string& name, std::string_view
 
 }  // namespace
 
+SampleRun samples_of(const Task& task, const std::vector<double>& time_s) {
+  // Times are known to about a nanosecond.
+  const auto begin = std::lower_bound(time_s.begin(), time_s.end(), task.begin_s - 1e-9);
+  const auto end = std::upper_bound(begin, time_s.end(), task.end_s + 1e-9);
+  return {static_cast<std::size_t>(begin - time_s.begin()),
+          static_cast<std::size_t>(end - time_s.begin())};
+}
+
 TaskKind task_kind(const std::string& name, const std::string& place) {
   Task task;
   set_name(task, name, place);

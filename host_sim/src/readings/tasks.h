@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "readings/reading.h"
+#include "readings/sample_run.h"
 
 namespace condyle::host {
 
@@ -17,6 +18,9 @@ struct Task {
   bool is_found = false;   ///< by the shape of the motion, not stated
   Side side = Side::none;  ///< of chewing, if it is stated
 };
+
+/// The samples of a recording at `time_s` from the task's beginning to its end, both included.
+SampleRun samples_of(const Task& task, const std::vector<double>& time_s);
 
 /// The kind called `name`. Throws InputError naming `place` if there is none.
 TaskKind task_kind(const std::string& name, const std::string& place);
