@@ -2,8 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <iterator>
+#include <utility>
 
 #include "output/gnuplot.h"
 #include "readings/readings_files.h"
@@ -40,42 +41,55 @@ struct Range {
 // y z (mm).
 struct DrawnTask {
   TaskKind kind;
-  std::size_t share = 1;    // one of so many stretches
-  std::string lines, dots;  // rows of pieces of the path, and of samples with a gap on both sides
+  std::size_t share = 1;  // one of so many stretches
+  std::string lines,
+      dots;  // rows of pieces of the path, and of pieces that a panel hides as a line
 };
 
 struct DrawnData {
+  bool has_condyles = false;
   std::vector<DrawnTask> tasks;
   Range incisor_mm[3], condyles_x_mm, condyles_z_mm;
 };
 
-std::string row_of(const JawPath& path, std::size_t k) {
-  std::string row;
+using Row = std::array<double, 9>;
+
+Row row_of(const JawPath& path, std::size_t k) {
+  Row row_mm;
+  auto next = row_mm.begin();
   for (const auto* place : {&path.incisor_m, &path.condyle_m[0], &path.condyle_m[1]}) {
-    for (const double value : (*place)[k]) {
-      fmt::format_to(std::back_inserter(row), "{:.4f} ", value * 1e3);
-    }
+    for (const double value : (*place)[k]) *next++ = value * 1e3;
   }
-  return row + "\n";
+  return row_mm;
+}
+
+std::string text_of(const Row& row_mm) {
+  return fmt::format("{:.4f}\n", fmt::join(row_mm, " "));
+}
+
+// Whether a line of these extents (mm) is seen in every panel.
+bool is_seen(const std::array<Range, 9>& extents, bool has_condyles) {
+  constexpr double kLeast_mm = 0.05;
+  constexpr std::pair<std::size_t, std::size_t> kPanels[] = {
+      {0, 2}, {1, 2}, {0, 1}, {3, 5}, {6, 8}};
+  const auto width = [&](std::size_t column) { return extents[column].high - extents[column].low; };
+  return std::all_of(kPanels, kPanels + (has_condyles ? 5 : 3), [&](const auto& panel) {
+    return std::max(width(panel.first), width(panel.second)) >= kLeast_mm;
+  });
 }
 
 // Adds the samples of a piece without gaps in a task that begins at `begin_s`.
 void add_piece(const JawPath& path, SampleRun piece, double begin_s, DrawnTask& task,
                DrawnData& data) {
   std::string rows, first;
-  std::size_t count = 0;
-  bool has_length = false;
+  std::array<Range, 9> extents;
   double drawn_s = 0;
-  // Of a line without length nothing would be seen.
   const auto end_line = [&] {
-    if (has_length) {
-      task.lines += rows + "\n";
-    } else if (count > 0) {
-      task.dots += first;
-    }
-    has_length = false;
+    if (rows.empty()) return;
+    task.lines += rows + "\n";
+    if (!is_seen(extents, data.has_condyles)) task.dots += first;
     rows.clear();
-    count = 0;
+    extents = {};
   };
   for (std::size_t k = piece.begin; k < piece.end; ++k) {
     const double time_s = path.time_s[k];
@@ -84,17 +98,16 @@ void add_piece(const JawPath& path, SampleRun piece, double begin_s, DrawnTask& 
       continue;
     }
     const bool is_last = k + 1 == piece.end;
-    if (count > 0 && !is_last && time_s - drawn_s < kPointStep_s) continue;
-    const std::string row = row_of(path, k);
-    if (count == 0) first = row;
-    has_length = has_length || row != first;
-    rows += row;
-    ++count;
+    if (!rows.empty() && !is_last && time_s - drawn_s < kPointStep_s) continue;
+    const Row row_mm = row_of(path, k);
+    if (rows.empty()) first = text_of(row_mm);
+    rows += text_of(row_mm);
     drawn_s = time_s;
-    for (int axis = 0; axis < 3; ++axis) data.incisor_mm[axis].add(path.incisor_m[k][axis] * 1e3);
-    for (const Points& condyle_m : path.condyle_m) {
-      data.condyles_x_mm.add(condyle_m[k].x() * 1e3);
-      data.condyles_z_mm.add(condyle_m[k].z() * 1e3);
+    for (std::size_t i = 0; i < row_mm.size(); ++i) extents[i].add(row_mm[i]);
+    for (std::size_t i = 0; i < 3; ++i) data.incisor_mm[i].add(row_mm[i]);
+    for (const std::size_t i : {3U, 6U}) {
+      data.condyles_x_mm.add(row_mm[i]);
+      data.condyles_z_mm.add(row_mm[i + 2]);
     }
   }
   end_line();
@@ -102,6 +115,7 @@ void add_piece(const JawPath& path, SampleRun piece, double begin_s, DrawnTask& 
 
 DrawnData data_of(const Analysis& analysis) {
   DrawnData data;
+  data.has_condyles = analysis.has_landmarks;
   const JawPath& path = analysis.path;
   const std::vector<double>& time_s = path.time_s;
   if (time_s.size() < 2) return data;
@@ -112,12 +126,11 @@ DrawnData data_of(const Analysis& analysis) {
     double points = 0;
     for (const Task& one : analysis.tasks) {
       if (one.kind != task.kind) continue;
-      const auto begin = std::lower_bound(time_s.begin(), time_s.end(), one.begin_s);
-      const auto end = std::upper_bound(begin, time_s.end(), one.end_s);
-      if (begin == end) continue;
-      runs.push_back({static_cast<std::size_t>(begin - time_s.begin()),
-                      static_cast<std::size_t>(end - time_s.begin())});
-      points += std::min(static_cast<double>(end - begin), (*(end - 1) - *begin) / kPointStep_s);
+      const SampleRun run = samples_of(one, time_s);
+      if (run.begin >= run.end) continue;
+      runs.push_back(run);
+      points += std::min(static_cast<double>(run.end - run.begin),
+                         (time_s[run.end - 1] - time_s[run.begin]) / kPointStep_s);
     }
     task.share = 1 + static_cast<std::size_t>(points / kMostPoints);
     for (const SampleRun& run : runs) {
