@@ -115,6 +115,28 @@ TEST_F(ReportCharts, DrawsGaps) {
   EXPECT_EQ(pieces(page), pieces(read_file(path("whole.html"))) + 3 + 2 * 2);
 }
 
+// Each of 100 tasks takes 20 s. The drawing of a recording says so, and that of all sessions.
+TEST_F(ReportCharts, SayWhichTasksAreNotDrawn) {
+  std::ofstream tasks(path("many.csv"));
+  tasks << "task,begin_s,end_s\n";
+  for (int i = 0; i < 100; ++i) tasks << "border,48,68\n";
+  tasks.close();
+  ASSERT_EQ(run_condyle({"simulate", source_path("/host_sim/scenarios/clinical_session.toml"),
+                         "--seed", "2", "--out", path("second.csv")})
+                .exit_code,
+            0);
+  const auto result =
+      run_condyle({"report", "--landmarks", path("session.landmarks.toml"), "--tasks",
+                   path("many.csv"), "--session", "a=" + path("session.csv"), "--session",
+                   "b=" + path("second.csv"), "--out", path("report.html")});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const std::string page = read_file(path("report.html"));
+  const std::string note = "Only 10 of 100 tasks are drawn. Of 10 tasks, only parts are drawn.</p>";
+  EXPECT_THAT(page, HasSubstr("<p>" + note));
+  EXPECT_THAT(page, HasSubstr("<p>" + path("session.csv") + ": " + note));
+  EXPECT_THAT(page, HasSubstr("<p>" + path("second.csv") + ": " + note));
+}
+
 // One axis has no readings, but gaps as well: rows that are not there and a position that is not.
 TEST_F(ReportCharts, DrawsGapsOfOneAxis) {
   std::ifstream whole(source_path("/host_sim/recordings/chewing_60hz.csv"));

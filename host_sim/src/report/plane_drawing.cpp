@@ -14,10 +14,7 @@ namespace condyle::host {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-// Of a drawing. If tasks have more, pieces of the long ones are drawn: no line joins distant
-// moments.
-constexpr std::size_t kMostPoints = 8'000, kStretches = 12;
-constexpr double kDrawnRate_Hz = 50, kLeastStep_mm = 0.05;
+constexpr double kLeastStep_mm = 0.05;
 
 class Drawing {
  public:
@@ -174,59 +171,7 @@ std::vector<DrawnAngle> chords(const Analysis& analysis, const std::string& read
   return angles;
 }
 
-// Points that a task may have, so that all have no more than a drawing: short ones keep theirs.
-std::size_t most_of_each(std::vector<std::size_t> points) {
-  std::sort(points.begin(), points.end());
-  std::size_t left = kMostPoints;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const std::size_t share = left / (points.size() - i);
-    if (points[i] > share) return share;
-    left -= points[i];
-  }
-  return kMostPoints;
-}
-
 }  // namespace
-
-std::vector<DrawnPath> task_paths(const Analysis& analysis,
-                                  const std::vector<Eigen::Vector3d>& path_m) {
-  const auto& time_s = analysis.path.time_s;
-  const auto index_of = [&time_s](double t) {
-    return static_cast<std::size_t>(std::lower_bound(time_s.begin(), time_s.end(), t) -
-                                    time_s.begin());
-  };
-  const auto stride =
-      std::max<std::size_t>(1, static_cast<std::size_t>(analysis.rate_Hz / kDrawnRate_Hz));
-  std::vector<std::size_t> points;
-  for (const Task& task : analysis.tasks) {
-    points.push_back((index_of(task.end_s) - index_of(task.begin_s)) / stride);
-  }
-  const std::size_t most = most_of_each(points);
-  const double gap_s = longest_drawn_gap_s(time_s);
-  std::vector<DrawnPath> paths;
-  for (const Task& task : analysis.tasks) {
-    const std::size_t begin = index_of(task.begin_s), count = index_of(task.end_s) - begin;
-    const bool is_whole = count / stride <= most;
-    DrawnPath path{task.kind == TaskKind::whole ? "whole" : name_of(task.kind), {}, !is_whole};
-    const std::size_t stretches = is_whole ? 1 : std::clamp<std::size_t>(most / 10, 2, kStretches);
-    const std::size_t drawn = is_whole ? count : most * stride / stretches;
-    for (std::size_t i = 0; i < stretches; ++i) {
-      const std::size_t first = begin + i * count / stretches;
-      const SampleRun stretch = {first, std::min(first + drawn, begin + count)};
-      for (const SampleRun& run : runs_without_gap(time_s, stretch, gap_s)) {
-        auto& piece = path.pieces_m.emplace_back();
-        for (std::size_t k = run.begin; k < run.end; k += stride) piece.push_back(path_m[k]);
-      }
-    }
-    paths.push_back(std::move(path));
-  }
-  return paths;
-}
-
-bool is_shortened(const std::vector<DrawnPath>& paths) {
-  return std::any_of(paths.begin(), paths.end(),
-                     [](const DrawnPath& path) { return path.is_shortened; });
-}
 
 std::string plane_svg(const PlaneDrawing& drawing, const std::vector<DrawnPath>& paths) {
   return Drawing(drawing, paths).svg();

@@ -39,13 +39,7 @@ struct PlaneDrawing {
 struct DrawnPath {
   std::string kind;                                    ///< class of its lines
   std::vector<std::vector<Eigen::Vector3d>> pieces_m;  ///< where samples are missing, none
-  bool is_shortened = false;                           ///< of a long path, some stretches
 };
-
-/// The tasks of `analysis` along `path_m`, one of its paths. Of long ones, some stretches.
-std::vector<DrawnPath> task_paths(const Analysis& analysis,
-                                  const std::vector<Eigen::Vector3d>& path_m);
-bool is_shortened(const std::vector<DrawnPath>& paths);
 
 /// `drawing` with `paths`, as an svg element; text is escaped.
 std::string plane_svg(const PlaneDrawing& drawing, const std::vector<DrawnPath>& paths);

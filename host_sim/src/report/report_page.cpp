@@ -16,6 +16,7 @@
 #include "report/plane_drawing.h"
 #include "report/report_tables.h"
 #include "report/sample_times_section.h"
+#include "report/task_paths.h"
 
 namespace condyle::host {
 namespace {
@@ -126,14 +127,13 @@ std::string paths(const ReportSection& section) {
   std::string text = analysis.has_landmarks ? "<h3>Path of the lower incisor</h3>\n"
                                             : "<h3>Path of point 1</h3>\n";
   text += "<div class=\"tasks\"><div class=\"row\">";
-  const auto incisor = task_paths(analysis, analysis.path.incisor_m);
+  const TaskPaths incisor = task_paths(analysis, analysis.path.incisor_m);
   for (const PlaneDrawing& drawing : incisor_drawings(analysis.has_landmarks)) {
-    text += figure(plane_svg(drawing, incisor), drawing.title);
+    text += figure(plane_svg(drawing, incisor.paths), drawing.title);
   }
   text += "</div>\n" + task_key(analysis) + "</div>\n";
-  if (is_shortened(incisor)) {
-    text += paragraph("Of the long tasks, evenly spaced pieces are drawn.");
-  }
+  const std::string missing = what_is_missing(incisor);
+  if (!missing.empty()) text += paragraph(missing);
   if (!analysis.has_landmarks) {
     return text +
            paragraph(
@@ -142,7 +142,7 @@ std::string paths(const ReportSection& section) {
   }
   text += "<h3>Paths of the condyles</h3>\n<div class=\"tasks\"><div class=\"row pairs\">";
   for (const PlaneDrawing& drawing : condyle_drawings(analysis)) {
-    text += figure(plane_svg(drawing, task_paths(analysis, *drawing.path_m)),
+    text += figure(plane_svg(drawing, task_paths(analysis, *drawing.path_m).paths),
                    drawing.title + angles_in_words(drawing));
   }
   text += "</div>\n" + task_key(analysis) + "</div>\n";

@@ -14,6 +14,7 @@
 #include "report/html_table.h"
 #include "report/html_text.h"
 #include "report/plane_drawing.h"
+#include "report/task_paths.h"
 
 namespace condyle::host {
 namespace {
@@ -150,6 +151,7 @@ std::string key(std::size_t session) {
 std::string overlaid_paths(const SessionOverlay& overlay,
                            const std::vector<ReportSection>& sections) {
   std::vector<DrawnPath> paths;
+  std::string notes;
   std::size_t next = 0;
   for (std::size_t i = 0; i < overlay.sessions.size(); ++i) {
     for (std::size_t k = 0; k < overlay.sessions[i].recordings.size(); ++k) {
@@ -158,7 +160,12 @@ std::string overlaid_paths(const SessionOverlay& overlay,
           !section.analysis->unusable.empty()) {
         continue;
       }
-      for (DrawnPath& path : task_paths(*section.analysis, section.analysis->path.incisor_m)) {
+      TaskPaths tasks = task_paths(*section.analysis, section.analysis->path.incisor_m);
+      const std::string missing = what_is_missing(tasks);
+      if (!missing.empty()) {
+        notes += fmt::format("<p>{}: {}</p>\n", html_text(section.recording), missing);
+      }
+      for (DrawnPath& path : tasks.paths) {
         path.kind = fmt::format("session{}", i % kSessionStyles);
         paths.push_back(std::move(path));
       }
@@ -174,7 +181,7 @@ std::string overlaid_paths(const SessionOverlay& overlay,
     text += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n",
                         plane_svg(drawing, paths), html_text(drawing.title));
   }
-  return text + "</div>\n";
+  return text + "</div>\n" + notes;
 }
 
 Json comparison_json(const SessionOverlay& overlay, const SessionComparison& comparison) {
