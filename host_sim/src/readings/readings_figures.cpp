@@ -42,8 +42,8 @@ struct Range {
 struct DrawnTask {
   TaskKind kind;
   std::size_t share = 1;  // one of so many stretches
-  std::string lines,
-      dots;  // rows of pieces of the path, and of pieces that a panel hides as a line
+  std::string lines;      // rows of the pieces of the path
+  std::string dots;       // rows of samples: of pieces that a panel hides as a line
 };
 
 struct DrawnData {
