@@ -26,6 +26,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using testing_support::CommandResult;
 using testing_support::read_file;
 using testing_support::Readings;
@@ -244,6 +245,10 @@ TEST_F(Analyse, DrawsWhatHardlyMovesAsADot) {
     EXPECT_THAT(read_file(*folder_ / "moment/incisor.svg"), HasSubstr("#gpPt6"));
     std::filesystem::remove_all(*folder_ / "moment");
   }
+  const auto moving =
+      analyse(session({"--task", "opening", "6", "14", "--out", *folder_ / "moving"}));
+  EXPECT_EQ(moving.exit_code, 0) << moving.errors;
+  EXPECT_THAT(read_file(*folder_ / "moving/incisor.svg"), Not(HasSubstr("#gpPt6")));
 }
 
 // Samples that jump away are not used; the jaw may have jumped.

@@ -131,7 +131,7 @@ TEST_F(ReportCharts, SayWhichTasksAreNotDrawn) {
                    "b=" + path("second.csv"), "--out", path("report.html")});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   const std::string page = read_file(path("report.html"));
-  const std::string note = "Only 10 of 100 tasks are drawn. Of 10 tasks, only parts are drawn.</p>";
+  const std::string note = "Only 25 of 100 tasks are drawn. Of 25 tasks, only parts are drawn.</p>";
   EXPECT_THAT(page, HasSubstr("<p>" + note));
   EXPECT_THAT(page, HasSubstr("<p>" + path("session.csv") + ": " + note));
   EXPECT_THAT(page, HasSubstr("<p>" + path("second.csv") + ": " + note));

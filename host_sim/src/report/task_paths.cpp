@@ -14,8 +14,8 @@ namespace condyle::host {
 namespace {
 
 constexpr std::size_t kMostPoints = 8'000;  // of a drawing
-// Of very many tasks some are drawn, so that each may have so many points.
-constexpr std::size_t kEnoughPoints = 800;
+// Of many tasks some are drawn, so that each may have so many points: four seconds or more.
+constexpr std::size_t kEnoughPoints = 250;
 // Of a task with more than its share, so many stretches of about so many points, or longer ones.
 constexpr std::size_t kMostStretches = 12, kStretchPoints = 100;
 // Below the step at 60 Hz: of a faster recording, samples are left out.
@@ -34,7 +34,7 @@ std::vector<DrawableSample> drawable_samples(const std::vector<double>& time_s, 
   for (const SampleRun& run : runs_without_gap(time_s, task, gap_s)) {
     double drawn_s = -INFINITY;
     for (std::size_t k = run.begin; k < run.end; ++k) {
-      if (k + 1 < run.end && time_s[k] - drawn_s < kDrawnStep_s) continue;
+      if (k + 1 < run.end && time_s[k] - drawn_s < kDrawnStep_s - 1e-9) continue;
       samples.push_back({k, k == run.begin});
       drawn_s = time_s[k];
     }
@@ -112,19 +112,18 @@ std::vector<std::vector<Eigen::Vector3d>> pieces_of(const std::vector<DrawableSa
 TaskPaths task_paths(const Analysis& analysis, const std::vector<Eigen::Vector3d>& path_m) {
   const auto& time_s = analysis.path.time_s;
   const double gap_s = longest_drawn_gap_s(time_s);
-  std::vector<std::vector<DrawableSample>> samples;
+  const auto samples_in = [&](const Task& task) {
+    return drawable_samples(time_s, samples_of(task, time_s), gap_s);
+  };
   std::vector<std::size_t> points;
-  for (const Task& task : analysis.tasks) {
-    samples.push_back(drawable_samples(time_s, samples_of(task, time_s), gap_s));
-    points.push_back(samples.back().size());
-  }
+  for (const Task& task : analysis.tasks) points.push_back(samples_in(task).size());
   const auto [is_drawn, most] = choose(analysis.tasks, points);
   TaskPaths tasks;
-  for (std::size_t t = 0; t < samples.size(); ++t) {
-    const TaskKind kind = analysis.tasks[t].kind;
-    DrawnPath path{kind == TaskKind::whole ? "whole" : name_of(kind), {}};
+  for (std::size_t t = 0; t < points.size(); ++t) {
+    const Task& task = analysis.tasks[t];
+    DrawnPath path{task.kind == TaskKind::whole ? "whole" : name_of(task.kind), {}};
     if (is_drawn[t]) {
-      path.pieces_m = pieces_of(samples[t], path_m, most);
+      path.pieces_m = pieces_of(samples_in(task), path_m, most);
       if (points[t] > most) ++tasks.in_parts;
     } else {
       ++tasks.left_out;
@@ -135,10 +134,12 @@ TaskPaths task_paths(const Analysis& analysis, const std::vector<Eigen::Vector3d
 }
 
 std::string what_is_missing(const TaskPaths& tasks) {
-  const std::size_t count = tasks.paths.size();
+  const auto drawn = static_cast<std::size_t>(
+      std::count_if(tasks.paths.begin(), tasks.paths.end(),
+                    [](const DrawnPath& path) { return !path.pieces_m.empty(); }));
   std::string text;
   if (tasks.left_out > 0) {
-    text = fmt::format("Only {} of {} tasks are drawn.", count - tasks.left_out, count);
+    text = fmt::format("Only {} of {} tasks are drawn.", drawn, drawn + tasks.left_out);
   }
   if (tasks.in_parts > 0) {
     text += fmt::format("{}Of {} task{}, only parts are drawn.", text.empty() ? "" : " ",
