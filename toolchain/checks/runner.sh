@@ -2,12 +2,12 @@
 # Sourced by toolchain/check: reads the table of steps and runs those of a tier, in parallel if
 # there are enough cores. Uses the variables tier, force and subjects.
 declare -A tier_of=() subject_of=() cores_of=() needs_of=() command_of=()
-declare -A state=() seconds_of=() name_of_job=()
+declare -A state=() seconds_of=() name_of_job=() skips_of=()
 names=()
 log_folder=build/checks          # what each step printed
 stamp_folder=build/release-tier  # which steps of the release tier passed, each with its key of files
 times_file=build/times/steps     # RUN TIER STEP RESULT WALL_S CPU_S, a line a step
-reads_pages=" tests packages clean-root "  # subjects whose steps depend on the pages (*.md) too
+reads_pages=" tests sanitizers packages windows clean-root "  # subjects whose steps depend on the pages (*.md) too
 cores=$(nproc)
 
 rank() { case $1 in check) echo 1 ;; full) echo 2 ;; release) echo 3 ;; *) return 1 ;; esac; }
@@ -47,7 +47,7 @@ list_subjects() {
 
 # Changes with every file on which the step depends, and with the presence of real recordings.
 key_of() {  # STEP
-  local files=(find . \( -path ./build -o -path ./.git \) -prune -o -type f)
+  local files=(find . \( -path ./build -o -path ./.git -o -name __pycache__ \) -prune -o -type f)
   [[ $reads_pages = *" ${subject_of[$1]} "* ]] || files+=(! -name '*.md')
   {
     echo "${CONDYLE_REFERENCE_DATA:+with reference data}"
@@ -96,6 +96,8 @@ start_step() {
   set -m
   (
     exec 9>&- </dev/null
+    export CONDYLE_SKIPS=$PWD/$log.skips
+    rm -f "$CONDYLE_SKIPS"
     TIMEFORMAT='%R %U %S'
     run=(bash -euo pipefail -c "source toolchain/checks/steps.sh; ${command_of[$name]}")
     if [ "${cores_of[$name]}" -eq "$cores" ]; then
@@ -121,8 +123,9 @@ finish_step() {  # JOB STATUS
   fi
   read -r wall_s user_s system_s < <(tail -n 1 "$log_folder/$name.time")
   cpu_s=$(awk -v user="$user_s" -v kernel="$system_s" 'BEGIN { printf "%.1f", user + kernel }')
+  skips_of[$name]=$(cat "$log_folder/$name.skips" 2>/dev/null || true)
   seconds_of[$name]=$(printf '%8.1f s %8.1f s CPU' "$wall_s" "$cpu_s")
-  printf '== %s: %s, %s\n' "$name" "${state[$name]}" "$(xargs <<<"${seconds_of[$name]}")"
+  printf '== %s: %s, %s\n' "$name" "${state[$name]}${skips_of[$name]:+; ${skips_of[$name]}}" "$(xargs <<<"${seconds_of[$name]}")"
   printf '%s\t%s\t%s\t%s\t%s\t%s\n' "$run" "$tier" "$name" "${state[$name]}" "$wall_s" "$cpu_s" >>"$times_file"
   if [ "$tier" = release ] && [ "${state[$name]}" = passed ] && [ "${subject_of[$name]}" != - ]; then
     if [ "$(key_of "$name")" = "${key_at_start[$name]}" ]; then
@@ -184,7 +187,7 @@ print_summary() {
   printf '\n== %s, the tier %s:\n' "$(clock)" "$tier"
   for name in "${names[@]}"; do
     [ -n "${state[$name]:-}" ] || continue
-    printf '%-24s %-24s %s\n' "$name" "${seconds_of[$name]:-}" "${state[$name]}"
+    printf '%-24s %-24s %s\n' "$name" "${seconds_of[$name]:-}" "${state[$name]}${skips_of[$name]:+; ${skips_of[$name]}}"
     case "${state[$name]}" in "passed before") before=true ;; skipped*) skipped+=("$name") ;; esac
   done
   ! $before || echo "Passed before: with these files already; --force runs them again."
