@@ -20,12 +20,16 @@
 namespace condyle::host::lsl {
 namespace {
 
+enum class AtEnd { closes, falls_silent };
+
 // A peer that answers searches and clock probes like an outlet, and sends `feed` as its data.
 class HostilePeer {
  public:
-  HostilePeer(const std::string& name, std::function<std::string(const StreamInfo&)> feed)
+  HostilePeer(const std::string& name, std::function<std::string(const StreamInfo&)> feed,
+              AtEnd at_end = AtEnd::closes)
       : info_(jaw_info(name)),
         feed_(std::move(feed)),
+        at_end_(at_end),
         service_(udp_socket(kHere, 0)),
         listener_(tcp_listener(kHere, 0)) {
     info_.uid = "hostile";
@@ -42,8 +46,6 @@ class HostilePeer {
   InletSettings settings() const {
     InletSettings settings = patient();
     settings.search.first_port = settings.search.last_port = info_.service_port;
-    settings.search.answer_ns = kNanosecondsPerSecond / 5;
-    settings.silence_ns = kNanosecondsPerSecond / 10;
     return settings;
   }
   FoundStream stream() const { return {info_, kHere}; }
@@ -57,7 +59,8 @@ class HostilePeer {
       if (accepted < 0) continue;
       connections.emplace_back(accepted);
       const std::string bytes = feed_(info_);
-      (void)send_all(connections.back(), bytes, kNanosecondsPerSecond / 10);
+      (void)send_all(connections.back(), bytes, 20 * kNanosecondsPerSecond);
+      if (at_end_ == AtEnd::closes) shutdown(connections.back().get(), SHUT_WR);
     }
   }
   void answer() {
@@ -85,6 +88,7 @@ class HostilePeer {
 
   StreamInfo info_;
   std::function<std::string(const StreamInfo&)> feed_;
+  AtEnd at_end_;
   Socket service_, listener_;
   int probes_ = 0;
   std::atomic<bool> stops_ = false;
@@ -142,10 +146,22 @@ struct Read {
   hal::TransportCounts counts;
   InletCounts inlet;
 };
-Read read_hostile(const std::string& bytes) {
-  const HostilePeer peer(own_name("hostile"),
-                         [&](const StreamInfo& info) { return good_start(info) + bytes; });
-  hal::SteadyClock clock;
+// A steady clock that the test can set forward.
+class SetClock final : public hal::Clock {
+ public:
+  TimeNs now_ns() override { return steady_.now_ns() + ahead_ns; }
+  void sleep_until(TimeNs time_ns) override { steady_.sleep_until(time_ns - ahead_ns); }
+  TimeNs ahead_ns = 0;
+
+ private:
+  hal::SteadyClock steady_;
+};
+
+Read read_hostile(const std::string& bytes, AtEnd at_end = AtEnd::closes) {
+  const HostilePeer peer(
+      own_name("hostile"), [&](const StreamInfo& info) { return good_start(info) + bytes; },
+      at_end);
+  SetClock clock;
   Inlet inlet(parse_stream_place(peer.stream().info.name), peer.stream(), {0, 1, 2}, clock,
               peer.settings());
   EXPECT_EQ(inlet.open(), hal::Status::ok) << inlet.problem();
@@ -156,6 +172,7 @@ Read read_hostile(const std::string& bytes) {
     if (status == hal::Status::disconnected) break;
     EXPECT_EQ(status, hal::Status::ok);
     ++read.samples;
+    if (at_end == AtEnd::falls_silent) clock.ahead_ns += peer.settings().silence_ns;
   }
   read.counts = inlet.counts();
   read.inlet = inlet.inlet_counts();
@@ -172,10 +189,12 @@ TEST(LslHostile, AFeedThatBreaksIsLostAndCounted) {
   EXPECT_EQ(broken.counts.transfer_errors, 1U);
   EXPECT_EQ(broken.counts.disconnections, 1U);
   // Cut in a sample, then silence: nothing but the silence is a fault.
-  const Read cut = read_hostile(good + good.substr(0, 20));
-  EXPECT_EQ(cut.samples, 1);
-  EXPECT_EQ(cut.counts.transfer_errors, 0U);
-  EXPECT_EQ(cut.counts.disconnections, 1U);
+  for (const AtEnd at_end : {AtEnd::closes, AtEnd::falls_silent}) {
+    const Read cut = read_hostile(good + good.substr(0, 20), at_end);
+    EXPECT_EQ(cut.samples, 1);
+    EXPECT_EQ(cut.counts.transfer_errors, 0U);
+    EXPECT_EQ(cut.counts.disconnections, 1U);
+  }
 }
 
 TEST(LslHostile, SamplesWithoutAUsableTimeAreDroppedAndCounted) {
