@@ -154,9 +154,9 @@ TEST(Box, WaitsForNoSlowRequest) {
   RunningBox running;
   running.start();
   ASSERT_TRUE(running.is_estimating());
+  const auto begin = std::chrono::steady_clock::now();
   const Connection slow(running.port);
   ASSERT_TRUE(slow.send("GET /v1/status HTTP/1.1\r\nHost: localhost\r\n"));
-  const auto begin = std::chrono::steady_clock::now();
   EXPECT_TRUE(wait_for([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
     return !slow.send("X-Slow: 1\r\n");

@@ -124,12 +124,12 @@ class RunningBox {
   }
 
   // `owed` may hold reports of which the box says later that they will have no estimate: these are
-  // those that are left after two seconds without any.
+  // those that are left after ten seconds without any.
   bool node_owes(std::int64_t owed, std::int64_t estimates) {
     const auto now = std::chrono::steady_clock::now();
     if (estimates != estimates_) progress_ = now;
     estimates_ = estimates;
-    hopeless_ = now - progress_ > std::chrono::seconds(2) ? owed : std::min(hopeless_, owed);
+    hopeless_ = now - progress_ > std::chrono::seconds(10) ? owed : std::min(hopeless_, owed);
     return owed - hopeless_ > kMostForNode + configuration.lag;
   }
 
