@@ -38,6 +38,12 @@ def run(command, **more):
                           errors="replace", **more)
 
 
+def project_files():
+    """All files of the project but those that git ignores."""
+    names = run(["git", "-C", ROOT, "ls-files", "-co", "--exclude-standard"]).stdout.split("\n")
+    return [ROOT / name for name in sorted(filter(None, names)) if (ROOT / name).is_file()]
+
+
 class Build:
     def __init__(self, folder, jobs, programs):
         self.folder, self.jobs, self.programs = folder, jobs, programs
@@ -53,11 +59,7 @@ class Build:
 
     def prepare(self):
         """Builds the test programs with all mutants that a switch can hold."""
-        files = run(["git", "-C", ROOT, "ls-files", "-co", "--exclude-standard"]).stdout.split("\n")
-        self.texts = {}
-        for name in filter(None, files):
-            if (ROOT / name).is_file():
-                self.texts[name] = (ROOT / name).read_bytes()
+        self.texts = {str(path.relative_to(ROOT)): path.read_bytes() for path in project_files()}
         self._write_prefix()
         while True:
             for name, text in self.texts.items():
