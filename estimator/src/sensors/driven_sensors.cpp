@@ -2,6 +2,7 @@
 #include "condyle/estimator/sensors/cycle_sensor.h"
 #include "condyle/estimator/sensors/driven_sensor.h"
 
+// In float only microcontrollers have them, and compile their own.
 namespace condyle {
 
 template class DrivenSensor<double, 1>;
