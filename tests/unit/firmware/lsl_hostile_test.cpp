@@ -140,6 +140,22 @@ TEST(LslHostile, NoStartThatIsNotTheProtocolsIsAccepted) {
   EXPECT_EQ(open_hostile(good_start), hal::Status::ok);
 }
 
+// A peer that does not close the connection either: only the time limit ends the attempt.
+TEST(LslHostile, AStartThatNeverCompletesIsGivenUp) {
+  for (const bool has_head : {false, true}) {
+    const HostilePeer peer(
+        own_name("hostile"),
+        [&](const StreamInfo& info) { return has_head ? feed_answer(info.uid) : ""; },
+        AtEnd::falls_silent);
+    hal::SteadyClock clock;
+    InletSettings settings = peer.settings();
+    settings.search.answer_ns = kNanosecondsPerSecond / 2;
+    Inlet inlet(parse_stream_place(peer.stream().info.name), peer.stream(), {0, 1, 2}, clock,
+                settings);
+    EXPECT_EQ(inlet.open(), hal::Status::not_found);
+  }
+}
+
 // What reading gives, until the stream is lost.
 struct Read {
   int samples = 0;
