@@ -2,7 +2,7 @@
 #include "condyle/estimator/sensors/cycle_sensor.h"
 #include "condyle/estimator/sensors/driven_sensor.h"
 
-// In float only microcontrollers have them, and compile their own.
+// Only microcontrollers use these sensors in float. They compile their own instances.
 namespace condyle {
 
 template class DrivenSensor<double, 1>;
