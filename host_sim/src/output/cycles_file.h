@@ -17,6 +17,7 @@ class CyclesFile {
 
   explicit CyclesFile(const std::string& path);
   void write_row(const Row& row);
+  bool has_reader() const { return file_.has_reader(); }
   /// As EstimatesFile.
   void close() { file_.close(); }
   void commit() { file_.commit(); }

@@ -24,6 +24,7 @@ class EstimatesFile {
   EstimatesFile(const std::string& path, int axis_count, bool has_impedance,
                 const TableForm& form = {}, bool has_learning = false);
   void write_row(const EstimateRow& row);
+  bool has_reader() const { return file_.has_reader(); }
   /// Writes the buffer.
   void close() { file_.close(); }
   /// Renames the closed file to its final name; without this call no file remains.

@@ -63,7 +63,7 @@ void LiveFile<File>::finish() {
     changed_.notify_all();
     std::uint64_t written = written_;
     while (!changed_.wait_for(lock, kPatience, [this] { return has_ended_; })) {
-      if (written == written_) break;
+      if (file_.has_reader() && written == written_) break;
       written = written_;
     }
   }

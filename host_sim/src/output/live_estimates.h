@@ -35,6 +35,7 @@ class LiveFile {
   /// Never waits for the file.
   void add(const Row& row);
   /// Writes the remaining rows and renames the file; abandons a reader that stalls for two seconds.
+  /// A regular file has none: a slow disk is waited for.
   void finish();
 
   /// After finish: number of dropped rows.

@@ -35,6 +35,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   }
   const bool is_written_directly =
       std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+  has_reader_ = is_written_directly;
   file_ = is_written_directly ? std::fopen(path_.c_str(), "wb") : make_file_beside(temporary_path_);
   if (file_ == nullptr) fail("cannot be written");
 }

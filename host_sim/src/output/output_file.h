@@ -29,6 +29,8 @@ class OutputFile {
   void close();
   /// Renames the closed file to its final name.
   void commit();
+  /// True for a pipe, a device or the standard output: someone reads it meanwhile, or stalls.
+  bool has_reader() const { return has_reader_; }
   /// The final name.
   const std::string& path() const { return path_; }
   /// The temporary name.
@@ -41,6 +43,7 @@ class OutputFile {
 
   std::string path_;
   std::string temporary_path_;
+  bool has_reader_ = true;
   std::FILE* file_ = nullptr;
 };
 

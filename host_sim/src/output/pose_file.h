@@ -20,6 +20,7 @@ class PoseFile {
 
   PoseFile(const std::string& path, const PoseChoice& choice);
   void write_row(const Row& row);
+  bool has_reader() const { return file_.has_reader(); }
   /// As EstimatesFile.
   void close() { file_.close(); }
   void commit() { file_.commit(); }
