@@ -307,7 +307,7 @@ hal::Status Inlet::read(TimeNs deadline_ns, hal::RawReport& report) {
     if (has_ended_ || now_ns - last_sign_ns_ > settings_.silence_ns) return lose();
     const TimeNs wait_ns = std::max<TimeNs>(
         std::min({deadline_ns, next_probe_ns_, last_sign_ns_ + settings_.silence_ns}) - now_ns, 0);
-    const timespec limit{wait_ns / kNanosecondsPerSecond, wait_ns % kNanosecondsPerSecond};
+    const timespec limit = timespec_of(wait_ns);
     std::array<pollfd, 2> items = {pollfd{feed_.get(), POLLIN, 0}, {probes_.get(), POLLIN, 0}};
     const int ready = ppoll(items.data(), items.size(), &limit, nullptr);
     if (ready < 0) return hal::Status::timeout;  // a signal

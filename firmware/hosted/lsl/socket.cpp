@@ -12,6 +12,15 @@
 #include <chrono>
 
 namespace condyle::host::lsl {
+
+timespec timespec_of(TimeNs time_ns) {
+  // Their types are narrower where the processor's are.
+  timespec result{};
+  result.tv_sec = static_cast<decltype(result.tv_sec)>(time_ns / kNanosecondsPerSecond);
+  result.tv_nsec = static_cast<decltype(result.tv_nsec)>(time_ns % kNanosecondsPerSecond);
+  return result;
+}
+
 namespace {
 
 using Steady = std::chrono::steady_clock;
@@ -21,7 +30,7 @@ bool wait_for(int descriptor, short events, TimeNs timeout_ns) {
   for (;;) {
     const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(end - Steady::now());
     const TimeNs left_ns = std::max<TimeNs>(left.count(), 0);
-    const timespec limit{left_ns / kNanosecondsPerSecond, left_ns % kNanosecondsPerSecond};
+    const timespec limit = timespec_of(left_ns);
     pollfd item{descriptor, events, 0};
     const int ready = ppoll(&item, 1, &limit, nullptr);
     if (ready > 0) return true;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <netinet/in.h>
+#include <time.h>
 
 #include <cstdint>
 #include <optional>
@@ -54,6 +55,8 @@ Socket tcp_listener(in_addr address, std::uint16_t port);
 /// A TCP connection, waited for until `timeout_ns` have passed; empty on failure.
 Socket tcp_connection(const sockaddr_in& to, TimeNs timeout_ns);
 
+/// For ppoll.
+timespec timespec_of(TimeNs time_ns);
 /// Waits until the socket is readable or the time has passed.
 bool wait_readable(const Socket& socket, TimeNs timeout_ns);
 /// Sends all of `text` on a connection within the time.

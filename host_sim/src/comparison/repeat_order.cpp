@@ -56,7 +56,7 @@ double probability_of_order(const std::vector<std::vector<double>>& sessions) {
   for (std::size_t i = 0; i < kDrawnOrders; ++i) {
     for (auto& values : orders) {
       for (std::size_t k = values.size(); k > 1; --k)
-        std::swap(values[k - 1], values[random() % k]);
+        std::swap(values[k - 1], values[static_cast<std::size_t>(random() % k)]);
     }
     look();
   }

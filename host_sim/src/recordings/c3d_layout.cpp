@@ -98,7 +98,8 @@ class LayoutReader {
 
   void skip_to(std::size_t offset) {
     while (reader_.offset() < offset) {
-      const std::size_t part = std::min<std::size_t>(offset - reader_.offset(), kBlock);
+      const auto part =
+          static_cast<std::size_t>(std::min<std::uint64_t>(offset - reader_.offset(), kBlock));
       if (reader_.peek(part).size() < part) fail("ends before its frames", "copy the file again");
       reader_.skip(part);
     }
@@ -270,8 +271,8 @@ class LayoutReader {
 // The largest coordinate of the first frames, without the largest tenth.
 double usual_extent(ByteReader& reader, const C3dLayout& layout) {
   const std::size_t bytes = layout.frame_bytes();
-  const std::size_t frames =
-      std::min<std::uint64_t>(layout.frames, ByteReader::kLongestLine / bytes);
+  const auto frames = static_cast<std::size_t>(
+      std::min<std::uint64_t>(layout.frames, ByteReader::kLongestLine / bytes));
   const std::string_view data = reader.peek(frames * bytes);
   std::vector<double> sizes;
   for (std::size_t frame = 0; (frame + 1) * bytes <= data.size(); ++frame) {

@@ -207,7 +207,8 @@ void MatCheck::pass_plain(std::uint64_t count) {
       [&]() -> std::string_view {
         reader_.skip(passed);
         count -= passed;
-        const std::string_view part = reader_.peek(std::min<std::uint64_t>(count, kPart));
+        const std::string_view part =
+            reader_.peek(static_cast<std::size_t>(std::min<std::uint64_t>(count, kPart)));
         passed = part.size();
         if (part.empty() && count > 0) {
           --variables_;
@@ -228,7 +229,7 @@ void MatCheck::pass_compressed(std::uint64_t count) {
   std::string in;  // zlib takes no constant bytes
   int status = Z_OK;
   const auto load = [&] {
-    in = std::string(reader_.peek(std::min<std::uint64_t>(count, kPart)));
+    in = std::string(reader_.peek(static_cast<std::size_t>(std::min<std::uint64_t>(count, kPart))));
     if (in.empty() && count > 0) {
       --variables_;
       fail_cut();
