@@ -202,7 +202,9 @@ void Box::watch_device(TimeNs now_ns) {
 }
 
 void Box::watch_wall_clock() {
-  const TimeNs offset_ns = wall_ns_() - clock_.now_ns();
+  const TimeNs before_ns = clock_.now_ns();
+  const TimeNs offset_ns = wall_ns_() - before_ns;
+  if (clock_.now_ns() - before_ns > kWallStep_ns / 2) return;  // held up between the two readings
   const TimeNs step_ns = offset_ns - wall_offset_ns_;
   if (std::abs(step_ns) < kWallStep_ns) return;
   wall_offset_ns_ = offset_ns;
