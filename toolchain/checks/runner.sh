@@ -121,10 +121,11 @@ finish_step() {  # JOB STATUS
     printf '\n== %s: its output\n' "$name"
     cat "$log_folder/$name.log"
   fi
-  read -r wall_s user_s system_s < <(tail -n 1 "$log_folder/$name.time")
-  cpu_s=$(awk -v user="$user_s" -v kernel="$system_s" 'BEGIN { printf "%.1f", user + kernel }')
+  # In some locales `time` writes decimal commas.
+  read -r wall_s user_s system_s < <(tail -n 1 "$log_folder/$name.time" | tr , .) || wall_s=0 user_s=0 system_s=0
+  cpu_s=$(LC_ALL=C awk -v user="$user_s" -v kernel="$system_s" 'BEGIN { printf "%.1f", user + kernel }')
   skips_of[$name]=$(paste -sd, "$log_folder/$name.skips" 2>/dev/null || true)
-  seconds_of[$name]=$(printf '%8.1f s %8.1f s CPU' "$wall_s" "$cpu_s")
+  seconds_of[$name]=$(LC_ALL=C; printf '%8.1f s %8.1f s CPU' "$wall_s" "$cpu_s")
   printf '== %s: %s, %s\n' "$name" "${state[$name]}${skips_of[$name]:+; ${skips_of[$name]}}" "$(xargs <<<"${seconds_of[$name]}")"
   printf '%s\t%s\t%s\t%s\t%s\t%s\n' "$run" "$tier" "$name" "${state[$name]}" "$wall_s" "$cpu_s" >>"$times_file"
   if [ "$tier" = release ] && [ "${state[$name]}" = passed ] && [ "${subject_of[$name]}" != - ]; then
