@@ -139,7 +139,7 @@ class RunningBox {
   std::string file_;
   std::int64_t received_before_ = 0;  // the session, its files and its pauses
   std::int64_t estimates_ = 0, hopeless_ = 0;
-  std::chrono::steady_clock::time_point progress_;
+  std::chrono::steady_clock::time_point progress_ = std::chrono::steady_clock::now();
   std::thread thread_, pacer_;
 };
 
