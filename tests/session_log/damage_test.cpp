@@ -109,22 +109,34 @@ TEST(CutLog, GivesAllChunksBeforeTheCut) {
 class SmallLog : public testing::Test {
  protected:
   void SetUp() override {
-    hal::SessionLogWriter log({.chunk_time_ns = 0});
-    ASSERT_EQ(log.open(path_, make_header()), hal::SessionLogFailure::none);
-    header_bytes_ = log.status().bytes_written;
-    for (std::uint32_t i = 0; i < 6; ++i) {
-      reports_.push_back(make_report(i, 29, 1000 + i));
-      ASSERT_TRUE(log.write(0, reports_.back()));
-      if (i % 2 == 1) {
-        ASSERT_TRUE(testing_support::wait_until_written(log, i + 1));
-      }
+    for (std::uint32_t i = 0; i < 6; ++i) reports_.push_back(make_report(i, 29, 1000 + i));
+    // The writer's thread parts a pair if this one is stalled between its reports.
+    std::uint64_t chunks = 0;
+    for (int attempt = 0; attempt < 1000 && chunks != 3; ++attempt) {
+      ASSERT_NO_FATAL_FAILURE(write_pairs(chunks));
     }
-    ASSERT_EQ(log.close(), hal::SessionLogFailure::none);
+    ASSERT_EQ(chunks, 3U);
     content_ = testing_support::read_file(path_);
   }
   // The log with `change` made to its bytes.
   Prefix read_changed(std::string content) {
     return read_prefix(folder_.write("changed.mcap", content), reports_);
+  }
+
+  // The six reports, two in a chunk; `chunks` that they became.
+  void write_pairs(std::uint64_t& chunks) {
+    std::filesystem::remove(path_);
+    hal::SessionLogWriter log({.chunk_time_ns = 0});
+    ASSERT_EQ(log.open(path_, make_header()), hal::SessionLogFailure::none);
+    header_bytes_ = log.status().bytes_written;
+    for (std::size_t i = 0; i < reports_.size(); ++i) {
+      ASSERT_TRUE(log.write(0, reports_[i]));
+      if (i % 2 == 1) {
+        ASSERT_TRUE(testing_support::wait_until_written(log, i + 1));
+      }
+    }
+    chunks = log.status().chunks_written;
+    ASSERT_EQ(log.close(), hal::SessionLogFailure::none);
   }
 
   TemporaryFolder folder_;

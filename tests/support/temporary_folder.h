@@ -15,7 +15,7 @@ namespace condyle::testing_support {
 /// A folder that lives as long as the object.
 class TemporaryFolder {
  public:
-  TemporaryFolder() : TemporaryFolder(std::filesystem::temp_directory_path()) {}
+  TemporaryFolder() : TemporaryFolder(usual()) {}
   explicit TemporaryFolder(const std::filesystem::path& parent) {
     std::string name = (parent / "condyle-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr) std::abort();
@@ -30,8 +30,7 @@ class TemporaryFolder {
   /// Where writing waits for no disk, if there is such a place.
   static std::filesystem::path in_memory() {
     const char* const memory = "/dev/shm";
-    return access(memory, W_OK) == 0 ? std::filesystem::path(memory)
-                                     : std::filesystem::temp_directory_path();
+    return access(memory, W_OK) == 0 ? std::filesystem::path(memory) : usual();
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
@@ -51,6 +50,12 @@ class TemporaryFolder {
   }
 
  private:
+  // Short, because a socket's name has at most 107 bytes.
+  static std::filesystem::path usual() {
+    const std::filesystem::path folder = std::filesystem::temp_directory_path();
+    return folder.native().size() <= 40 ? folder : std::filesystem::path("/tmp");
+  }
+
   std::filesystem::path path_;
 };
 

@@ -9,9 +9,9 @@ namespace condyle::host {
 namespace {
 
 constexpr TimeNs kRepeat_ns = 300'000'000;
-constexpr TimeNs kPatience_ns = 2'000'000'000;
-constexpr TimeNs kEndPatience_ns = 10'000'000'000;  // for a target that sends nothing new
-constexpr int kAttempts = 10, kProbes = 3;
+constexpr int kProbes = 3;
+// In patiences, from the last answer that was due to the end of a run.
+constexpr int kEnd = 5;
 
 const char* reset_text(hal::ResetCause cause) {
   constexpr const char* words[] = {"of unknown cause", "power on", "brown-out", "reset pin",
@@ -67,7 +67,7 @@ Message NodeClient::read() const {
 }
 
 void NodeClient::connect(const std::function<bool()>& stop) {
-  const TimeNs give_up_ns = clock_.now_ns() + kAttempts * kRepeat_ns;
+  const TimeNs give_up_ns = clock_.now_ns() + patience_ns_ + patience_ns_ / 2;
   while (clock_.now_ns() < give_up_ns && !stop()) {
     tell(hal::HelloMessage{});
     const TimeNs deadline_ns = clock_.now_ns() + kRepeat_ns;
@@ -101,7 +101,7 @@ void NodeClient::connect(const std::function<bool()>& stop) {
 
 void NodeClient::expect_accepted(hal::MessageType message) {
   accepted_.reset();
-  const TimeNs deadline_ns = clock_.now_ns() + kPatience_ns;
+  const TimeNs deadline_ns = clock_.now_ns() + patience_ns_;
   while (accepted_ != message) {
     const hal::Status status = end_.receive(deadline_ns);
     if (status == hal::Status::disconnected || clock_.now_ns() >= deadline_ns) {
@@ -180,7 +180,7 @@ void NodeClient::forget_oldest() {
 
 NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
   for (;;) {
-    if (has_finished_ && clock_.now_ns() - progress_ns_ > kEndPatience_ns) {
+    if (has_finished_ && clock_.now_ns() - progress_ns_ > kEnd * patience_ns_) {
       fail("sends without pause", "check that it runs an image of condyle");
     }
     const hal::Status status = end_.receive(deadline_ns);
@@ -194,7 +194,7 @@ NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
       continue;
     }
     const bool waits = !waiting_.empty() || has_finished_ || !probes_.empty();
-    if (!waits || clock_.now_ns() - last_answer_ns_ < kPatience_ns) return NodeAnswer::none;
+    if (!waits || clock_.now_ns() - last_answer_ns_ < patience_ns_) return NodeAnswer::none;
     if (++silent_probes_ > kProbes)
       fail("no longer answers", "check that the microcontroller is connected");
     last_answer_ns_ = clock_.now_ns();
@@ -217,7 +217,7 @@ void NodeClient::probe() {
 void NodeClient::request_health() {
   const TimeNs now_ns = clock_.now_ns();
   if (has_finished_) return;
-  if (!probes_.empty() && now_ns - probed_ns_ < 2 * kPatience_ns) return;
+  if (!probes_.empty() && now_ns - probed_ns_ < 2 * patience_ns_) return;
   if (!silent_since_ns()) last_answer_ns_ = heard_ns_ = now_ns;
   probes_.clear();  // the answer to an earlier one was lost
   probe();
@@ -262,7 +262,7 @@ NodeAnswer NodeClient::take_frame() {
     case hal::MessageType::greeting: {
       greeting_ = read<hal::GreetingMessage>();
       std::string what = "the microcontroller started again: " + greeting_text(greeting_);
-      if (greeting_.has_fault && end_.receive(clock_.now_ns() + kPatience_ns) == hal::Status::ok &&
+      if (greeting_.has_fault && end_.receive(clock_.now_ns() + patience_ns_) == hal::Status::ok &&
           end_.type() == hal::MessageType::fault) {
         fault_ = read<hal::FaultMessage>();
         what += ", after a " + fault_text(*fault_);
@@ -288,7 +288,7 @@ std::optional<hal::HealthMessage> NodeClient::health_of_now() {
   for (int attempt = 0; attempt < kProbes; ++attempt) {
     health_.reset();
     tell(hal::AskHealthMessage{});
-    const TimeNs deadline_ns = clock_.now_ns() + kPatience_ns / 2;
+    const TimeNs deadline_ns = clock_.now_ns() + patience_ns_ / 2;
     while (!health_ && clock_.now_ns() < deadline_ns) {
       const hal::Status status = end_.receive(deadline_ns);
       if (status == hal::Status::disconnected)

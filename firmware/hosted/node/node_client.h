@@ -32,11 +32,15 @@ class NodeClient {
   /// Bytes of reports that may be under way: the capacity of a target's receiver.
   static constexpr std::size_t kWindow = 896;
 
-  /// `name` of the line, for messages.
-  NodeClient(hal::ByteStream& line, hal::Clock& clock, std::string name)
-      : end_(line), clock_(clock), name_(std::move(name)) {}
+  static constexpr TimeNs kUsualPatience_ns = 2'000'000'000;
 
-  /// Asks for a greeting, for a few seconds or until `stop`.
+  /// `name` of the line, for messages. A target that is silent for `patience_ns` is asked whether
+  /// it is there.
+  NodeClient(hal::ByteStream& line, hal::Clock& clock, std::string name,
+             TimeNs patience_ns = kUsualPatience_ns)
+      : end_(line), clock_(clock), name_(std::move(name)), patience_ns_(patience_ns) {}
+
+  /// Asks for a greeting, for 1.5 times the patience or until `stop`.
   void connect(const std::function<bool()>& stop);
   /// The greeting; valid after connect.
   const hal::GreetingMessage& greeting() const { return greeting_; }
@@ -55,7 +59,7 @@ class NodeClient {
   /// Ends the reports.
   void finish();
   /// The next answer, waited for until `deadline_ns`. Reports that a target has not answered for
-  /// two seconds, although it is there, are lost on the line, and counted.
+  /// the patience, although it is there, are lost on the line, and counted.
   NodeAnswer receive(TimeNs deadline_ns);
   /// The frame of the last answer.
   const hal::LinkFrame& frame() const { return end_.frame(); }
@@ -102,6 +106,7 @@ class NodeClient {
   hal::LinkEnd end_;
   hal::Clock& clock_;
   std::string name_;
+  TimeNs patience_ns_;
   hal::GreetingMessage greeting_;
   std::optional<hal::FaultMessage> fault_;
   std::optional<hal::HealthMessage> health_;

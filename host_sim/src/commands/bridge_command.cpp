@@ -26,11 +26,12 @@ namespace condyle::host {
 namespace {
 
 constexpr TimeNs kPatience_ns = 20'000'000;
-constexpr TimeNs kTwinPatience_ns = 5'000'000'000;
+constexpr TimeNs kTwinPatience_ns = 60'000'000'000;  // of a thread that always answers
 
 struct BridgeOptions {
   std::string input, port, out, serial;
   unsigned baud = 1'000'000;
+  double patience_s = seconds(NodeClient::kUsualPatience_ns);
   bool checks = false;
   EstimatorChoice estimator;
   DriveStatement drive_stated;
@@ -63,7 +64,7 @@ class ReferenceRun {
                const hal::StartMessage& start, hal::Clock& clock)
       : clock_(clock),
         node_(scalar_size, clock),
-        client_(node_.line(), clock, "the estimator on this computer") {
+        client_(node_.line(), clock, "the estimator on this computer", kTwinPatience_ns) {
     client_.connect(stop_requested);
     client_.begin(layout, start);
   }
@@ -266,7 +267,7 @@ int bridge(const BridgeOptions& options) {
   if (port.open(options.port, options.baud) != hal::Status::ok) {
     throw InputError(options.port, port.problem(), "give a serial port, or unix:SOCKET");
   }
-  NodeClient client(port, clock, options.port);
+  NodeClient client(port, clock, options.port, nanoseconds(options.patience_s));
   client.connect(stop_requested);
   const unsigned scalar_size = client.greeting().scalar_size;
   if (client.fault()) {
@@ -369,6 +370,12 @@ Command add_bridge(CommandLine app) {
                   "Serial port of the microcontroller, or unix:SOCKET of an emulator")
       .required();
   command.add_option("--baud", options->baud, "Baud rate").show_default();
+  command
+      .add_option("--patience-s", options->patience_s,
+                  "How long the microcontroller may be silent before it is asked whether it is "
+                  "there; four times as long ends the run")
+      .number_in({0.1, 3600})
+      .show_default();
   command.add_flag(
       "--check", options->checks,
       "Also run the same estimator on this computer, and compare every answer byte by byte");

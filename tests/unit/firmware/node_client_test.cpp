@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <atomic>
 #include <bit>
 #include <functional>
 #include <limits>
@@ -19,6 +20,7 @@ namespace condyle::host {
 namespace {
 
 using testing::HasSubstr;
+using Type = hal::MessageType;
 using testing_support::VirtualLine;
 
 // A line that loses whole frames on their way out. Each write is one.
@@ -56,6 +58,8 @@ class QuietTarget final : public firmware::NodeTarget {
 
 class NodeClientTest : public testing::Test {
  protected:
+  explicit NodeClientTest(TimeNs patience_ns = NodeClient::kUsualPatience_ns)
+      : client_(out_, clock_, "the line", patience_ns) {}
   ~NodeClientTest() override {
     line_.cut();
     if (thread_.joinable()) thread_.join();
@@ -116,11 +120,9 @@ class NodeClientTest : public testing::Test {
   hal::Clock& clock_ = line_.near;  // of the test's thread
   LossyLine out_{line_.near}, back_{line_.far};
   QuietTarget target_;
-  NodeClient client_{out_, clock_, "the line"};
+  NodeClient client_;
   std::thread thread_;
 };
-
-using Type = hal::MessageType;
 
 TEST_F(NodeClientTest, HasAnAnswerToEveryReport) {
   begin(3, {}, {});
@@ -254,6 +256,34 @@ TEST_F(NodeClientTest, SaysThatNobodyIsThere) {
   }
   EXPECT_LT(seconds(clock_.now_ns() - begin_ns), 10) << "of the line's time";
 }
+
+class PatientClient : public NodeClientTest, public testing::WithParamInterface<double> {
+ protected:
+  PatientClient() : NodeClientTest(nanoseconds(GetParam())) {}
+  // Of the line's time, until `act` finds that the target is silent; in patiences.
+  double patiences_of(const std::function<void()>& act) {
+    const TimeNs begin_ns = clock_.now_ns();
+    EXPECT_THROW(act(), InputError);
+    return seconds(clock_.now_ns() - begin_ns) / GetParam();
+  }
+};
+
+TEST_P(PatientClient, GivesATargetThatNeverAnswersItsPatience) {
+  const double patiences = patiences_of([&] { client_.connect([] { return false; }); });
+  EXPECT_GE(patiences, 1.5);
+  EXPECT_LE(patiences, 1.5 + 0.4 / GetParam()) << "a greeting is awaited for 0.3 s";
+}
+
+TEST_P(PatientClient, AsksThreeTimesWhetherATargetIsThereThatFellSilent) {
+  std::atomic<bool> is_silent = false;
+  begin(0, {}, [&](Type, int) { return is_silent.load(); });
+  is_silent = true;
+  const double patiences = patiences_of([&] { (void)run(20); });
+  EXPECT_GE(patiences, 4);
+  EXPECT_LE(patiences, 4 + 0.4 / GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(Patiences, PatientClient, testing::Values(0.5, 2.0, 120.0));
 
 TEST_F(NodeClientTest, SaysThatTheLineWasCut) {
   begin(0, {}, {});
