@@ -58,9 +58,15 @@ Bytes damaged_frame(int kind, Random& random) {
   return line;
 }
 
-bool ask_health(hal::LinkEnd& end, hal::Clock& clock, hal::HealthMessage& health) {
+// A question that may be lost is asked again; any other wait is for a node that hangs.
+constexpr TimeNs kWait_ns = 120'000'000'000, kWaitIfLost_ns = 5'000'000'000;
+
+// Also takes what came before the question, so that a late answer to an earlier one is not its own.
+bool ask_health(hal::LinkEnd& end, hal::Clock& clock, TimeNs wait_ns, hal::HealthMessage& health) {
+  while (end.receive(clock.now_ns()) == hal::Status::ok) {
+  }
   if (end.send(hal::AskHealthMessage{}) != hal::Status::ok) return false;
-  while (end.receive(clock.now_ns() + 5'000'000'000) == hal::Status::ok) {
+  while (end.receive(clock.now_ns() + wait_ns) == hal::Status::ok) {
     if (end.type() != hal::MessageType::health) continue;
     return hal::get(end.frame().payload, health).reason == hal::RefusalReason::none;
   }
@@ -82,7 +88,10 @@ int main(int argc, char** argv) {
   }
   hal::LinkEnd end(port);
   hal::HealthMessage before, after;
-  if (!ask_health(end, clock, before)) return 1;
+  if (!ask_health(end, clock, kWait_ns, before)) {
+    std::fprintf(stderr, "disturb_node: no answer\n");
+    return 1;
+  }
   Random random(1);
   const int frames = std::atoi(argv[2]);
   for (int i = 0; i < frames; ++i) {
@@ -92,8 +101,8 @@ int main(int argc, char** argv) {
     // behind it are, that is refused too, and counted.
     const bool may_lose = line.size() > kRing;
     const bool is_sent = port.write(line) == hal::Status::ok;
-    if (!is_sent ||
-        !(ask_health(end, clock, after) || (may_lose && ask_health(end, clock, after)))) {
+    if (!is_sent || !((may_lose && ask_health(end, clock, kWaitIfLost_ns, after)) ||
+                      ask_health(end, clock, kWait_ns, after))) {
       std::fprintf(stderr, "disturb_node: no answer after damaged frame %d\n", i);
       return 1;
     }

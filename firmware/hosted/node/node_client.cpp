@@ -67,6 +67,7 @@ Message NodeClient::read() const {
 }
 
 void NodeClient::connect(const std::function<bool()>& stop) {
+  stop_ = stop;
   const TimeNs give_up_ns = clock_.now_ns() + patience_ns_ + patience_ns_ / 2;
   while (clock_.now_ns() < give_up_ns && !stop()) {
     tell(hal::HelloMessage{});
@@ -103,11 +104,13 @@ void NodeClient::expect_accepted(hal::MessageType message) {
   accepted_.reset();
   const TimeNs deadline_ns = clock_.now_ns() + patience_ns_;
   while (accepted_ != message) {
-    const hal::Status status = end_.receive(deadline_ns);
-    if (status == hal::Status::disconnected || clock_.now_ns() >= deadline_ns) {
+    const hal::Status status = end_.receive(std::min(deadline_ns, clock_.now_ns() + kRepeat_ns));
+    if (status == hal::Status::ok) (void)take_frame();
+    const bool is_over = status == hal::Status::disconnected || stop_() ||
+                         (status != hal::Status::ok && clock_.now_ns() >= deadline_ns);
+    if (is_over && accepted_ != message) {
       fail("does not answer", "check the wires and the baud rate");
     }
-    if (status == hal::Status::ok) (void)take_frame();
   }
 }
 
@@ -144,6 +147,7 @@ void NodeClient::begin(const hal::ReportLayout& layout, const hal::StartMessage&
   expect_accepted(hal::MessageType::layout);
   tell(start);
   expect_accepted(hal::MessageType::start);
+  has_begun_ = true;
   before_ = end_.counts();
   health_before_ = health_of_now().value_or(hal::HealthMessage{});
 }
@@ -180,9 +184,6 @@ void NodeClient::forget_oldest() {
 
 NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
   for (;;) {
-    if (has_finished_ && clock_.now_ns() - progress_ns_ > kEnd * patience_ns_) {
-      fail("sends without pause", "check that it runs an image of condyle");
-    }
     const hal::Status status = end_.receive(deadline_ns);
     if (status == hal::Status::disconnected)
       fail("was closed", "check that the microcontroller is connected");
@@ -190,6 +191,10 @@ NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
       last_answer_ns_ = heard_ns_ = clock_.now_ns();
       silent_probes_ = 0;
       const NodeAnswer answer = take_frame();
+      if (has_finished_ && answer != NodeAnswer::finished &&
+          clock_.now_ns() - progress_ns_ > kEnd * patience_ns_) {
+        fail("sends without pause", "check that it runs an image of condyle");
+      }
       if (answer != NodeAnswer::none || clock_.now_ns() >= deadline_ns) return answer;
       continue;
     }
@@ -260,7 +265,10 @@ NodeAnswer NodeClient::take_frame() {
       if (!probes_.empty()) end_probe();
       return NodeAnswer::none;
     case hal::MessageType::greeting: {
-      greeting_ = read<hal::GreetingMessage>();
+      const auto greeting = read<hal::GreetingMessage>();
+      // The answer to an earlier question of connect.
+      if (!has_begun_ && greeting.boot_count == greeting_.boot_count) return NodeAnswer::none;
+      greeting_ = greeting;
       std::string what = "the microcontroller started again: " + greeting_text(greeting_);
       if (greeting_.has_fault && end_.receive(clock_.now_ns() + patience_ns_) == hal::Status::ok &&
           end_.type() == hal::MessageType::fault) {

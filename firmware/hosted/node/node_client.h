@@ -49,7 +49,8 @@ class NodeClient {
 
   /// `start` with no more kernels than the target has the memory for; valid after connect.
   hal::StartMessage within_memory(hal::StartMessage start) const;
-  /// Begins a run, for which the target must have the memory (greeting). Counts start at zero.
+  /// Begins a run, for which the target must have the memory (greeting). Counts start at zero. An
+  /// acceptance is awaited for the patience, or until connect's `stop`.
   void begin(const hal::ReportLayout& layout, const hal::StartMessage& start);
   /// True if another report may be sent.
   bool has_room() const { return !has_finished_ && waiting_bytes_ < kWindow; }
@@ -113,7 +114,8 @@ class NodeClient {
   std::optional<hal::MessageType> accepted_;
   hal::HealthMessage health_before_;
   hal::FrameCounts before_;
-  bool has_finished_ = false;
+  std::function<bool()> stop_;
+  bool has_begun_ = false, has_finished_ = false;
   bool is_answered_ = false;  // every report that will be
   // Requests for health, in order: how many reports sent before each are still unanswered.
   std::deque<std::size_t> probes_;

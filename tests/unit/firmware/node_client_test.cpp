@@ -83,7 +83,7 @@ class NodeClientTest : public testing::Test {
       std::make_unique<firmware::EstimatorNode<float>>(back_, line_.far, target_)->serve();
       line_.detach_far();
     });
-    client_.connect([] { return false; });
+    client_.connect([this] { return stops_; });
   }
 
   // Loses what `to_node` and `from_node` say, from the start of the run.
@@ -121,6 +121,7 @@ class NodeClientTest : public testing::Test {
   LossyLine out_{line_.near}, back_{line_.far};
   QuietTarget target_;
   NodeClient client_;
+  bool stops_ = false;
   std::thread thread_;
 };
 
@@ -255,6 +256,23 @@ TEST_F(NodeClientTest, SaysThatNobodyIsThere) {
     EXPECT_THAT(error.what(), HasSubstr("no estimator answers"));
   }
   EXPECT_LT(seconds(clock_.now_ns() - begin_ns), 10) << "of the line's time";
+}
+
+TEST_F(NodeClientTest, TakesALateGreetingForNoRestart) {
+  connect();
+  hal::LinkEnd earlier(out_);
+  ASSERT_EQ(earlier.send(hal::HelloMessage{}), hal::Status::ok);
+  client_.begin(layout(), {});
+  EXPECT_EQ(run(20), 20);
+}
+
+TEST_F(NodeClientTest, WaitsForNoAcceptanceOnceItIsStopped) {
+  connect();
+  out_.lose([](Type, int) { return true; });
+  stops_ = true;
+  const TimeNs begin_ns = clock_.now_ns();
+  EXPECT_THROW(client_.begin(layout(), {}), InputError);
+  EXPECT_LE(seconds(clock_.now_ns() - begin_ns), 0.4);
 }
 
 class PatientClient : public NodeClientTest, public testing::WithParamInterface<double> {
