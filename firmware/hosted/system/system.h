@@ -23,6 +23,9 @@ void interrupt_write(std::thread& thread);
 /// The standard output, for writing under another handle. Null with errno on failure.
 std::FILE* duplicate_standard_output();
 
+/// False for a pipe, a terminal or a device, whose reader may stall.
+bool is_on_disk(std::FILE* file);
+
 /// A new file beside `path`, for writing, with the permissions of `path` or of a new file. `path`
 /// becomes its name. Null with errno on failure.
 std::FILE* make_file_beside(std::string& path);

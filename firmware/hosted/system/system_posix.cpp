@@ -40,6 +40,11 @@ std::FILE* duplicate_standard_output() {
   return descriptor >= 0 ? fdopen(descriptor, "wb") : nullptr;
 }
 
+bool is_on_disk(std::FILE* file) {
+  struct stat status = {};
+  return fstat(fileno(file), &status) == 0 && S_ISREG(status.st_mode);
+}
+
 std::FILE* make_file_beside(std::string& path) {
   struct stat status = {};
   const bool exists = stat(path.c_str(), &status) == 0;

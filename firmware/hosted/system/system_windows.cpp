@@ -45,6 +45,10 @@ std::FILE* duplicate_standard_output() {
   return descriptor >= 0 ? _fdopen(descriptor, "wb") : nullptr;
 }
 
+bool is_on_disk(std::FILE* file) {
+  return GetFileType(reinterpret_cast<HANDLE>(_get_osfhandle(_fileno(file)))) == FILE_TYPE_DISK;
+}
+
 std::FILE* make_file_beside(std::string& path) {
   path += ".partial-XXXXXX";
   const int descriptor = mkstemp(path.data());

@@ -55,12 +55,13 @@ struct LiveFiles {
   std::unique_ptr<OutputFile> learned;  // at the end
 
   void finish() {
-    if (learned) learned->close();
-    if (learned) learned->commit();
     if (estimates) estimates->finish();
     if (poses) poses->finish();
     if (cycles) cycles->finish();
     if (stream) stream->finish();
+    if (!learned) return;
+    learned->close();  // last: it may fail
+    learned->commit();
   }
   // Why a file is not complete; empty if all are.
   std::string problem() const {

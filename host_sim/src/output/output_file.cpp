@@ -21,6 +21,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
     file_ = duplicate_standard_output();
     if (file_ == nullptr) fail("standard output cannot be written");
     has_standard_output_ = true;
+    has_reader_ = !is_on_disk(file_);
     return;
   }
   std::error_code no_link;
@@ -35,9 +36,9 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   }
   const bool is_written_directly =
       std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
-  has_reader_ = is_written_directly;
   file_ = is_written_directly ? std::fopen(path_.c_str(), "wb") : make_file_beside(temporary_path_);
   if (file_ == nullptr) fail("cannot be written");
+  has_reader_ = !is_on_disk(file_);
 }
 
 OutputFile::~OutputFile() {

@@ -29,7 +29,7 @@ class OutputFile {
   void close();
   /// Renames the closed file to its final name.
   void commit();
-  /// True for a pipe, a device or the standard output: someone reads it meanwhile, or stalls.
+  /// True for a pipe, a terminal or a device: someone reads it meanwhile, or stalls.
   bool has_reader() const { return has_reader_; }
   /// The final name.
   const std::string& path() const { return path_; }
