@@ -35,7 +35,7 @@ class LatencyHistogram {
   static constexpr TimeNs bin_begin_ns(std::size_t bin) {
     if (bin < 32) return static_cast<TimeNs>(bin);
     const std::size_t octave = bin / 16 - 1;
-    return static_cast<TimeNs>((16 + bin % 16) << octave);
+    return static_cast<TimeNs>(std::uint64_t{16 + bin % 16} << octave);
   }
 
   /// The `quantile` of the durations (ns), as the upper end of its bin; 0 if there are none.
@@ -63,5 +63,7 @@ class LatencyHistogram {
   std::atomic<std::uint64_t> count_ = 0;
   std::atomic<TimeNs> largest_ns_ = 0;
 };
+// Also where std::size_t has 32 bits.
+static_assert(LatencyHistogram::bin_begin_ns(LatencyHistogram::kBins - 1) == TimeNs{31} << 39);
 
 }  // namespace condyle::firmware
