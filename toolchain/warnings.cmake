@@ -9,4 +9,6 @@ target_compile_options(condyle_warnings INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:-Wdouble-promotion -Wduplicated-cond -Wlogical-op>
   # 32-bit Arm: notes on compilers before GCC 7
   "$<$<IN_LIST:${CMAKE_SYSTEM_PROCESSOR},armv7l;cortex-m4;cortex-m7>:-Wno-psabi>"
-  $<$<BOOL:${CONDYLE_WARNINGS_AS_ERRORS}>:-Werror>)
+  $<$<BOOL:${CONDYLE_WARNINGS_AS_ERRORS}>:-Werror>
+  # Where other warnings are not errors: numbers of 64 bits that become narrower are.
+  "$<$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},armv7l>:-Werror=conversion;-Werror=sign-conversion>")

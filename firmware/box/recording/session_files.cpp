@@ -66,7 +66,7 @@ void send_file(Document& document, const std::string& folder, const std::string&
   document.begin({200, "application/octet-stream", name, left});
   std::string block;
   while (left > 0) {
-    block.resize(std::min<std::uint64_t>(kBlock, left));
+    block.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kBlock, left)));
     const ssize_t size = ::read(file.descriptor(), block.data(), block.size());
     if (size < 0 && errno == EINTR) continue;
     if (size <= 0) {

@@ -238,7 +238,7 @@ MergedEvaluation merge_shards(const std::vector<std::string>& paths) {
       throw InputError(path, "belongs to another evaluation than " + paths[0],
                        "give shards of the same scenario, estimator, runs, seed and count");
     }
-    std::string& place = of_number[file.shard().number - 1];
+    std::string& place = of_number[static_cast<std::size_t>(file.shard().number - 1)];
     if (!place.empty()) {
       throw InputError(path, fmt::format("is shard {}, as is {}", file.shard().number, place),
                        "give each shard once");
