@@ -51,7 +51,8 @@ Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
     host::refuse_without_pose("[pose] estimate: the facebow", facebow_.profile().kind,
                               "leave it out");
   }
-  wall_offset_ns_ = wall_ns_() - clock_.now_ns();
+  for (int i = 0; i < 100 && !take_wall_offset(wall_offset_ns_); ++i) {
+  }
 }
 
 Box::~Box() {
@@ -201,10 +202,16 @@ void Box::watch_device(TimeNs now_ns) {
       is_open ? "the facebow is connected again" : "the facebow was disconnected; looking for it");
 }
 
-void Box::watch_wall_clock() {
+// False if it was held up between the two readings.
+bool Box::take_wall_offset(TimeNs& offset_ns) const {
   const TimeNs before_ns = clock_.now_ns();
-  const TimeNs offset_ns = wall_ns_() - before_ns;
-  if (clock_.now_ns() - before_ns > kWallStep_ns / 2) return;  // held up between the two readings
+  offset_ns = wall_ns_() - before_ns;
+  return clock_.now_ns() - before_ns <= kWallStep_ns / 2;
+}
+
+void Box::watch_wall_clock() {
+  TimeNs offset_ns = 0;
+  if (!take_wall_offset(offset_ns)) return;
   const TimeNs step_ns = offset_ns - wall_offset_ns_;
   if (std::abs(step_ns) < kWallStep_ns) return;
   wall_offset_ns_ = offset_ns;

@@ -54,6 +54,7 @@ class Box {
   void open_stream();
   void look_after(TimeNs now_ns);
   void watch_device(TimeNs now_ns);
+  bool take_wall_offset(TimeNs& offset_ns) const;
   void watch_wall_clock();
   void feed_watchdog(TimeNs now_ns);
   void measure_rate(TimeNs now_ns);
