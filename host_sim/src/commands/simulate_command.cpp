@@ -35,7 +35,7 @@ std::string beside(const std::string& path, const std::string& part,
   return (base.parent_path() / (base.stem().string() + "." + part + ending)).string();
 }
 
-void report(std::size_t samples, const std::string& scenario, std::uint64_t seed,
+void report(std::uint64_t samples, const std::string& scenario, std::uint64_t seed,
             const std::string& files) {
   print_output(fmt::format("{} samples of {}, seed {}; simulated, no person was recorded\n{}",
                            samples, clean_line(scenario), seed, files));
