@@ -10,5 +10,5 @@ target_compile_options(condyle_warnings INTERFACE
   # 32-bit Arm: notes on compilers before GCC 7
   "$<$<IN_LIST:${CMAKE_SYSTEM_PROCESSOR},armv7l;cortex-m4;cortex-m7>:-Wno-psabi>"
   $<$<BOOL:${CONDYLE_WARNINGS_AS_ERRORS}>:-Werror>
-  # Where other warnings are not errors: numbers of 64 bits that become narrower are.
+  # There, numbers of 64 bits become narrower: an error, even where other warnings are not.
   "$<$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},armv7l>:-Werror=conversion;-Werror=sign-conversion>")

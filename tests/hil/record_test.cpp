@@ -54,6 +54,7 @@ class Record : public testing::TestWithParam<const char*> {
                                       "--estimates",
                                       estimates};
     if (!learned_.empty()) words.insert(words.end(), {"--learned", learned_});
+    if (!learned_out_.empty()) words.insert(words.end(), {"--learned-out", learned_out_});
     return words;
   }
   // From here on a profile that says so.
@@ -77,7 +78,7 @@ class Record : public testing::TestWithParam<const char*> {
   }
 
   testing_support::TemporaryFolder folder_;
-  std::string learned_;  // to begin with; empty: nothing
+  std::string learned_, learned_out_;  // to begin with, and at the end; empty: nothing
   std::string profile_ = testing_support::source_path("/hal/profiles/condyle_facebow.toml");
 };
 
@@ -171,6 +172,15 @@ TEST_P(Record, GoesOnWhereTheEstimatesCannotBeWritten) {
   expect_every_report_accounted_for(played, 2);
   EXPECT_EQ(number_before(played.text, "reports received"), 600) << played.text;
   EXPECT_THAT(played.text, testing::HasSubstr("the recording is complete; replay it"));
+}
+
+TEST_P(Record, KeepsTheRestWhereWhatItLearnedCannotBeWritten) {
+  learned_out_ = "/dev/full";
+  const Played played = record(600, {"--by-consumption"});
+  expect_every_report_accounted_for(played, 2);
+  EXPECT_THAT(played.text, testing::HasSubstr("No space left on device"));
+  EXPECT_THAT(played.text, testing::HasSubstr("the recording is complete; replay it"));
+  expect_same_estimates();
 }
 
 // A pipe that nobody empties holds up nothing.

@@ -10,8 +10,9 @@ namespace {
 
 constexpr TimeNs kRepeat_ns = 300'000'000;
 constexpr int kProbes = 3;
-// In patiences, from the last answer that was due to the end of a run.
-constexpr int kEnd = 5;
+// After finish, or where an acceptance is due: frames without progress end the run after so many
+// patiences, and then so many of them, which a stall of this computer does not hold back.
+constexpr int kEnd = 5, kMostLateFrames = 1000;
 
 const char* reset_text(hal::ResetCause cause) {
   constexpr const char* words[] = {"of unknown cause", "power on", "brown-out", "reset pin",
@@ -100,14 +101,22 @@ void NodeClient::connect(const std::function<bool()>& stop) {
   fail("no estimator answers", "check the image, the wires and the baud rate");
 }
 
+// Who has asked it to stop waits no longer than usual.
+TimeNs NodeClient::patience_ns() const {
+  return stop_ && stop_() ? std::min(patience_ns_, kUsualPatience_ns) : patience_ns_;
+}
+
 void NodeClient::expect_accepted(hal::MessageType message) {
   accepted_.reset();
+  int late_frames = 0;
   const TimeNs deadline_ns = clock_.now_ns() + patience_ns_;
   while (accepted_ != message) {
     const hal::Status status = end_.receive(std::min(deadline_ns, clock_.now_ns() + kRepeat_ns));
     if (status == hal::Status::ok) (void)take_frame();
-    const bool is_over = status == hal::Status::disconnected || stop_() ||
-                         (status != hal::Status::ok && clock_.now_ns() >= deadline_ns);
+    const bool is_late = clock_.now_ns() >= deadline_ns;
+    const bool is_over =
+        status == hal::Status::disconnected || stop_() ||
+        (is_late && (status != hal::Status::ok || ++late_frames > kMostLateFrames));
     if (is_over && accepted_ != message) {
       fail("does not answer", "check the wires and the baud rate");
     }
@@ -145,9 +154,9 @@ void NodeClient::begin(const hal::ReportLayout& layout, const hal::StartMessage&
   refuse_what_it_cannot(layout, start);
   tell(hal::LayoutMessage{layout});
   expect_accepted(hal::MessageType::layout);
+  has_layout_ = true;
   tell(start);
   expect_accepted(hal::MessageType::start);
-  has_begun_ = true;
   before_ = end_.counts();
   health_before_ = health_of_now().value_or(hal::HealthMessage{});
 }
@@ -192,14 +201,15 @@ NodeAnswer NodeClient::receive(TimeNs deadline_ns) {
       silent_probes_ = 0;
       const NodeAnswer answer = take_frame();
       if (has_finished_ && answer != NodeAnswer::finished &&
-          clock_.now_ns() - progress_ns_ > kEnd * patience_ns_) {
+          clock_.now_ns() - progress_ns_ > kEnd * patience_ns() &&
+          ++late_frames_ > kMostLateFrames) {
         fail("sends without pause", "check that it runs an image of condyle");
       }
       if (answer != NodeAnswer::none || clock_.now_ns() >= deadline_ns) return answer;
       continue;
     }
     const bool waits = !waiting_.empty() || has_finished_ || !probes_.empty();
-    if (!waits || clock_.now_ns() - last_answer_ns_ < patience_ns_) return NodeAnswer::none;
+    if (!waits || clock_.now_ns() - last_answer_ns_ < patience_ns()) return NodeAnswer::none;
     if (++silent_probes_ > kProbes)
       fail("no longer answers", "check that the microcontroller is connected");
     last_answer_ns_ = clock_.now_ns();
@@ -266,8 +276,8 @@ NodeAnswer NodeClient::take_frame() {
       return NodeAnswer::none;
     case hal::MessageType::greeting: {
       const auto greeting = read<hal::GreetingMessage>();
-      // The answer to an earlier question of connect.
-      if (!has_begun_ && greeting.boot_count == greeting_.boot_count) return NodeAnswer::none;
+      // An answer to an earlier question of connect; none comes behind the accepted layout.
+      if (!has_layout_ && greeting == greeting_) return NodeAnswer::none;
       greeting_ = greeting;
       std::string what = "the microcontroller started again: " + greeting_text(greeting_);
       if (greeting_.has_fault && end_.receive(clock_.now_ns() + patience_ns_) == hal::Status::ok &&
@@ -296,9 +306,9 @@ std::optional<hal::HealthMessage> NodeClient::health_of_now() {
   for (int attempt = 0; attempt < kProbes; ++attempt) {
     health_.reset();
     tell(hal::AskHealthMessage{});
-    const TimeNs deadline_ns = clock_.now_ns() + patience_ns_ / 2;
-    while (!health_ && clock_.now_ns() < deadline_ns) {
-      const hal::Status status = end_.receive(deadline_ns);
+    const TimeNs begin_ns = clock_.now_ns();
+    while (!health_ && clock_.now_ns() - begin_ns < patience_ns() / 2) {
+      const hal::Status status = end_.receive(clock_.now_ns() + kRepeat_ns);
       if (status == hal::Status::disconnected)
         fail("was closed", "check that the microcontroller is connected");
       if (status == hal::Status::ok) (void)take_frame();

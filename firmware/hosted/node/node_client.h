@@ -92,6 +92,7 @@ class NodeClient {
  private:
   template <class Message>
   void tell(const Message& message);
+  TimeNs patience_ns() const;
   void expect_accepted(hal::MessageType message);
   NodeAnswer take_frame();
   NodeAnswer finished();
@@ -115,7 +116,8 @@ class NodeClient {
   hal::HealthMessage health_before_;
   hal::FrameCounts before_;
   std::function<bool()> stop_;
-  bool has_begun_ = false, has_finished_ = false;
+  bool has_layout_ = false, has_finished_ = false;
+  int late_frames_ = 0;
   bool is_answered_ = false;  // every report that will be
   // Requests for health, in order: how many reports sent before each are still unanswered.
   std::deque<std::size_t> probes_;

@@ -5,6 +5,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "bridge/bridge_input.h"
@@ -291,24 +292,29 @@ int bridge(const BridgeOptions& options) {
   }
   NodeRows rows(axis_count, options.choice.followed, scalar_size, start.identifies);
   Bridge bridge(input, client, reference ? &*reference : nullptr, rows, estimates.get(), clock);
+  bool has_kept = !estimates;
   const auto keep_estimates = [&] {
-    if (!estimates) return;
+    if (std::exchange(has_kept, true)) return;
     estimates->close();
     estimates->commit();
   };
   try {
-    if (!bridge.run()) {
-      return report_stop();
-    }
-  } catch (const InputError& error) {
-    // A live measurement cannot be repeated, so its estimates are kept.
-    if (!input.is_live || !estimates) throw;
+    if (!bridge.run()) return report_stop();
+    const std::string problem = input.problem();
+    if (!problem.empty()) throw InputError(problem);
     keep_estimates();
-    throw InputError(std::string(error.what()) + "; the estimates so far are in " + options.out);
+  } catch (const InputError& error) {
+    if (!input.is_live) throw;
+    // A live measurement cannot be repeated: its estimates are kept. Ctrl-C ends it, after which
+    // main takes an error for an interrupted wait.
+    std::string text = error.what();
+    if (!has_kept) {
+      keep_estimates();
+      text += "; the estimates so far are in " + options.out;
+    }
+    print_error(text);
+    return kExitBadInput;
   }
-  const std::string problem = input.problem();
-  if (!problem.empty()) throw InputError(problem);
-  keep_estimates();
   const std::optional<hal::HealthMessage> health = client.ask_health();
   const BridgeCounts& counts = bridge.counts();
 
@@ -373,8 +379,9 @@ Command add_bridge(CommandLine app) {
   command.add_option("--baud", options->baud, "Baud rate").show_default();
   command
       .add_option("--patience-s", options->patience_s,
-                  "How long an answer may be due before the microcontroller is asked whether it is "
-                  "there; four times as long ends the run, and 1.5 times its start")
+                  "If an answer is due for this long, the microcontroller is asked whether it is "
+                  "there; after four times as long the run ends. At its start, it has 1.5 times as "
+                  "long to greet, and this long to accept each message")
       .number_in({0.5, 600})
       .show_default();
   command.add_flag(

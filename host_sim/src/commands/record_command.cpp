@@ -53,6 +53,7 @@ struct LiveFiles {
   std::unique_ptr<LiveCycles> cycles;
   std::unique_ptr<lsl::EstimateStream> stream;
   std::unique_ptr<OutputFile> learned;  // at the end
+  std::string learned_words, learned_problem;
 
   void finish() {
     if (estimates) estimates->finish();
@@ -60,15 +61,20 @@ struct LiveFiles {
     if (cycles) cycles->finish();
     if (stream) stream->finish();
     if (!learned) return;
-    learned->close();  // last: it may fail
-    learned->commit();
+    try {
+      learned->write(learned_words);
+      learned->close();
+      learned->commit();
+    } catch (const InputError& error) {  // here, since main takes it for a wait that Ctrl-C ended
+      learned_problem = error.what();
+    }
   }
   // Why a file is not complete; empty if all are.
   std::string problem() const {
     std::string problem = estimates ? estimates->problem() : "";
     if (problem.empty() && poses) problem = poses->problem();
     if (problem.empty() && cycles) problem = cycles->problem();
-    return problem;
+    return problem.empty() ? learned_problem : problem;
   }
 };
 
@@ -182,7 +188,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
     const bool has_learned = sensor.corrector(0).learned() > 0;
     if (has_learned && !log.keep_learned(learned))
       print_error("what was learned is too long for the log");
-    if (files.learned) files.learned->write(learned);
+    files.learned_words = learned;
   };
   firmware::with_hosted_sensor(
       {profile.kind, profile.drive_N.has_value(), parameters, 0, options.choice.point(),
@@ -210,7 +216,7 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
     return kExitBadInput;
   }
   if (files.problem().empty()) return kExitOk;
-  print_error(files.problem() + "; the recording is complete; replay it to get the estimates");
+  print_error(files.problem() + "; the recording is complete; replay it to get the file");
   return kExitBadInput;
 }
 

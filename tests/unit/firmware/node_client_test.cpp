@@ -56,6 +56,16 @@ class QuietTarget final : public firmware::NodeTarget {
   void feed_watchdog() override {}
 };
 
+// The report's number is a position along one axis.
+hal::ReportLayout layout() {
+  hal::ReportLayout layout;
+  layout.kind = SampleKind::one_axis;
+  const hal::ReportField field{.width_bits = 64, .type = hal::FieldType::floating_point};
+  (void)layout.coordinates.push_back({field, 0});
+  layout.minimum_size_bytes = 8;
+  return layout;
+}
+
 class NodeClientTest : public testing::Test {
  protected:
   explicit NodeClientTest(TimeNs patience_ns = NodeClient::kUsualPatience_ns)
@@ -63,18 +73,6 @@ class NodeClientTest : public testing::Test {
   ~NodeClientTest() override {
     line_.cut();
     if (thread_.joinable()) thread_.join();
-  }
-
-  // The report's number is a position along one axis.
-  static hal::ReportLayout layout() {
-    hal::ReportLayout layout;
-    layout.kind = SampleKind::one_axis;
-    hal::ReportField field;
-    field.width_bits = 64;
-    field.type = hal::FieldType::floating_point;
-    (void)layout.coordinates.push_back({field, 0});
-    layout.minimum_size_bytes = 8;
-    return layout;
   }
 
   void connect() {
@@ -382,6 +380,9 @@ TEST(FloodedNodeClient, EndsWhateverComes) {
     const TimeNs begin_ns = clock.now_ns();
     EXPECT_THROW(client.connect([&asked] { return ++asked > 1; }), InputError) << i;
     EXPECT_LT(clock.now_ns() - begin_ns, kNanosecondsPerSecond) << i;
+    NodeClient other(line, clock, "flood");
+    EXPECT_THROW(other.connect([] { return false; }), InputError) << i;
+    EXPECT_THROW(other.begin(layout(), {}), InputError) << i;
     const TimeNs deadline_ns = clock.now_ns() + kNanosecondsPerSecond;
     EXPECT_EQ(client.receive(deadline_ns), NodeAnswer::none) << i;
     EXPECT_LT(clock.now_ns(), deadline_ns + kNanosecondsPerSecond) << i;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output/output_file.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include "hosted/files/input_error.h"
 #include "support/temporary_folder.h"
@@ -44,6 +46,26 @@ TEST(OutputFile, LeavesTheOldFileUntilTheNewOneIsComplete) {
   file.commit();
   EXPECT_EQ(read_file(path), "new");
   EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms(0640));
+}
+
+TEST(OutputFile, HasAReaderUnlessItIsOnADisk) {
+  const TemporaryFolder folder;
+  EXPECT_FALSE(OutputFile(folder / "out.csv").has_reader());
+  EXPECT_FALSE(OutputFile(folder.write("old.csv", "old")).has_reader());
+  EXPECT_TRUE(OutputFile("/dev/null").has_reader());
+  // The standard output, at first into a file.
+  const int usual = dup(STDOUT_FILENO);
+  int pipe_ends[2];
+  ASSERT_EQ(pipe(pipe_ends), 0);
+  const int on_disk = open((folder / "standard.csv").c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
+  dup2(on_disk, STDOUT_FILENO);
+  const bool is_read_on_disk = OutputFile("-").has_reader();
+  dup2(pipe_ends[1], STDOUT_FILENO);
+  const bool is_read_in_pipe = OutputFile("-").has_reader();
+  dup2(usual, STDOUT_FILENO);
+  for (const int file : {usual, on_disk, pipe_ends[0], pipe_ends[1]}) close(file);
+  EXPECT_FALSE(is_read_on_disk);
+  EXPECT_TRUE(is_read_in_pipe);
 }
 
 TEST(OutputFile, SaysWhereItCannotWrite) {

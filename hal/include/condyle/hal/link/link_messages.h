@@ -168,6 +168,8 @@ struct GreetingMessage {
   std::uint32_t boot_count = 0;   ///< since power was last switched on
   ResetCause reset_cause = ResetCause::unknown;
   bool has_fault = false;  ///< a FaultMessage follows
+
+  friend bool operator==(const GreetingMessage&, const GreetingMessage&) = default;
 };
 
 /// A message was accepted and carried out.
