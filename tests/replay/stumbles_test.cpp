@@ -53,6 +53,18 @@ TEST(StandardOutput, TakesOneFileOnly) {
   EXPECT_THAT(full.errors, HasSubstr("standard output: cannot be written: No space left"));
 }
 
+// Its files are there by then, although Ctrl-C came before.
+TEST(StandardOutput, SaysThatItCannotBeWrittenIfFilesWereLeft) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "jaw.csv";
+  const CommandResult result = run_condyle(
+      {"simulate", source_path("/host_sim/scenarios/clinical_session.toml"), "--out", out},
+      {.interrupt = testing_support::Interrupt::once_it_can_be, .output_to = "/dev/full"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.errors, HasSubstr("standard output: cannot be written"));
+  EXPECT_TRUE(std::filesystem::exists(out));
+}
+
 // `count` rows of a sine; the time stands still after `moving` rows.
 std::string rows(int count, double amplitude_m, int moving) {
   std::string text = "time_s,position_m\n";

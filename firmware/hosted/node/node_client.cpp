@@ -280,7 +280,7 @@ NodeAnswer NodeClient::take_frame() {
       if (!has_layout_ && greeting == greeting_) return NodeAnswer::none;
       greeting_ = greeting;
       std::string what = "the microcontroller started again: " + greeting_text(greeting_);
-      if (greeting_.has_fault && end_.receive(clock_.now_ns() + patience_ns_) == hal::Status::ok &&
+      if (greeting_.has_fault && end_.receive(clock_.now_ns() + patience_ns()) == hal::Status::ok &&
           end_.type() == hal::MessageType::fault) {
         fault_ = read<hal::FaultMessage>();
         what += ", after a " + fault_text(*fault_);

@@ -20,6 +20,7 @@
 #include "options/command_line.h"
 #include "output/estimates_file.h"
 #include "output/impedance_text.h"
+#include "output/lasting_effect.h"
 #include "output/progress.h"
 #include "output/report_text.h"
 
@@ -68,7 +69,7 @@ class ReferenceRun {
       : clock_(clock),
         node_(scalar_size, clock),
         client_(node_.line(), clock, "the estimator on this computer", kTwinPatience_ns) {
-    client_.connect(stop_requested);
+    client_.connect([] { return false; });
     client_.begin(layout, start);
   }
 
@@ -269,6 +270,7 @@ int bridge(const BridgeOptions& options) {
   if (port.open(options.port, options.baud) != hal::Status::ok) {
     throw InputError(options.port, port.problem(), "give a serial port, or unix:SOCKET");
   }
+  has_lasting_effect = input.is_live;  // Ctrl-C ends a live run
   NodeClient client(port, clock, options.port, nanoseconds(options.patience_s));
   client.connect(stop_requested);
   const unsigned scalar_size = client.greeting().scalar_size;
@@ -305,14 +307,10 @@ int bridge(const BridgeOptions& options) {
     keep_estimates();
   } catch (const InputError& error) {
     if (!input.is_live) throw;
-    // A live measurement cannot be repeated: its estimates are kept. Ctrl-C ends it, after which
-    // main takes an error for an interrupted wait.
-    std::string text = error.what();
-    if (!has_kept) {
-      keep_estimates();
-      text += "; the estimates so far are in " + options.out;
-    }
-    print_error(text);
+    print_error(error.what());
+    if (has_kept) return kExitBadInput;
+    keep_estimates();  // a live measurement cannot be repeated
+    print_error("the estimates so far are in " + options.out);
     return kExitBadInput;
   }
   const std::optional<hal::HealthMessage> health = client.ask_health();
@@ -346,10 +344,11 @@ int bridge(const BridgeOptions& options) {
        fmt::format("{} frames refused, {} lost", client.frames_refused(), client.frames_lost()));
   if (reference) line("check", reference->words());
   if (estimates) line("estimates", options.out);
-  print_output(report.text());
+  const bool is_told = try_to_print(report.text());
   const bool is_whole =
       client.reports_lost() == 0 && client.frames_lost() == 0 && rows.unreadable() == 0;
   if (!is_whole) print_error("warning: some reports have no estimate");
+  if (!is_told) return kExitBadInput;
   return is_whole && (!reference || reference->is_same()) ? kExitOk : kExitRefused;
 }
 

@@ -80,6 +80,8 @@ Command add_fake(CommandLine app);
 /// Writes `text` to the standard output, or to the error output if an output file is "-"; throws
 /// InputError if that is closed or full.
 void print_output(const std::string& text);
+/// The same; shows the error instead of throwing it, and returns false.
+bool try_to_print(const std::string& text);
 /// Writes "condyle: `text`" to the error output, if it is open.
 void print_error(const std::string& text);
 

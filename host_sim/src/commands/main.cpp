@@ -14,6 +14,7 @@
 #include "hosted/files/last_words.h"
 #include "hosted/system/system.h"
 #include "output/deferred_problem.h"
+#include "output/lasting_effect.h"
 #include "output/output_file.h"
 
 namespace condyle::host {
@@ -59,7 +60,7 @@ int run(int argc, char** argv) {
   try {
     return run_command(argc, argv);
   } catch (const InputError& error) {
-    if (stop_requested()) {  // the error is the interrupted wait
+    if (stop_requested() && !has_lasting_effect) {  // the error is the interrupted wait
       return report_stop();
     }
     print_error(error.what());
@@ -80,6 +81,16 @@ void print_output(const std::string& raw) {
   if (std::fwrite(text.data(), 1, text.size(), to) != text.size() || std::fflush(to) != 0) {
     throw InputError(is_taken ? "standard error" : "standard output", "cannot be written",
                      "redirect it to a file or pipe that accepts the text");
+  }
+}
+
+bool try_to_print(const std::string& text) {
+  try {
+    print_output(text);
+    return true;
+  } catch (const InputError& error) {
+    print_error(error.what());
+    return false;
   }
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "commands/commands.h"
+#include "commands/live_files.h"
 #include "commands/record_monitor.h"
 #include "condyle/firmware/latency_histogram.h"
 #include "condyle/firmware/run_loop.h"
@@ -25,6 +26,7 @@
 #include "options/analysis_options.h"
 #include "options/command_line.h"
 #include "options/stream_options.h"
+#include "output/lasting_effect.h"
 #include "output/live_estimates.h"
 #include "output/report_text.h"
 
@@ -44,38 +46,6 @@ struct RecordOptions {
   LearnedFiles learned;
   double duration_s = 0, idle_s = 0;
   std::uint64_t samples = 0;
-};
-
-// What is written live; either may be absent.
-struct LiveFiles {
-  std::unique_ptr<LiveEstimates> estimates;
-  std::unique_ptr<LivePoses> poses;
-  std::unique_ptr<LiveCycles> cycles;
-  std::unique_ptr<lsl::EstimateStream> stream;
-  std::unique_ptr<OutputFile> learned;  // at the end
-  std::string learned_words, learned_problem;
-
-  void finish() {
-    if (estimates) estimates->finish();
-    if (poses) poses->finish();
-    if (cycles) cycles->finish();
-    if (stream) stream->finish();
-    if (!learned) return;
-    try {
-      learned->write(learned_words);
-      learned->close();
-      learned->commit();
-    } catch (const InputError& error) {  // here, since main takes it for a wait that Ctrl-C ended
-      learned_problem = error.what();
-    }
-  }
-  // Why a file is not complete; empty if all are.
-  std::string problem() const {
-    std::string problem = estimates ? estimates->problem() : "";
-    if (problem.empty() && poses) problem = poses->problem();
-    if (problem.empty() && cycles) problem = cycles->problem();
-    return problem.empty() ? learned_problem : problem;
-  }
 };
 
 std::string latency_text(const firmware::LatencyHistogram& latency) {
@@ -121,7 +91,7 @@ std::string summary(const RecordOptions& options, const SessionDevice& device,
   live_line("estimates", options.estimates, files.estimates);
   live_line("poses", options.pose.file, files.poses);
   live_line("cycles", options.cycles.file, files.cycles);
-  if (files.learned) line("learned", options.learned.out);
+  if (files.learned && files.learned_problem.empty()) line("learned", options.learned.out);
   if (files.stream) line("stream", files.stream->summary());
   return report.text();
 }
@@ -208,16 +178,17 @@ int record_devices(const RecordOptions& options, const std::vector<SessionDevice
   for (const auto& companion : companions) companion->companion.stop();
   const hal::SessionLogFailure failure = log.close();
   files.finish();
-  print_output(summary(options, devices.front(), facebow, log.status(), companions, files, latency,
-                       elapsed_ns));
-  if (failure != hal::SessionLogFailure::none) {
+  const bool is_told = try_to_print(summary(options, devices.front(), facebow, log.status(),
+                                            companions, files, latency, elapsed_ns));
+  const bool is_complete = failure == hal::SessionLogFailure::none;
+  if (!is_complete) {
     print_error(fmt::format("{}: recording stopped: {}; the part already on the disk is intact",
                             options.out, hal::session_log_failure_name(failure)));
-    return kExitBadInput;
   }
-  if (files.problem().empty()) return kExitOk;
-  print_error(files.problem() + "; the recording is complete; replay it to get the file");
-  return kExitBadInput;
+  const std::string problems = files.problems();
+  const char* const mend = "; the recording is complete; replay it to get the file";
+  if (!problems.empty()) print_error(problems + (is_complete ? mend : ""));
+  return is_told && is_complete && problems.empty() ? kExitOk : kExitBadInput;
 }
 
 // FILE, or FILE@SERIAL if no file has the whole text as its name.
@@ -344,6 +315,7 @@ int record(const RecordOptions& options) {
     throw InputError(options.out, hal::session_log_failure_name(failure),
                      "name a new file in a writable folder");
   }
+  has_lasting_effect = true;
   return record_devices(options, devices, parameters, prior, log, files, clock);
 }
 

@@ -14,6 +14,7 @@
 #include "hosted/files/input_error.h"
 #include "hosted/files/text_file.h"
 #include "options/command_line.h"
+#include "output/lasting_effect.h"
 
 namespace condyle::host {
 namespace {
@@ -84,6 +85,7 @@ BoxAnswer ask(const SessionOptions& options, httplib::Request request) {
   };
   httplib::Response response;
   httplib::Error error = httplib::Error::Success;
+  has_lasting_effect = true;  // the box may carry the request out, whatever comes back
   Deadline deadline(client);
   const bool has_answer = client.send(request, response, error);
   const bool is_late = deadline.has_passed();

@@ -12,6 +12,7 @@
 #include "hosted/files/clean_text.h"
 #include "hosted/files/input_error.h"
 #include "hosted/system/system.h"
+#include "output/lasting_effect.h"
 #include "recordings/recording_files.h"
 
 namespace condyle::host {
@@ -67,6 +68,7 @@ void OutputFile::commit() {
     errno = error.value();
     if (error) fail("cannot be renamed");
   }
+  has_lasting_effect = true;
   temporary_path_.clear();
 }
 
