@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -58,26 +59,20 @@ Bytes damaged_frame(int kind, Random& random) {
   return line;
 }
 
-// A question that may be lost is asked again; any other wait is for a node that hangs.
-constexpr TimeNs kWait_ns = 120'000'000'000, kWaitIfLost_ns = 5'000'000'000,
-                 kQuiet_ns = 1'000'000'000;
+// A question that may be lost is asked again soon; any other wait is for a node that hangs.
+constexpr TimeNs kWait_ns = 120'000'000'000, kWaitIfLost_ns = 200'000'000;
 
-bool ask_health(hal::LinkEnd& end, hal::Clock& clock, TimeNs wait_ns, hal::HealthMessage& health) {
+// The first answer that counts another number of refused frames than `refused`: one that counts the
+// same is a late answer to an earlier question.
+bool ask_health(hal::LinkEnd& end, hal::Clock& clock, TimeNs wait_ns,
+                std::optional<std::uint64_t> refused, hal::HealthMessage& health) {
   if (end.send(hal::AskHealthMessage{}) != hal::Status::ok) return false;
   while (end.receive(clock.now_ns() + wait_ns) == hal::Status::ok) {
     if (end.type() != hal::MessageType::health) continue;
-    return hal::get(end.frame().payload, health).reason == hal::RefusalReason::none;
+    if (hal::get(end.frame().payload, health).reason != hal::RefusalReason::none) return false;
+    if (health.frames.refused() != refused) return true;
   }
   return false;
-}
-
-// The last of two answers, if the first question was late and not lost.
-bool ask_again(hal::LinkEnd& end, hal::Clock& clock, hal::HealthMessage& health) {
-  if (!ask_health(end, clock, kWait_ns, health)) return false;
-  while (end.receive(clock.now_ns() + kQuiet_ns) == hal::Status::ok) {
-    if (end.type() == hal::MessageType::health) (void)hal::get(end.frame().payload, health);
-  }
-  return true;
 }
 
 }  // namespace
@@ -95,7 +90,7 @@ int main(int argc, char** argv) {
   }
   hal::LinkEnd end(port);
   hal::HealthMessage before, after;
-  if (!ask_health(end, clock, kWait_ns, before)) {
+  if (!ask_health(end, clock, kWait_ns, {}, before)) {
     std::fprintf(stderr, "disturb_node: no answer\n");
     return 1;
   }
@@ -108,10 +103,11 @@ int main(int argc, char** argv) {
     // behind it are, that is refused too, and counted.
     const bool may_lose = line.size() > kRing;
     const bool is_sent = port.write(line) == hal::Status::ok;
-    const TimeNs wait_ns = may_lose ? kWaitIfLost_ns : kWait_ns;
-    if (!is_sent ||
-        !(ask_health(end, clock, wait_ns, after) || (may_lose && ask_again(end, clock, after)))) {
-      std::fprintf(stderr, "disturb_node: no answer after damaged frame %d\n", i);
+    const auto ask = [&](TimeNs wait_ns) {
+      return ask_health(end, clock, wait_ns, before.frames.refused(), after);
+    };
+    if (!is_sent || !((may_lose && ask(kWaitIfLost_ns)) || ask(kWait_ns))) {
+      std::fprintf(stderr, "disturb_node: no answer that counts damaged frame %d\n", i);
       return 1;
     }
     const std::uint64_t refused = after.frames.refused() - before.frames.refused();
