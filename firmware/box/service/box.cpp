@@ -52,7 +52,7 @@ Box::Box(const Configuration& configuration, hal::Clock& clock, BoxLog& log,
                               "leave it out");
   }
   for (int i = 0; i < 100 && !take_wall_offset(wall_offset_ns_); ++i) {
-  }
+  }  // if each reading was held up, the last one counts
 }
 
 Box::~Box() {

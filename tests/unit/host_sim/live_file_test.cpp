@@ -11,9 +11,10 @@
 namespace condyle::host {
 namespace {
 
-std::atomic<bool> is_interrupted = false;  // what waits for a reader
+std::atomic<bool> is_interrupted = false;  // set by the signal that ends a write
 
-// What a file is on: it stalls where it is told to, until it is released.
+// Holds the rows of a file. It can stall at each row, or when the file is closed. A stall ends when
+// `is_released` or `is_interrupted` is set.
 struct Medium {
   std::atomic<bool> has_reader = false, stalls_at_row = false, stalls_at_close = false;
   std::atomic<bool> is_released = false, is_committed = false;
