@@ -128,6 +128,11 @@ def must(condyle, folder, out, level, *more):
     run = Run(condyle, folder, out, level, *more)
     if run.watch() != 0:
         raise RuntimeError(f"the {level} level of {out} failed:\n{run.text()}")
+    if level == "group":
+        with open(os.path.join(run.out, "group", "problems.csv"), encoding="utf-8") as file:
+            problems = file.read().splitlines()
+        if len(problems) != 1:  # the names of the columns
+            raise RuntimeError(f"{out} has problems:\n" + "\n".join(problems[:3]))
     return run
 
 
