@@ -18,7 +18,10 @@ def axe_source(folder):
     """The script of axe-core, fetched into `folder`; None if it cannot be had."""
     os.makedirs(folder, exist_ok=True)
     fetch = [os.path.join(TREE, "toolchain/fetch_npm_package"), folder, *AXE, "axe.min.js"]
-    if subprocess.run(fetch, check=False).returncode != 0:
+    status = subprocess.run(fetch, check=False).returncode
+    if status == 3:
+        raise RuntimeError("axe-core is not the expected one")
+    if status != 0:
         return None
     with open(os.path.join(folder, "axe.min.js"), encoding="utf-8") as file:
         return file.read()
