@@ -59,7 +59,9 @@ int fail(const std::string& words) {
 
 int run(double hours, double speed) {
   const auto begin = std::chrono::steady_clock::now();
+  const testing_support::TemporaryFolder folder;
   RunningBox running(speed);
+  running.configuration.folder = folder.path().string();
   running.configuration.priority = 0;
   running.configuration.log.chunk_time_ns =
       static_cast<TimeNs>(static_cast<double>(running.configuration.log.chunk_time_ns) / speed);
@@ -82,7 +84,7 @@ int run(double hours, double speed) {
     if (session.phase != box::SessionState::Phase::recording) return fail(session.problem);
     if (session.log.chunks_written < chunks_of_part) chunks += chunks_of_part;
     chunks_of_part = session.log.chunks_written;
-    bytes += delete_finished(running.folder.path(), session.file);
+    bytes += delete_finished(folder.path(), session.file);
     const double now_MB = memory_MB();
     if (first_MB > 0) most_MB = std::max(most_MB, now_MB);
     if (now_ns >= next_ns) {
