@@ -2,11 +2,13 @@
 #include "condyle/estimator/sensors/cycle_sensor.h"
 #include "condyle/estimator/sensors/driven_sensor.h"
 
-// Only microcontrollers use these sensors in float. They compile their own instances.
+// Only microcontrollers use the cycle sensor in float. They compile their own instances.
 namespace condyle {
 
 template class DrivenSensor<double, 1>;
 template class DrivenSensor<double, 3>;
+template class DrivenSensor<float, 1>;
+template class DrivenSensor<float, 3>;
 template class CycleSensor<double, 1>;
 template class CycleSensor<double, 3>;
 

@@ -99,6 +99,8 @@ auto DrivenSensor<Scalar, kAxes, kMostLag>::complete(Estimate estimate) -> Estim
 #ifdef CONDYLE_SENSORS_COMPILED  // once, in a library
 extern template class DrivenSensor<double, 1>;
 extern template class DrivenSensor<double, 3>;
+extern template class DrivenSensor<float, 1>;
+extern template class DrivenSensor<float, 3>;
 #endif
 
 }  // namespace condyle

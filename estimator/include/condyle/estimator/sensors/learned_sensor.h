@@ -239,6 +239,10 @@ extern template class LearnedSensor<RecommendedSensor<double, 1>, double, 1, 16,
 extern template class LearnedSensor<RecommendedSensor<double, 3>, double, 3, 16, kMostKernels>;
 extern template class LearnedSensor<DrivenSensor<double, 1>, double, 1, 16, kMostKernels>;
 extern template class LearnedSensor<DrivenSensor<double, 3>, double, 3, 16, kMostKernels>;
+extern template class LearnedSensor<RecommendedSensor<float, 1>, float, 1, 16, kMostKernels>;
+extern template class LearnedSensor<RecommendedSensor<float, 3>, float, 3, 16, kMostKernels>;
+extern template class LearnedSensor<DrivenSensor<float, 1>, float, 1, 16, kMostKernels>;
+extern template class LearnedSensor<DrivenSensor<float, 3>, float, 3, 16, kMostKernels>;
 #endif
 
 }  // namespace condyle
