@@ -123,10 +123,10 @@ TEST_P(DeviceInvariants, AStopOfTheDeviceIsNotAStopOfTheJaw) {
   }
 }
 
-// The jaw starts while nothing is measured, at up to 0.3 m/s: of 200 times at most twice does it
-// get farther than 5 sd from what is shown, and never farther than 10.
+// The jaw starts while nothing is measured, at up to 0.3 m/s: of 200 times at most twice (of 50
+// once) does it get farther than 5 sd from what is shown, and never farther than 10.
 TEST_P(DeviceInvariants, AGapMayHideAnOnset) {
-  int left = 0;
+  std::uint64_t left = 0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     Random random(seed);
     const double noise_m = log_between(random, 3e-6, 300e-6);
@@ -150,7 +150,7 @@ TEST_P(DeviceInvariants, AGapMayHideAnOnset) {
     EXPECT_LE(largest, 10) << "seed " << seed;
     left += largest > 5;
   }
-  EXPECT_LE(left, 2);
+  EXPECT_LE(left, runs(1U, 2U, 2U));
 }
 
 }  // namespace

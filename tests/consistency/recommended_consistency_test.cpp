@@ -230,7 +230,8 @@ TEST_P(RecommendedConsistency, ErrorsAreTheSmallestThatAnyEstimatorCanHave) {
   }
 }
 
-// Nothing known beforehand. The density is one of the bank's, then the farthest from any.
+// Nothing known beforehand. The density is one of the bank's, then the farthest from any. Errors of
+// one run depend on each other: the probability that a coverage fails by chance is not known.
 TEST(RecommendedAdaptation, IntervalsHoldAndInnovationsAreWhite) {
   const auto times = sample_times(Times::regular, 40 * 60);
   for (const double density : {10.0, 10.0 * std::pow(10, 0.25), 1000.0, 0.1}) {

@@ -69,10 +69,10 @@ TEST_P(Invariants, NoDeviationFallsWhereNothingIsTaken) {
 
 // From the fourth sample after a burst on, the truth is within 5 sd and nothing good is refused.
 // Random offsets of up to 0.3 m may look like a motion: of 300 bursts of up to 4 samples at most 1
-// is not found again, of 300 of 5 to 8 samples, where the motion restarts, at most 15. A burst of
-// one offset that lasts is a step: the way back is one too.
+// is not found again (of 80 none), of 300 of 5 to 8 samples, where the motion restarts, at most 15.
+// A burst of one offset that lasts is a step: the way back is one too.
 TEST_P(Invariants, AfterABurstTheMotionIsFoundAgain) {
-  int lost_after_short = 0, lost_after_long = 0;
+  std::uint64_t lost_after_short = 0, lost_after_long = 0;
   const auto seeds = testing_support::runs<std::uint64_t>(160, 600, 600);
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     Random random(seed);
@@ -94,7 +94,7 @@ TEST_P(Invariants, AfterABurstTheMotionIsFoundAgain) {
     const bool is_found = is_followed(recording, estimates, end + 4, end + 60);
     (length <= 4 ? lost_after_short : lost_after_long) += !is_found;
   }
-  EXPECT_LE(lost_after_short, 1);
+  EXPECT_LE(lost_after_short, seeds / 600);
   EXPECT_LE(lost_after_long, seeds / 40);
 }
 

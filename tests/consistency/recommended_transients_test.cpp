@@ -8,6 +8,7 @@
 
 #include "condyle/estimator/sensors/recommended_sensor.h"
 #include "support/random.h"
+#include "support/tier.h"
 
 namespace condyle::testing_support {
 namespace {
@@ -75,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(Rates, Transients, testing::Values(60, 200));
 TEST_P(Transients, WhatIsSaidOfAFrozenStretchHolds) {
   for (const int lag : {0, 10}) {
     Coverage coverage;
-    for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+    for (std::uint64_t seed = 1; seed <= runs(25U, 25U, 200U); ++seed) {
       Random random(seed);
       Recording recording;
       const auto start = static_cast<std::size_t>(rate_Hz() * (12 + random.uniform()));
@@ -148,15 +149,17 @@ TEST_P(Transients, RowsSentTwiceChangeNothing) {
 }
 
 // The jaw rests, then moves at once at 80 mm/s; or what is followed jumps by 5 mm. The filter that
-// takes over must not take the instrument for a better one. 30 runs of 55 samples.
+// takes over must not take the instrument for a better one. 30 runs of 55 samples (200 in release),
+// which depend on each other: the probability of a false alarm is not known.
 TEST_P(Transients, PositionsHoldAfterAStartAndAStep) {
   const auto start = [](double t) {
     return t < 15 ? 0.0 : 0.01 * std::sin(2 * std::numbers::pi * 1.3 * (t - 15));
   };
+  const unsigned seeds = runs(30U, 30U, 200U);
   const auto step = [](double t) { return chewing_m(t) + (t < 15 ? 0 : 0.005); };
   for (double (*const truth)(double) : {+start, +step}) {
     Coverage coverage;
-    for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
       Random random(seed);
       Recording recording;
       const auto change = static_cast<std::size_t>(15 * rate_Hz());
@@ -170,16 +173,18 @@ TEST_P(Transients, PositionsHoldAfterAStartAndAStep) {
       }
     }
     EXPECT_GT(coverage.share(), 0.9);
-    EXPECT_EQ(coverage.count(), 30 * 55);
+    EXPECT_EQ(coverage.count(), seeds * 55);
   }
 }
 
 // Noise up to 80 times the guess: what is called measured has intervals that hold, from the first
-// sample that is.
+// sample that is. Errors of one run depend on each other: the probability of a false alarm is not
+// known.
 TEST_P(Transients, NothingIsMeasuredBeforeTheNoiseIsKnown) {
+  const unsigned seeds = runs(60U, 60U, 200U);
   for (const double noise_m : {5e-5, 3e-4, 1e-3, 4e-3}) {
     Coverage coverage;
-    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
       Random random(seed);
       Recording recording;
       const double phase = random.uniform();
@@ -191,7 +196,7 @@ TEST_P(Transients, NothingIsMeasuredBeforeTheNoiseIsKnown) {
       for (std::size_t i = 0; i < 60; ++i) coverage.add(estimates[i], recording.truth_m[i]);
     }
     EXPECT_GT(coverage.share(), 0.85) << noise_m;
-    EXPECT_GT(coverage.count(), 60 * 15) << noise_m << ": it is known in the end";
+    EXPECT_GT(coverage.count(), seeds * 15) << noise_m << ": it is known in the end";
   }
 }
 

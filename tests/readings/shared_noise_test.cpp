@@ -129,8 +129,9 @@ void PrintTo(const Colour& colour, std::ostream* out) {
 
 class ColouredNoise : public testing::TestWithParam<Colour> {};
 
-// Measured: 97 to 99 % of some 200 intervals a recording, whose errors depend on each other within
-// a recording. With white noise assumed, 65 to 78 % held, and 13 % with a hum.
+// Measured: 97 to 99 % of some 200 intervals a recording. Their errors depend on each other, so
+// that the probability of a false alarm is not known. With white noise assumed, 65 to 78 % held,
+// and 13 % with a hum.
 TEST_P(ColouredNoise, IsInTheIntervals) {
   Score score;
   for (std::uint64_t seed = 1; seed <= runs<std::uint64_t>(1, 2, 40); ++seed) {
