@@ -43,6 +43,12 @@ build_asan_ubsan() {
   build asan-ubsan "${targets[@]}"
 }
 
+build_tsan() {
+  local targets=(tested_programs)
+  if in_tier release; then targets+=(condyle); fi
+  build tsan "${targets[@]}"
+}
+
 build_rtsan() {
   command -v clang++-22 >/dev/null || { echo "skipped: clang++-22 is not installed (Debian 12 has none)"; exit 77; }
   build rtsan
@@ -71,12 +77,15 @@ tell_skips() {  # JUNIT_FILE
 # The patterns of left_to_full, as one.
 left_to_full() { sed -E '/^(#|$)/d' toolchain/checks/left_to_full | paste -sd '|'; }
 long_statistics='^(consistency|identification|readings)_tests\.'
+# They judge reactions in real time, in the release tier: no other test may run beside them.
+real_time='^hil_tests\..*/(BoxOnFacebow\.AccountsForEveryReport|Record\.(ReportsAsFast|SaysWithinATenth))|^session_log_tests\.KilledRecorder\.LosesAtMost'
 # In the release tier, run_statistics runs the long tests.
 run_tests() {  # PRESET
   local left_out=()
   if in_tier check; then left_out=(--exclude-regex "^($(left_to_full))"); fi
-  if in_tier release; then left_out=(--exclude-regex "$long_statistics"); fi
+  if in_tier release; then left_out=(--exclude-regex "$long_statistics|$real_time"); fi
   run_ctest "$1" tests --label-exclude '^vm$' "${left_out[@]}"
+  if in_tier release; then run_ctest "$1" real_time --tests-regex "$real_time" --parallel 1; fi
 }
 run_statistics() { run_ctest release statistics --tests-regex "$long_statistics"; }
 # Short tests use memory and threads in the same way.
