@@ -71,12 +71,14 @@ class Transients : public testing::TestWithParam<int> {
 
 INSTANTIATE_TEST_SUITE_P(Rates, Transients, testing::Values(60, 200));
 
-// 25 freezes of half a second, which nobody marks. Intervals of one freeze stand or fall together:
-// 25 of them that hold with probability 0.95 cover less than 0.8 with probability 0.001.
+// 25 freezes of half a second (200 in release), which nobody marks. Intervals of one freeze stand
+// or fall together: 25 of them that hold with probability 0.95 cover less than 0.8 with probability
+// 0.001.
 TEST_P(Transients, WhatIsSaidOfAFrozenStretchHolds) {
+  const unsigned seeds = runs(25U, 25U, 200U);
   for (const int lag : {0, 10}) {
     Coverage coverage;
-    for (std::uint64_t seed = 1; seed <= runs(25U, 25U, 200U); ++seed) {
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
       Random random(seed);
       Recording recording;
       const auto start = static_cast<std::size_t>(rate_Hz() * (12 + random.uniform()));
@@ -96,8 +98,8 @@ TEST_P(Transients, WhatIsSaidOfAFrozenStretchHolds) {
         coverage.add(estimates[i], recording.truth_m[i]);
       }
     }
-    EXPECT_GT(coverage.share(), 0.8) << "lag " << lag;
-    EXPECT_GT(coverage.count(), 300);
+    EXPECT_GE(coverage.share(), 0.8) << "lag " << lag;
+    EXPECT_GT(coverage.count(), seeds * 12);
   }
 }
 

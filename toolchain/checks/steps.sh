@@ -74,18 +74,17 @@ tell_skips() {  # JUNIT_FILE
   echo "$skipped of $tests tests skipped" | tee -a "${CONDYLE_SKIPS:-/dev/null}"
   [ "$skipped" -lt "$tests" ] || exit 77
 }
-# The patterns of left_to_full, as one.
-left_to_full() { sed -E '/^(#|$)/d' toolchain/checks/left_to_full | paste -sd '|'; }
+# The patterns of left_to_full or real_time, as one.
+patterns() { sed -E '/^(#|$)/d' "toolchain/checks/$1" | paste -sd '|'; }
 long_statistics='^(consistency|identification|readings)_tests\.'
-# They judge reactions in real time, in the release tier: no other test may run beside them.
-real_time='^hil_tests\..*/(BoxOnFacebow\.AccountsForEveryReport|Record\.(ReportsAsFast|SaysWithinATenth))|^session_log_tests\.KilledRecorder\.LosesAtMost'
 # In the release tier, run_statistics runs the long tests.
 run_tests() {  # PRESET
-  local left_out=()
-  if in_tier check; then left_out=(--exclude-regex "^($(left_to_full))"); fi
-  if in_tier release; then left_out=(--exclude-regex "$long_statistics|$real_time"); fi
-  run_ctest "$1" tests --label-exclude '^vm$' "${left_out[@]}"
-  if in_tier release; then run_ctest "$1" real_time --tests-regex "$real_time" --parallel 1; fi
+  local left_out=() status=0
+  if in_tier check; then left_out=(--exclude-regex "^($(patterns left_to_full))"); fi
+  if in_tier release; then left_out=(--exclude-regex "$long_statistics|^($(patterns real_time))"); fi
+  run_ctest "$1" tests --label-exclude '^vm$' "${left_out[@]}" || status=$?
+  if in_tier release; then run_ctest "$1" real_time --tests-regex "^($(patterns real_time))" --parallel 1 || status=$?; fi
+  return $status
 }
 run_statistics() { run_ctest release statistics --tests-regex "$long_statistics"; }
 # Short tests use memory and threads in the same way.

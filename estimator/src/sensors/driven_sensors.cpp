@@ -2,7 +2,7 @@
 #include "condyle/estimator/sensors/cycle_sensor.h"
 #include "condyle/estimator/sensors/driven_sensor.h"
 
-// Only microcontrollers use the cycle sensor in float. They compile their own instances.
+// Of the cycle sensor in float there is only a test, which compiles its own instance.
 namespace condyle {
 
 template class DrivenSensor<double, 1>;
