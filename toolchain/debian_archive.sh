@@ -29,7 +29,8 @@ fetch_packages() {
 }
 
 # start_source_archive FOLDER: the same for the source packages of the Debian repositories that this
-# machine uses. fetch_source SOURCE_PACKAGE TARGET unpacks one, with Debian's patches, into TARGET.
+# machine uses. fetch_source SOURCE_PACKAGE TARGET unpacks the newest that the mirror has (some mirrors
+# lack the sources of security updates), with Debian's patches, into TARGET.
 start_source_archive() {
   apt-get indextargets --format 'deb-src $(SITE) $(RELEASE) $(COMPONENT)' \
     'Created-By: Packages' 'Origin: Debian' | sort -u >"$1/sources.list"
@@ -37,15 +38,23 @@ start_source_archive() {
   start_archive "$(dpkg --print-architecture)" "$1"
 }
 fetch_source() {
-  (cd "$archive" && archive_apt source --only-source --download-only "$1" >/dev/null) ||
-    { echo "skipped: the Debian mirror cannot be reached"; exit 77; }
-  dpkg-source --no-check --extract "$archive/$1"_*.dsc "$2" >/dev/null
+  local version
+  for version in $(archive_run apt-cache showsrc --only-source "$1" | sed -n 's/^Version: //p' | sort -rVu); do
+    if (cd "$archive" && archive_apt source --only-source --download-only "$1=$version" >/dev/null); then
+      dpkg-source --no-check --extract "$archive/$1_${version#*:}.dsc" "$2" >/dev/null
+      return
+    fi
+    echo "the Debian mirror does not give the source of $1 $version" >&2
+  done
+  echo "skipped: the Debian mirror cannot be reached, or lacks the source of $1"
+  exit 77
 }
 
 archive_options=()
-archive_apt() {
-  apt-get -qq -o Dir::State="$archive" -o Dir::State::status="$archive/status" \
+archive_apt() { archive_run apt-get "$@"; }
+archive_run() {  # apt-get or apt-cache
+  "$1" -qq -o Dir::State="$archive" -o Dir::State::status="$archive/status" \
     -o Dir::Cache="$archive/cache" -o APT::Architecture="$archive_architecture" \
     -o APT::Architectures="$archive_architecture" -o APT::Sandbox::User="$(id -un)" \
-    -o Acquire::Languages=none -o Acquire::Retries=3 -o APT::Install-Recommends=false "${archive_options[@]}" "$@"
+    -o Acquire::Languages=none -o Acquire::Retries=3 -o APT::Install-Recommends=false "${archive_options[@]}" "${@:2}"
 }
