@@ -71,9 +71,9 @@ class Transients : public testing::TestWithParam<int> {
 
 INSTANTIATE_TEST_SUITE_P(Rates, Transients, testing::Values(60, 200));
 
-// 25 freezes of half a second (200 in release), which nobody marks. Intervals of one freeze stand
-// or fall together: 25 of them that hold with probability 0.95 cover less than 0.8 with probability
-// 0.001.
+// The position freezes for half a second, and no event marks it: 25 times, in release 200 times.
+// The intervals of one freeze hold or fail together. If they hold with probability 0.95, the share
+// of 25 freezes is below 0.8 with probability 0.001.
 TEST_P(Transients, WhatIsSaidOfAFrozenStretchHolds) {
   const unsigned seeds = runs(25U, 25U, 200U);
   for (const int lag : {0, 10}) {
