@@ -11,6 +11,8 @@ import captures
 from mcap import Log, pieces
 
 Target = namedtuple("Target", "name ending is_text seeds commands parts tame")
+SHORT_SESSION = (b"[kinematic]\n[rest]\nduration_s = 1\n[opening]\nstrokes = 1\n"
+                 b"[chewing]\nduration_s = 3\n[facebow]\nrate_Hz = 60\n")
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
 
@@ -75,6 +77,12 @@ def targets(condyle, box, folder, log):
     parts = [whole for whole in (list(pieces(one)) for one in logs[:2]) if whole]
     scenarios = [read(one) for one in sorted(glob.glob(os.path.join(ROOT, "host_sim/scenarios/*.toml")))]
     short = [short_scenario(one) for one in scenarios]
+    kinematic = [one for one in short if b"[kinematic]" in one]
+    session_file = os.path.join(folder, "tasks.toml")
+    with open(session_file, "wb") as file:
+        file.write(SHORT_SESSION)
+    tasks = simulated(condyle, session_file, folder)
+    analyse = [condyle, "analyse", tasks + ".csv", "--no-figures", "--out", "OUT/readings"]
     replay = [condyle, "replay", "{}"]
     out = ["--out", "OUT/out.csv"]
 
@@ -115,6 +123,15 @@ def targets(condyle, box, folder, log):
         target("Zebris XML", ".xml", True, chosen("recording", "zebris_xml"),
                replay + out + ["--unit", "mm"]),
         target("SSFF", ".ssff", False, chosen("recording", "ssff"), replay + out),
+        target("C3D", ".c3d", False, chosen("recording", "c3d_dec_integer", "c3d_intel_float",
+                                            "c3d_mips_float"), replay + out),
+        target("MAT", ".mat", False, chosen("recording", "mat_compressed", "mat_mview", "mat_plain",
+                                            "mat_qualisys", "mat_struct"), replay + out),
+        target("XDF", ".xdf", False, chosen("recording", "xdf_rate", "xdf_stamps"), replay + out),
+        target("text of instruments", ".txt", True,
+               chosen("recording", "carstens_pos", "motive_csv", "named_points_csv", "ndi_text",
+                      "qualisys_tsv", "semicolons_csv", "titles_csv", "trc", "utf16_csv", "vicon_csv"),
+               replay + out),
         target("MCAP, as it comes", ".mcap", False, logs, replay + out,
                replay + out + ["--values", "OUT/values"]),
         target("MCAP, checksums right", ".mcap", False, logs, replay + out, parts=parts),
@@ -127,12 +144,18 @@ def targets(condyle, box, folder, log):
                [condyle, "replay", plain, "--parameters", "{}"] + out),
         target("parameters, published", ".toml", True, group("parameters", "shipped.toml"),
                [condyle, "replay", plain, "--estimator", "published", "--parameters", "{}"] + out),
-        target("scenario", ".toml", True, short, [condyle, "simulate", "{}", "--out", "OUT/out.csv",
-                                                  "--truth", "OUT/truth.csv"], tame=not_long),
+        target("landmarks", ".toml", True, [read(tasks + ".landmarks.toml")],
+               analyse + ["--landmarks", "{}"]),
+        target("CSV of tasks", ".csv", True, [read(tasks + ".tasks.csv")], analyse + ["--tasks", "{}"]),
+        *(target(name, ".toml", True, of_kind, [condyle, "simulate", "{}", "--out", "OUT/out.csv",
+                                                "--truth", "OUT/truth.csv"], tame=not_long)
+          for name, of_kind in (("scenario, kinematic", kinematic),
+                                ("scenario", [one for one in short if one not in kinematic]))),
         target("report descriptor", ".bin", False, descriptors,
                [condyle, "inspect", "--descriptor", "{}"],
                [condyle, "inspect", "--descriptor", "{}", "--json"]),
-        target("box.toml", ".toml", True, [read("firmware/box/box.toml"), full_box()],
+        target("box.toml", ".toml", True, [read("firmware/box/box.toml"), full_box(),
+                                           box_with_pose()],
                [box, "--config", "{}", "--check"]),
     ]
 
@@ -149,17 +172,19 @@ def made_emg(muscles):
 
 def short_scenario(text):
     """A second of it: the mutator needs its words, not its length."""
-    return re.sub(rb"(?m)^duration_s.*$", b"duration_s = 1", text)
+    text = re.sub(rb"(?m)^duration_s.*$", b"duration_s = 1", text)
+    return text.replace(b"[chewing]\nduration_s = 1", b"[chewing]\nduration_s = 8")  # some cycles
 
 
 def not_long(text):
-    """A mutated scenario; one of hours takes the time that it asks for, so it gets 100 s."""
+    """A mutated scenario; one of hours takes the time that it asks for, so it gets 100 s or 6 strokes."""
     def shortened(match):
+        most = b"6" if b"strokes" in match[1] else b"100"
         try:
-            return match[1] + b"100" if float(match[2]) > 100 else match[0]
+            return match[1] + most if float(match[2]) > float(most) else match[0]
         except ValueError:
             return match[0]
-    return re.sub(rb"(?m)^(\s*duration_s\s*=\s*)([-+\w.]+)", shortened, text)
+    return re.sub(rb"(?m)^(\s*(?:duration_s|strokes)\s*=\s*)([-+\w.]+)", shortened, text)
 
 
 def full_box():
@@ -169,3 +194,10 @@ def full_box():
             b'priority = 50\n[recording]\nfolder = "."\nreserve_MB = 256\n[udp]\n'
             b'address = "127.0.0.1"\nport = 0\n[http]\naddress = "::1"\nport = 8750\n'
             b'token_file = ""\nmost_listeners = 16\n')
+
+
+def box_with_pose():
+    return (b'[facebow]\nsource = "lsl:jaw@127.0.0.1"\nchannels = "jaw_x, jaw_y, jaw_z"\nunit = "mm"\n'
+            b'[pose]\nestimate = true\ntwist_axis = "x"\n[jaw_point.incisor]\n'
+            b'position_mm = [0, 80, -30]\n[cycles]\nfind = true\nclosing = "positive"\n[lsl]\n'
+            b'name = "condyle"\naddress = "127.0.0.1"\n')
