@@ -104,9 +104,7 @@ TEST_P(BoxOnFacebow, AccountsForEveryReportInConstantMemory) {
 
 // `condyle live` shows and records the device that is plugged in, and again after it was away.
 TEST_P(BoxOnFacebow, IsShownByLive) {
-  if (testing_support::run_condyle({"help", "live"}).exit_code != 0) {
-    GTEST_SKIP() << "built without the live page";
-  }
+  if (!testing_support::condyle_has("live")) GTEST_SKIP() << "built without the live page";
   const Played played = play_to(
       {testing_support::program_path("condyle"), "live", source(), "--sessions", folder_.path()},
       2'000, {"--by-consumption", "--fault", "unplug/700=0.05"});

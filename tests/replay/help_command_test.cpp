@@ -83,6 +83,18 @@ TEST(Help, AloneShowsTheMap) {
   EXPECT_THAT(run_condyle({"-v"}).output, StartsWith("condyle "));
 }
 
+// What was left out of a build is named as left out.
+TEST(Help, KnowsTheCommandsThatABuildMayLack) {
+  for (const char* command : {"report", "live"}) {
+    const CommandResult alone = run_condyle({command});
+    EXPECT_EQ(alone.exit_code, 2);
+    EXPECT_THAT(alone.errors, Not(HasSubstr("is not a command")));
+    if (!testing_support::condyle_has(command)) {
+      EXPECT_THAT(alone.errors, HasSubstr("was built without its pages for browsers"));
+    }
+  }
+}
+
 TEST(Help, OfEachCommandFitsATerminal) {
   const auto commands = all_commands();
   EXPECT_GE(commands.size(), 20U);

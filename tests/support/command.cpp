@@ -94,4 +94,8 @@ CommandResult run_condyle(const std::vector<std::string>& arguments,
   return result;
 }
 
+bool condyle_has(const std::string& command) {
+  return run_condyle({"help", command}).exit_code == 0;
+}
+
 }  // namespace condyle::testing_support

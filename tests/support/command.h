@@ -37,4 +37,7 @@ bool command_memory_is_its_own();
 CommandResult run_condyle(const std::vector<std::string>& arguments,
                           const CommandOptions& options = {});
 
+/// Whether the build has `condyle COMMAND`: report and live need the pages for browsers.
+bool condyle_has(const std::string& command);
+
 }  // namespace condyle::testing_support

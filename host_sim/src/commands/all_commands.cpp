@@ -38,15 +38,23 @@ Commands add_commands(CommandLine line) {
   return commands;
 }
 
-void refuse_absent(const Commands&, const std::vector<std::string>& words) {
+void refuse_absent(const Commands& commands, const std::vector<std::string>& words) {
+  if (words.empty()) return;
+  for (const auto& [name, command] : commands) {
+    if (words[0] == name) return;
+  }
 #ifndef CONDYLE_HAS_DEVICES
   for (const char* const name : {"doctor", "record", "live", "session", "bridge", "fake"}) {
-    if (words.empty() || words[0] != name) continue;
+    if (words[0] != name) continue;
     throw InputError(name, "this command is for devices, which condyle reads on Linux only",
                      "run condyle alone for a list of the other commands");
   }
 #endif
-  static_cast<void>(words);
+  for (const char* const name : {"report", "live"}) {
+    if (words[0] != name) continue;
+    throw InputError(name, "this condyle was built without its pages for browsers",
+                     "cmake --preset release says what it lacks; mend it, and build again");
+  }
 }
 
 }  // namespace condyle::host
