@@ -114,11 +114,13 @@ class Page:
         return result["result"].get("value")
 
     def wait(self, expression):
+        """Its value, once it is true."""
         end = time.monotonic() + PATIENCE_S
-        while not self.value(expression):
+        while not (value := self.value(expression)):
             if time.monotonic() > end:
                 raise RuntimeError(f"never: {expression}")
             time.sleep(0.02)
+        return value
 
     def resize(self, width, height):
         self.ask("Emulation.setDeviceMetricsOverride", width=width, height=height,
