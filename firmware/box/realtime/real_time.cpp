@@ -43,8 +43,13 @@ std::string lock_memory() {
   if (!may_lock_all) return "not locked: RLIMIT_MEMLOCK is not unlimited";
   (void)mallopt(M_TRIM_THRESHOLD, -1);
   (void)mallopt(M_MMAP_MAX, 0);
-  if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return "locked";
-  return std::string("not locked: ") + std::strerror(errno);
+  if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
+    return std::string("not locked: ") + std::strerror(errno);
+  }
+  // Later pages when they are first used: of 8 MB for a thread's stack, few ever are. A kernel that
+  // cannot do so has locked them whole.
+  (void)mlockall(MCL_FUTURE | MCL_ONFAULT);
+  return "locked";
 }
 
 }  // namespace condyle::box

@@ -10,8 +10,8 @@ namespace condyle::box {
 /// none of its pages is missing later. Returns "SCHED_FIFO 50", or why it was refused.
 std::string become_real_time(int priority);
 
-/// Locks all present and future memory of the process in RAM, and keeps the heap from returning
-/// memory. Returns "locked", or why not.
+/// Locks the memory of the process in RAM: what it has now at once, later pages from their first
+/// use on. Keeps the heap from returning memory. Returns "locked", or why not.
 std::string lock_memory();
 
 }  // namespace condyle::box

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "box/realtime/real_time.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <fstream>
+#include <latch>
+#include <thread>
+
+namespace condyle::box {
+namespace {
+
+double resident_MB() {
+  std::ifstream file("/proc/self/statm");
+  double all = 0, resident = 0;
+  file >> all >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
+}
+
+enum Outcome { small, large, not_locked };
+
+// In locked memory, what four threads take that are alive at once. Each has a stack of 8 MB.
+Outcome take_four_threads() {
+  if (lock_memory() != "locked") return not_locked;
+  const double before_MB = resident_MB();
+  std::latch are_alive(4), may_end(1);
+  std::array<std::thread, 4> threads;
+  for (std::thread& thread : threads) {
+    thread = std::thread([&] {
+      are_alive.count_down();
+      may_end.wait();
+    });
+  }
+  are_alive.wait();
+  const double taken_MB = resident_MB() - before_MB;
+  may_end.count_down();
+  for (std::thread& thread : threads) thread.join();
+  return taken_MB < 4 ? small : large;
+}
+
+TEST(LockedMemory, HoldsOfAThreadsStackWhatItUses) {
+  const pid_t child = fork();  // the lock ends with it
+  ASSERT_GE(child, 0);
+  if (child == 0) std::_Exit(take_four_threads());
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  if (WEXITSTATUS(status) == not_locked) GTEST_SKIP() << "may not lock its memory";
+  EXPECT_EQ(WEXITSTATUS(status), small);
+}
+
+}  // namespace
+}  // namespace condyle::box
