@@ -3,30 +3,22 @@
 // faster, as many chunks in the log as in real time, true files, of which finished ones are
 // deleted. Memory stays within 1 MB of that after the first 24th of the session, no descriptor is
 // left over, and every report is recorded or counted. usage: day_in_the_box [HOURS [SPEED]]
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <string>
 #include <thread>
 
 #include "box/running_box.h"
+#include "support/resident_memory.h"
 
 namespace {
 
 using namespace condyle;
+using testing_support::resident_MB;
 using testing_support::RunningBox;
-
-double memory_MB() {
-  std::ifstream file("/proc/self/statm");
-  double all = 0, resident = 0;
-  file >> all >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
-}
 
 // While a log follows another, both are open, on a busy machine for seconds: so it waits until no
 // more than `expected` are.
@@ -85,7 +77,7 @@ int run(double hours, double speed) {
     if (session.log.chunks_written < chunks_of_part) chunks += chunks_of_part;
     chunks_of_part = session.log.chunks_written;
     bytes += delete_finished(folder.path(), session.file);
-    const double now_MB = memory_MB();
+    const double now_MB = resident_MB();
     if (first_MB > 0) most_MB = std::max(most_MB, now_MB);
     if (now_ns >= next_ns) {
       // The first hour ends far from a change of files.
