@@ -9,6 +9,8 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <stdexcept>
+#include <string>
 
 #include "support/paths.h"
 #include "support/sanitizer.h"
@@ -95,7 +97,13 @@ CommandResult run_condyle(const std::vector<std::string>& arguments,
 }
 
 bool condyle_has(const std::string& command) {
-  return run_condyle({"help", command}).exit_code == 0;
+  const CommandResult help = run_condyle({"help", command});
+  if (help.exit_code == 0) return true;
+  if (help.exit_code == 2 && help.errors.find("built without its pages") != std::string::npos) {
+    return false;
+  }
+  throw std::runtime_error("condyle help " + command + ": exit status " +
+                           std::to_string(help.exit_code) + "\n" + help.errors);
 }
 
 }  // namespace condyle::testing_support

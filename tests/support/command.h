@@ -38,6 +38,7 @@ CommandResult run_condyle(const std::vector<std::string>& arguments,
                           const CommandOptions& options = {});
 
 /// Whether the build has `condyle COMMAND`: report and live need the pages for browsers.
+/// Throws if `condyle help COMMAND` fails for another reason.
 bool condyle_has(const std::string& command);
 
 }  // namespace condyle::testing_support

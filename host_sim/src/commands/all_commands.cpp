@@ -39,19 +39,21 @@ Commands add_commands(CommandLine line) {
 }
 
 void refuse_absent(const Commands& commands, const std::vector<std::string>& words) {
-  if (words.empty()) return;
+  const std::size_t place = !words.empty() && words[0] == "help" ? 1 : 0;
+  if (words.size() <= place) return;
+  const std::string& word = words[place];
   for (const auto& [name, command] : commands) {
-    if (words[0] == name) return;
+    if (word == name) return;
   }
 #ifndef CONDYLE_HAS_DEVICES
   for (const char* const name : {"doctor", "record", "live", "session", "bridge", "fake"}) {
-    if (words[0] != name) continue;
+    if (word != name) continue;
     throw InputError(name, "this command is for devices, which condyle reads on Linux only",
                      "run condyle alone for a list of the other commands");
   }
 #endif
   for (const char* const name : {"report", "live"}) {
-    if (words[0] != name) continue;
+    if (word != name) continue;
     throw InputError(name, "this condyle was built without its pages for browsers",
                      "cmake --preset release says what it lacks; mend it, and build again");
   }

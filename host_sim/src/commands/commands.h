@@ -30,7 +30,7 @@ using Commands = std::vector<std::pair<const char*, Command>>;
 /// Adds the subcommands of this program, in the order of its help.
 Commands add_commands(CommandLine line);
 /// Throws InputError if `words` begin with a subcommand that other programs have, and `commands`
-/// lack.
+/// lack. The whole condyle does so for its help, too.
 void refuse_absent(const Commands& commands, const std::vector<std::string>& words);
 
 /// `condyle analyse`
