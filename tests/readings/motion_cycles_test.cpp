@@ -149,7 +149,7 @@ TYPED_TEST(MotionCyclesOfAJaw, AreTheTrueOnes) {
   for (std::uint64_t seed = 1; seed <= runs<std::uint64_t>(2, 2, 20); ++seed) {
     truths.emplace_back(chewing(200, false, seed));
   }
-  for (const double rate_Hz : {50.0, 60.0, 100.0, 200.0, 500.0}) {
+  for (const double rate_Hz : {50.0, 55.0, 60.0, 65.0, 80.0, 100.0, 200.0, 500.0}) {
     for (const bool is_coarse : {false, true}) {
       Score score;
       for (std::uint64_t seed = 1; seed <= truths.size(); ++seed) {

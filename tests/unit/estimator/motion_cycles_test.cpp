@@ -66,10 +66,17 @@ class Chewing {
 
 constexpr double kHeightSd_m = 2e-5, kRateSd_m_s = 1e-3;
 
+// A time in which the height is hardly known: its standard deviation, and its error over it.
+struct Blur {
+  double begin_s = 0, end_s = 0, sd_m = 0, error_sds = 0;
+  bool is_at(double time_s) const { return time_s >= begin_s && time_s < end_s; }
+};
+
 // What a MotionCycles finds in `chewing`, seen at `rate_Hz`, without the samples that `is_lost`.
 template <class Scalar, class IsLost>
 std::vector<MotionCycle<Scalar>> found_in(const Chewing& chewing, double rate_Hz, Random& random,
-                                          const IsLost& is_lost, TimeNs origin_ns = 0) {
+                                          const IsLost& is_lost, TimeNs origin_ns = 0,
+                                          const Blur& blur = {}) {
   MotionCycles<Scalar> finder;
   MotionCycle<Scalar> cycle;
   std::vector<MotionCycle<Scalar>> found;
@@ -83,6 +90,10 @@ std::vector<MotionCycle<Scalar>> found_in(const Chewing& chewing, double rate_Hz
     sample.rate_m_s = static_cast<Scalar>(rate_m_s + kRateSd_m_s * random.normal());
     sample.speed_m_s = std::abs(sample.rate_m_s);
     sample.rate_sd_m_s = sample.speed_sd_m_s = static_cast<Scalar>(kRateSd_m_s);
+    if (blur.is_at(time_s)) {
+      sample.height_m += static_cast<Scalar>(blur.error_sds * blur.sd_m);
+      sample.height_sd_m = static_cast<Scalar>(blur.sd_m);
+    }
     if (finder.add(sample, cycle)) found.push_back(cycle);
   }
   if (finder.finish(cycle)) found.push_back(cycle);
@@ -159,6 +170,41 @@ TYPED_TEST(MotionCyclesTest, RejectTheOneWithAGap) {
                 i == 5 ? Provenance::not_computed : Provenance::measured);
     }
     EXPECT_NEAR(seconds(found[5].longest_gap_ns), 0.135, 0.006);
+  }
+}
+
+// Heights that are hardly known for a moment hide no other cycle.
+TYPED_TEST(MotionCyclesTest, AreFoundAfterHeightsThatAreHardlyKnown) {
+  for (std::uint64_t seed = 1; seed <= runs<std::uint64_t>(100, 300, 4000); ++seed) {
+    Random random(seed);
+    const Chewing chewing(14, random);
+    const double rate_Hz = 50 * std::pow(10, random.uniform());
+    Blur blur;
+    blur.begin_s = 0.5 + 0.5 * chewing.duration_s() * random.uniform();
+    blur.end_s = blur.begin_s + 1 / rate_Hz + 0.1 * random.uniform();
+    blur.sd_m = 1e-4 * std::pow(1000, random.uniform());
+    blur.error_sds = std::clamp(random.normal(), -3.0, 3.0);
+    const auto found = found_in<TypeParam>(chewing, rate_Hz, random, kNothingLost, 0, blur);
+    int touched = 0;
+    for (const TrueCycle& cycle : chewing.cycles) {
+      bool is_found = false;
+      for (const auto& one : found) {
+        is_found = is_found || (one.verdict == CycleVerdict::taken &&
+                                std::abs(seconds(one.begin_ns) - cycle.begin_s) < 0.1 &&
+                                std::abs(seconds(one.turn_ns) - cycle.turn_s) < 0.1 &&
+                                std::abs(seconds(one.end_ns) - cycle.end_s) < 0.1);
+      }
+      // The cycle during the blur, those that share an instant with it, and the one before it: up
+      // to 0.5 s after its end decide whether the jaw pauses.
+      if (cycle.end_s > blur.begin_s - 0.5 && cycle.begin_s < blur.end_s + 0.1) {
+        ++touched;
+        continue;
+      }
+      EXPECT_TRUE(is_found) << "seed " << seed << ", " << rate_Hz << " Hz, blur of "
+                            << 1e3 * blur.sd_m << " mm at " << blur.begin_s << " s, off by "
+                            << blur.error_sds << " sd; cycle at " << cycle.begin_s << " s";
+    }
+    EXPECT_LT(touched, 14) << seed;
   }
 }
 

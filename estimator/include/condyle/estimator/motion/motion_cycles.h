@@ -11,9 +11,12 @@
 //            the middle of that time. If it is closed for 0.5 s or more, a cycle ends with the
 //            arrival and the next one begins with the departure: the zero of a cubic law through
 //            the passages of depth and 4 depth
+//   top      the highest z; a later sample takes its place if it is known twice as well and lies
+//            within 5 standard deviations below: else the depth might exceed the next cycles
 //   turn     where v passes zero at the bottom of z
 //   sd of an instant   sd(v)/|a|, a the slope of v before it; of a middle 0.1 of the closed time;
 //            of a departure or an arrival 8 ms, and a quarter of the way beyond the passage
+// A sample whose z has a standard deviation of more than 0.5 mm is as if it were lost.
 // A cycle is not taken, but given with the reason, if it has a gap of more than 0.1 s between
 // samples, or lasts less than 0.25 s or more than 3 s. Movements lower than d are not cycles.
 //
@@ -62,7 +65,7 @@ class MotionCycles {
   using Cycle = MotionCycle<Scalar>;
 
   /// The next sample; true if a cycle has ended, which is then in `ended`. A sample that is not
-  /// later than the last one, or not finite, is ignored.
+  /// later than the last one, not finite, or hardly known, is ignored.
   bool add(const Sample& sample, Cycle& ended);
 
   /// After the last sample: true if it ends a cycle, because the jaw stands still at the top.
@@ -84,6 +87,7 @@ class MotionCycles {
   enum class Phase : std::uint8_t { unknown, opening, closing };
 
   static constexpr double kLeastHeight_m = 2e-3, kHeightShare = 0.3;
+  static constexpr double kMostHeightSd_m = 0.5e-3;
   static constexpr double kLeastDepth_m = 0.2e-3, kDepthShare = 0.015, kDepthSds = 5;
   static constexpr double kInstant_s = 0.08, kPause_s = 0.5, kPauseSd_s = 8e-3, kMiddleSd = 0.1;
   static constexpr double kMean_s = 0.15, kLawSd = 0.25;
@@ -137,6 +141,10 @@ class MotionCycles {
     if (!(closed_m_ > sample.height_m - depth_m())) closed_m_ = sample.height_m;
     going_.add(pending_);
     pending_ = {};
+  }
+  bool is_better_top(const Sample& sample) const {
+    return sample.height_sd_m < top_.height_sd_m / 2 &&
+           sample.height_m > top_.height_m - Scalar(kDepthSds) * top_.height_sd_m;
   }
   void lower_bottom(const Sample& sample) {
     bottom_ = sample;
@@ -247,6 +255,7 @@ bool MotionCycles<Scalar>::add(const Sample& sample, Cycle& ended) {
   const Scalar sum = sample.height_m + sample.height_sd_m + sample.rate_m_s + sample.rate_sd_m_s +
                      sample.speed_m_s + sample.speed_sd_m_s;
   if (!std::isfinite(sum) || (has_last_ && sample.time_ns <= last_.time_ns)) return false;
+  if (sample.height_sd_m > Scalar(kMostHeightSd_m)) return false;
   if (!has_last_) {
     has_last_ = true;
     last_ = sample;
@@ -262,7 +271,14 @@ bool MotionCycles<Scalar>::add(const Sample& sample, Cycle& ended) {
   const Scalar slope_m_s2 = slope_.before(sample);
   pending_.speed_m_s.raise(sample.speed_m_s, sample.speed_sd_m_s);
   pending_.gap_ns = std::max(pending_.gap_ns, sample.time_ns - before.time_ns);
-  if (phase_ != Phase::opening && sample.height_m > top_.height_m) raise_top(sample);
+  if (phase_ != Phase::opening) {
+    if (is_better_top(sample)) {
+      closed_m_ = sample.height_m;
+      raise_top(sample);
+    } else if (sample.height_m > top_.height_m) {
+      raise_top(sample);
+    }
+  }
   if (phase_ != Phase::closing && sample.height_m < bottom_.height_m) lower_bottom(sample);
   at_top_.add(before, sample, slope_m_s2);
   at_bottom_.add(before, sample, slope_m_s2);
