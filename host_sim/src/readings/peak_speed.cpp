@@ -21,10 +21,10 @@ constexpr double kAgreement = 1.8;
 // interval, or hides the value.
 constexpr double kFalseBurst = 1e-3, kFalseHiding = 1e-4;
 constexpr double kRounding = 0.7;  // of that standard deviation: times vary
-// How often the estimated error of the value is in the interval; and of the two differences that
-// are there if no narrower window could confirm the value.
-constexpr double kTimesError = 2, kHidden = 1.5, kUnconfirmed = 1.5, kTooFast = 3,
-                 kFar = 1;                // kHidden: sd
+// How often the estimated error of the value is in the interval (kHidden: sd); and of the two
+// differences that are there if no narrower window could confirm the value.
+constexpr double kTimesError = 2, kHidden = 1.5, kUnconfirmed = 1.5, kTooFast = 3;
+constexpr double kMoreInBurst = 2;        // sd: how much faster than read a burst may be
 constexpr double kMostDifference = 0.25;  // of the speed
 // A gap of more steps and more of the wide window may hide a greater speed.
 constexpr double kStepsOfGap = 2.5, kGapShare = 0.5;
@@ -63,13 +63,15 @@ class SpeedReader::Search {
   };
 
   void find_peaks();
-  bool agrees_with_narrower(std::size_t i) const;
+  bool agrees_at_its_peak(std::size_t i) const;
+  bool passes_over_no_burst(std::size_t i) const;
   bool choose_windows();
   std::string problem() const;
   double smoothing_m_s() const;
   double top_m_s();
   double noise_of_place() const;
   double speed_in_bursts(const Places& seen, const PointNoise& noise);
+  double speed_in_bursts_of_widest();
   double beyond_by_witness_mm_s(SpeedPoint witness, double value_mm_s);
   std::vector<double> fixed_mm_s() const;
 
@@ -90,8 +92,8 @@ class SpeedReader::Search {
   const Places& places_;
   std::vector<Peak> peaks_;  // from the narrowest window to the widest
 
-  // N and n of peak_speed.h, and whether N agrees with the narrower ones.
-  std::size_t wide_ = 0, narrow_ = 0;
+  // W, N and n of peak_speed.h, and whether N agrees with the narrower ones.
+  std::size_t widest_ = 0, wide_ = 0, narrow_ = 0;
   bool agrees_ = false;
   // Of n, of N, and the latter less the former, at the peak.
   std::size_t at_ = 0;
@@ -128,8 +130,8 @@ void SpeedReader::Search::find_peaks() {
   }
 }
 
-// Whether the slope of window `wide` agrees with those of all narrower ones.
-bool SpeedReader::Search::agrees_with_narrower(std::size_t wide) const {
+// Whether the slope of window `wide` agrees with those of all narrower ones at its own peak.
+bool SpeedReader::Search::agrees_at_its_peak(std::size_t wide) const {
   const std::size_t at = peaks_[wide].at;
   const Slope slope = slopes_.slope_at(at, peaks_[wide].width);
   const Vector3d direction = direction_of(slope);
@@ -144,6 +146,14 @@ bool SpeedReader::Search::agrees_with_narrower(std::size_t wide) const {
       return false;
     }
   }
+  return true;
+}
+
+// Whether it passes over no burst at their peaks.
+bool SpeedReader::Search::passes_over_no_burst(std::size_t wide) const {
+  const std::size_t at = peaks_[wide].at;
+  const PointNoise of_point =
+      slopes_.noise_of(point_, at, slopes_.slope_at(at, peaks_[wide].width).of(places_));
   for (std::size_t i = 0; i < wide; ++i) {
     // Near the peak there are fewer places to search.
     const double span = is_near(at, peaks_[i].at, peaks_[wide].width)
@@ -161,8 +171,10 @@ bool SpeedReader::Search::agrees_with_narrower(std::size_t wide) const {
 bool SpeedReader::Search::choose_windows() {
   find_peaks();
   if (peaks_.size() < 3) return false;
-  wide_ = peaks_.size() - 1;
-  while (wide_ > 0 && !agrees_with_narrower(wide_)) --wide_;
+  widest_ = peaks_.size() - 1;
+  while (widest_ > 0 && !agrees_at_its_peak(widest_)) --widest_;
+  wide_ = widest_;
+  while (wide_ > 0 && !(agrees_at_its_peak(wide_) && passes_over_no_burst(wide_))) --wide_;
   agrees_ = wide_ > 0;
   if (!agrees_) wide_ = 1;
   narrow_ = wide_ - 1;
@@ -204,11 +216,11 @@ double SpeedReader::Search::smoothing_m_s() const {
   const double hidden_m_s =
       std::max(std::abs(differs_m_s_), kHidden * std::sqrt(noise_.variance_of(difference_)));
   double most_m_s = !agrees_       ? kTooFast * std::abs(differs_m_s_)
-                    : narrow_ == 0 ? kUnconfirmed * std::abs(differs_m_s_)
+                    : narrow_ == 0 ? kUnconfirmed * hidden_m_s
                                    : kTimesError * share_ * hidden_m_s;
   if (!agrees_ && narrow_ == 0) {
     const Slope far = slopes_.slope_at(at_, peaks_[2].width).mixed(1, slope_, -1);
-    most_m_s = std::max(most_m_s, kFar * std::abs(direction_.dot(far.of(places_))));
+    most_m_s = std::max(most_m_s, std::abs(direction_.dot(far.of(places_))));
   }
   const int width = peaks_[wide_].width;
   const auto widen_by_change_at = [&](std::size_t k) {
@@ -282,10 +294,8 @@ double SpeedReader::Search::speed_in_bursts(const Places& seen, const PointNoise
         kRounding * threshold * slopes_.least_sd_of_difference(narrow, width, noise);
     const auto stride = static_cast<std::size_t>(std::max(1, narrow / 2));
     for (std::size_t k = run_.begin; k < run_.end; k += stride) {
-      if (!slopes_.may_pass_over(seen, k, narrow, width, least_m_s) ||
-          !slopes_.passes_over(seen, k, narrow, width, way_, noise, threshold)) {
-        continue;
-      }
+      if (!slopes_.may_pass_over(seen, k, narrow, width, least_m_s)) continue;
+      if (!slopes_.passes_over(seen, k, narrow, width, way_, noise, threshold)) continue;
       const Vector3d faster = slopes_.velocity_at(places_, k, width) +
                               slopes_.velocity_at(seen, k, narrow) -
                               slopes_.velocity_at(seen, k, width);
@@ -295,6 +305,24 @@ double SpeedReader::Search::speed_in_bursts(const Places& seen, const PointNoise
     }
   }
   return greatest_m_s;
+}
+
+// How fast it may be in bursts over which W passes, away from the peak, by n. 0: there are none.
+double SpeedReader::Search::speed_in_bursts_of_widest() {
+  const int width = peaks_[widest_].width, narrow = peaks_[narrow_].width;
+  if (widest_ <= wide_) return 0;
+  const double threshold =
+      burst_threshold(kFalseHiding, static_cast<double>(run_.end - run_.begin) / narrow);
+  double greatest_m_s = 0;
+  for (std::size_t k = run_.begin; k < run_.end; ++k) {
+    if (is_near(k, at_, peaks_[wide_].width)) continue;  // there the interval tells
+    const double speed_m_s = slopes_.speed_at(places_, k, narrow, way_);
+    if (speed_m_s > greatest_m_s &&
+        slopes_.passes_over(places_, k, narrow, width, way_, point_noise_, threshold)) {
+      greatest_m_s = speed_m_s;
+    }
+  }
+  return greatest_m_s > 0 ? greatest_m_s + kMoreInBurst * std::sqrt(noise_.variance_of(slope_)) : 0;
 }
 
 // How far the speed may lie above `value_mm_s` in bursts that `witness` shows.
@@ -327,8 +355,7 @@ UncertainValue SpeedReader::Search::greatest() {
   result.missing = "too few samples around the greatest speed";
   result.is_hidden = true;
   if (!(slopes_.step_s() > 0) || run_.end <= run_.begin || places_.empty()) return result;
-  if (!choose_windows()) return result;
-  result.missing = problem();
+  if (choose_windows()) result.missing = problem();
   if (!result.missing.empty()) return result;
 
   const double sd_m_s = std::sqrt(noise_.variance_of(slope_.mixed(1, difference_, -share_)));
@@ -347,7 +374,8 @@ UncertainValue SpeedReader::Search::greatest() {
   for (const SpeedPoint witness : {SpeedPoint::middle, SpeedPoint::incisor}) {
     result.doubt = std::hypot(result.doubt, beyond_by_witness_mm_s(witness, result.value));
   }
-  if (1e3 * speed_in_bursts(places_, point_noise_) > result.value + result.half_interval()) {
+  if (1e3 * std::max(speed_in_bursts(places_, point_noise_), speed_in_bursts_of_widest()) >
+      result.value + result.half_interval()) {
     result.value = JawReading::kNone;
     result.is_hidden = true;
     result.missing =

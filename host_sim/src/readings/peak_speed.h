@@ -14,7 +14,11 @@
 //     abrupt change of the speed (window_slopes.h)
 //   - of strokes: bursts that the middle of the instrument's points or the incisor shows, which
 //     often have less noise. As much as they change their velocity, the point may change its own
-// If the point may move faster than the interval in a burst elsewhere, the value is hidden.
+//   W      the widest window whose slope agrees with those of all narrower ones at its own peak. It
+//          may pass over bursts
+// If the point may move faster than the interval in a burst elsewhere, the value is hidden: in one
+// over which N passes, or in one over which W passes and whose D_n plus two standard deviations
+// exceeds the interval. N is often as wide as a burst, so that noise hides the burst from it.
 #pragma once
 
 #include <vector>
