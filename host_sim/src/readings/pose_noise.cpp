@@ -7,12 +7,14 @@
 #include <numbers>
 #include <optional>
 
+#include "readings/hum.h"
 #include "statistics/quantile.h"
 
 namespace condyle::host {
 namespace {
 
 constexpr std::size_t kOrder = 6;
+constexpr double kSquaresOfSixth = 924;                         // of the binomial numbers
 constexpr double kLongestOfSteps = 3, kShortestOfSteps = 0.02;  // over the mean
 constexpr std::ptrdiff_t kFastOf = 5, kLeastFast = 40;          // the fastest fifth, if so many
 // Of the squared median of n differences of noise, times sqrt(n), the relative standard deviation,
@@ -131,18 +133,30 @@ std::optional<Matrix6> root_of(const Matrix6& covariance) {
   return Matrix6(factor.matrixL());
 }
 
+// Variance that sixth differences of a hum of unit variance have, with weights as in the latter.
+double response_of_sixth(const Hum& hum, double step_s) {
+  const double half_angle = std::numbers::pi * hum.frequency_Hz * step_s;
+  return std::pow(2 * std::sin(half_angle), 2 * kOrder) / kSquaresOfSixth;
+}
+
 // What neighbours share at the rest, with the correlations between components that `noise` has.
-void share(const ReferredMotion& motion, std::size_t begin, std::size_t end,
-           const Vector6& white_sd, PoseNoise& noise) {
-  const double step_s =
-      (motion.time_s[end - 1] - motion.time_s[begin]) / static_cast<double>(end - begin - 1);
+void share(const ReferredMotion& motion, std::size_t begin, std::size_t end, Vector6 white_sd,
+           const std::vector<Hum>& hums, PoseNoise& noise) {
+  const double rest_s = motion.time_s[end - 1] - motion.time_s[begin];
+  const double step_s = rest_s / static_cast<double>(end - begin - 1);
+  const ReferredMotion rest = without(hums, motion, begin, end);
+  for (const Hum& hum : hums) {
+    const Vector6 variances = (hum.cosine.cwiseAbs2() + hum.sine.cwiseAbs2()) / 2;
+    white_sd =
+        (white_sd.cwiseAbs2() - response_of_sixth(hum, step_s) * variances).cwiseMax(0).cwiseSqrt();
+  }
   const Vector6 inverse =
       noise.covariance.diagonal().cwiseSqrt().cwiseMax(kRounding).cwiseInverse();
   const Matrix6 correlation_root = inverse.asDiagonal() * noise.root;
   Vector6 white;
   std::vector<Vector6> shared;
   for (int i = 0; i < 6; ++i) {
-    const NoiseParts parts = noise_parts(motion, begin, end, i, white_sd[i] * white_sd[i]);
+    const NoiseParts parts = noise_parts(rest, 0, rest.time_s.size(), i, white_sd[i] * white_sd[i]);
     white[i] = parts.white;
     shared.resize(parts.shared.size());
     for (std::size_t j = 0; j < shared.size(); ++j) shared[j][i] = parts.shared[j];
@@ -155,6 +169,12 @@ void share(const ReferredMotion& motion, std::size_t begin, std::size_t end,
   for (const Vector6& variances : shared) {
     noise.shared.push_back({tau * step_s, of(variances)});
     tau *= 2;
+  }
+  for (const Hum& hum : hums) {
+    SharedNoise part{rest_s, Matrix6::Zero(), hum.frequency_Hz};
+    part.root.col(0) = hum.cosine / std::numbers::sqrt2;
+    part.root.col(1) = hum.sine / std::numbers::sqrt2;
+    noise.shared.push_back(part);
   }
 }
 
@@ -190,12 +210,15 @@ PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t 
   const auto longest = static_cast<std::size_t>(std::max(2.0, kLongestStep_s / step_s));
   noise.is_checked_at_rest = end - begin >= 6 * longest;
   bool is_shared = false;
+  std::vector<Hum> hums;
   if (noise.is_checked_at_rest) {
     for (std::size_t step = 1; step <= longest; step *= 2) {
       noise.coloured =
           std::max(noise.coloured, ratio_over(motion, begin, end, step, noise.covariance, count));
     }
     is_shared = noise.coloured > 1;
+    hums = hums_of(motion, begin, end);
+    is_shared = is_shared || !hums.empty();
     for (std::size_t step = 1; step <= longest_lag(end - begin); step *= 2) {
       is_shared = is_shared || ratio_over(motion, begin, end, step, noise.covariance, count) > 1;
     }
@@ -208,7 +231,7 @@ PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t 
     noise.root = variances.cwiseSqrt().asDiagonal();
     noise.covariance = variances.asDiagonal();
   }
-  if (is_shared) share(motion, begin, end, sd, noise);
+  if (is_shared) share(motion, begin, end, sd, hums, noise);
   // What changes sign in a mirror at Y = 0 is drawn from the side to which the jaw moves, so that a
   // mirrored recording draws mirrored noise.
   double aside = 0;
@@ -216,7 +239,9 @@ PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t 
   if (aside < 0) {
     mirror_columns(noise.root);
     mirror_columns(noise.beside_shared);
-    for (SharedNoise& part : noise.shared) mirror_columns(part.root);
+    for (SharedNoise& part : noise.shared) {
+      if (part.frequency_Hz == 0) mirror_columns(part.root);
+    }
   }
   return noise;
 }
@@ -234,7 +259,10 @@ Matrix6 covariance_of_mean(const PoseNoise& noise, std::size_t count, double ste
   Matrix6 covariance = noise.beside_shared * noise.beside_shared.transpose() / samples;
   for (const SharedNoise& part : noise.shared) {
     // The integral of its correlation, over the time of the mean.
-    const double together = std::sqrt(2 * std::numbers::pi) * part.tau_s / (samples * step_s);
+    const double mean_s = samples * step_s;
+    const double together = part.frequency_Hz > 0
+                                ? std::pow(std::numbers::pi * part.frequency_Hz * mean_s, -2)
+                                : std::sqrt(2 * std::numbers::pi) * part.tau_s / mean_s;
     covariance += std::min(1.0, together) * part.root * part.root.transpose();
   }
   return covariance;

@@ -34,6 +34,14 @@ double response_of_sixth(double tau) {
   return sum / squares;
 }
 
+// Of two `numbers` that change slowly.
+Vector6 hum_at(const SharedNoise& hum, double time_s, const Vector6& numbers) {
+  const double angle = 2 * std::numbers::pi * hum.frequency_Hz * time_s;
+  const double cosine = std::cos(angle), sine = std::sin(angle);
+  return hum.root.col(0) * (numbers[0] * cosine - numbers[1] * sine) +
+         hum.root.col(1) * (numbers[1] * cosine + numbers[0] * sine);
+}
+
 }  // namespace
 
 double variance_over(const ReferredMotion& motion, std::size_t begin, std::size_t end,
@@ -45,6 +53,11 @@ double variance_over(const ReferredMotion& motion, std::size_t begin, std::size_
     sum += difference * difference;
   }
   return sum / (6 * static_cast<double>(end - begin - 2 * lag));
+}
+
+double SharedNoise::correlation(double lag_s) const {
+  const double bell = correlation_at(lag_s, tau_s);
+  return frequency_Hz > 0 ? bell * std::cos(2 * std::numbers::pi * frequency_Hz * lag_s) : bell;
 }
 
 NoiseParts noise_parts(const ReferredMotion& motion, std::size_t begin, std::size_t end, int i,
@@ -109,15 +122,18 @@ void add_shared_noise(const std::vector<SharedNoise>& noise, const std::vector<d
       for (Vector6& one : numbers) {
         Vector6 drawn;
         for (double& number : drawn) number = normal(random);
-        one = part.root * drawn / std::sqrt(std::sqrt(std::numbers::pi));
+        one = drawn / std::sqrt(std::sqrt(std::numbers::pi));
+        if (part.frequency_Hz == 0) one = part.root * one;
       }
       for (std::size_t k = begin; k < end; ++k) {
         const double place = (time_s[k] - first_s) / width_s;
+        Vector6 drawn = Vector6::Zero();
         for (auto g = static_cast<std::size_t>(std::max(place - kReach, 0.0));
              g < numbers.size() && static_cast<double>(g) < place + kReach; ++g) {
           const double from = static_cast<double>(g) - place;
-          errors[k] += std::exp(-0.5 * from * from) * numbers[g];
+          drawn += std::exp(-0.5 * from * from) * numbers[g];
         }
+        errors[k] += part.frequency_Hz == 0 ? drawn : hum_at(part, time_s[k], drawn);
       }
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Noise that neighbouring samples share: of an instrument that smooths, that drifts, or of a jaw
+// Noise that neighbouring samples share: of an instrument that smooths, drifts or hums, or of a jaw
 // that is not quite still. From a rest.
 //
 //   e    at a sample, for each component: sqrt(a_0) g_0 + sum_j sqrt(a_j) g_j, j > 0
@@ -7,6 +7,9 @@
 //        of unit variance
 //   V(L) mean of (x_k - 2 x_(k+L) + x_(k+2L))^2 / 6 at rest. Of white noise it is a_0; g_j gives
 //        a_j (1 - (4 rho_j(L) - rho_j(2 L)) / 3). L = 1, 2, 4, ..., up to a sixth of the rest
+//   hum  each line of the spectrum (hum.h) is subtracted before, and is a part of its own:
+//        C (n_1 cos w t - n_2 sin w t) + S (n_2 cos w t + n_1 sin w t), C and S its cosine and sine
+//        over sqrt(2), n of the correlation exp(-(lag / T)^2 / 2), T the time of the rest
 //   a    at least 0, least squares of V(L) relative to its size. Before, V(L) of few independent
 //        differences is raised by Student's factor squared over the normal one, and to that of
 //        shorter lags
@@ -21,10 +24,13 @@
 
 namespace condyle::host {
 
-/// Noise with the correlation exp(-(lag / tau_s)^2 / 2).
+/// Noise with the correlation exp(-(lag / tau_s)^2 / 2) cos(2 pi frequency_Hz lag).
 struct SharedNoise {
   double tau_s = 0;
-  Matrix6 root = Matrix6::Zero();  ///< root root' = covariance
+  Matrix6 root = Matrix6::Zero();  ///< root root' = covariance; of a hum, C and S
+  double frequency_Hz = 0;         ///< of a hum; else 0
+
+  double correlation(double lag_s) const;
 };
 
 /// Variances of the parts of one component.

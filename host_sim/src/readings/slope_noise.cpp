@@ -9,7 +9,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kLongestShared = 4;  // lag over tau; beyond it nothing is shared
+constexpr double kLongestShared = 4;   // lag over tau; beyond it nothing is shared
+constexpr double kLongestOfHum_s = 1;  // beyond any two samples of a slope
 
 }  // namespace
 
@@ -58,12 +59,14 @@ NoiseAlong along(const Vector3d& direction, const PointNoise& noise,
   result.white = direction.dot(noise.white * direction);
   for (std::size_t j = 0; j < noise.shared.size(); ++j) {
     const double variance = direction.dot(noise.shared[j] * direction);
-    const double tau = shared[j].tau_s / step_s;
-    const auto lags = static_cast<std::size_t>(kLongestShared * tau) + 1;
+    const SharedNoise& part = shared[j];
+    const double longest_s = part.frequency_Hz > 0
+                                 ? std::min(kLongestShared * part.tau_s, kLongestOfHum_s)
+                                 : kLongestShared * part.tau_s;
+    const auto lags = static_cast<std::size_t>(longest_s / step_s) + 1;
     if (result.shared.size() < lags) result.shared.resize(lags, 0.0);
     for (std::size_t lag = 0; lag < lags; ++lag) {
-      const double over = static_cast<double>(lag) / tau;
-      result.shared[lag] += variance * std::exp(-0.5 * over * over);
+      result.shared[lag] += variance * part.correlation(static_cast<double>(lag) * step_s);
     }
   }
   return result;

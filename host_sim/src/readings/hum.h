@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// A hum in the noise of a recording: mains, a vibration, a tremor of the jaw. From a rest.
+//
+//   x    samples of a component at the rest, less their mean
+//   P(f) |sum h_k x_k exp(-2 pi i f t_k)|^2, h Hann's window, f = 1/T, 2/T, ... up to half the
+//        rate, T the time of the rest
+//   a hum is a line: P exceeds 100 times the median of its 20 neighbours, without the two nearest
+//        on each side. Of 800 rests without a line, none showed one. A hum of less than eight
+//        periods in the rest does not show
+//   c, s x = c cos 2 pi f t + s sin 2 pi f t + polynomial of third degree, least squares; f where
+//   the
+//        residuals of all components, each over its variance, are least
+#pragma once
+
+#include <vector>
+
+#include "readings/pose_track.h"
+
+namespace condyle::host {
+
+struct Hum {
+  double frequency_Hz = 0;
+  Vector6 cosine = Vector6::Zero(), sine = Vector6::Zero();  ///< m, rad; at the times of the motion
+};
+
+/// The hums at the rest from `begin` to `end` (without) of `motion`, the strongest line first. At
+/// most four.
+std::vector<Hum> hums_of(const ReferredMotion& motion, std::size_t begin, std::size_t end);
+
+/// The samples from `begin` to `end` without the `hums`.
+ReferredMotion without(const std::vector<Hum>& hums, const ReferredMotion& motion,
+                       std::size_t begin, std::size_t end);
+
+}  // namespace condyle::host
