@@ -80,7 +80,7 @@ double stamp_sd_s(std::vector<Difference> differences, const Matrix6& least, Vec
   const auto count = static_cast<std::ptrdiff_t>(differences.size());
   const std::ptrdiff_t fast_count = count / kFastOf;
   if (fast_count < kLeastFast) return 0;
-  // Four standard deviations of the ratio below.
+  // Four standard deviations of the logarithm of the ratio below, whose distribution is skewed.
   const double chance =
       4 * kOfMedian *
       std::sqrt(1 / static_cast<double>(fast_count) + 2 / static_cast<double>(count));
@@ -100,7 +100,7 @@ double stamp_sd_s(std::vector<Difference> differences, const Matrix6& least, Vec
     const double slow2 = slow_sd[i] * slow_sd[i] + kRounding * kRounding;
     const double fast2 = fast_sd * fast_sd;
     // The component where the times matter most.
-    if (!(fast2 > slow2 * std::max(1 + chance, greatest_ratio)) || !(squares > 0)) continue;
+    if (!(fast2 > slow2 * std::max(std::exp(chance), greatest_ratio)) || !(squares > 0)) continue;
     greatest_ratio = fast2 / slow2;
     stamp_s2 = (fast2 - slow2) / (squares / static_cast<double>(fast_count));
   }
