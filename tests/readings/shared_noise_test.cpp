@@ -242,6 +242,24 @@ TEST(Hums, HaveTheirFrequencyAndTheirSize) {
   }
 }
 
+// However long the rest is, nothing of a hum is left to the other parts.
+TEST(Hums, OfALongRestLeaveNothing) {
+  RandomGenerator random(62);
+  std::vector<Noise> sources;
+  for (int i = 0; i < 6; ++i) sources.push_back(humming(random, 9.31 / 500));
+  const ReferredMotion rest = rest_of(500, 20'000, sources);
+  const PoseNoise noise = noise_of(rest, 0, rest.time_s.size());
+  double hum = 0, others = noise.beside_shared.squaredNorm();
+  for (const SharedNoise& part : noise.shared) {
+    (part.frequency_Hz > 0 ? hum : others) += part.root.squaredNorm();
+    if (part.frequency_Hz > 0) {
+      EXPECT_NEAR(part.frequency_Hz, 9.31, 1e-3);
+    }
+  }
+  EXPECT_NEAR(hum, 6e-8, 6e-10);
+  EXPECT_LT(others, 6e-10);
+}
+
 // Noise whose spectrum has no line. Measured: none in 800 rests. If one of a thousand showed one,
 // more than 4 of them would have a probability of 1e-3.
 TEST(Hums, AreNotFoundInOtherNoise) {

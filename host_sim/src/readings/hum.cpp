@@ -14,10 +14,11 @@ namespace condyle::host {
 namespace {
 
 constexpr std::size_t kMostHums = 4;
-constexpr std::size_t kMostSamples = 2048;  // of a long rest, its middle
+constexpr std::size_t kMostSamples = 2048;  // over more, a frequency is not known well enough
 constexpr double kLine = 100;               // over the median of the neighbours
 constexpr std::size_t kLeastPeriods = 8, kNearest = 2, kFarthest = 12, kLeastNeighbours = 10;
-constexpr int kTurns = 30;  // of the search for f; each leaves 0.62 of the interval
+constexpr double kLeastShare = 1e-3;  // of the variance; what the fit of a hum leaves is less
+constexpr int kTurns = 30;            // of the search for f; each leaves 0.62 of the interval
 constexpr double kGolden = 0.61803398874989485;
 // Below any recording's digits (m^2, rad^2).
 constexpr double kRounding = 1e-22;
@@ -145,17 +146,23 @@ ReferredMotion without(const std::vector<Hum>& hums, const ReferredMotion& motio
   return rest;
 }
 
+SampleRun middle_of_rest(SampleRun rest) {
+  const std::size_t count = rest.end - rest.begin;
+  if (count <= kMostSamples) return rest;
+  const std::size_t begin = rest.begin + (count - kMostSamples) / 2;
+  return {begin, begin + kMostSamples};
+}
+
 std::vector<Hum> hums_of(const ReferredMotion& motion, std::size_t begin, std::size_t end) {
-  if (end - begin > kMostSamples) {
-    begin += (end - begin - kMostSamples) / 2;
-    end = begin + kMostSamples;
-  }
+  const Vector6 least = kLeastShare * variances_of(without({}, motion, begin, end));
   std::vector<Hum> hums;
   while (hums.size() < kMostHums && end - begin > 2 * kLeastPeriods) {
     const ReferredMotion rest = without(hums, motion, begin, end);
     const auto line = line_of(rest);
     if (!line) break;
-    hums.push_back(fit_near(rest, *line));
+    const Hum hum = fit_near(rest, *line);
+    if ((hum.variances().array() < least.array()).all()) break;
+    hums.push_back(hum);
   }
   return hums;
 }

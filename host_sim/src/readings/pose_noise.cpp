@@ -140,15 +140,15 @@ double response_of_sixth(const Hum& hum, double step_s) {
 }
 
 // What neighbours share at the rest, with the correlations between components that `noise` has.
-void share(const ReferredMotion& motion, std::size_t begin, std::size_t end, Vector6 white_sd,
+void share(const ReferredMotion& motion, SampleRun run, Vector6 white_sd,
            const std::vector<Hum>& hums, PoseNoise& noise) {
-  const double rest_s = motion.time_s[end - 1] - motion.time_s[begin];
-  const double step_s = rest_s / static_cast<double>(end - begin - 1);
-  const ReferredMotion rest = without(hums, motion, begin, end);
+  const double rest_s = motion.time_s[run.end - 1] - motion.time_s[run.begin];
+  const double step_s = rest_s / static_cast<double>(run.end - run.begin - 1);
+  const ReferredMotion rest = without(hums, motion, run.begin, run.end);
   for (const Hum& hum : hums) {
-    const Vector6 variances = (hum.cosine.cwiseAbs2() + hum.sine.cwiseAbs2()) / 2;
-    white_sd =
-        (white_sd.cwiseAbs2() - response_of_sixth(hum, step_s) * variances).cwiseMax(0).cwiseSqrt();
+    white_sd = (white_sd.cwiseAbs2() - response_of_sixth(hum, step_s) * hum.variances())
+                   .cwiseMax(0)
+                   .cwiseSqrt();
   }
   const Vector6 inverse =
       noise.covariance.diagonal().cwiseSqrt().cwiseMax(kRounding).cwiseInverse();
@@ -210,6 +210,7 @@ PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t 
   const auto longest = static_cast<std::size_t>(std::max(2.0, kLongestStep_s / step_s));
   noise.is_checked_at_rest = end - begin >= 6 * longest;
   bool is_shared = false;
+  const SampleRun middle = middle_of_rest({begin, end});
   std::vector<Hum> hums;
   if (noise.is_checked_at_rest) {
     for (std::size_t step = 1; step <= longest; step *= 2) {
@@ -217,7 +218,7 @@ PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t 
           std::max(noise.coloured, ratio_over(motion, begin, end, step, noise.covariance, count));
     }
     is_shared = noise.coloured > 1;
-    hums = hums_of(motion, begin, end);
+    hums = hums_of(motion, middle.begin, middle.end);
     is_shared = is_shared || !hums.empty();
     for (std::size_t step = 1; step <= longest_lag(end - begin); step *= 2) {
       is_shared = is_shared || ratio_over(motion, begin, end, step, noise.covariance, count) > 1;
@@ -231,7 +232,7 @@ PoseNoise noise_of(const ReferredMotion& motion, std::size_t begin, std::size_t 
     noise.root = variances.cwiseSqrt().asDiagonal();
     noise.covariance = variances.asDiagonal();
   }
-  if (is_shared) share(motion, begin, end, sd, hums, noise);
+  if (is_shared) share(motion, hums.empty() ? SampleRun{begin, end} : middle, sd, hums, noise);
   // What changes sign in a mirror at Y = 0 is drawn from the side to which the jaw moves, so that a
   // mirrored recording draws mirrored noise.
   double aside = 0;
