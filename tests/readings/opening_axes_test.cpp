@@ -70,6 +70,45 @@ TEST(OpeningAxes, OfATurnAboutAKnownLineAreThatLine) {
   EXPECT_EQ(compared, 10);
 }
 
+// From little noise to much, so that in some recordings the axes of some openings are known and
+// those of slower ones are not.
+TEST(InstantaneousAxes, HaveNoMeanOfTheFastOpeningsAlone) {
+  int partly_known = 0;
+  for (int run = 0; run < 40; ++run) {
+    JawScenario scenario;
+    scenario.tasks = {default_task(JawTaskKind::rest), default_task(JawTaskKind::opening)};
+    scenario.motion_seed = 80 + static_cast<std::uint64_t>(run);
+    scenario.facebow.rate_Hz = 100;
+    scenario.facebow.noise_m = kFineNoise_m;
+    scenario.facebow.noise_rad = 3e-4 * std::pow(1.06, run);
+    scenario.landmarks = {1, 1, 1};
+    const KinematicSimulation simulation(scenario, scenario.motion_seed);
+    SampleRecording recording(simulation.samples());
+    AnalysisChoice choice;
+    choice.tasks = stated_tasks(simulation);
+    const Analysis analysis =
+        analyse(recording, "simulation", stated_landmarks(simulation, scenario.landmarks), choice);
+    int strokes = 0, unknown = 0;
+    bool is_mean_shown = false;
+    for (const JawReading& reading : analysis.readings) {
+      if (reading.definition->name != "instantaneous_axis_z_mm") continue;
+      const bool is_shown = reading.provenance != ReadingProvenance::withheld;
+      if (reading.stroke == 0) {
+        is_mean_shown = is_shown;
+      } else {
+        ++strokes;
+        unknown += reading.reason.find("10 sd of the rate") == reading.reason.npos ? 0 : 1;
+      }
+    }
+    ASSERT_GT(strokes, 2);
+    partly_known += 0 < unknown && unknown < strokes ? 1 : 0;
+    if (unknown > 0) {
+      EXPECT_FALSE(is_mean_shown) << run << ": " << unknown << " of " << strokes;
+    }
+  }
+  EXPECT_GT(partly_known, 0);
+}
+
 // The axis moves while the jaw opens. Where its arc begins and ends must not follow the samples:
 // at 60 Hz the angle grows by 2 deg from one to the next.
 TEST(HingeAxis, IsTheSameAtEveryRate) {

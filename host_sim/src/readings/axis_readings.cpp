@@ -220,6 +220,14 @@ void add_axis_names(std::vector<StrokeReading>& names) {
   }
 }
 
+void hide_unknown_axes(const std::vector<StrokeReading>& names,
+                       std::vector<UncertainValue>& values) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (!names[i].name.starts_with("instantaneous_axis_")) continue;
+    values[i].is_hidden = !std::isfinite(values[i].value);
+  }
+}
+
 void add_axes(const JawPath& path, const std::vector<double>& twists_rad, const Greatest& twist,
               double turning_sd_rad_s, ReadingValues& out) {
   const std::size_t widest = twist.at;

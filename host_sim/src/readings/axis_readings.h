@@ -25,5 +25,9 @@ namespace condyle::host {
 void add_axis_names(std::vector<StrokeReading>& names);
 void add_axes(const JawPath& path, const std::vector<double>& twists_rad, const Greatest& twist,
               double turning_sd_rad_s, ReadingValues& out);
+/// Says of instantaneous axes without a value that they exist and are not known: slow openings have
+/// no value, and a mean of the fast ones would not be that of all.
+void hide_unknown_axes(const std::vector<StrokeReading>& names,
+                       std::vector<UncertainValue>& values);
 
 }  // namespace condyle::host

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "readings/analysis_stop.h"
+#include "readings/axis_readings.h"
 #include "readings/condyle_readings.h"
 #include "readings/cycle_values.h"
 #include "readings/local_fit.h"
@@ -78,6 +79,7 @@ StrokeValues values_of(TaskKind kind, SampleRun stroke, const Analysis& analysis
   }
   if (values.size() > names.size()) finish_separations(names, values);
   narrow_what_noise_adds(names, values);
+  hide_unknown_axes(names, values);
   widen_shift_angle(names, values);
   if (is_stroke) read_speeds_of_stroke(names, analysis.path, stroke, context, values);
   const std::string onset =
