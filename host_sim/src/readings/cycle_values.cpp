@@ -132,7 +132,7 @@ std::vector<UncertainValue> values_of(const CycleToRead& read, const TaskContext
       values[i].doubt = std::hypot(values[i].doubt, cycle.ends.sd_s);
     }
     if (name.ends_with("ldlj")) values[i].scale_corrections(kTimesJerk);
-    widen_smoothness(name, doubts, values[i]);
+    widen_smoothness(name, doubts, context.noise->shared, values[i]);
     if (has_begin) values[i].noise_sd = std::hypot(values[i].noise_sd, at_begin_s);
     if (has_end) values[i].noise_sd = std::hypot(values[i].noise_sd, at_end_s);
   }

@@ -201,11 +201,19 @@ std::array<double, 2> take_arc_length_doubts(std::vector<UncertainValue>& values
 }
 
 void widen_smoothness(std::string_view name, const std::array<double, 2>& doubts,
-                      UncertainValue& value) {
+                      const std::vector<SharedNoise>& noise, UncertainValue& value) {
   // Noise decides which lobes count: in each movement anew.
   const double lobes = name == "sparc" ? doubts[0] : name == "closing_sparc" ? doubts[1] : 0;
   value.noise_sd = std::hypot(value.noise_sd, lobes / kHalf95);
   value.contradiction_sd = std::hypot(value.contradiction_sd, lobes / kHalf95);
+  if (lobes > 0 && !noise.empty() && value.half_interval() > kLobe) {
+    value.value = kNone;
+    value.is_hidden = true;
+    value.missing =
+        "the jaw's tremor, or the instrument's hum or drift, may decide on it: neighbouring "
+        "samples "
+        "share noise whose spectrum up to 10 Hz is known roughly";
+  }
   if (name.ends_with("ldlj")) value.doubt = std::hypot(value.doubt, kJerkDoubt);
 }
 

@@ -11,8 +11,10 @@
 // jerk of a movement is greatest.
 // Where the spectrum has a lobe near the threshold, a little noise decides whether it counts. At
 // the zeros between lobes the chords between bins are shorter than the arc: of a movement with a
-// stop, the same at 200 and 2,000 Hz differs by 0.05. Balasubramanian, Melendez-Calderon,
-// Roby-Brami, Burdet 2015, J NeuroEng Rehabil 12:112.
+// stop, the same at 200 and 2,000 Hz differs by 0.05. Of noise that neighbouring samples share
+// (shared_noise.h) the spectrum is known roughly: of a tremor it may be a lobe. With such noise an
+// arc length is hidden if its half interval exceeds a lobe's height. Balasubramanian,
+// Melendez-Calderon, Roby-Brami, Burdet 2015, J NeuroEng Rehabil 12:112.
 #pragma once
 
 #include <array>
@@ -20,6 +22,7 @@
 #include <vector>
 
 #include "readings/reading.h"
+#include "readings/shared_noise.h"
 
 namespace condyle::host {
 
@@ -49,8 +52,9 @@ Smoothness smoothness_of(const std::vector<double>& time_s, const std::vector<do
 std::array<double, 2> take_arc_length_doubts(std::vector<UncertainValue>& values);
 
 /// Adds to a reading called `name` what its definition leaves open: these doubts, or how much LDLJ
-/// changes with the number of samples.
+/// changes with the number of samples. Hides an arc length on which `noise` that neighbours share
+/// may decide.
 void widen_smoothness(std::string_view name, const std::array<double, 2>& doubts,
-                      UncertainValue& value);
+                      const std::vector<SharedNoise>& noise, UncertainValue& value);
 
 }  // namespace condyle::host

@@ -74,7 +74,7 @@ StrokeValues values_of(TaskKind kind, SampleRun stroke, const Analysis& analysis
   if (is_stroke) {
     const auto doubts = take_arc_length_doubts(values);
     for (std::size_t k = 0; k < names.size(); ++k) {
-      widen_smoothness(names[k].name, doubts, values[k]);
+      widen_smoothness(names[k].name, doubts, context.noise->shared, values[k]);
     }
   }
   if (values.size() > names.size()) finish_separations(names, values);
