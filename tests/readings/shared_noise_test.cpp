@@ -200,7 +200,7 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-// A rest with the noise of `source` in each component.
+// A rest whose components have the noise of `sources`, in 0.1 mm and 0.1 mrad.
 ReferredMotion rest_of(double rate_Hz, int count, const std::vector<Noise>& sources) {
   ReferredMotion rest;
   for (int k = 0; k < count; ++k) {
@@ -212,7 +212,7 @@ ReferredMotion rest_of(double rate_Hz, int count, const std::vector<Noise>& sour
   return rest;
 }
 
-// Two hums in white noise of 0.4 of the size of each, from eight periods on up to half the rate.
+// Two hums of 12 periods or more in white noise of 0.4 of the size of each.
 TEST(Hums, HaveTheirFrequencyAndTheirSize) {
   for (int run = 0; run < runs(20, 40, 400); ++run) {
     RandomGenerator random(60, static_cast<std::uint64_t>(run));
